@@ -1,0 +1,71 @@
+//! A body's state, split by what changes together.
+
+use frangible_geometry::RigidTransform;
+use glam::{DMat3, DQuat, DVec3};
+
+/// Where a body is at one time level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Centre of mass, world frame [m].
+    pub position: DVec3,
+    /// `world_from_body`, a unit quaternion.
+    pub orientation: DQuat,
+}
+
+/// How a body moves at one time level. Angular momentum is stored and angular velocity derived, so that free flight
+/// conserves angular momentum by construction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Velocity {
+    /// Of the centre of mass, world frame [m/s].
+    pub linear: DVec3,
+    /// About the centre of mass, world frame [kg m^2/s].
+    pub angular_momentum: DVec3,
+}
+
+/// How a body resists; infinite for static and kinematic bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// [1/kg]; zero for infinite mass.
+    pub inverse_mass: f64,
+    /// Reciprocals of the principal moments, body frame [1/(kg m^2)]; zero for infinite mass.
+    pub inverse_moments: DVec3,
+}
+
+impl Pose {
+    /// The same as a transform.
+    pub fn world_from_body(&self) -> RigidTransform {
+        RigidTransform::new(self.orientation, self.position)
+    }
+}
+
+impl Inertia {
+    /// What no impulse moves.
+    pub const INFINITE: Self = Self { inverse_mass: 0.0, inverse_moments: DVec3::ZERO };
+
+    /// From a mass [kg] and principal moments [kg m^2], all positive.
+    pub fn new(mass: f64, moments: DVec3) -> Self {
+        Self { inverse_mass: 1.0 / mass, inverse_moments: moments.recip() }
+    }
+
+    /// Whether impulses leave the body as it is.
+    pub fn is_infinite(&self) -> bool {
+        self.inverse_mass == 0.0
+    }
+
+    /// Inverse of the inertia tensor in the world frame: `R I0^-1 R^T` [1/(kg m^2)].
+    pub fn inverse_tensor(&self, orientation: DQuat) -> DMat3 {
+        let r = DMat3::from_quat(orientation);
+        r * DMat3::from_diagonal(self.inverse_moments) * r.transpose()
+    }
+
+    /// Angular velocity `I^-1 L` in the world frame [rad/s].
+    pub fn angular_velocity(&self, orientation: DQuat, angular_momentum: DVec3) -> DVec3 {
+        orientation * (self.inverse_moments * (orientation.conjugate() * angular_momentum))
+    }
+
+    /// Kinetic energy of rotation, `L . I^-1 L / 2` [J] [Su09 sec. 2.1].
+    pub fn rotational_energy(&self, orientation: DQuat, angular_momentum: DVec3) -> f64 {
+        let body = orientation.conjugate() * angular_momentum;
+        0.5 * body.dot(self.inverse_moments * body)
+    }
+}

@@ -1,0 +1,1 @@
+//! The Python door: `frangible._frangible`, thin over the engine.
