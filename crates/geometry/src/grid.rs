@@ -23,7 +23,8 @@ impl Grid {
         let along = |axis: usize| extent[axis] / voxels[axis] as f64;
         let spacing = along(0).max(along(1)).max(along(2));
         let dims = voxels.map(|n| n + 2 * margin);
-        let half = DVec3::new((dims[0] - 1) as f64, (dims[1] - 1) as f64, (dims[2] - 1) as f64) * (0.5 * spacing);
+        let half =
+            DVec3::new((dims[0] - 1) as f64, (dims[1] - 1) as f64, (dims[2] - 1) as f64) * (0.5 * spacing);
         Self { origin: 0.5 * (min + max) - half, spacing, dims }
     }
 
@@ -90,7 +91,10 @@ mod tests {
         assert!((grid.spacing - 0.04).abs() < 1e-15);
         assert_eq!(grid.dims, [154, 14, 104]);
         let first_inside = grid.node(2, 2, 2);
-        assert!((first_inside - (-half + 0.02)).length() < 1e-12, "voxel faces coincide with the wall's faces");
+        assert!(
+            (first_inside - (-half + 0.02)).length() < 1e-12,
+            "voxel faces coincide with the wall's faces"
+        );
         for index in [0, 17, 3001, grid.len() - 1] {
             let [i, j, k] = grid.coordinates(index);
             assert_eq!(grid.index(i, j, k), index);

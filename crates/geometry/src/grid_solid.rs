@@ -1,6 +1,6 @@
 //! A solid on a grid: what can break.
 
-use crate::{ClosedForm, HalfSpace, LevelSet, MassProperties};
+use crate::{ClosedForm, Grid, HalfSpace, LevelSet, MassProperties, coverage};
 use std::sync::Arc;
 
 /// A level set, how much of each voxel is material, and what its surface is made of.
@@ -33,9 +33,37 @@ pub enum Root {
     Sampled(Arc<LevelSet>),
 }
 
+/// Asked of a shape that has no volume, or whose mass lies on a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
+pub struct NoMass;
+
 impl GridSolid {
+    /// A formula sampled with `voxels` cells over its bounding box and `margin` further layers around it, see
+    /// [`Grid::around_box`]; 2 layers keep all gradients at the surface central.
+    ///
+    /// # Errors
+    /// For a half-space, which no grid can hold.
+    pub fn from_closed_form(form: ClosedForm, voxels: [usize; 3], margin: usize) -> Result<Self, NoMass> {
+        if form.mass_properties().is_none() {
+            return Err(NoMass);
+        }
+        let (low, high) = form.bounds();
+        let grid = Grid::around_box(low, high, voxels, margin);
+        let level_set = LevelSet::sample(grid, |point| form.distance_and_gradient(point).0);
+        let coverage = coverage::closed_form_coverage(&form, &grid);
+        Ok(Self { level_set, coverage, outline: Outline { root: Root::ClosedForm(form), cuts: Vec::new() } })
+    }
+
+    /// What the samples enclose; `level_set` is also the exact surface behind them.
+    pub fn from_level_set(level_set: LevelSet) -> Self {
+        let coverage = coverage::voxel_coverage(&level_set);
+        let outline = Outline { root: Root::Sampled(Arc::new(level_set.clone())), cuts: Vec::new() };
+        Self { level_set, coverage, outline }
+    }
+
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
-        crate::coverage::mass_properties(self.level_set.grid(), &self.coverage)
+        coverage::mass_properties(self.level_set.grid(), &self.coverage)
     }
 }

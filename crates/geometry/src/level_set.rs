@@ -138,7 +138,9 @@ mod tests {
 
     fn trilinear_field() -> LevelSet {
         let grid = Grid { origin: DVec3::new(-1.0, 0.0, 2.0), spacing: 0.25, dims: [9, 7, 5] };
-        LevelSet::sample(grid, |p| 0.3 + p.x - 2.0 * p.y + 0.5 * p.z + p.x * p.y - p.y * p.z + 0.7 * p.x * p.y * p.z)
+        LevelSet::sample(grid, |p| {
+            0.3 + p.x - 2.0 * p.y + 0.5 * p.z + p.x * p.y - p.y * p.z + 0.7 * p.x * p.y * p.z
+        })
     }
 
     proptest! {

@@ -13,10 +13,11 @@ pub mod mass_properties;
 pub mod mesh;
 pub mod rigid_transform;
 pub mod shape;
+pub mod surface_samples;
 
 pub use closed_form::ClosedForm;
 pub use grid::Grid;
-pub use grid_solid::{GridSolid, Outline};
+pub use grid_solid::{GridSolid, NoMass, Outline, Root};
 pub use half_space::HalfSpace;
 pub use level_set::LevelSet;
 pub use mass_properties::MassProperties;

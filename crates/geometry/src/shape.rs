@@ -1,6 +1,7 @@
 //! What a body is made of: immutable, shared by all bodies that look alike.
 
-use crate::{ClosedForm, GridSolid, RigidTransform};
+use crate::surface_samples::closed_form_samples;
+use crate::{ClosedForm, GridSolid, NoMass, RigidTransform};
 use glam::{DVec3, Vec3};
 
 /// Geometry, surface samples and mass properties. The body frame has its origin at the centre of mass and its axes along
@@ -28,4 +29,166 @@ pub enum Geometry {
     ClosedForm(ClosedForm),
     /// Samples on a grid: can break.
     Grid(GridSolid),
+}
+
+impl Shape {
+    /// A formula: exact, but cannot break. Samples lie about `sample_spacing` [m] apart. A half-space has no volume, no
+    /// samples and infinite bounds.
+    pub fn closed_form(form: ClosedForm, sample_spacing: f64) -> Self {
+        // The axes of all of these are principal, and their middle is the centre of mass.
+        let (volume, unit_moments) = form.mass_properties().map_or((0.0, DVec3::ZERO), |mass| {
+            (mass.volume, DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z))
+        });
+        Self {
+            geometry: Geometry::ClosedForm(form),
+            body_from_grid: RigidTransform::IDENTITY,
+            samples: closed_form_samples(&form, sample_spacing),
+            bounds: form.bounds(),
+            volume,
+            unit_moments,
+        }
+    }
+
+    /// A solid on a grid, with samples in its grid frame [m].
+    ///
+    /// # Errors
+    /// If the coverage sums to no volume.
+    pub fn from_grid_solid(solid: GridSolid, samples_grid: Vec<Vec3>) -> Result<Self, NoMass> {
+        let mass = solid.mass_properties();
+        let (unit_moments, grid_from_principal) = mass.principal_axes();
+        if !(mass.volume > 0.0 && unit_moments.min_element() > 0.0 && unit_moments.is_finite()) {
+            return Err(NoMass);
+        }
+        let grid_from_body = RigidTransform::new(grid_from_principal, mass.center);
+        let body_from_grid = grid_from_body.inverse();
+        let into_body = |sample: Vec3| body_from_grid.point(sample.as_dvec3()).as_vec3();
+        let samples: Vec<Vec3> = samples_grid.into_iter().map(into_body).collect();
+        let bounds = bounds_in_body(&solid, &body_from_grid, &samples);
+        let geometry = Geometry::Grid(solid);
+        Ok(Self { geometry, body_from_grid, samples, bounds, volume: mass.volume, unit_moments })
+    }
+
+    /// Signed distance [m] and its unit gradient at a point in the body frame [m].
+    pub fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
+        let point_grid = self.body_from_grid.inverse().point(point_body);
+        let (distance, gradient_grid) = match &self.geometry {
+            Geometry::ClosedForm(form) => form.distance_and_gradient(point_grid),
+            Geometry::Grid(solid) => {
+                let (distance, gradient) = solid.level_set.value_and_gradient(point_grid);
+                // On a ridge the samples' gradient can vanish; any direction is as good there.
+                (f64::from(distance), gradient.as_dvec3().try_normalize().unwrap_or(DVec3::Y))
+            }
+        };
+        (distance, self.body_from_grid.direction(gradient_grid))
+    }
+}
+
+/// Lowest and highest corner, in the body frame, around all voxels with material and all samples.
+fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &[Vec3]) -> (DVec3, DVec3) {
+    let grid = solid.level_set.grid();
+    let rotation = body_from_grid.matrix();
+    let half_voxel =
+        0.5 * grid.spacing * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for row in 0..grid.dims[1] * grid.dims[2] {
+        // The voxels of a row lie on a line, so that its two ends bound them all.
+        let voxels = &solid.coverage[row * grid.dims[0]..(row + 1) * grid.dims[0]];
+        let first = voxels.iter().position(|&fraction| fraction > 0.0);
+        let last = voxels.iter().rposition(|&fraction| fraction > 0.0);
+        for i in first.into_iter().chain(last) {
+            let point = body_from_grid.point(grid.node(i, row % grid.dims[1], row / grid.dims[1]));
+            low = low.min(point - half_voxel);
+            high = high.max(point + half_voxel);
+        }
+    }
+    for sample in samples {
+        low = low.min(sample.as_dvec3());
+        high = high.max(sample.as_dvec3());
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Grid, HalfSpace, LevelSet};
+    use glam::DQuat;
+
+    #[test]
+    fn a_solid_that_lies_askew_finds_its_principal_frame() {
+        let half = DVec3::new(0.5, 0.2, 0.3);
+        let form = ClosedForm::Box { half };
+        let grid_from_form = RigidTransform::new(
+            DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.6),
+            DVec3::new(3.0, -1.0, 2.0),
+        );
+        let form_from_grid = grid_from_form.inverse();
+        let reach = DVec3::splat(half.length());
+        let center = grid_from_form.translation;
+        let grid = Grid::around_box(center - reach, center + reach, [48; 3], 2);
+        let level_set = LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
+        let corner_grid = grid_from_form.point(half);
+        let shape = Shape::from_grid_solid(GridSolid::from_level_set(level_set), vec![corner_grid.as_vec3()])
+            .unwrap();
+
+        // Moments are those of the formula in some order, and the corner lies where the formula has it, up to signs.
+        let exact = Shape::closed_form(form, 0.1);
+        let sorted = |v: DVec3| {
+            let mut sorted = v.abs().to_array();
+            sorted.sort_by(f64::total_cmp);
+            DVec3::from_array(sorted)
+        };
+        assert!((shape.volume / exact.volume - 1.0).abs() < 1e-3);
+        assert!((sorted(shape.unit_moments) / sorted(exact.unit_moments) - 1.0).length() < 2e-2);
+        assert!((sorted(shape.samples[0].as_dvec3()) - sorted(half)).length() < 2e-3);
+
+        // Distances are those of the formula, seen from the body.
+        for point in [DVec3::new(0.3, 0.5, -0.2), DVec3::new(0.0, 0.1, 0.4), DVec3::new(-0.5, 0.0, 0.1)] {
+            let point_form = form_from_grid.point(shape.body_from_grid.inverse().point(point));
+            let (distance, gradient) = shape.distance_and_gradient(point);
+            assert!((distance - form.distance_and_gradient(point_form).0).abs() < 0.5 * grid.spacing);
+            assert!((gradient.length() - 1.0).abs() < 1e-6);
+            let ahead = shape.distance_and_gradient(point + 0.01 * gradient).0;
+            assert!((ahead - distance - 0.01).abs() < 2e-3);
+        }
+
+        // Bounds hold every corner, with less than two voxels to spare.
+        let body_from_form = shape.body_from_grid.after(&grid_from_form);
+        let reach = sorted(body_from_form.matrix().x_axis);
+        assert!(reach.z > 0.999);
+        let (low, high) = (sorted(shape.bounds.0), sorted(shape.bounds.1));
+        assert!(
+            (low - sorted(half)).min_element() > -1e-3
+                && (low - sorted(half)).max_element() < 2.0 * grid.spacing
+        );
+        assert!(
+            (high - sorted(half)).min_element() > -1e-3
+                && (high - sorted(half)).max_element() < 2.0 * grid.spacing
+        );
+    }
+
+    #[test]
+    fn a_wall_on_its_own_grid_is_exact() {
+        let form = ClosedForm::Box { half: DVec3::new(3.0, 0.2, 2.0) };
+        let solid = GridSolid::from_closed_form(form, [150, 10, 100], 2).unwrap();
+        let (shape, exact) =
+            (Shape::from_grid_solid(solid, Vec::new()).unwrap(), Shape::closed_form(form, 0.1));
+        assert!((shape.volume / 4.8 - 1.0).abs() < 1e-11);
+        assert!((shape.unit_moments / exact.unit_moments - 1.0).length() < 1e-9);
+        assert!((shape.body_from_grid.rotation.w - 1.0).abs() < 1e-12);
+        assert!((shape.bounds.1 - exact.bounds.1).length() < 1e-9);
+    }
+
+    #[test]
+    fn what_has_no_mass_says_so() {
+        let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
+        assert_eq!(GridSolid::from_closed_form(ground, [4; 3], 2).unwrap_err(), NoMass);
+        let shape = Shape::closed_form(ground, 0.1);
+        assert_eq!((shape.volume, shape.samples.len()), (0.0, 0));
+        assert_eq!(shape.distance_and_gradient(DVec3::new(4.0, 1.5, 2.0)), (1.5, DVec3::Y));
+
+        let grid = Grid { origin: DVec3::ZERO, spacing: 0.1, dims: [4; 3] };
+        let empty = GridSolid::from_level_set(LevelSet::new(grid, vec![1.0; grid.len()]));
+        assert_eq!(Shape::from_grid_solid(empty, Vec::new()).unwrap_err(), NoMass);
+    }
 }
