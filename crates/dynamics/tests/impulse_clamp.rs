@@ -130,10 +130,11 @@ fn clamped_impulses_never_raise_the_energy_and_unclamped_ones_do() {
                     percent(tally.scaled),
                     percent(tally.blocked)
                 );
+                // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something to do.
                 assert!(tally.approaching > 50_000);
-                assert!(split == 0.0 || tally.gained_without_clamp > 0, "the clamp has something to do");
-                let thin = !matches!(tensors, Tensors::Mild);
-                assert!(split == 0.0 || !thin || (tally.scaled > 0 && tally.blocked > 0));
+                if split > 0.0 && !matches!(tensors, Tensors::Mild) {
+                    assert!(tally.gained_without_clamp > 1000 && tally.scaled > 1000 && tally.blocked > 1000);
+                }
             }
         }
     }
