@@ -1,0 +1,113 @@
+//! Laying a pattern onto a body, so that it breaks around the point of impact [Su09 sec. 4.1].
+
+use crate::{
+    Pattern,
+    pattern::{Cut, Region},
+};
+use frangible_geometry::{HalfSpace, Shape};
+use glam::{DMat3, DVec3};
+
+/// Where a body is struck, in its own body frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// The impact point [m].
+    pub point_body: DVec3,
+    /// The collision normal: a unit vector that points out of the struck body, towards the striker.
+    pub normal_body: DVec3,
+}
+
+/// A similarity transform from the pattern frame to the struck body's grid frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// A rotation.
+    pub grid_from_pattern: DMat3,
+    /// Metres per unit of the pattern.
+    pub scale: f64,
+    /// What is laid on the impact point, pattern frame.
+    pub center_pattern: DVec3,
+    /// The impact point, grid frame [m].
+    pub point_grid: DVec3,
+}
+
+impl Placement {
+    /// The fracture centre on the impact point, the pattern's z axis along the normal, and its box as small as
+    /// encloses the body.
+    ///
+    /// The twist about the normal is free. The pattern's x axis follows the grid axis along which the body is longest
+    /// across the normal, so that long pieces of a pattern lie along a long body, and equal blows break equally.
+    pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
+        let grid_from_body = struck.body_from_grid.inverse();
+        let point_grid = grid_from_body.point(impact.point_body);
+        let corners_grid = corners(struck.bounds).map(|corner| grid_from_body.point(corner));
+        let z = grid_from_body.direction(impact.normal_body).normalize();
+        let x = longest_axis_across(z, &corners_grid);
+        let grid_from_pattern = DMat3::from_cols(x, z.cross(x), z);
+
+        // The scale at which the farthest corner reaches the wall of the box on its side.
+        let mut scale = 0.0f64;
+        for corner in corners_grid {
+            let reach = grid_from_pattern.transpose() * (corner - point_grid);
+            let to_upper = reach / (pattern.half_extent - pattern.center);
+            let to_lower = -reach / (pattern.half_extent + pattern.center);
+            scale = scale.max(to_upper.max(to_lower).max_element());
+        }
+        Self { grid_from_pattern, scale, center_pattern: pattern.center, point_grid }
+    }
+
+    /// Image of a point [m].
+    pub fn point(&self, point_pattern: DVec3) -> DVec3 {
+        self.point_grid + self.scale * (self.grid_from_pattern * (point_pattern - self.center_pattern))
+    }
+
+    /// Image of a half-space. The unit normal stays one.
+    pub fn half_space(&self, half_space: &HalfSpace) -> HalfSpace {
+        let normal = (self.grid_from_pattern * half_space.normal).normalize();
+        let beyond_center = half_space.offset - half_space.normal.dot(self.center_pattern);
+        HalfSpace { normal, offset: normal.dot(self.point_grid) + self.scale * beyond_center }
+    }
+
+    /// Image of a region.
+    pub fn region(&self, region: &Region) -> Region {
+        let place = |cut: &Cut| Cut {
+            half_space: self.half_space(&cut.half_space),
+            face: cut.face.iter().map(|&corner| self.point(corner)).collect(),
+        };
+        Region { cuts: region.cuts.iter().map(place).collect() }
+    }
+}
+
+/// The regions of a pattern, laid onto the struck body: in its grid frame.
+pub fn align_pattern(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Vec<Region> {
+    let placement = Placement::new(pattern, impact, struck);
+    pattern.regions.iter().map(|region| placement.region(region)).collect()
+}
+
+/// The eight corners of a box.
+fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
+}
+
+/// A unit vector across `z`: the grid axis along which the points spread farthest, seen along `z`.
+fn longest_axis_across(z: DVec3, points: &[DVec3; 8]) -> DVec3 {
+    let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
+    let extent = high - low;
+
+    // An axis that is this much longer than an earlier one takes over: round-off must not decide between equal edges.
+    const CLEARLY: f64 = 1.0 + 1e-6;
+    let mut longest = DVec3::ZERO;
+    let mut length = 0.0;
+    for axis in DVec3::AXES {
+        let across = axis - z * z.dot(axis);
+        let seen = extent.dot(axis) * across.length();
+        if seen > CLEARLY * length {
+            longest = across.normalize();
+            length = seen;
+        }
+    }
+    // `across` was normalised from a possibly short vector: take out what round-off left along z.
+    (longest - z * z.dot(longest)).normalize()
+}

@@ -1,0 +1,31 @@
+//! Union-find.
+
+/// A partition of `0..n` that only grows coarser. The root of a set is its least member.
+pub(crate) struct DisjointSets {
+    parent: Vec<u32>,
+}
+
+impl DisjointSets {
+    /// `count` sets of one member each.
+    pub(crate) fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    /// The root of the set that holds `member`.
+    pub(crate) fn root(&mut self, member: u32) -> u32 {
+        let mut at = member;
+        while self.parent[at as usize] != at {
+            // Halve the path for the next visitor.
+            let above = self.parent[self.parent[at as usize] as usize];
+            self.parent[at as usize] = above;
+            at = above;
+        }
+        at
+    }
+
+    /// Makes one set of two.
+    pub(crate) fn unite(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
