@@ -124,7 +124,12 @@ impl Pattern {
     pub fn voronoi(voronoi: &Voronoi) -> Result<Self, PatternError> {
         let half_extent = voronoi.half_extent;
         require(voronoi.cells >= 1, "cells", voronoi.cells as f64, "at least 1")?;
-        require((0.0..=30.0).contains(&voronoi.clustering), "clustering", voronoi.clustering, "from 0 to 30")?;
+        require(
+            (0.0..=30.0).contains(&voronoi.clustering),
+            "clustering",
+            voronoi.clustering,
+            "from 0 to 30",
+        )?;
         let positive = half_extent.is_finite() && half_extent.min_element() > 0.0;
         require(positive, "half_extent", half_extent.min_element(), "positive and finite")?;
 

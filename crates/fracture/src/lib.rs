@@ -1,1 +1,16 @@
-//! Under construction.
+//! Fracture patterns and breaking: a pure function of a body, a pattern and an impact [Su09 sec. 4].
+//!
+//! There is no time here and no list of bodies. Lengths are metres, except in a pattern, which is scaled onto the body.
+
+pub mod align;
+pub mod generators;
+pub mod pattern;
+mod polygon;
+pub mod shatter;
+pub mod velocities;
+
+pub use align::{Impact, Placement, align_pattern};
+pub use generators::{Radial, Voronoi};
+pub use pattern::{Cut, Pattern, PatternError, Region};
+pub use shatter::{Fragment, ShatterSettings, shatter};
+pub use velocities::fragment_velocity;

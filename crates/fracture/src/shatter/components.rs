@@ -139,8 +139,7 @@ fn attach_surface_voxels(
                 let fits = |other: &usize| {
                     let component = components.of_node[*other];
                     component != NONE
-                        && (!own_region_only
-                            || components.region[component as usize] == region_of_node[node])
+                        && (!own_region_only || components.region[component as usize] == region_of_node[node])
                 };
                 let deepest = neighbours(grid, node).filter(fits).min_by(|&a, &b| phi[a].total_cmp(&phi[b]));
                 deepest.map(|other| (node, components.of_node[other]))

@@ -36,7 +36,9 @@ pub(crate) fn merge_slivers(solid: &GridSolid, components: &Components, smallest
     while let Some(at) = lightest(&slivers, &of_set) {
         let sliver = slivers.swap_remove(at);
         let own_nodes = std::mem::take(&mut nodes[sliver as usize]);
-        let Some(host) = closest_neighbour(solid, components, &mut sets, sliver, &own_nodes) else { continue };
+        let Some(host) = closest_neighbour(solid, components, &mut sets, sliver, &own_nodes) else {
+            continue;
+        };
         sets.unite(sliver, host);
         let merged = sets.root(host);
         let sum = of_set[sliver as usize] + of_set[host as usize];

@@ -1,0 +1,189 @@
+//! Which fragment each surface sample goes to [Su09 sec. 4.2 "Surface Particles"].
+
+use super::{
+    ShatterSettings,
+    components::{Components, neighbours},
+    crack_samples::crack_samples,
+    regions::NONE,
+    slivers::Pieces,
+};
+use crate::pattern::Region;
+use frangible_geometry::{GridSolid, Shape};
+use glam::{DVec3, Vec3};
+use std::collections::BTreeSet;
+
+/// A body with fewer samples cannot stand on anything.
+const FEWEST_SAMPLES: usize = 4;
+
+/// Samples closer than this are one, in units of the distance between samples.
+const SAME: f64 = 0.25;
+
+/// What a sample's fragment is looked up in.
+struct Lookup<'a> {
+    parent: &'a GridSolid,
+    regions: &'a [Region],
+    components: &'a Components,
+    pieces: &'a Pieces,
+    solids: &'a [GridSolid],
+}
+
+/// Samples of each fragment in the grid frame [m]: those of the parent, each given to one fragment, and those of the
+/// cracks, given to the fragments on both sides.
+pub(crate) fn assign_particles(
+    parent: (&Shape, &GridSolid),
+    regions: &[Region],
+    components: &Components,
+    pieces: &Pieces,
+    solids: &[GridSolid],
+    settings: &ShatterSettings,
+) -> Vec<Vec<Vec3>> {
+    let (shape, parent) = parent;
+    let spacing = settings.sample_spacing_voxels * parent.level_set.grid().spacing;
+    let lookup = Lookup { parent, regions, components, pieces, solids };
+    let mut fragments: Vec<Collector> = solids.iter().map(|_| Collector::new(SAME * spacing)).collect();
+
+    // Cracks first: their corners and rims are what a fragment stands on.
+    for (region, number) in regions.iter().zip(0..) {
+        for point in crack_samples(parent, region, spacing) {
+            if let Some(piece) = lookup.piece_beside_crack(point, number) {
+                fragments[piece].add(point);
+            }
+        }
+    }
+    let grid_from_body = shape.body_from_grid.inverse();
+    for sample in &shape.samples {
+        let point = grid_from_body.point(sample.as_dvec3());
+        if let Some(piece) = lookup.piece_at(point) {
+            fragments[piece].add(point);
+        }
+    }
+    for (fragment, solid) in fragments.iter_mut().zip(solids) {
+        if fragment.samples.len() < FEWEST_SAMPLES {
+            project_surface_voxels(solid).into_iter().for_each(|point| fragment.add(point));
+        }
+    }
+    fragments.into_iter().map(|fragment| fragment.samples).collect()
+}
+
+impl Lookup<'_> {
+    /// The fragment that a point on the parent's surface belongs to: of the components around it the one in whose
+    /// region it lies deepest, then the one with the least level set.
+    fn piece_at(&self, point: DVec3) -> Option<usize> {
+        for reach in [0, 1] {
+            let candidates = self.components_around(point, reach);
+            let depth = |&component: &u32| {
+                let region = &self.regions[self.components.region[component as usize] as usize];
+                (region.distance(point), self.value(component, point))
+            };
+            let nearer = |a: &u32, b: &u32| {
+                let (a, b) = (depth(a), depth(b));
+                a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+            };
+            if let Some(nearest) = candidates.into_iter().min_by(nearer) {
+                return Some(self.piece(nearest));
+            }
+        }
+        // Far from any material, as a sample of a coarser surface may be: the fragment with the least level set.
+        let value = |piece: usize| self.solids[piece].level_set.value(point);
+        (0..self.solids.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)))
+    }
+
+    /// The fragment of `region` that a point on one of the region's cracks belongs to; none where the region has no
+    /// material, or where the crack is healed because a sliver joined the fragment across.
+    fn piece_beside_crack(&self, point: DVec3, region: u32) -> Option<usize> {
+        for reach in [0, 1] {
+            let around = self.components_around(point, reach);
+            let own =
+                around.iter().filter(|&&component| self.components.region[component as usize] == region);
+            let nearer = |a: &&u32, b: &&u32| self.value(**a, point).total_cmp(&self.value(**b, point));
+            if let Some(&nearest) = own.min_by(nearer) {
+                let piece = self.piece(nearest);
+                let healed = reach == 0 && self.is_inside(point, piece);
+                return (!healed).then_some(piece);
+            }
+        }
+        None
+    }
+
+    fn piece(&self, component: u32) -> usize {
+        self.pieces.of_component[component as usize] as usize
+    }
+
+    /// Level set of a component's fragment at a point.
+    fn value(&self, component: u32, point: DVec3) -> f32 {
+        self.solids[self.piece(component)].level_set.value(point)
+    }
+
+    /// The parent's nodes at the corners of the cell that holds a point, and `reach` further on each side.
+    fn nodes_around(&self, point: DVec3, reach: i64) -> impl Iterator<Item = usize> {
+        let grid = *self.parent.level_set.grid();
+        let corner = grid.lattice_from_point(point).floor();
+        let range = move |axis: usize| {
+            let lowest = corner[axis] as i64 - reach;
+            let last = grid.dims[axis] as i64 - 1;
+            lowest.clamp(0, last) as usize..=(lowest + 1 + 2 * reach).clamp(0, last) as usize
+        };
+        range(2).flat_map(move |k| range(1).flat_map(move |j| range(0).map(move |i| grid.index(i, j, k))))
+    }
+
+    /// The components with mass among those nodes, each once.
+    fn components_around(&self, point: DVec3, reach: i64) -> Vec<u32> {
+        let mut found = Vec::with_capacity(8);
+        for node in self.nodes_around(point, reach) {
+            let component = self.components.of_node[node];
+            let has_mass = component != NONE && self.pieces.of_component[component as usize] != NONE;
+            if has_mass && !found.contains(&component) {
+                found.push(component);
+            }
+        }
+        found
+    }
+
+    /// Whether all material around a point, and there is no gap in it, is of one piece.
+    fn is_inside(&self, point: DVec3, piece: usize) -> bool {
+        self.nodes_around(point, 0).all(|node| {
+            let component = self.components.of_node[node];
+            component != NONE && self.pieces.of_component[component as usize] as usize == piece
+        })
+    }
+}
+
+/// The samples of one fragment, none of them twice.
+struct Collector {
+    samples: Vec<Vec3>,
+    taken: BTreeSet<[i64; 3]>,
+    same: f64,
+}
+
+impl Collector {
+    fn new(same: f64) -> Self {
+        Self { samples: Vec::new(), taken: BTreeSet::new(), same }
+    }
+
+    /// Takes a point in, unless its place is taken.
+    fn add(&mut self, point: DVec3) {
+        let place = (point / self.same).round();
+        if self.taken.insert([place.x as i64, place.y as i64, place.z as i64]) {
+            self.samples.push(point.as_vec3());
+        }
+    }
+}
+
+/// The nodes of a solid's outermost voxels, moved onto its surface.
+fn project_surface_voxels(solid: &GridSolid) -> Vec<DVec3> {
+    let grid = solid.level_set.grid();
+    let owned = |&node: &usize| solid.coverage[node] > 0.0;
+    let at_surface = |node: &usize| neighbours(grid, *node).any(|other| !owned(&other));
+    (0..grid.len())
+        .filter(owned)
+        .filter(at_surface)
+        .map(|node| {
+            let [i, j, k] = grid.coordinates(node);
+            let point = grid.node(i, j, k);
+            let (distance, gradient) = solid.level_set.value_and_gradient(point);
+            let outward = gradient.as_dvec3().try_normalize().unwrap_or(DVec3::ZERO);
+            // The distance of a sliver is rough: stay within the voxel.
+            point - outward * f64::from(distance).clamp(-0.5 * grid.spacing, 0.5 * grid.spacing)
+        })
+        .collect()
+}

@@ -1,0 +1,104 @@
+//! Bodies to break, and blows.
+#![allow(dead_code, unreachable_pub, reason = "each test uses some of these")]
+
+use frangible_fracture::{Impact, Pattern, Radial, Voronoi};
+use frangible_geometry::{ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape};
+use glam::{DVec3, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// The solid of a shape on a grid.
+pub fn solid(shape: &Shape) -> &GridSolid {
+    match &shape.geometry {
+        Geometry::Grid(solid) => solid,
+        Geometry::ClosedForm(_) => panic!("a closed form has no grid"),
+    }
+}
+
+/// A formula on a grid, with samples two voxels apart.
+pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
+    let solid = GridSolid::from_closed_form(form, voxels, 2).unwrap();
+    let spacing = 2.0 * solid.level_set.grid().spacing;
+    Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples).unwrap()
+}
+
+/// Any distance on a grid over `low` to `high`, with the surface's nodes as samples.
+pub fn sampled(low: DVec3, high: DVec3, voxels: [usize; 3], distance: impl Fn(DVec3) -> f64) -> Shape {
+    let grid = Grid::around_box(low, high, voxels, 2);
+    let level_set = LevelSet::sample(grid, distance);
+    let mut samples: Vec<Vec3> = Vec::new();
+    for (node, &phi) in level_set.phi().iter().enumerate() {
+        if phi.abs() < 0.6 * grid.spacing as f32 {
+            let [i, j, k] = grid.coordinates(node);
+            let point = grid.node(i, j, k);
+            let (distance, gradient) = level_set.value_and_gradient(point);
+            samples.push(point.as_vec3() - distance * gradient.normalize_or_zero());
+        }
+    }
+    Shape::from_grid_solid(GridSolid::from_level_set(level_set), samples).unwrap()
+}
+
+/// The paper's wall: 6 x 0.4 x 4 m on 150 x 10 x 100 voxels.
+pub fn wall() -> Shape {
+    sampled_form(ClosedForm::Box { half: DVec3::new(3.0, 0.2, 2.0) }, [150, 10, 100])
+}
+
+/// A box with a sphere taken out of one corner.
+pub fn bitten_box() -> Shape {
+    let half = DVec3::new(0.5, 0.3, 0.4);
+    let form = ClosedForm::Box { half };
+    sampled(-half, half, [30, 18, 24], |point| {
+        let bite = 0.25 - (point - half).length();
+        form.distance_and_gradient(point).0.max(bite)
+    })
+}
+
+/// Two balls in one grid that do not touch.
+pub fn two_balls() -> Shape {
+    let ball = |point: DVec3, center: f64| (point - DVec3::X * center).length() - 0.3;
+    sampled(DVec3::new(-0.8, -0.3, -0.3), DVec3::new(0.8, 0.3, 0.3), [48, 18, 18], |point| {
+        ball(point, -0.45).min(ball(point, 0.45))
+    })
+}
+
+/// Bodies of all kinds: convex, hollowed, in two parts.
+pub fn bodies() -> Vec<(&'static str, Shape)> {
+    vec![
+        ("sphere", sampled_form(ClosedForm::Sphere { radius: 0.5 }, [28; 3])),
+        ("box", sampled_form(ClosedForm::Box { half: DVec3::new(0.5, 0.1, 0.4) }, [40, 8, 32])),
+        ("cylinder", sampled_form(ClosedForm::Cylinder { radius: 0.3, half_height: 0.6 }, [18, 36, 18])),
+        ("bitten box", bitten_box()),
+        ("two balls", two_balls()),
+    ]
+}
+
+/// A unit vector in any direction.
+pub fn direction(random: &mut Pcg64Mcg) -> DVec3 {
+    loop {
+        let point = DVec3::new(random.random(), random.random(), random.random()) * 2.0 - 1.0;
+        if point.length() > 0.1 && point.length() < 1.0 {
+            return point.normalize();
+        }
+    }
+}
+
+/// A blow on one of a shape's samples, from outside.
+pub fn random_impact(shape: &Shape, random: &mut Pcg64Mcg) -> Impact {
+    let sample = shape.samples[random.random_range(0..shape.samples.len())].as_dvec3();
+    let (_, gradient) = shape.distance_and_gradient(sample);
+    Impact { point_body: sample, normal_body: (gradient + 0.3 * direction(random)).normalize() }
+}
+
+/// Patterns of both kinds.
+pub fn patterns(seed: u64) -> Vec<Pattern> {
+    vec![
+        Pattern::radial(&Radial { spokes: 12, rings: 0, jitter: 0.5, seed }).unwrap(),
+        Pattern::radial(&Radial { spokes: 7, rings: 3, jitter: 1.0, seed }).unwrap(),
+        Pattern::voronoi(&Voronoi { cells: 25, seed, ..Voronoi::default() }).unwrap(),
+        Pattern::voronoi(&Voronoi { cells: 40, clustering: 3.0, seed, ..Voronoi::default() }).unwrap(),
+    ]
+}
+
+pub fn random(seed: u64) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(seed)
+}
