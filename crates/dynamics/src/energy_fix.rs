@@ -128,7 +128,8 @@ impl BodyState {
         0.5 * self.momentum.dot(self.omega)
     }
 
-    /// `L x omega`, each component to full relative accuracy however near L is to a principal axis.
+    /// `L x omega`, by which the energy changes as the body turns [Su09 eq. 1]; each component to full relative accuracy
+    /// however near L is to a principal axis.
     fn momentum_cross_omega(&self) -> DVec3 {
         let (l, w) = (self.momentum, self.inverse_moments);
         DVec3::new(l.y * l.z * (w.z - w.y), l.z * l.x * (w.x - w.z), l.x * l.y * (w.y - w.x))
@@ -173,8 +174,9 @@ impl BodyState {
 impl Circle {
     /// The smaller of the two turns to the energy `KE0 = KE - k`; `None` if the circle does not reach it.
     ///
-    /// With a >= 0, x and y of [Su09 sec. 2.3] are in the ratio of `a + sqrt(g)` to `2 k`, and k has the sign of
-    /// `k - c y^2`; so they need no r, n, p and no sign rule.
+    /// `a x y = k - c y^2` [Su09 eq. 5] with x = cos, y = sin has the roots [eq. 6]. With a >= 0 the root near zero, as
+    /// [sec. 2.3] writes it, has x and y in the ratio of `a + sqrt(g)` to `2 k`, and k has the sign of `k - c y^2`; so it
+    /// needs no r, n, p and no sign rule.
     fn turn_to_energy(&self, k: f64) -> Option<Turn> {
         let g = self.a * self.a + 4.0 * k * (self.c - k);
         (g >= 0.0).then(|| Turn { axis: self.axis, cosine: self.a + g.sqrt(), sine: 2.0 * k })
@@ -204,5 +206,155 @@ impl Turn {
     fn rotation(&self) -> DQuat {
         let length = (self.cosine * self.cosine + self.sine * self.sine).sqrt();
         DQuat::from_vec4((self.sine * self.axis).extend(length + self.cosine))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOMENTS: DVec3 = DVec3::new(1.0, 2.0, 2.5);
+
+    /// A spread of orientations and momenta without chance.
+    fn samples() -> impl Iterator<Item = (DQuat, DVec3)> {
+        (1..200).map(f64::from).map(|i| {
+            let orientation = DQuat::from_vec4(glam::DVec4::new(
+                libm::sin(1.3 * i),
+                libm::cos(2.1 * i),
+                libm::sin(0.7 * i),
+                0.3,
+            ));
+            (orientation.normalize(), DVec3::new(libm::cos(0.9 * i), libm::sin(1.7 * i), libm::cos(0.4 * i)))
+        })
+    }
+
+    /// dKE/d(eps) = -s . (L x omega), by central differences.
+    #[test]
+    fn energy_changes_with_the_orientation_as_eq_1_says() {
+        let inertia = Inertia::new(1.0, MOMENTS);
+        for (orientation, momentum) in samples() {
+            let axis = DVec3::new(2.0, -1.0, 2.0) / 3.0;
+            let energy = |angle| {
+                inertia.rotational_energy(DQuat::from_axis_angle(axis, angle) * orientation, momentum)
+            };
+            let difference = (energy(1e-5) - energy(-1e-5)) / 2e-5;
+            let expected = -axis.dot(momentum.cross(inertia.angular_velocity(orientation, momentum)));
+            assert!((difference - expected).abs() < 1e-9, "{difference} is not {expected}");
+        }
+    }
+
+    /// Our ratio of sine to cosine is that of [Su09 eq. 6] and of [sec. 2.3], and satisfies [eq. 4].
+    #[test]
+    fn turn_agrees_with_the_printed_formulas() {
+        let inertia = Inertia::new(1.0, MOMENTS);
+        let mut checked = 0;
+        for (orientation, momentum) in samples() {
+            let state = BodyState::new(orientation, momentum, &inertia);
+            let circle = state.circle(state.momentum_cross_omega().normalize());
+            let (energy, a, c) = (state.energy(), circle.a, circle.c);
+            for fraction in [-0.05, -0.01, 0.01, 0.05] {
+                let k = fraction * energy;
+                let Some(turn) = circle.turn_to_energy(k) else { continue };
+                let (y, x) = libm::sincos(turn.angle());
+                let b = energy - c;
+                assert!((energy * x * x - a * x * y + y * y * b - (energy - k)).abs() < 1e-14, "eq. 4");
+                checked += 1;
+
+                // Direct use of eq. 6 with the signs of sec. 2.2: p_b = -sgn(a), p_c = 1, p_s = sgn(k - c y^2).
+                let (r, n) = (a.hypot(c), c - 2.0 * k);
+                let q = a * (r * r - n * n).sqrt();
+                let y_squared = (r * r - c * n - q) / (2.0 * r * r);
+                let direct = DVec3::new(
+                    (r * r + c * n + q).sqrt() / (r * 2f64.sqrt()),
+                    y_squared.max(0.0).sqrt(),
+                    0.0,
+                );
+                assert!(
+                    (direct.x - x).abs() < 1e-7 && (direct.y - y.abs()).abs() < 1e-7,
+                    "eq. 6: {direct} {x} {y}"
+                );
+                assert!((k - c * y * y) * y > 0.0, "p_s");
+
+                // Sec. 2.3.
+                let g = a * a + 4.0 * k * (c - k);
+                let p = a * a + g + 2.0 * a * g.sqrt();
+                assert!(((p + (c + n) * (c + n)).sqrt() / (2.0 * r) - x).abs() < 1e-14, "sec. 2.3, x");
+                assert!(
+                    (2.0 * k.abs() / (p + (c - n) * (c - n)).sqrt() - y.abs()).abs() < 1e-14,
+                    "sec. 2.3, y"
+                );
+            }
+        }
+        assert!(checked > 500);
+    }
+
+    /// Nothing to correct, or nothing that could be.
+    #[test]
+    fn degenerate_bodies_are_left_alone() {
+        let fix = |inertia: &Inertia, momentum, energy| {
+            let orientation = DQuat::from_rotation_x(0.7);
+            let (fixed, fix) = fix_rotational_energy(orientation, momentum, inertia, energy);
+            assert!(fixed.is_normalized());
+            (fixed == orientation, fix)
+        };
+        let momentum = DVec3::new(1.0, 2.0, 2.0);
+        let sphere = Inertia::new(1.0, DVec3::splat(3.0));
+        assert_eq!(fix(&sphere, momentum, 1.5), (true, EnergyFix::WithinRounding));
+        assert_eq!(fix(&sphere, DVec3::ZERO, 0.0), (true, EnergyFix::WithinRounding));
+        assert_eq!(fix(&Inertia::INFINITE, momentum, 0.0), (true, EnergyFix::WithinRounding));
+        let top = Inertia::new(1.0, MOMENTS);
+        assert_eq!(fix(&top, 1e-80 * momentum, 1e-150), (true, EnergyFix::TooSlow));
+        assert!(matches!(fix(&top, momentum, f64::NAN), (true, EnergyFix::Unresolved { .. })));
+        assert!(matches!(fix(&top, DVec3::NAN, 1.0), (true, EnergyFix::Unresolved { .. })));
+        assert_eq!(fix(&top, DVec3::ZERO, 2.0).1, EnergyFix::Unresolved { relative_error: -1.0 });
+        // A sphere has one energy only.
+        let (_, EnergyFix::Unresolved { relative_error }) = fix(&sphere, momentum, 2.0) else {
+            panic!("no orientation of a sphere has another energy");
+        };
+        assert!((relative_error + 0.25).abs() < 1e-15);
+    }
+
+    /// Other units of mass, length and time give the same orientation, to the bit where they are powers of two.
+    #[test]
+    fn units_do_not_matter() {
+        for (orientation, momentum) in samples() {
+            let fix = |moment_unit: f64, momentum_unit: f64| {
+                let inertia = Inertia::new(1.0, moment_unit * MOMENTS);
+                let momentum = momentum_unit * momentum;
+                let energy = 0.9 * inertia.rotational_energy(orientation, momentum);
+                fix_rotational_energy(orientation, momentum, &inertia, energy)
+            };
+            for exponent in [-60, 60] {
+                let unit = f64::powi(2.0, exponent);
+                assert_eq!(fix(1.0, 1.0), fix(unit, 1.0));
+                assert_eq!(fix(1.0, 1.0).0, fix(1.0, unit).0);
+            }
+        }
+    }
+
+    /// From L on a principal axis to L on another, and to energies that no orientation has.
+    #[test]
+    fn extremes_are_reached_and_what_is_beyond_them_is_reported() {
+        let inertia = Inertia::new(1.0, MOMENTS);
+        let momentum = DVec3::new(0.0, 5.0, 0.0);
+        let starts = [
+            DQuat::IDENTITY,
+            DQuat::from_rotation_z(1.3),
+            DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),
+        ];
+        for start in starts.into_iter().chain(samples().map(|(orientation, _)| orientation)) {
+            for (moment, scale, attainable) in
+                [(1.0, 1.0, true), (2.5, 1.0, true), (1.0, 1.1, false), (2.5, 0.9, false)]
+            {
+                let extreme = 0.5 * 25.0 / moment;
+                let (fixed, fix) = fix_rotational_energy(start, momentum, &inertia, scale * extreme);
+                let energy = inertia.rotational_energy(fixed, momentum);
+                assert!(
+                    (energy / extreme - 1.0).abs() < 1e-14,
+                    "{start} {moment}: {energy} is not {extreme}, {fix:?}"
+                );
+                assert_eq!(attainable, !matches!(fix, EnergyFix::Unresolved { .. }), "{fix:?}");
+            }
+        }
     }
 }

@@ -27,8 +27,9 @@ pub fn contact_matrix(inverse_mass: f64, inverse_inertia: DMat3, lever: DVec3) -
 ///
 /// `contact_matrix` is the pair's K [1/kg], `relative_velocity` that of a's point less b's [m/s], `normal` the unit
 /// normal from b to a, `restitution` in [-1, 1] (below 0 only a part of the approach is stopped). Zero if the points
-/// separate or no mass is finite. The energy can still rise, by the friction model or in a split state; see
-/// [`crate::clamp_impulse`].
+/// separate or no mass is finite. Where friction can act in its usual way the energy can rise, by the model or in a split
+/// state [Su09 sec. 3]: see [`crate::clamp_impulse`]. Where it cannot (a jam, as in Painleve's paradox), it is as much as
+/// does not raise the energy.
 pub fn collision_impulse(
     contact_matrix: DMat3,
     relative_velocity: DVec3,
@@ -72,9 +73,28 @@ pub fn collision_impulse(
 
     // Jam or reverse: sliding on cannot be, as that friction would drive the bodies together, or speed the sliding up.
     // Friction takes the side of the cone that the sticking impulse lies beyond, along which the normal velocity always
-    // answers: of n.K j = normal_change > 0 for the sticking j, with |j_t| > mu j_n, follows n.K (n + mu j_t/|j_t|) > 0.
+    // answers: from n.K j = normal_change > 0 for the sticking j, with |j_t| > mu j_n, follows n.K (n + mu j_t/|j_t|) > 0.
     let on_cone = normal + (friction / sticking_friction) * sticking_tangent;
-    (normal_change / normal.dot(contact_matrix * on_cone)) * on_cone
+    let turned = (normal_change / normal.dot(contact_matrix * on_cone)) * on_cone;
+    frictionless
+        + energy_limit(contact_matrix, relative_velocity, frictionless, turned) * (turned - frictionless)
+}
+
+/// How far to go, in [0, 1], from an impulse that does not raise the energy towards another, so that their blend does not
+/// raise it either. In the cone, and with the restitution of both, as these are convex.
+fn energy_limit(contact_matrix: DMat3, relative_velocity: DVec3, safe: DVec3, other: DVec3) -> f64 {
+    // The energy change v.j + j.K j / 2 along the way is  constant + slope t + curvature t^2  [J].
+    let way = other - safe;
+    let answer = contact_matrix * safe;
+    let constant = safe.dot(relative_velocity + 0.5 * answer).min(0.0);
+    let slope = way.dot(relative_velocity + answer);
+    let curvature = 0.5 * way.dot(contact_matrix * way);
+    if constant + slope + curvature <= 0.0 {
+        return 1.0;
+    }
+    // The positive root, by the form that does not cancel.
+    let root = (slope * slope - 4.0 * curvature * constant).sqrt();
+    if slope > 0.0 { -2.0 * constant / (slope + root) } else { (root - slope) / (2.0 * curvature) }
 }
 
 /// Solves `matrix x = right` for a symmetric positive definite matrix by its L D L^T factors, whose residual stays at
@@ -110,5 +130,77 @@ pub fn apply_impulse(
     Velocity {
         linear: velocity.linear + inverse_mass * impulse,
         angular_momentum: velocity.angular_momentum + lever.cross(impulse) + torque_impulse,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Inertia;
+    use glam::DQuat;
+
+    const UP: DVec3 = DVec3::Y;
+
+    /// A solid ball of 2 kg and 0.5 m that touches the ground.
+    fn ball_matrix() -> DMat3 {
+        let inertia = Inertia::new(2.0, DVec3::splat(0.4 * 2.0 * 0.25));
+        contact_matrix(inertia.inverse_mass, inertia.inverse_tensor(DQuat::IDENTITY), -0.5 * UP)
+    }
+
+    #[test]
+    fn ball_that_slips_keeps_coulombs_ratio_and_ball_that_grips_stops_at_two_sevenths() {
+        let velocity = DVec3::new(7.0, -3.0, 0.0);
+        let slips = collision_impulse(ball_matrix(), velocity, UP, 0.5, 0.1);
+        assert!((slips - 2.0 * 1.5 * 3.0 * DVec3::new(-0.1, 1.0, 0.0)).length() < 1e-14, "{slips}");
+        // K across the normal is 1/m + r^2/I = 7/(2m).
+        let grips = collision_impulse(ball_matrix(), velocity, UP, 0.5, 1.0);
+        assert!((grips - DVec3::new(-2.0 * 7.0 * 2.0 / 7.0, 9.0, 0.0)).length() < 1e-14, "{grips}");
+        let glances = collision_impulse(ball_matrix(), velocity, UP, 0.5, 0.0);
+        assert!((glances - 9.0 * UP).length() < 1e-14, "{glances}");
+    }
+
+    #[test]
+    fn separating_points_and_infinite_masses_get_nothing() {
+        assert_eq!(collision_impulse(ball_matrix(), DVec3::new(1.0, 0.0, 0.0), UP, 0.5, 0.5), DVec3::ZERO);
+        assert_eq!(collision_impulse(ball_matrix(), -UP, UP, -1.0, 0.5), DVec3::ZERO);
+        assert_eq!(collision_impulse(DMat3::ZERO, -UP, UP, 0.5, 0.5), DVec3::ZERO);
+        let wall =
+            contact_matrix(0.0, Inertia::INFINITE.inverse_tensor(DQuat::IDENTITY), DVec3::new(3.0, 1.0, 2.0));
+        assert_eq!(wall, DMat3::ZERO);
+    }
+
+    /// A thin rod that slides on its lower end in the direction it leans away from [Painleve 1895]: Coulomb's sliding
+    /// impulse would have to pull. Ours pushes, meets the restitution, stays in the cone and makes no energy.
+    #[test]
+    fn painleve_rod_neither_pulls_nor_gains() {
+        let (mass, half_length, lean, friction) = (1.0, 0.5, 1.0f64, 3.0);
+        let (sine, cosine) = libm::sincos(lean);
+        let lever = half_length * DVec3::new(cosine, -sine, 0.0);
+        let moment = mass * half_length * half_length / 3.0;
+        let inertia = Inertia::new(mass, DVec3::new(1e-4, moment, moment));
+        let matrix = contact_matrix(
+            inertia.inverse_mass,
+            inertia.inverse_tensor(DQuat::from_rotation_z(-lean)),
+            lever,
+        );
+
+        let mut jams = 0;
+        for slip in [-2.0, 2.0] {
+            let velocity = DVec3::new(slip, -1.0, 0.0);
+            let sliding = UP - friction * DVec3::new(slip, 0.0, 0.0).normalize();
+            jams += i32::from(UP.dot(matrix * sliding) < 0.0);
+            for restitution in [0.0, 0.5, 1.0] {
+                let impulse = collision_impulse(matrix, velocity, UP, restitution, friction);
+                let after = velocity + matrix * impulse;
+                assert!((after.y - restitution).abs() < 1e-13);
+                assert!((impulse - impulse.y * UP).length() <= friction * impulse.y * (1.0 + 1e-14));
+                let gain = impulse.dot(velocity) + 0.5 * impulse.dot(matrix * impulse);
+                assert!(
+                    gain <= 1e-13 || UP.dot(matrix * sliding) > 0.0,
+                    "{slip} {restitution}: gains {gain}"
+                );
+            }
+        }
+        assert_eq!(jams, 1, "one of the two ways of sliding jams");
     }
 }

@@ -47,7 +47,7 @@ impl Clamp {
 }
 
 /// An energy-neutral fraction this near to 1 is 1 up to rounding, as every elastic impulse without friction has it.
-const WHOLE: f64 = 1.0 - 1e-12;
+const WHOLE: f64 = 1.0 - 1e-13;
 
 /// How much of `impulse` [kg m/s] and `torque_impulse` [kg m^2/s], which act on `a` and opposite on `b`, leaves the
 /// kinetic energy of the pair in the non-split state no higher than it is.

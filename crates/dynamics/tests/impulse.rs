@@ -54,6 +54,8 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             {
                 sliding += 1;
             } else {
+                let gain = impulse.dot(relative) + 0.5 * impulse.dot(matrix * impulse);
+                assert!(gain <= rounding * impulse.length(), "{tensors:?}: turned friction gains {gain:e} J");
                 turned += 1;
             }
         }

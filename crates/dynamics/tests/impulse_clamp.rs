@@ -124,11 +124,11 @@ fn clamped_impulses_never_raise_the_energy_and_unclamped_ones_do() {
             {
                 let tally = collide(tensors, partner, split, restitution, torque);
                 let percent = |count: u32| 100.0 * f64::from(count) / f64::from(tally.approaching);
+                println!("{partner:?} {tensors:?} split {split} e {restitution} torque {torque}:");
+                let [gained, scaled, blocked] =
+                    [tally.gained_without_clamp, tally.scaled, tally.blocked].map(percent);
                 println!(
-                    "{partner:?} {tensors:?} split {split} e {restitution} torque {torque}: gained {:.3} % scaled {:.3} % blocked {:.3} %",
-                    percent(tally.gained_without_clamp),
-                    percent(tally.scaled),
-                    percent(tally.blocked)
+                    "  {gained:.3} % gain without the clamp, {scaled:.3} % scaled, {blocked:.3} % blocked"
                 );
                 // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something to do.
                 assert!(tally.approaching > 50_000);

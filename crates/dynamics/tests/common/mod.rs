@@ -36,7 +36,7 @@ impl Random {
     }
 
     pub(crate) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.uniform(low.ln(), high.ln()).exp()
+        libm::exp(self.uniform(libm::log(low), libm::log(high)))
     }
 
     /// Each component in [-1, 1].
