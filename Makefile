@@ -1,0 +1,58 @@
+# One command from a fresh clone: `make demo` shows it at work, `make test` checks everything.
+# Needs Rust 1.95, Python 3.11, Node 20 (for the tests), and a C compiler.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out
+
+RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
+PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
+
+.PHONY: help build demo test test-rust test-python clean
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
+
+build: $(VENV)/.installed ## Build the Python package into .venv
+
+demo: build ## Simulate the wall and write it to out/ as USD, glTF and a picture
+	@mkdir -p $(OUT)
+	$(BIN)/frangible run wall --out $(OUT)/wall.usdc --out $(OUT)/wall.glb --out $(OUT)/wall.png
+
+test: test-rust test-python ## Check everything, as continuous integration does
+
+test-rust: tests/tools/node_modules/.package-lock.json
+	cargo fmt --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo test --workspace --locked
+
+test-python: build tests/tools/node_modules/.package-lock.json
+	$(BIN)/mypy
+	$(BIN)/stubtest frangible._frangible
+	$(BIN)/pytest
+
+clean: ## Remove what the other targets made
+	rm -rf $(OUT) $(VENV) target tests/tools/node_modules
+
+# The environment may be there already, without pip or without our tools.
+$(VENV)/.tools: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, set PYTHON")'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
+	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	  print(*extras["dependencies"], *(line for extra in ("usd", "render", "dev") \
+	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
+	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
+	touch $@
+
+# The tests use the wheel that a user gets, not the source tree.
+$(VENV)/.installed: $(VENV)/.tools $(RUST_SOURCES) $(PYTHON_SOURCES)
+	rm -rf target/wheels
+	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out target/wheels
+	$(BIN)/python -m pip install --quiet --no-deps --no-index --force-reinstall target/wheels/frangible-*.whl
+	touch $@
+
+tests/tools/node_modules/.package-lock.json: tests/tools/package.json tests/tools/package-lock.json
+	cd tests/tools && npm ci --no-audit --no-fund
+	touch $@

@@ -1,0 +1,29 @@
+"""Rigid bodies that break.
+
+>>> import frangible
+>>> recording = frangible.run("wall", frames=120)
+>>> recording.save("wall.usdc")
+
+Quantities are SI, y is up, quaternions are x, y, z, w.
+"""
+
+from ._frangible import BuildError, World, mesh_info, shot_frames, shot_scene, shots
+from .cache import CacheError
+from .output import OutputError
+from .recording import Body, Recorder, Recording
+from .simulation import run
+
+__all__ = [
+    "Body",
+    "BuildError",
+    "CacheError",
+    "OutputError",
+    "Recorder",
+    "Recording",
+    "World",
+    "mesh_info",
+    "run",
+    "shot_frames",
+    "shot_scene",
+    "shots",
+]

@@ -1,0 +1,96 @@
+"""The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+class BuildError(ValueError):
+    """A scene that cannot be built: the message names the field, the value and the rule."""
+
+def shots() -> list[tuple[str, str]]:
+    """Name and one line for every built-in shot."""
+
+def shot_frames(name: str, fps: float) -> int:
+    """How many frames a shot takes at `fps` frames per second; `BuildError` for an unknown name."""
+
+def shot_scene(
+    name: str,
+    *,
+    mesh: str | None = None,
+    fps: float = 30.0,
+    method: str = "paper",
+    seed: int = 0,
+) -> str:
+    """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that cannot be used."""
+
+def mesh_info(path: str) -> dict[str, Any]:
+    """What a mesh file holds; `BuildError` if it cannot be read."""
+
+class World:
+    """Bodies, and the engine that moves and breaks them.
+
+    Arrays are copies with one row for each living body; a body keeps its id as long as it lives.
+    """
+
+    @staticmethod
+    def build(scene_json: str, threads: int = 0) -> World:
+        """Check a scene and build it; 0 threads means one for every processor. `BuildError` if a rule is broken."""
+
+    def step(self) -> dict[str, Any]:
+        """Advance by one frame, without the interpreter lock, and report on it."""
+
+    @property
+    def frame(self) -> int:
+        """Number of steps so far."""
+
+    @property
+    def time(self) -> float:
+        """[s]."""
+
+    @property
+    def dt(self) -> float:
+        """Length of a frame [s]."""
+
+    @property
+    def ids(self) -> npt.NDArray[np.uint64]:
+        """(n,) ids of the living bodies."""
+
+    @property
+    def positions(self) -> npt.NDArray[np.float64]:
+        """(n, 3) centres of mass, world frame [m]."""
+
+    @property
+    def orientations(self) -> npt.NDArray[np.float64]:
+        """(n, 4) `world_from_body`, unit quaternions."""
+
+    @property
+    def velocities(self) -> npt.NDArray[np.float64]:
+        """(n, 3) of the centres of mass, world frame [m/s]."""
+
+    @property
+    def angular_velocities(self) -> npt.NDArray[np.float64]:
+        """(n, 3) world frame [rad/s]."""
+
+    @property
+    def masses(self) -> npt.NDArray[np.float64]:
+        """(n,) [kg]; infinite for static and kinematic bodies."""
+
+    @property
+    def names(self) -> list[str]:
+        """(n) names."""
+
+    @property
+    def parents(self) -> list[int | None]:
+        """(n) id of the body that each fragment broke off from, `None` for the bodies of the scene."""
+
+    def surface(
+        self, id: int
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]:
+        """Vertices (v, 3) in the body frame [m], triangles (t, 3), and whether a crack made each (t,).
+
+        `KeyError` if no living body has the id.
+        """
+
+    def state_hash(self) -> str:
+        """Hexadecimal digest of the whole state: equal states have equal hashes."""

@@ -1,0 +1,128 @@
+"""The ``.npz`` cache: a recording as plain NumPy arrays.
+
+===================== ================== =====================================================================
+key                   shape and type     meaning
+===================== ================== =====================================================================
+``format``            () int64           version of this table, 1
+``shot``              () str             name of the shot
+``fps``               () float64         frames per second
+``frames``            () int64           last frame; frame 0 is the state before the first step
+``ids``               (b,) uint64        body ids, ascending
+``names``             (b,) str           names
+``parents``           (b,) int64         id of the body it broke off from, -1 for bodies of the scene
+``sources``           (b,) uint64        id of the body of the scene that it once was a part of
+``birth_frames``      (b,) int64         first frame that shows the body
+``death_frames``      (b,) int64         first frame that no longer shows it, -1 if it outlives the recording
+``masses``            (b,) float64       [kg], infinite for static and kinematic bodies
+``vertices``          (v, 3) float32     body frame [m]; those of body i are rows ``vertex_offsets[i:i+2]``
+``triangles``         (t, 3) uint32      indices within the body; rows ``triangle_offsets[i:i+2]``
+``interior``          (t,) bool          whether a crack made the triangle
+``positions``         (p, 3) float64     centre of mass, world frame [m]; rows ``pose_offsets[i:i+2]``
+``orientations``      (p, 4) float64     ``world_from_body``, quaternions x, y, z, w; the same rows
+``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
+``reports``           () str             the report of every step, as JSON
+===================== ================== =====================================================================
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+from zipfile import BadZipFile, is_zipfile
+
+import numpy as np
+import numpy.typing as npt
+
+from .recording import Body, Recording
+
+FORMAT = 1
+
+
+class CacheError(ValueError):
+    """A file that is not a cache, in one sentence."""
+
+
+def write_npz(recording: Recording, path: str) -> None:
+    """Write a recording as the arrays above."""
+    bodies = recording.bodies
+    arrays: dict[str, npt.NDArray[Any]] = {
+        "format": np.array(FORMAT),
+        "shot": np.array(recording.shot),
+        "fps": np.array(recording.fps, np.float64),
+        "frames": np.array(recording.frames),
+        "ids": np.array([body.id for body in bodies], np.uint64),
+        "names": np.array([body.name for body in bodies], np.str_),
+        "parents": np.array([-1 if body.parent is None else body.parent for body in bodies], np.int64),
+        "sources": np.array([body.source for body in bodies], np.uint64),
+        "birth_frames": np.array([body.birth_frame for body in bodies], np.int64),
+        "death_frames": np.array([-1 if body.death_frame is None else body.death_frame for body in bodies], np.int64),
+        "masses": np.array([body.mass for body in bodies], np.float64),
+        "vertices": _rows([body.vertices for body in bodies], (0, 3), np.float32),
+        "vertex_offsets": _offsets([body.vertices for body in bodies]),
+        "triangles": _rows([body.triangles for body in bodies], (0, 3), np.uint32),
+        "triangle_offsets": _offsets([body.triangles for body in bodies]),
+        "interior": _rows([body.interior for body in bodies], (0,), np.bool_),
+        "positions": _rows([body.positions for body in bodies], (0, 3), np.float64),
+        "orientations": _rows([body.orientations for body in bodies], (0, 4), np.float64),
+        "pose_offsets": _offsets([body.positions for body in bodies]),
+        "reports": np.array(json.dumps(recording.reports)),
+    }
+    with open(path, "wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_npz(path: str) -> Recording:
+    """Read a recording back; `CacheError` if the file is not one of ours."""
+    if not is_zipfile(path):
+        raise CacheError(f"{path}: is not a .npz file")
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            if "format" not in arrays:
+                raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
+            if int(arrays["format"]) != FORMAT:
+                raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be {FORMAT}")
+            return _recording({key: arrays[key] for key in arrays})
+    except (BadZipFile, EOFError, KeyError, ValueError) as error:
+        if isinstance(error, CacheError):
+            raise
+        raise CacheError(f"{path}: is not a readable .npz cache ({error})") from error
+
+
+def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
+    vertices, triangles, poses = (arrays[key].tolist() for key in ("vertex_offsets", "triangle_offsets", "pose_offsets"))
+    bodies = []
+    for i, body_id in enumerate(arrays["ids"].tolist()):
+        vertex_rows, triangle_rows, pose_rows = (slice(*offsets[i : i + 2]) for offsets in (vertices, triangles, poses))
+        parent, death = int(arrays["parents"][i]), int(arrays["death_frames"][i])
+        bodies.append(
+            Body(
+                id=body_id,
+                name=str(arrays["names"][i]),
+                parent=None if parent < 0 else parent,
+                source=int(arrays["sources"][i]),
+                birth_frame=int(arrays["birth_frames"][i]),
+                death_frame=None if death < 0 else death,
+                mass=float(arrays["masses"][i]),
+                vertices=arrays["vertices"][vertex_rows],
+                triangles=arrays["triangles"][triangle_rows],
+                interior=arrays["interior"][triangle_rows],
+                positions=arrays["positions"][pose_rows],
+                orientations=arrays["orientations"][pose_rows],
+            )
+        )
+    return Recording(
+        shot=str(arrays["shot"]),
+        fps=float(arrays["fps"]),
+        frames=int(arrays["frames"]),
+        bodies=bodies,
+        reports=json.loads(str(arrays["reports"])),
+    )
+
+
+def _rows(parts: Sequence[npt.NDArray[Any]], empty: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    return np.concatenate(parts).astype(dtype) if parts else np.zeros(empty, dtype)
+
+
+def _offsets(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[np.int64]:
+    return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)

@@ -1,0 +1,175 @@
+"""The ``frangible`` command."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn
+
+import numpy as np
+
+from . import _frangible
+from .cache import CacheError
+from .output import Output, OutputError, open_output
+from .progress import report_progress
+from .recording import Recorder
+from .summary import describe, summarise
+
+#: Bad input, as for `argparse`.
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 128 + signal.SIGINT
+EXIT_TERMINATED = 128 + signal.SIGTERM
+EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; answers with its exit status."""
+    # A polite kill unwinds like an interrupt, so that temporary files go away.
+    def terminate(*_: object) -> NoReturn:
+        sys.exit(EXIT_TERMINATED)
+
+    signal.signal(signal.SIGTERM, terminate)
+    options = _parser().parse_args(arguments)
+    try:
+        options.command(options)
+        sys.stdout.flush()
+    except (_frangible.BuildError, CacheError, OutputError) as error:
+        print(f"frangible: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; the interpreter must not try to flush the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_PIPE_CLOSED
+    except KeyboardInterrupt:
+        print("frangible: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    """Answers bad arguments with one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}", file=sys.stderr)
+        sys.exit(EXIT_BAD_INPUT)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="frangible", description="Rigid bodies that break.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="simulate a shot and write what it looks like")
+    run.set_defaults(command=_run)
+    run.add_argument("shot", metavar="SHOT", help="one of those that `frangible shots` lists")
+    run.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
+    run.add_argument("--frames", type=_positive(int, "a whole number"), metavar="N", help="number of steps [the shot's]")
+    run.add_argument("--fps", type=_positive(float, "a number"), default=30.0, metavar="HZ", help="steps per second [30]")
+    run.add_argument("--method", default="paper", help="which step advances a frame [paper]")
+    run.add_argument("--threads", type=_natural, default=0, metavar="N", help="0 means one for every processor [0]")
+    run.add_argument("--seed", type=_natural, default=0, metavar="N", help="same seed, same run [0]")
+    run.add_argument(
+        "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
+    )
+    run.add_argument("--frame", type=_natural, metavar="N", help="frame that a .png shows [the last]")
+    run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
+
+    shots = commands.add_parser("shots", help="list the shots")
+    shots.set_defaults(command=_shots)
+
+    info = commands.add_parser("info", help="describe a mesh or a cache")
+    info.set_defaults(command=_info)
+    info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb) or cache (.npz, .usda, .usdc)")
+    return parser
+
+
+def _positive(kind: Callable[[str], Any], noun: str) -> Callable[[str], Any]:
+    def parse(text: str) -> Any:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not 0 < value < math.inf:
+            raise argparse.ArgumentTypeError(f"{text!r}, must be {noun} > 0")
+        return value
+
+    return parse
+
+
+def _natural(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number >= 0")
+    return int(text)
+
+
+def _run(options: argparse.Namespace) -> None:
+    # Whatever can be wrong is found before anything is simulated.
+    outputs = [open_output(path, options.frame) for path in options.out]
+    frames = options.frames or _frangible.shot_frames(options.shot, options.fps)
+    if options.frame is not None and options.frame > frames:
+        raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
+    if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
+        raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
+    scene = _frangible.shot_scene(
+        options.shot, mesh=options.mesh, fps=options.fps, method=options.method, seed=options.seed
+    )
+    world = _frangible.World.build(scene, options.threads)
+
+    # Simulate; surfaces are made and kept only if a file needs them.
+    start_bodies, start_mass = len(world.ids), _mass(world)
+    recorder = Recorder(world) if outputs else None
+    reports, step_ms = [], []
+    with report_progress(frames) as progress:
+        for frame in range(1, frames + 1):
+            begin = time.perf_counter()
+            reports.append(world.step())
+            step_ms.append(1e3 * (time.perf_counter() - begin))
+            if recorder is not None:
+                recorder.capture(reports[-1])
+            progress(frame, reports[-1]["bodies"])
+
+    # Write the files, then the figures.
+    if recorder is not None:
+        _write(outputs, recorder.finish(options.shot, options.fps))
+    summary = summarise(
+        reports,
+        shot=options.shot,
+        method=options.method,
+        dt=world.dt,
+        state_hash=world.state_hash(),
+        bodies=(start_bodies, len(world.ids)),
+        mass=(start_mass, _mass(world)),
+        step_ms=step_ms,
+    )
+    print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))
+
+
+def _mass(world: _frangible.World) -> float:
+    masses = world.masses
+    return math.fsum(masses[np.isfinite(masses)])
+
+
+def _write(outputs: list[Output], recording: Any) -> None:
+    for output in outputs:
+        output.write(recording)
+        size = os.path.getsize(output.path)
+        print(f"wrote {output.path}, {size / 2**20:.3g} MiB", file=sys.stderr)
+
+
+def _shots(_: argparse.Namespace) -> None:
+    shots = _frangible.shots()
+    width = max((len(name) for name, _ in shots), default=0)
+    for name, line in shots:
+        print(f"{name:{width}}  {line}")
+
+
+def _info(options: argparse.Namespace) -> None:
+    from .info import describe_file
+
+    for key, value in describe_file(options.file).items():
+        print(f"{key:14} {value}")

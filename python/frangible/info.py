@@ -1,0 +1,44 @@
+"""What a file holds: a mesh, or a cache of ours."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+
+import numpy as np
+
+from ._frangible import mesh_info
+from .cache import CacheError
+from .gltf import describe_glb
+from .recording import Recording
+
+
+def describe_file(path: str) -> dict[str, object]:
+    """Facts to print, in order; `CacheError` or `BuildError` if the file is neither a mesh nor a cache."""
+    ending = os.path.splitext(path)[1].lower()
+    if not os.path.isfile(path):
+        raise CacheError(f"{path}: no such file")
+    if ending == ".npz":
+        return _describe_npz(path)
+    if ending in (".usda", ".usdc"):
+        if find_spec("pxr") is None:
+            raise CacheError(f"{path}: needs an optional package, install it with: pip install 'frangible[usd]'")
+        from .usd import describe_usd
+
+        return describe_usd(path)
+    if ending == ".glb" and (facts := describe_glb(path)) is not None:
+        return facts
+    return mesh_info(path)
+
+
+def _describe_npz(path: str) -> dict[str, object]:
+    recording = Recording.load(path)
+    masses = np.array([body.mass for body in recording.alive(recording.frames)])
+    return {
+        "shot": recording.shot,
+        "frames": recording.frames,
+        "fps": recording.fps,
+        "bodies": f"{len(recording.alive(0))} at first, {len(masses)} at last, {len(recording.bodies)} in all",
+        "mass_kg": float(masses[np.isfinite(masses)].sum()),
+        "triangles": sum(len(body.triangles) for body in recording.bodies),
+    }

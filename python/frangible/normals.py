@@ -1,0 +1,65 @@
+"""Normals for drawing: smooth where a surface bends gently, sharp at its edges."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .recording import Bool, Float32, UInt32
+
+#: Faces that meet at a flatter angle look like one bent surface [degrees]; broken edges are far sharper.
+CREASE_DEGREES = 30.0
+
+
+class ShadedMesh(NamedTuple):
+    """A surface whose vertices are split along its creases."""
+
+    #: (s,) the vertex that each split vertex copies.
+    vertex: UInt32
+    #: (s, 3) unit normals, body frame.
+    normals: Float32
+    #: (t, 3) indices of split vertices.
+    triangles: UInt32
+
+
+def shaded_mesh(vertices: Float32, triangles: UInt32, interior: Bool) -> ShadedMesh:
+    """Split the vertices (v, 3) of triangles (t, 3) wherever the surface creases or a crack begins (t,)."""
+    # Area-weighted and unit normals of the triangles; a sliver without area takes any normal.
+    corners = vertices.astype(np.float64)[triangles]
+    area_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
+    unit_normals = np.where(lengths > 0.0, area_normals / np.where(lengths > 0.0, lengths, 1.0), [0.0, 1.0, 0.0])
+
+    # All ordered pairs of corners that share a vertex.
+    corner_vertex = triangles.ravel().astype(np.int64)
+    order = np.argsort(corner_vertex, kind="stable")
+    valence = np.bincount(corner_vertex, minlength=len(vertices))
+    partners = valence[corner_vertex[order]]
+    first_of_vertex = np.concatenate([[0], np.cumsum(valence)])[corner_vertex[order]]
+    here = np.repeat(order, partners)
+    rank = np.arange(len(here)) - np.repeat(np.cumsum(partners) - partners, partners)
+    there = order[np.repeat(first_of_vertex, partners) + rank]
+
+    # A corner's normal is the mean over its neighbours on the same side of every crease.
+    t_here, t_there = here // 3, there // 3
+    cosine = np.einsum("ij,ij->i", unit_normals[t_here], unit_normals[t_there])
+    gentle = (cosine > np.cos(np.radians(CREASE_DEGREES))) & (interior[t_here] == interior[t_there])
+    corner_normals = np.stack(
+        [np.bincount(here[gentle], area_normals[t_there[gentle], axis], len(corner_vertex)) for axis in range(3)],
+        axis=1,
+    )
+    lengths = np.linalg.norm(corner_normals, axis=1, keepdims=True)
+    corner_normals = np.where(
+        lengths > 0.0, corner_normals / np.where(lengths > 0.0, lengths, 1.0), unit_normals.repeat(3, axis=0)
+    )
+
+    # Corners of one vertex with the same normal and side become one split vertex.
+    side = np.repeat(interior, 3).astype(np.int64)
+    key = np.column_stack([corner_vertex, side, np.round(corner_normals * 1e4).astype(np.int64)])
+    _, keep, split = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    return ShadedMesh(
+        vertex=corner_vertex[keep].astype(np.uint32),
+        normals=corner_normals[keep].astype(np.float32),
+        triangles=split.reshape(-1, 3).astype(np.uint32),
+    )

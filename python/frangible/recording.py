@@ -1,0 +1,233 @@
+"""What a run looked like: every body that lived, and where it was at every frame."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from ._frangible import World
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+UInt32 = npt.NDArray[np.uint32]
+Bool = npt.NDArray[np.bool_]
+
+#: Called after every frame with the number of frames done and the number of living bodies.
+ProgressCallback = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """One body from its birth to its death, with its surface and its path.
+
+    Frame ``f`` of its life is row ``f - birth_frame`` of ``positions`` and ``orientations``.
+    """
+
+    id: int
+    name: str
+    #: The body it broke off from; ``None`` for the bodies of the scene.
+    parent: int | None
+    #: The body of the scene that it once was a part of; itself for the bodies of the scene.
+    source: int
+    #: First frame that shows it; 0 is the state before the first step.
+    birth_frame: int
+    #: First frame that no longer shows it; ``None`` if it outlives the recording.
+    death_frame: int | None
+    #: [kg]; infinite for static and kinematic bodies.
+    mass: float
+    #: (v, 3), body frame [m].
+    vertices: Float32
+    #: (t, 3) vertex indices, counter-clockwise seen from outside.
+    triangles: UInt32
+    #: (t,) whether a crack made the triangle.
+    interior: Bool
+    #: (k, 3) centre of mass, world frame [m].
+    positions: Float64
+    #: (k, 4) ``world_from_body`` as unit quaternions x, y, z, w; neighbours never flip sign.
+    orientations: Float64
+
+    @property
+    def moves(self) -> bool:
+        """Whether it can move, or is seen to."""
+        return math.isfinite(self.mass) or bool(np.any(self.positions != self.positions[0]))
+
+    def alive(self, frame: int) -> bool:
+        """Whether the frame shows the body."""
+        return self.birth_frame <= frame and (self.death_frame is None or frame < self.death_frame)
+
+    def pose(self, frame: int) -> tuple[Float64, Float64]:
+        """Position (3,) [m] and orientation (4,) at a frame of its life."""
+        row = frame - self.birth_frame
+        return self.positions[row], self.orientations[row]
+
+    def vertices_world(self, frame: int) -> Float64:
+        """(v, 3) vertices at a frame of its life, world frame [m]."""
+        position, orientation = self.pose(frame)
+        return self.vertices.astype(np.float64) @ rotation_matrix(orientation).T + position
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """A run from frame 0, the state before the first step, to frame ``frames``."""
+
+    shot: str
+    fps: float
+    #: Number of steps, and the last frame.
+    frames: int
+    #: Sorted by birth, then by id.
+    bodies: list[Body]
+    #: One report for every step, as `World.step` gave it.
+    reports: list[dict[str, Any]] = field(default_factory=list)
+
+    @staticmethod
+    def record(
+        world: World, frames: int, *, shot: str = "", fps: float | None = None, progress: ProgressCallback | None = None
+    ) -> Recording:
+        """Step a world and keep everything it shows."""
+        recorder = Recorder(world)
+        for frame in range(1, frames + 1):
+            report = world.step()
+            recorder.capture(report)
+            if progress is not None:
+                progress(frame, report["bodies"])
+        return recorder.finish(shot, fps if fps is not None else 1.0 / world.dt)
+
+    def body(self, body_id: int) -> Body:
+        """The body of that id; `KeyError` if none of the recording has it."""
+        for body in self.bodies:
+            if body.id == body_id:
+                return body
+        raise KeyError(f"no body has the id {body_id}")
+
+    def alive(self, frame: int) -> list[Body]:
+        """The bodies that a frame shows."""
+        return [body for body in self.bodies if body.alive(frame)]
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, or .png for a picture."""
+        from .output import open_output
+
+        open_output(os.fspath(path)).write(self)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Recording:
+        """Read a recording back from a ``.npz`` cache."""
+        from .cache import read_npz
+
+        return read_npz(os.fspath(path))
+
+
+class Recorder:
+    """Keeps the frames of a world that somebody steps, and each surface when its body is first seen."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.reports: list[dict[str, Any]] = []
+        # Kept for each frame: ids (n,), positions (n, 3), orientations (n, 4).
+        self._ids: list[npt.NDArray[np.uint64]] = []
+        self._positions: list[Float64] = []
+        self._orientations: list[Float64] = []
+        # Kept for each body, in order of appearance: name, mass and surface.
+        self._seen: dict[int, tuple[str, float, Float32, UInt32, Bool]] = {}
+        # Also knows the fragments that broke again before a frame showed them.
+        self._parents: dict[int, int] = {}
+        self._capture_state()
+
+    def finish(self, shot: str, fps: float) -> Recording:
+        """Everything kept so far."""
+        return Recording(shot, fps, len(self.reports), self._bodies(), self.reports)
+
+    def capture(self, report: dict[str, Any]) -> None:
+        """Keep the state that a step led to, and its report."""
+        self.reports.append(report)
+        # A fragment's parents may have come and gone within the frame.
+        for fracture in report["fractures"]:
+            for fragment in fracture["fragments"]:
+                self._parents[fragment] = fracture["body"]
+        self._capture_state()
+
+    def _capture_state(self) -> None:
+        world = self.world
+        ids = world.ids
+        self._ids.append(ids)
+        self._positions.append(world.positions)
+        self._orientations.append(world.orientations)
+
+        # What appears for the first time.
+        new = [row for row, body_id in enumerate(ids.tolist()) if body_id not in self._seen]
+        if not new:
+            return
+        names, parents, masses = world.names, world.parents, world.masses
+        for row in new:
+            body_id = int(ids[row])
+            self._seen[body_id] = (names[row], float(masses[row]), *world.surface(body_id))
+            parent = parents[row]
+            if parent is not None:
+                self._parents[body_id] = parent
+
+    def _bodies(self) -> list[Body]:
+        # Gather the rows of every body, in frame order.
+        ids = np.concatenate(self._ids)
+        frame_of_row = np.repeat(np.arange(len(self._ids)), [len(ids) for ids in self._ids])
+        order = np.argsort(ids, kind="stable")
+        positions = np.concatenate(self._positions)[order]
+        orientations = np.concatenate(self._orientations)[order]
+        frame_of_row = frame_of_row[order]
+        unique_ids, first = np.unique(ids[order], return_index=True)
+        past = np.append(first[1:], len(ids))
+
+        # A body that the last frame does not show died the frame after its last row.
+        last_frame = len(self._ids) - 1
+        bodies = []
+        for body_id, begin, end in zip(unique_ids.tolist(), first.tolist(), past.tolist(), strict=True):
+            name, mass, vertices, triangles, interior = self._seen[body_id]
+            death = int(frame_of_row[end - 1]) + 1
+            bodies.append(
+                Body(
+                    id=body_id,
+                    name=name,
+                    parent=self._parents.get(body_id),
+                    source=self._source(body_id),
+                    birth_frame=int(frame_of_row[begin]),
+                    death_frame=None if death > last_frame else death,
+                    mass=mass,
+                    vertices=vertices,
+                    triangles=triangles,
+                    interior=interior,
+                    positions=positions[begin:end],
+                    orientations=without_sign_flips(orientations[begin:end]),
+                )
+            )
+        return sorted(bodies, key=lambda body: (body.birth_frame, body.id))
+
+    def _source(self, body_id: int) -> int:
+        while body_id in self._parents:
+            body_id = self._parents[body_id]
+        return body_id
+
+
+def without_sign_flips(orientations: Float64) -> Float64:
+    """The same rotations (k, 4), each with the sign nearer to the one before, so that players interpolate the short way."""
+    dots = np.einsum("ij,ij->i", orientations[1:], orientations[:-1])
+    signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
+    flipped: Float64 = orientations * signs[:, None]
+    return flipped
+
+
+def rotation_matrix(orientation: Float64) -> Float64:
+    """(3, 3) rotation of a unit quaternion x, y, z, w."""
+    x, y, z, w = orientation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

@@ -1,0 +1,31 @@
+"""From the name of a shot to a recording."""
+
+from __future__ import annotations
+
+import os
+
+from ._frangible import World, shot_frames, shot_scene
+from .recording import ProgressCallback, Recording
+
+
+def run(
+    shot: str,
+    *,
+    mesh: str | os.PathLike[str] | None = None,
+    frames: int | None = None,
+    fps: float = 30.0,
+    method: str = "paper",
+    threads: int = 0,
+    seed: int = 0,
+    progress: ProgressCallback | None = None,
+) -> Recording:
+    """Build a shot, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
+
+    ``mesh`` is a file for shots that break one; without ``frames`` the shot takes as long as it is meant to; 0
+    ``threads`` means one for every processor. `BuildError` if the scene cannot be built.
+    """
+    path = None if mesh is None else os.fspath(mesh)
+    world = World.build(shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed), threads)
+    if frames is None:
+        frames = shot_frames(shot, fps)
+    return Recording.record(world, frames, shot=shot, fps=fps, progress=progress)

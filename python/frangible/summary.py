@@ -1,0 +1,105 @@
+"""What a run amounts to: the numbers behind ``--json``, and the same for people."""
+
+from __future__ import annotations
+
+import resource
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+Report = dict[str, Any]
+
+
+def summarise(
+    reports: Sequence[Report],
+    *,
+    shot: str,
+    method: str,
+    dt: float,
+    state_hash: str,
+    bodies: tuple[int, int],
+    mass: tuple[float, float],
+    step_ms: Sequence[float],
+) -> Report:
+    """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state.
+
+    Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, ``scale`` the
+    largest kinetic energy plus the range of the potential energy: what a gain is to be measured against.
+    """
+    # The books begin before the first step, so its report is undone.
+    energy = {key: np.array([report["energy"][key] for report in reports]) for key in reports[0]["energy"]}
+    start = energy["total"][0] - energy["gain"][0] - energy["work"][0]
+    depths = np.concatenate([np.asarray(report["penetrations"], np.float64) for report in reports])
+    stages: dict[str, float] = {}
+    for report in reports:
+        for stage, milliseconds in report["stages"]:
+            stages[stage] = stages.get(stage, 0.0) + milliseconds / len(reports)
+    return {
+        "shot": shot,
+        "method": method,
+        "frames": len(reports),
+        "dt": dt,
+        "state_hash": state_hash,
+        "fractures": sum(len(report["fractures"]) for report in reports),
+        "peak_memory_MiB": _peak_memory(),
+        "bodies": {
+            "start": bodies[0],
+            "end": bodies[1],
+            "quarantined": sum(len(report["quarantined"]) for report in reports),
+        },
+        "mass_kg": {"start": mass[0], "end": mass[1]},
+        "energy_J": {
+            "start": float(start),
+            "end": float(energy["total"][-1]),
+            "work": float(energy["work"].sum()),
+            "dissipated": float(-energy["gain"].sum()),
+            "max_frame_gain": float(energy["gain"].max()),
+            "scale": float(energy["kinetic"].max() + np.ptp(energy["potential"])),
+        },
+        "momentum": {key: max(report["momentum"][key] for report in reports) for key in reports[0]["momentum"]},
+        "penetration_m": {
+            "p50": _percentile(depths, 50),
+            "p99": _percentile(depths, 99),
+            "max": _percentile(depths, 100),
+        },
+        "ms_per_frame": {
+            "median": _percentile(step_ms, 50),
+            "p95": _percentile(step_ms, 95),
+            "max": _percentile(step_ms, 100),
+        },
+        "stages_ms": stages,
+    }
+
+
+def describe(summary: Report, seconds: float) -> str:
+    """The summary for people; ``seconds`` is the time of all steps."""
+    bodies, mass, energy = summary["bodies"], summary["mass_kg"], summary["energy_J"]
+    frames = summary["frames"]
+    gain = energy["max_frame_gain"]
+    lines = [
+        f"{summary['shot']}: {frames} frames of {summary['dt'] * 1e3:.4g} ms in {seconds:.2f} s,"
+        f" {frames / seconds:.3g} frames per second ({summary['method']} method)",
+        f"  bodies    {bodies['start']} at first, {bodies['end']} at last; {summary['fractures']} fractures",
+        f"  mass      {mass['start']:.6g} kg at first, {mass['end']:.6g} kg at last",
+        f"  energy    {energy['start']:.6g} J at first + {energy['work']:.6g} J of work"
+        f" - {energy['dissipated']:.6g} J dissipated = {energy['end']:.6g} J at last",
+        f"  books     largest gain of a frame {gain:.3g} J, {gain / energy['scale'] if energy['scale'] else 0.0:.2g}"
+        f" of the {energy['scale']:.4g} J in play",
+        f"  state     {summary['state_hash']}",
+    ]
+    if bodies["quarantined"]:
+        lines.insert(2, f"  removed   {bodies['quarantined']} bodies whose numbers went bad")
+    return "\n".join(lines)
+
+
+def _percentile(values: Any, percent: float) -> float:
+    return float(np.percentile(values, percent)) if len(values) else 0.0
+
+
+def _peak_memory() -> float:
+    """Largest resident set of this process [MiB]."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    # Linux counts kibibytes, macOS bytes.
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)

@@ -1,0 +1,128 @@
+"""USD: one Mesh prim for every body, under an Xform for the body of the scene that it was a part of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
+
+from .cache import CacheError
+from .ground import with_visible_ground
+from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE_ROUGHNESS, Colour, source_colours
+from .normals import shaded_mesh
+from .paths import by_source, telling_samples, unique_names
+from .recording import Body, Recording
+
+
+def write_usd(recording: Recording, path: str) -> None:
+    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is up."""
+    # Sample times and units.
+    stage = Usd.Stage.CreateNew(path)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetMetadata("kilogramsPerUnit", 1.0)
+    stage.SetTimeCodesPerSecond(recording.fps)
+    stage.SetFramesPerSecond(recording.fps)
+    stage.SetStartTimeCode(0.0)
+    stage.SetEndTimeCode(float(recording.frames))
+
+    # The root and the material of cracks.
+    root = UsdGeom.Xform.Define(stage, "/World")
+    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
+    stage.SetDefaultPrim(root.GetPrim())
+    UsdGeom.Scope.Define(stage, "/World/Materials")
+    inside = _material(stage, "/World/Materials/inside", INSIDE, INSIDE_ROUGHNESS)
+
+    # One Xform for each source, with its material and its pieces.
+    families = by_source(with_visible_ground(recording).bodies)
+    colours = source_colours(families)
+    names = unique_names(["Materials", *(family[0].name for family in families.values())])
+    next(names)
+    for (source, family), name in zip(families.items(), names, strict=True):
+        outside = _material(stage, f"/World/Materials/{name}", colours[source], OUTSIDE_ROUGHNESS)
+        UsdGeom.Xform.Define(stage, f"/World/{name}")
+        for body, piece in zip(family, unique_names(body.name for body in family), strict=True):
+            mesh = _mesh(stage, f"/World/{name}/{piece}", body, outside, inside)
+            _motion(mesh, body)
+            _life(mesh, body)
+    stage.GetRootLayer().Save()
+
+
+def _material(stage: Any, path: str, colour: Colour, roughness: float) -> Any:
+    material = UsdShade.Material.Define(stage, path)
+    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness)
+    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    material.CreateSurfaceOutput().ConnectToSource(surface)
+    return material
+
+
+def _mesh(stage: Any, path: str, body: Body, outside: Any, inside: Any) -> Any:
+    # The surface, with normals of its own so that edges stay sharp and points stay shared.
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(body.vertices, np.float32)))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(body.triangles), 3, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(body.triangles.ravel().astype(np.int32)))
+    low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
+    mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
+    shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
+    normals = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying
+    )
+    normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
+    normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
+
+    # What cracks laid bare is a subset with a material of its own.
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(outside)
+    faces = np.flatnonzero(body.interior).astype(np.int32)
+    if len(faces):
+        subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
+            "inside", Vt.IntArray.FromNumpy(faces), UsdGeom.Tokens.face
+        )
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(inside)
+    return mesh
+
+
+def _motion(mesh: Any, body: Body) -> None:
+    frames = body.birth_frame + np.arange(len(body.positions))
+
+    # Samples only while the body lives, and none that interpolation gives anyway.
+    translate = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
+    positions = [Gf.Vec3d(*position) for position in body.positions.tolist()]
+    _set_samples(translate.GetAttr(), frames, positions, telling_samples(body.positions))
+    orient = mesh.AddOrientOp(UsdGeom.XformOp.PrecisionFloat)
+    orientations = [Gf.Quatf(w, x, y, z) for x, y, z, w in body.orientations.tolist()]
+    _set_samples(orient.GetAttr(), frames, orientations, telling_samples(body.orientations))
+
+
+def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> None:
+    if len(rows) == 1:
+        attribute.Set(values[0])
+        return
+    for row in rows.tolist():
+        attribute.Set(values[row], float(frames[row]))
+
+
+def _life(mesh: Any, body: Body) -> None:
+    if body.birth_frame == 0 and body.death_frame is None:
+        return
+    visibility = mesh.CreateVisibilityAttr()
+    if body.birth_frame > 0:
+        visibility.Set(UsdGeom.Tokens.invisible, 0.0)
+    visibility.Set(UsdGeom.Tokens.inherited, float(body.birth_frame))
+    if body.death_frame is not None:
+        visibility.Set(UsdGeom.Tokens.invisible, float(body.death_frame))
+
+
+def describe_usd(path: str) -> dict[str, object]:
+    """Frames, frame rate and bodies of a USD file; `CacheError` if it cannot be opened."""
+    try:
+        stage = Usd.Stage.Open(path)
+    except Tf.ErrorException as error:
+        raise CacheError(f"{path}: is not a readable USD file") from error
+    bodies = sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse())
+    return {"frames": int(stage.GetEndTimeCode()), "fps": stage.GetTimeCodesPerSecond(), "bodies": bodies}

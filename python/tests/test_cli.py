@@ -1,0 +1,121 @@
+"""The command line, end to end with the real engine."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from frangible import Recording, shots
+from frangible.cli import main
+
+
+def frangible(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "frangible", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, **options)
+
+
+def test_shots_are_listed_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["shots"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [name for name, _ in shots()]
+    assert "wall" in [name for name, _ in shots()]
+
+
+def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
+    run = frangible("run", "wall", "--frames", 5, "--json", "--out", tmp_path / "wall.npz", "--threads", 1)
+    assert run.returncode == 0
+    summary = json.loads(run.stdout.splitlines()[-1])
+    shapes = {
+        "bodies": {"start", "end", "quarantined"},
+        "mass_kg": {"start", "end"},
+        "energy_J": {"start", "end", "work", "max_frame_gain", "scale", "dissipated"},
+        "momentum": {"linear_error", "angular_error"},
+        "penetration_m": {"p50", "p99", "max"},
+        "ms_per_frame": {"median", "p95", "max"},
+    }
+    for key, fields in shapes.items():
+        assert set(summary[key]) == fields
+    assert summary["shot"] == "wall"
+    assert summary["method"] == "paper"
+    assert summary["frames"] == 5
+    assert summary["dt"] == pytest.approx(1 / 30)
+    assert summary["fractures"] == 0
+    assert int(summary["state_hash"], 16) >= 0
+    assert summary["peak_memory_MiB"] > 1
+    assert all(milliseconds >= 0 for milliseconds in summary["stages_ms"].values())
+
+    # A wall that nothing has struck yet keeps its mass, and its books balance.
+    energy = summary["energy_J"]
+    assert summary["mass_kg"]["end"] == summary["mass_kg"]["start"] > 0
+    assert energy["start"] + energy["work"] - energy["dissipated"] == pytest.approx(energy["end"], rel=1e-9)
+    assert energy["max_frame_gain"] <= 1e-6 * energy["scale"]
+    assert Recording.load(tmp_path / "wall.npz").frames == 5
+
+
+def test_a_run_tells_people_its_speed_and_its_books(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    outputs = [tmp_path / f"wall.{ending}" for ending in ("usda", "usdc", "glb", "npz", "png")]
+    arguments = [argument for path in outputs for argument in ("--out", str(path))]
+    assert main(["run", "wall", "--frames", "3", "--frame", "2", *arguments]) == 0
+    captured = capsys.readouterr()
+    for word in ("frames per second", "bodies", "mass", "dissipated", "largest gain"):
+        assert word in captured.out
+    for path in outputs:
+        assert path.stat().st_size > 0
+        assert str(path) in captured.err
+    assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in outputs)
+
+
+def test_in_a_pipe_progress_is_a_line_for_every_tenth() -> None:
+    run = frangible("run", "wall", "--frames", 30)
+    lines = [line for line in run.stderr.splitlines() if line.startswith("frame ")]
+    assert [line.split(",")[0] for line in lines] == [f"frame {3 * i}/30" for i in range(1, 11)]
+    assert "\r" not in run.stderr
+    assert "\x1b" not in run.stderr
+
+
+def test_threads_and_repetition_do_not_change_the_state() -> None:
+    runs = [frangible("run", "wall", "--frames", 40, "--json", "--threads", threads) for threads in (1, 2, 2)]
+    hashes = {json.loads(run.stdout)["state_hash"] for run in runs}
+    assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("ending", ["npz", "usdc", "glb"])
+def test_info_describes_our_caches(ending: str, wall: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / f"wall.{ending}"
+    wall.save(path)
+    assert main(["info", str(path)]) == 0
+    facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert facts["frames"] == "60"
+    assert float(facts["fps"]) == 30.0
+    assert str(len(wall.bodies)) in facts["bodies"]
+
+
+def test_info_describes_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str], tetrahedron: str) -> None:
+    path = tmp_path / "tetrahedron.obj"
+    path.write_text(tetrahedron)
+    assert main(["info", str(path)]) == 0
+    facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert facts["triangles"] == "4"
+
+
+def test_an_interrupt_is_answered_at_once_and_leaves_nothing(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "100000", "--out", tmp_path / "wall.npz"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(3)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert errors.splitlines()[-1] == "frangible: interrupted"
+    assert "Traceback" not in errors
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_reader_that_has_seen_enough_is_no_error() -> None:
+    shell = f"'{sys.executable}' -m frangible shots | true"
+    run = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, timeout=60)
+    assert run.stderr == ""

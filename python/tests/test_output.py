@@ -1,0 +1,107 @@
+"""Output files: checked before a run, and whole or absent after it."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from frangible import OutputError, Recording
+from frangible.output import open_output, whole_file
+
+
+def test_a_file_takes_its_name_only_when_it_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "file.txt"
+    path.write_text("old")
+    with whole_file(str(path)) as part:
+        Path(part).write_text("new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert os.listdir(tmp_path) == ["file.txt"]
+
+
+@pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_a_failed_write_leaves_what_was_there(failure: type[BaseException], tmp_path: Path) -> None:
+    path = tmp_path / "file.txt"
+    path.write_text("old")
+    with pytest.raises(failure), whole_file(str(path)) as part:
+        Path(part).write_text("half")
+        raise failure
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["file.txt"]
+
+
+@pytest.mark.parametrize("ending", ["usda", "usdc", "glb", "npz", "png"])
+def test_every_writer_leaves_nothing_of_a_recording_that_it_cannot_write(
+    ending: str, scripted: Recording, tmp_path: Path
+) -> None:
+    # The last body has a triangle without its third corner, and the reports are no JSON.
+    torn = replace(scripted.body(5), id=6, triangles=np.array([[0, 1, 99]], np.uint32))
+    broken = replace(scripted, bodies=[*scripted.bodies, torn], reports=[{"time": object()}])
+    with pytest.raises((IndexError, TypeError)):
+        broken.save(tmp_path / f"slab.{ending}")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_terminated_run_leaves_nothing(tmp_path: Path) -> None:
+    script = (
+        "import sys, time\n"
+        "from frangible import cli, output\n"
+        "def run(options):\n"
+        "    with output.whole_file(sys.argv[1]) as part:\n"
+        "        open(part, 'w').write('half')\n"
+        "        print('writing', flush=True)\n"
+        "        time.sleep(60)\n"
+        "cli._run = run\n"
+        "sys.exit(cli.main(['run', 'wall']))\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "writing\n"
+    assert len(os.listdir(tmp_path)) == 1
+    process.terminate()
+    assert process.wait(timeout=30) == 128 + signal.SIGTERM
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [
+        ("missing/wall.glb", "does not exist"),
+        ("wall.fbx", "must be one of .glb, .npz, .png, .usda, .usdc"),
+        ("wall", "must be one of .glb, .npz, .png, .usda, .usdc"),
+        ("folder.glb", "must be a file"),
+    ],
+)
+def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp_path: Path) -> None:
+    (tmp_path / "folder.glb").mkdir()
+    with pytest.raises(OutputError) as caught:
+        open_output(str(tmp_path / name))
+    assert str(tmp_path / name) in str(caught.value)
+    assert rule in str(caught.value)
+
+
+def test_a_missing_optional_package_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    with pytest.raises(OutputError, match=r"pip install 'frangible\[usd\]'"):
+        open_output(str(tmp_path / "wall.usdc"))
+
+
+def test_a_picture_shows_the_bodies_on_the_floor(scripted: Recording) -> None:
+    from frangible.render import picture
+
+    image = picture(scripted, 5, width=160, height=90).astype(int)
+    assert image.shape == (90, 160, 3)
+    # Limestone and clay are warm, the floor and the sky are not.
+    warm = image[:, :, 0] > image[:, :, 2] + 12
+    assert 0.02 < warm.mean() < 0.6
+    # Clay is what cracks laid bare: there is none before the break, though stone is there.
+    clay = image[:, :, 0] > 1.6 * image[:, :, 2]
+    before = picture(scripted, 2, width=160, height=90).astype(int)
+    assert clay.mean() > 0.002
+    assert (before[:, :, 0] > 1.6 * before[:, :, 2]).mean() < 0.2 * clay.mean()
+    # The same picture every time.
+    assert np.array_equal(image, picture(scripted, 5, width=160, height=90))

@@ -1,0 +1,93 @@
+"""USD files: valid by Pixar's own rules, and true to the recording."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from frangible import Recording
+from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
+
+
+def violations(stage: Any) -> list[str]:
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    return [f"{error.GetName()}: {error.GetMessage()}" for error in UsdValidation.ValidationContext(validators).Validate(stage)]
+
+
+@pytest.fixture(scope="module", params=["usda", "usdc"])
+def stage(request: pytest.FixtureRequest, scripted: Recording, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    path = tmp_path_factory.mktemp("usd") / f"slab.{request.param}"
+    scripted.save(path)
+    return Usd.Stage.Open(str(path))
+
+
+def test_no_validator_of_usd_objects(stage: Any) -> None:
+    assert violations(stage) == []
+
+
+def test_the_validators_do_object_to_a_face_that_is_not_there(scripted: Recording, tmp_path: Path) -> None:
+    scripted.save(tmp_path / "wrong.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "wrong.usda"))
+    UsdGeom.Subset(stage.GetPrimAtPath("/World/slab/slab_4/inside")).GetIndicesAttr().Set([12])
+    assert violations(stage)
+
+
+def test_extents_are_those_of_the_points(stage: Any) -> None:
+    for mesh in (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)):
+        assert mesh.GetExtentAttr().Get() == UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get())
+
+
+def test_the_wall_is_valid_too(wall: Recording, tmp_path: Path) -> None:
+    wall.save(tmp_path / "wall.usdc")
+    stage = Usd.Stage.Open(str(tmp_path / "wall.usdc"))
+    assert violations(stage) == []
+    meshes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    assert len(meshes) == len(wall.bodies)
+
+
+def test_units_and_times_are_stated(stage: Any) -> None:
+    assert stage.GetDefaultPrim().GetPath() == "/World"
+    assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+    assert stage.GetMetadata("kilogramsPerUnit") == 1.0
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()) == (0.0, 6.0, 24.0)
+
+
+def test_fragments_lie_under_their_source(stage: Any) -> None:
+    meshes = [str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    assert meshes == ["/World/ground/ground", *(f"/World/slab/slab{suffix}" for suffix in ("", "_2", "_4", "_5"))]
+
+
+def test_every_frame_shows_what_the_recording_shows(stage: Any, scripted: Recording) -> None:
+    paths = {0: "/World/ground/ground", 1: "/World/slab/slab", **{i: f"/World/slab/slab_{i}" for i in (2, 4, 5)}}
+    for frame in range(scripted.frames + 1):
+        for body in scripted.bodies:
+            prim = UsdGeom.Imageable(stage.GetPrimAtPath(paths[body.id]))
+            assert (prim.ComputeVisibility(frame) == UsdGeom.Tokens.inherited) == body.alive(frame), (body.id, frame)
+            if body.alive(frame):
+                world = prim.ComputeLocalToWorldTransform(frame)
+                points = UsdGeom.Mesh(prim).GetPointsAttr().Get()
+                shown = np.array([world.Transform(Gf.Vec3d(point)) for point in points])
+                assert shown == pytest.approx(body.vertices_world(frame), abs=1e-6)
+
+
+def test_what_does_not_move_has_no_samples(stage: Any) -> None:
+    def samples(path: str, attribute: str) -> list[float]:
+        return list(stage.GetPrimAtPath(path).GetAttribute(attribute).GetTimeSamples())
+
+    assert samples("/World/ground/ground", "xformOp:translate") == []
+    assert samples("/World/slab/slab", "xformOp:translate") == [0.0, 1.0, 2.0]
+    assert samples("/World/slab/slab", "xformOp:orient") == []
+    assert samples("/World/slab/slab_2", "xformOp:orient") == [3.0, 4.0, 5.0, 6.0]
+
+
+def test_cracks_have_a_material_of_their_own(stage: Any) -> None:
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/World/slab/slab_4"))
+    (subset,) = UsdShade.MaterialBindingAPI(mesh).GetMaterialBindSubsets()
+    assert list(subset.GetIndicesAttr().Get()) == [0, 1, 2, 3]
+
+    def material(prim: Any) -> str:
+        return str(UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPath())
+
+    assert material(mesh) == "/World/Materials/slab"
+    assert material(subset) == "/World/Materials/inside"
