@@ -1,5 +1,6 @@
 //! Volume, centre of mass and inertia at unit density.
 
+use crate::symmetric::symmetric_eigen;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Inertial properties at unit density; multiply by a density [kg/m^3] for a body's.
@@ -20,55 +21,9 @@ impl MassProperties {
     /// The axes come in the order in which they lie nearest to the frame's own, so a tensor that is diagonal already
     /// gives no rotation. A moment that is not positive (no volume, or all of it on a line) is returned as it is.
     pub fn principal_axes(&self) -> (DVec3, DQuat) {
-        // Cyclic Jacobi rotations [Golub & Van Loan, Matrix Computations, sec. 8.5]: they keep small moments accurate
-        // beside large ones, and converge quadratically, so a dozen sweeps are more than ever needed.
-        const MAX_SWEEPS: usize = 12;
-        let mut tensor = self.inertia.to_cols_array_2d();
-        let mut axes = DMat3::IDENTITY.to_cols_array_2d();
-        for _ in 0..MAX_SWEEPS {
-            let mut diagonal = true;
-            for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-                diagonal &= !rotate_away(&mut tensor, &mut axes, p, q);
-            }
-            if diagonal {
-                break;
-            }
-        }
-        let moments = DVec3::new(tensor[0][0], tensor[1][1], tensor[2][2]);
-        (moments, DQuat::from_mat3(&DMat3::from_cols_array_2d(&axes)).normalize())
+        let (moments, axes) = symmetric_eigen(&self.inertia);
+        (moments, DQuat::from_mat3(&axes).normalize())
     }
-}
-
-/// One Jacobi rotation in the plane of axes `p` and `q`, by at most 45 degrees, after which `tensor[p][q]` vanishes.
-/// Columns of `axes` turn along. False if there was nothing to do.
-fn rotate_away(tensor: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize) -> bool {
-    let off = tensor[p][q];
-    // Relative to both moments, so that a small one is resolved as well as a large one.
-    let product = (tensor[p][p] * tensor[q][q]).abs();
-    if off == 0.0 || off * off <= f64::EPSILON * f64::EPSILON * 1e-2 * product {
-        return false;
-    }
-    let theta = (tensor[q][q] - tensor[p][p]) / (2.0 * off);
-    let tangent = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt()) * if theta < 0.0 { -1.0 } else { 1.0 };
-    let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
-    let sine = tangent * cosine;
-
-    tensor[p][p] -= tangent * off;
-    tensor[q][q] += tangent * off;
-    tensor[p][q] = 0.0;
-    tensor[q][p] = 0.0;
-    let r = 3 - p - q;
-    let (along_p, along_q) = (tensor[r][p], tensor[r][q]);
-    tensor[r][p] = cosine * along_p - sine * along_q;
-    tensor[r][q] = sine * along_p + cosine * along_q;
-    tensor[p][r] = tensor[r][p];
-    tensor[q][r] = tensor[r][q];
-    for row in 0..3 {
-        let (along_p, along_q) = (axes[p][row], axes[q][row]);
-        axes[p][row] = cosine * along_p - sine * along_q;
-        axes[q][row] = sine * along_p + cosine * along_q;
-    }
-    true
 }
 
 #[cfg(test)]

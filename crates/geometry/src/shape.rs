@@ -1,7 +1,9 @@
 //! What a body is made of: immutable, shared by all bodies that look alike.
 
+use crate::closed_form_surface::closed_form_surface;
+use crate::polygonize::polygonize;
 use crate::surface_samples::closed_form_samples;
-use crate::{ClosedForm, GridSolid, NoMass, RigidTransform};
+use crate::{ClosedForm, GridSolid, NoMass, RigidTransform, Surface};
 use glam::{DVec3, Vec3};
 
 /// Geometry, surface samples and mass properties. The body frame has its origin at the centre of mass and its axes along
@@ -80,6 +82,21 @@ impl Shape {
             }
         };
         (distance, self.body_from_grid.direction(gradient_grid))
+    }
+
+    /// The closed surface in the body frame; empty for a half-space.
+    pub fn surface(&self) -> Surface {
+        let mut surface = match &self.geometry {
+            Geometry::ClosedForm(form) => {
+                let mesh = closed_form_surface(form);
+                Surface { interior: vec![false; mesh.triangles.len()], mesh }
+            }
+            Geometry::Grid(solid) => polygonize(solid),
+        };
+        for position in &mut surface.mesh.positions {
+            *position = self.body_from_grid.point(*position);
+        }
+        surface
     }
 }
 

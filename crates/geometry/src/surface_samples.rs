@@ -1,8 +1,107 @@
 //! Points on surfaces: what is tested against other bodies' level sets.
 
-use crate::ClosedForm;
+use crate::dual_contour::{DualContour, Vertex};
+use crate::{ClosedForm, Grid, GridSolid, LevelSet};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
+
+/// Points on the surface of a solid in its grid frame [m], about `spacing` [m] apart but not closer than the grid's
+/// nodes: all corners, then points along edges, then on faces.
+pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
+    // Accepted points this close keep others out; what is left between them is then filled with gaps around `spacing`.
+    const CLOSEST: f64 = 0.7;
+    // Corners closer than this, in units of the grid's spacing, are the same corner seen from two cells.
+    const SAME_CORNER: f64 = 0.1;
+    // The two sides of a thin plate are both sampled: only points that face the same way keep each other out.
+    const SAME_SIDE: f64 = 0.3;
+
+    let grid = solid.level_set.grid();
+    let contour = DualContour::new(solid);
+    let mut sharpest_first: Vec<&Vertex> = contour.vertices.iter().collect();
+    sharpest_first.sort_by_key(|vertex| std::cmp::Reverse(vertex.sharpness));
+
+    let mut accepted = Buckets::new(grid, (CLOSEST * spacing).max(SAME_CORNER * grid.spacing));
+    for vertex in sharpest_first {
+        let closest = if vertex.sharpness == 3 { SAME_CORNER * grid.spacing } else { CLOSEST * spacing };
+        let (position, normal) = (on_surface(vertex, &contour, &solid.level_set), vertex.normal);
+        if !accepted.any_near(position, closest, |other| other.normal.dot(normal) > SAME_SIDE) {
+            accepted.insert(Vertex { position, ..*vertex });
+        }
+    }
+    accepted.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect()
+}
+
+/// Moves a vertex along the normal onto the surface that it stands for.
+fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> DVec3 {
+    const MAX_STEPS: usize = 8;
+    let spacing = level_set.grid().spacing;
+    // Newton's method on the outline, or on the samples where the outline does not know of the surface.
+    let project = |step: &dyn Fn(DVec3) -> DVec3| {
+        let mut point = vertex.position;
+        for _ in 0..MAX_STEPS {
+            point -= step(point);
+        }
+        (point.distance(vertex.position) < 0.5 * spacing).then_some(point)
+    };
+    let to_outline = |point: DVec3| match contour.pieces.max_value(point) {
+        Some((value, piece)) => value * contour.pieces.normal(piece, point),
+        None => DVec3::ZERO,
+    };
+    let to_samples = |point: DVec3| {
+        let (value, gradient) = level_set.value_and_gradient(point);
+        let slope = gradient.as_dvec3();
+        slope * (f64::from(value) / slope.length_squared().max(1e-3))
+    };
+    let known = if vertex.in_outline { project(&to_outline) } else { None };
+    known.or_else(|| project(&to_samples)).unwrap_or(vertex.position)
+}
+
+/// Points by the cubes they lie in, to find those near another.
+struct Buckets {
+    grid: Grid,
+    of_cube: Vec<Vec<u32>>,
+    vertices: Vec<Vertex>,
+}
+
+impl Buckets {
+    /// For points within a voxel of `around`, and for distances up to `edge`.
+    fn new(around: &Grid, edge: f64) -> Self {
+        let (low, high) = around.bounds();
+        let edge = edge.max(around.spacing);
+        let origin = low - 2.0 * around.spacing;
+        let dims = ((high - origin + 2.0 * around.spacing) / edge).to_array().map(|n| n as usize + 1);
+        let grid = Grid { origin, spacing: edge, dims };
+        Self { grid, of_cube: vec![Vec::new(); grid.len()], vertices: Vec::new() }
+    }
+
+    fn cube(&self, position: DVec3) -> [usize; 3] {
+        let lattice = self.grid.lattice_from_point(position).to_array();
+        std::array::from_fn(|axis| (lattice[axis].max(0.0) as usize).min(self.grid.dims[axis] - 1))
+    }
+
+    fn insert(&mut self, vertex: Vertex) {
+        let [i, j, k] = self.cube(vertex.position);
+        self.of_cube[self.grid.index(i, j, k)].push(self.vertices.len() as u32);
+        self.vertices.push(vertex);
+    }
+
+    /// Whether a point that `counts` lies closer than `distance`.
+    fn any_near(&self, position: DVec3, distance: f64, counts: impl Fn(&Vertex) -> bool) -> bool {
+        let cube = self.cube(position);
+        let around =
+            |axis: usize| cube[axis].saturating_sub(1)..=(cube[axis] + 1).min(self.grid.dims[axis] - 1);
+        around(2).any(|k| {
+            around(1).any(|j| {
+                around(0).any(|i| {
+                    self.of_cube[self.grid.index(i, j, k)].iter().any(|&n| {
+                        let other = &self.vertices[n as usize];
+                        other.position.distance(position) < distance && counts(other)
+                    })
+                })
+            })
+        })
+    }
+}
 
 /// Points on the surface of a formula in its frame [m], about `spacing` [m] apart, with the corners, edges and rims.
 /// None for a half-space: what lies on it has the samples.
@@ -134,5 +233,70 @@ mod tests {
         assert_eq!(samples.iter().filter(|s| faces_touched(s) == 3).count(), 8);
         assert_eq!(samples.iter().filter(|s| faces_touched(s) == 2).count(), 4 * (9 + 3 + 6));
         assert!(samples.iter().all(|s| faces_touched(s) > 0));
+    }
+
+    #[test]
+    fn a_box_on_a_grid_has_its_corners_and_edges() {
+        let half = DVec3::new(0.5, 0.2, 0.35);
+        let solid = GridSolid::from_closed_form(ClosedForm::Box { half }, [25, 10, 18], 2).unwrap();
+        let spacing = 0.1;
+        let samples = surface_samples(&solid, spacing);
+        let on_faces =
+            |s: &Vec3| (s.as_dvec3().abs() - half).abs().to_array().iter().filter(|d| **d < 1e-6).count();
+        assert_eq!(samples.iter().filter(|s| on_faces(s) == 3).count(), 8);
+        assert!(samples.iter().all(|s| on_faces(s) > 0));
+        // Along each edge no gap is wider than what fits no further point, plus a voxel.
+        for axis in 0..3 {
+            for (u, v) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+                let mut along: Vec<f64> = samples
+                    .iter()
+                    .filter(|s| on_faces(s) >= 2)
+                    .map(|s| s.as_dvec3())
+                    .filter(|s| s[(axis + 1) % 3] * u > 0.0 && s[(axis + 2) % 3] * v > 0.0)
+                    .filter(|s| (s[(axis + 1) % 3].abs() - half[(axis + 1) % 3]).abs() < 1e-6)
+                    .filter(|s| (s[(axis + 2) % 3].abs() - half[(axis + 2) % 3]).abs() < 1e-6)
+                    .map(|s| s[axis])
+                    .collect();
+                along.sort_by(f64::total_cmp);
+                let widest = along.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+                assert!(widest < 1.4 * spacing + 1.1 * solid.level_set.grid().spacing, "{axis}: {widest}");
+            }
+        }
+        assert!(largest_gap(&ClosedForm::Box { half }, &samples) < 1.2 * spacing);
+    }
+
+    /// A ball known only from its samples, and cut: on the surface, apart, everywhere, and always the same.
+    #[test]
+    fn sampled_solids_are_covered_on_their_surface() {
+        let ball = ClosedForm::Sphere { radius: 0.8 };
+        let grid = Grid::around_box(DVec3::NEG_ONE, DVec3::ONE, [30; 3], 2);
+        let level_set = LevelSet::sample(grid, |p| ball.distance_and_gradient(p).0);
+        let solid = GridSolid::from_level_set(level_set);
+        let spacing = 0.15;
+        let samples = surface_samples(&solid, spacing);
+        assert_eq!(samples, surface_samples(&solid, spacing));
+        for (n, sample) in samples.iter().enumerate() {
+            assert!(f64::from(solid.level_set.value(sample.as_dvec3()).abs()) < 1e-3 * grid.spacing);
+            let nearest = samples[..n].iter().map(|s| s.distance(*sample)).fold(f32::INFINITY, f32::min);
+            assert!(f64::from(nearest) > 0.5 * spacing);
+        }
+        assert!(largest_gap(&ball, &samples) < 1.2 * spacing);
+        // A lattice of this spacing has 4 pi r^2 / spacing^2 points.
+        let expected = 4.0 * PI * 0.64 / (spacing * spacing);
+        assert!((0.7..1.5).contains(&(samples.len() as f64 / expected)), "{} {expected}", samples.len());
+    }
+
+    #[test]
+    fn both_sides_of_a_thin_plate_are_sampled() {
+        let half = DVec3::new(0.5, 0.02, 0.5);
+        let solid = GridSolid::from_closed_form(ClosedForm::Box { half }, [50, 2, 50], 2).unwrap();
+        let samples = surface_samples(&solid, 0.2);
+        let above = samples.iter().filter(|s| s.y > 0.019).count();
+        let below = samples.iter().filter(|s| s.y < -0.019).count();
+        assert!(
+            above > 25 && below > 25 && above + below == samples.len(),
+            "{above} {below} {}",
+            samples.len()
+        );
     }
 }

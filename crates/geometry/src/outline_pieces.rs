@@ -1,0 +1,133 @@
+//! The smooth surfaces that a solid's outline is made of.
+
+use crate::crossings::sampled_normal;
+use crate::{ClosedForm, Grid, GridSolid, HalfSpace, LevelSet, Root};
+use glam::DVec3;
+
+/// One smooth surface; the solid lies where all of them are negative.
+enum Piece<'a> {
+    Plane(HalfSpace),
+    Sphere {
+        radius: f64,
+    },
+    /// The side of a cylinder around the y axis.
+    Side {
+        radius: f64,
+    },
+    /// A level set's zero; smooth only between its own sharp features.
+    Sampled(&'a LevelSet),
+}
+
+/// The pieces of an outline that can be met within a grid.
+pub(crate) struct OutlinePieces<'a> {
+    pieces: Vec<Piece<'a>>,
+    /// So many pieces come from the root, the others from cuts.
+    of_root: usize,
+}
+
+impl<'a> OutlinePieces<'a> {
+    pub(crate) fn of(solid: &'a GridSolid) -> Self {
+        let mut pieces = match &solid.outline.root {
+            Root::Sampled(level_set) => vec![Piece::Sampled(level_set)],
+            Root::ClosedForm(form) => pieces_of(form),
+        };
+        let grid = solid.level_set.grid();
+        pieces.retain(|piece| piece.reaches(grid));
+        let of_root = pieces.len();
+        pieces.extend(
+            solid.outline.cuts.iter().map(|&cut| Piece::Plane(cut)).filter(|piece| piece.reaches(grid)),
+        );
+        Self { pieces, of_root }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Whether a crack made this piece.
+    pub(crate) fn is_cut(&self, piece: usize) -> bool {
+        piece >= self.of_root
+    }
+
+    /// Whether there is any crack.
+    pub(crate) fn has_cuts(&self) -> bool {
+        self.of_root < self.pieces.len()
+    }
+
+    /// Whether a piece is a formula, known at every point, not samples.
+    pub(crate) fn is_formula(&self, piece: usize) -> bool {
+        !matches!(self.pieces[piece], Piece::Sampled(_))
+    }
+
+    /// Whether a piece's normal is the same everywhere.
+    pub(crate) fn is_plane(&self, piece: usize) -> bool {
+        matches!(self.pieces[piece], Piece::Plane(_))
+    }
+
+    /// Signed distance to one piece [m].
+    pub(crate) fn value(&self, piece: usize, point: DVec3) -> f64 {
+        self.pieces[piece].value(point)
+    }
+
+    /// Unit normal of one piece at a point.
+    pub(crate) fn normal(&self, piece: usize, point: DVec3) -> DVec3 {
+        self.pieces[piece].normal(point)
+    }
+
+    /// Signed distance to the solid [m] near its surface, and the piece that decides it.
+    pub(crate) fn max_value(&self, point: DVec3) -> Option<(f64, usize)> {
+        let mut largest: Option<(f64, usize)> = None;
+        for (n, piece) in self.pieces.iter().enumerate() {
+            let value = piece.value(point);
+            if largest.is_none_or(|(best, _)| value > best) {
+                largest = Some((value, n));
+            }
+        }
+        largest
+    }
+}
+
+/// The faces of a closed form.
+fn pieces_of(form: &ClosedForm) -> Vec<Piece<'static>> {
+    let face = |normal: DVec3, offset: f64| Piece::Plane(HalfSpace { normal, offset });
+    match *form {
+        ClosedForm::HalfSpace(half_space) => vec![Piece::Plane(half_space)],
+        ClosedForm::Sphere { radius } => vec![Piece::Sphere { radius }],
+        ClosedForm::Box { half } => DVec3::AXES
+            .into_iter()
+            .zip(half.to_array())
+            .flat_map(|(axis, half)| [face(axis, half), face(-axis, half)])
+            .collect(),
+        ClosedForm::Cylinder { radius, half_height } => {
+            vec![Piece::Side { radius }, face(DVec3::Y, half_height), face(DVec3::NEG_Y, half_height)]
+        }
+    }
+}
+
+impl Piece<'_> {
+    fn value(&self, point: DVec3) -> f64 {
+        match self {
+            Self::Plane(plane) => plane.distance(point),
+            Self::Sphere { radius } => point.length() - radius,
+            Self::Side { radius } => (point.x * point.x + point.z * point.z).sqrt() - radius,
+            Self::Sampled(level_set) => f64::from(level_set.value(point)),
+        }
+    }
+
+    fn normal(&self, point: DVec3) -> DVec3 {
+        let direction = match self {
+            Self::Plane(plane) => return plane.normal,
+            Self::Sphere { .. } => point,
+            Self::Side { .. } => DVec3::new(point.x, 0.0, point.z),
+            Self::Sampled(level_set) => return sampled_normal(level_set, point).unwrap_or(DVec3::Y),
+        };
+        direction.try_normalize().unwrap_or(DVec3::Y)
+    }
+
+    /// Whether the piece can be zero in a grid or a layer around it.
+    fn reaches(&self, grid: &Grid) -> bool {
+        let (low, high) = grid.bounds();
+        let reach = 0.5 * (high - low).length() + 2.0 * grid.spacing;
+        matches!(self, Self::Sampled(_)) || self.value(0.5 * (low + high)).abs() < reach
+    }
+}
