@@ -3,6 +3,7 @@
 //! Lengths are metres. A *grid frame* is the material frame in which a body's level set was sampled; fragments keep
 //! their parent's. A *body frame* has its origin at the centre of mass and its axes along the principal axes.
 
+pub mod bvh;
 pub mod closed_form;
 pub mod closed_form_surface;
 pub mod coverage;
@@ -14,14 +15,21 @@ pub mod half_space;
 pub mod level_set;
 pub mod mass_properties;
 pub mod mesh;
+pub mod mesh_check;
+pub mod mesh_io;
+pub mod mesh_to_level_set;
+pub mod mesh_topology;
 mod outline_pieces;
 pub mod polygonize;
 mod qef;
 pub mod rigid_transform;
 pub mod shape;
 mod sheets;
+mod solid_boundary;
 pub mod surface_samples;
+mod sweep;
 mod symmetric;
+pub mod winding_number;
 
 pub use closed_form::ClosedForm;
 pub use grid::Grid;
@@ -30,5 +38,9 @@ pub use half_space::HalfSpace;
 pub use level_set::LevelSet;
 pub use mass_properties::MassProperties;
 pub use mesh::{Surface, TriMesh};
+pub use mesh_check::MeshError;
+pub use mesh_to_level_set::{MeshToLevelSetError, mesh_to_level_set};
+pub use mesh_topology::MeshInfo;
 pub use rigid_transform::RigidTransform;
 pub use shape::{Geometry, Shape};
+pub use winding_number::WindingNumber;

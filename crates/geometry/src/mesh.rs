@@ -1,7 +1,7 @@
 //! Triangle meshes.
 
 use crate::MassProperties;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Indexed triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +39,73 @@ impl TriMesh {
     }
 
     /// Volume, centre and inertia enclosed by the surface, by the divergence theorem [Su09 sec. 4.4].
+    ///
+    /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is negative if the
+    /// triangles face inward, and zero volume has its centre at the surface's centroid.
     pub fn mass_properties(&self) -> MassProperties {
-        todo!()
+        let origin = self.surface_centroid();
+
+        // Sum the signed tetrahedra from the origin to each triangle.
+        let mut six_volume = 0.0;
+        let mut first_moment = DVec3::ZERO;
+        let mut second_moment = DMat3::ZERO;
+        for triangle in 0..self.triangles.len() {
+            let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
+            let determinant = a.dot(b.cross(c));
+            let sum = a + b + c;
+            six_volume += determinant;
+            first_moment += determinant * sum;
+            second_moment += (outer(a) + outer(b) + outer(c) + outer(sum)) * determinant;
+        }
+
+        // Move the moments from the origin to the centre of mass.
+        let volume = six_volume / 6.0;
+        if volume == 0.0 {
+            return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
+        }
+        let offset = first_moment / (24.0 * volume);
+        let central = second_moment * (1.0 / 120.0) - outer(offset) * volume;
+        let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;
+        MassProperties {
+            volume,
+            center: origin + offset,
+            inertia: DMat3::from_diagonal(DVec3::splat(trace)) - central,
+        }
     }
+
+    /// Sum of the triangles' areas [m^2].
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len()).map(|triangle| self.vector_area(triangle).length()).sum()
+    }
+
+    /// Makes the triangles face the other way.
+    pub fn flip(&mut self) {
+        for triangle in &mut self.triangles {
+            triangle.swap(1, 2);
+        }
+    }
+
+    /// Outward normal times area [m^2].
+    fn vector_area(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * (b - a).cross(c - a)
+    }
+
+    /// Area-weighted mean of the surface's points [m].
+    fn surface_centroid(&self) -> DVec3 {
+        let mut area = 0.0;
+        let mut moment = DVec3::ZERO;
+        for triangle in 0..self.triangles.len() {
+            let [a, b, c] = self.corners(triangle);
+            let weight = self.vector_area(triangle).length();
+            area += weight;
+            moment += (a + b + c) * (weight / 3.0);
+        }
+        if area > 0.0 { moment / area } else { DVec3::ZERO }
+    }
+}
+
+/// `v v^T`.
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }

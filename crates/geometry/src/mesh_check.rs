@@ -1,0 +1,140 @@
+//! What a mesh must satisfy, and the sentences for one that does not.
+
+use crate::TriMesh;
+use glam::DVec3;
+
+/// The file endings that [`crate::mesh_io::load`] reads.
+pub(crate) const KNOWN_ENDINGS: &str = ".obj, .ply, .stl, .gltf, .glb";
+
+/// Below this ratio of volume to (area times bounding diagonal) a mesh is flat: a plate has half of its thickness over
+/// its diagonal, and the rounding of single-precision files alone makes a tilted plane 1e-7 thick.
+const FLAT: f64 = 1e-6;
+
+/// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value and the rule.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// There is nothing at the path.
+    #[error("{mesh}: no such file")]
+    Missing {
+        /// Path as given.
+        mesh: String,
+    },
+    /// The path is a folder's.
+    #[error("{mesh}: is a folder, must be a mesh file ({KNOWN_ENDINGS})")]
+    Folder {
+        /// Path as given.
+        mesh: String,
+    },
+    /// The operating system refuses.
+    #[error("{mesh}: cannot be read: {reason}")]
+    Unreadable {
+        /// Path as given.
+        mesh: String,
+        /// The operating system's words.
+        reason: String,
+    },
+    /// No byte in the file.
+    #[error("{mesh}: has 0 bytes, must hold a mesh")]
+    Empty {
+        /// Path as given.
+        mesh: String,
+    },
+    /// The ending does not say which format it is.
+    #[error("{mesh}: ends in \"{ending}\", must end in one of {KNOWN_ENDINGS}")]
+    UnknownEnding {
+        /// Path as given.
+        mesh: String,
+        /// With its dot; empty if there is none.
+        ending: String,
+    },
+    /// The content contradicts the ending.
+    #[error("{mesh}: is not a valid {format} file: {reason}")]
+    Malformed {
+        /// Path as given.
+        mesh: String,
+        /// "OBJ", "PLY", "STL" or "glTF".
+        format: &'static str,
+        /// Where and what.
+        reason: String,
+    },
+    /// Nothing to make a solid of.
+    #[error("{mesh}: has 0 triangles with an area, must have at least 1")]
+    NoTriangles {
+        /// File or "the mesh".
+        mesh: String,
+    },
+    /// NaN or infinite.
+    #[error("{mesh}: vertex {vertex} is ({}, {}, {}), coordinates must be finite", position.x, position.y, position.z)]
+    NotFinite {
+        /// File or "the mesh".
+        mesh: String,
+        /// Counted from zero.
+        vertex: usize,
+        /// As read.
+        position: DVec3,
+    },
+    /// A triangle of vertices that do not exist.
+    #[error("{mesh}: {place} refers to vertex {index}, must be {first} to {last}")]
+    IndexOutOfRange {
+        /// File or "the mesh".
+        mesh: String,
+        /// "triangle 3" or "line 12".
+        place: String,
+        /// In the file's own count.
+        index: i64,
+        /// Lowest index allowed.
+        first: i64,
+        /// Highest index allowed.
+        last: i64,
+    },
+    /// Flat.
+    #[error(
+        "{mesh}: encloses {volume:e} m^3 within {area:e} m^2 of surface, must enclose a volume (it is flat, or its parts face opposite ways)"
+    )]
+    NoVolume {
+        /// File or "the mesh".
+        mesh: String,
+        /// [m^3]
+        volume: f64,
+        /// [m^2]
+        area: f64,
+    },
+}
+
+impl TriMesh {
+    /// Refuses a mesh without triangles, with coordinates that are not finite, or with vertices that do not exist.
+    /// `name` begins the sentence.
+    pub fn check(&self, name: &str) -> Result<(), MeshError> {
+        let mesh = || name.to_owned();
+        for (vertex, &position) in self.positions.iter().enumerate() {
+            if !position.is_finite() {
+                return Err(MeshError::NotFinite { mesh: mesh(), vertex, position });
+            }
+        }
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= self.positions.len()) {
+                return Err(MeshError::IndexOutOfRange {
+                    mesh: mesh(),
+                    place: format!("triangle {triangle}"),
+                    index: i64::from(vertex),
+                    first: 0,
+                    last: self.positions.len() as i64 - 1,
+                });
+            }
+        }
+        if self.area() > 0.0 { Ok(()) } else { Err(MeshError::NoTriangles { mesh: mesh() }) }
+    }
+
+    /// Refuses a mesh that passes [`TriMesh::check`] but encloses no volume. Holes are no obstacle: what counts is the
+    /// volume with each of them closed by a cone. Nor is a surface that faces inward as a whole.
+    pub fn check_volume(&self, name: &str) -> Result<(), MeshError> {
+        let (low, high) = self.bounds();
+        let volume = self.mass_properties().volume;
+        let area = self.area();
+        if volume.abs() > FLAT * area * (high - low).length() {
+            Ok(())
+        } else {
+            Err(MeshError::NoVolume { mesh: name.to_owned(), volume, area })
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! glTF and GLB: the triangles of the default scene, where its nodes put them.
+
+use super::File;
+use crate::{MeshError, TriMesh};
+use base64::Engine;
+use glam::{DMat4, DVec3};
+use gltf::accessor::{DataType, Dimensions};
+use gltf::buffer::Source;
+use gltf::mesh::Mode;
+use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+
+pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+    let malformed = |reason: String| file.malformed("glTF", reason);
+    let (document, buffers) = open(file).map_err(malformed)?;
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let scene = scene.ok_or_else(|| malformed("it has no scene".to_owned()))?;
+
+    // Walk down the scene's nodes.
+    let mut mesh = TriMesh::default();
+    let mut seen = vec![false; document.nodes().len()];
+    let mut waiting: Vec<(Node, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
+    while let Some((node, scene_from_parent)) = waiting.pop() {
+        if std::mem::replace(&mut seen[node.index()], true) {
+            return Err(malformed(format!("node {} is the child of more than one node", node.index())));
+        }
+        let columns = node.transform().matrix().map(|column| column.map(f64::from));
+        let scene_from_node = scene_from_parent * DMat4::from_cols_array_2d(&columns);
+
+        // Append the node's triangles.
+        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+            let place = format!("node {}, primitive {}", node.index(), primitive.index());
+            let (positions, indices) =
+                read(&primitive, &buffers).map_err(|reason| malformed(format!("{place} {reason}")))?;
+            let last = positions.len() as i64 - 1;
+            if let Some(&index) = indices.iter().find(|&&index| i64::from(index) > last) {
+                let (mesh, index) = (file.name.to_owned(), i64::from(index));
+                return Err(MeshError::IndexOutOfRange { mesh, place, index, first: 0, last });
+            }
+            let base = mesh.positions.len() as u32;
+            let mirrored = scene_from_node.determinant() < 0.0;
+            mesh.positions
+                .extend(positions.iter().map(|&position| scene_from_node.transform_point3(position)));
+            mesh.triangles.extend(triangles(primitive.mode(), &indices).iter().map(|&[a, b, c]| {
+                if mirrored { [base + a, base + c, base + b] } else { [base + a, base + b, base + c] }
+            }));
+        }
+        waiting.extend(node.children().map(|child| (child, scene_from_node)));
+    }
+    Ok(mesh)
+}
+
+/// The document and the bytes of its buffers; the error completes the sentence "it is not a valid glTF file".
+fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
+    // The library takes the length in the header of a GLB file for at least the header's own.
+    let length =
+        file.bytes.get(8..12).map_or(0, |bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    if file.bytes.starts_with(b"glTF") && (length < 12 || length as usize > file.bytes.len()) {
+        return Err(format!("its header says {length} bytes, and it has {}", file.bytes.len()));
+    }
+
+    // Of the extensions that a reader is required to know, those about materials and the like do not matter here.
+    let Gltf { document, mut blob } =
+        Gltf::from_slice_without_validation(file.bytes).map_err(|error| error.to_string())?;
+    let mut json = document.into_json();
+    json.extensions_required.retain(|extension| extension.contains("mesh"));
+    let document = Document::from_json(json).map_err(|error| error.to_string())?;
+
+    // Each buffer is in the file itself or beside it.
+    let buffers = document
+        .buffers()
+        .map(|buffer| match buffer.source() {
+            Source::Bin => blob.take().ok_or_else(|| format!("buffer {} is missing", buffer.index())),
+            Source::Uri(uri) => {
+                read_uri(file, uri).map_err(|reason| format!("buffer {} {reason}", buffer.index()))
+            }
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((document, buffers))
+}
+
+/// The bytes that a URI names: its own in base64, or those of a file relative to the document.
+fn read_uri(file: &File, uri: &str) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let (_, data) = data.split_once(";base64,").ok_or("is embedded, but not as base64")?;
+        return base64::engine::general_purpose::STANDARD
+            .decode(data)
+            .map_err(|error| format!("is not base64: {error}"));
+    }
+    let relative = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+    let path = file.path.with_file_name(relative.as_ref());
+    std::fs::read(&path).map_err(|error| format!("in {} cannot be read: {error}", path.display()))
+}
+
+/// Positions in the node's frame and indices of a primitive; the error completes "node 2, primitive 0".
+fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u32>), String> {
+    let positions = primitive.get(&Semantic::Positions).ok_or("has no positions")?;
+    if (positions.data_type(), positions.dimensions()) != (DataType::F32, Dimensions::Vec3) {
+        return Err("has positions other than 3 floats each".to_owned());
+    }
+    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    let positions: Vec<DVec3> = items(&positions, buffers)?
+        .iter()
+        .map(|bytes| DVec3::new(number(&bytes[0..4]), number(&bytes[4..8]), number(&bytes[8..12])))
+        .collect();
+    let Some(indices) = primitive.indices() else {
+        let all = (0..positions.len() as u32).collect();
+        return Ok((positions, all));
+    };
+    if indices.dimensions() != Dimensions::Scalar
+        || !matches!(indices.data_type(), DataType::U8 | DataType::U16 | DataType::U32)
+    {
+        return Err("has indices that are not unsigned integers".to_owned());
+    }
+    let index = |bytes: &&[u8]| bytes.iter().rev().fold(0, |high, &low| high << 8 | u32::from(low));
+    let indices = items(&indices, buffers)?.iter().map(index).collect();
+    Ok((positions, indices))
+}
+
+/// The bytes of each item of an accessor, whose every number is checked against the buffer.
+fn items<'a>(accessor: &Accessor, buffers: &'a [Vec<u8>]) -> Result<Vec<&'a [u8]>, String> {
+    let outside = || format!("refers to accessor {}, which reaches beyond its buffer", accessor.index());
+    let view = accessor
+        .view()
+        .filter(|_| accessor.sparse().is_none())
+        .ok_or_else(|| format!("refers to accessor {}, which is sparse", accessor.index()))?;
+    let end = view.offset().checked_add(view.length()).ok_or_else(outside)?;
+    let bytes = buffers[view.buffer().index()].get(view.offset()..end).ok_or_else(outside)?;
+    let stride = view.stride().unwrap_or(accessor.size()).max(accessor.size());
+    let mut items = Vec::new();
+    let mut start = accessor.offset();
+    for _ in 0..accessor.count() {
+        let item =
+            start.checked_add(accessor.size()).and_then(|end| bytes.get(start..end)).ok_or_else(outside)?;
+        items.push(item);
+        start = start.saturating_add(stride);
+    }
+    Ok(items)
+}
+
+/// The triangles of a list, a strip or a fan of indices; none for points and lines.
+fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        Mode::TriangleStrip => {
+            let turned =
+                |(n, t): (usize, &[u32])| if n % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
+            indices.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::TriangleFan => indices.windows(2).skip(1).map(|t| [indices[0], t[0], t[1]]).collect(),
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
+    }
+}

@@ -1,0 +1,122 @@
+//! PLY, text and binary: the elements `vertex` and `face`.
+//!
+//! A library reads the header. The numbers after it are read here, because its text form knows neither `nan` nor `1.`.
+
+use super::{File, push_fan};
+use crate::{MeshError, TriMesh};
+use glam::DVec3;
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
+use std::str::SplitWhitespace;
+
+pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+    // Read the header.
+    let mut reader = Reader::new(file.bytes);
+    let header = Parser::<DefaultElement>::new().read_header(&mut reader).map_err(|error| {
+        let words = error.to_string();
+        file.malformed("PLY", words.split_whitespace().collect::<Vec<_>>().join(" "))
+    })?;
+    let body = reader.into_inner();
+    let text = String::from_utf8_lossy(body);
+    let mut numbers = match header.encoding {
+        Encoding::Ascii => Numbers::Text(text.split_whitespace()),
+        Encoding::BinaryLittleEndian => Numbers::LittleEndian(body),
+        Encoding::BinaryBigEndian => Numbers::BigEndian(body),
+    };
+
+    // Read the elements in the order of the header; others than vertices and faces only to get past them.
+    let mut mesh = TriMesh::default();
+    let mut faces = Vec::new();
+    for element in header.elements.values() {
+        let name = &element.name;
+        if element.properties.is_empty() || element.count > body.len() {
+            let reason =
+                format!("its {} bytes cannot hold {} elements \"{name}\"", body.len(), element.count);
+            return Err(file.malformed("PLY", reason));
+        }
+        let axes = ["x", "y", "z"].map(|axis| element.properties.get_index_of(axis));
+        let corners =
+            ["vertex_indices", "vertex_index"].iter().find_map(|list| element.properties.get_index_of(*list));
+        for count in 0..element.count {
+            let values = numbers.element(element).ok_or_else(|| {
+                file.malformed("PLY", format!("element \"{name}\" {count} has a number missing or misspelt"))
+            })?;
+            match (name.as_str(), axes, corners) {
+                ("vertex", [Some(x), Some(y), Some(z)], _) => {
+                    let coordinate = |at: usize| values[at].first().copied().unwrap_or(f64::NAN);
+                    mesh.positions.push(DVec3::new(coordinate(x), coordinate(y), coordinate(z)));
+                }
+                ("vertex", _, _) => return Err(file.malformed("PLY", "its vertices have no x, y and z")),
+                ("face", _, Some(corners)) => faces.push(values[corners].clone()),
+                ("face", _, None) => return Err(file.malformed("PLY", "its faces have no vertex_indices")),
+                _ => {}
+            }
+        }
+    }
+
+    // Make triangles of the faces, with each index checked.
+    let last = mesh.positions.len() as i64 - 1;
+    for (face, corners) in faces.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64)) {
+            let (mesh, place) = (file.name.to_owned(), format!("face {face}"));
+            return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
+        }
+        let polygon: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
+        push_fan(&mut mesh.triangles, &polygon);
+    }
+    Ok(mesh)
+}
+
+/// The numbers of a file, one after the other.
+enum Numbers<'a> {
+    Text(SplitWhitespace<'a>),
+    LittleEndian(&'a [u8]),
+    BigEndian(&'a [u8]),
+}
+
+impl Numbers<'_> {
+    /// The values of each property of an element, one for a scalar; `None` where the file breaks off.
+    fn element(&mut self, element: &ElementDef) -> Option<Vec<Vec<f64>>> {
+        let mut values = Vec::with_capacity(element.properties.len());
+        for property in element.properties.values() {
+            values.push(match &property.data_type {
+                PropertyType::Scalar(scalar) => vec![self.next(scalar)?],
+                PropertyType::List(length, scalar) => {
+                    let length = self.next(length).filter(|&length| length >= 0.0)?;
+                    (0..length as usize).map(|_| self.next(scalar)).collect::<Option<Vec<f64>>>()?
+                }
+            });
+        }
+        Some(values)
+    }
+
+    /// The next number; each type of PLY fits into f64 exactly.
+    fn next(&mut self, scalar: &ScalarType) -> Option<f64> {
+        let little = matches!(self, Self::LittleEndian(_));
+        let bytes = match self {
+            Self::Text(words) => return words.next()?.parse().ok(),
+            Self::LittleEndian(bytes) | Self::BigEndian(bytes) => bytes,
+        };
+        Some(match scalar {
+            ScalarType::Char => f64::from(i8::from_ne_bytes(take(bytes, little)?)),
+            ScalarType::UChar => f64::from(u8::from_ne_bytes(take(bytes, little)?)),
+            ScalarType::Short => f64::from(i16::from_le_bytes(take(bytes, little)?)),
+            ScalarType::UShort => f64::from(u16::from_le_bytes(take(bytes, little)?)),
+            ScalarType::Int => f64::from(i32::from_le_bytes(take(bytes, little)?)),
+            ScalarType::UInt => f64::from(u32::from_le_bytes(take(bytes, little)?)),
+            ScalarType::Float => f64::from(f32::from_le_bytes(take(bytes, little)?)),
+            ScalarType::Double => f64::from_le_bytes(take(bytes, little)?),
+        })
+    }
+}
+
+/// Takes the next bytes, turned to little-endian order.
+fn take<const N: usize>(bytes: &mut &[u8], little: bool) -> Option<[u8; N]> {
+    let (taken, rest) = bytes.split_first_chunk::<N>()?;
+    *bytes = rest;
+    let mut taken = *taken;
+    if !little {
+        taken.reverse();
+    }
+    Some(taken)
+}

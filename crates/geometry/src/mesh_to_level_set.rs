@@ -1,0 +1,128 @@
+//! Triangle mesh to level set: the exact distance to the boundary between inside and outside.
+
+use crate::bvh::{Bvh, closest_point_on_triangle};
+use crate::mesh_check::MeshError;
+use crate::solid_boundary::{INSIDE, boundary_triangles, hole_patches};
+use crate::sweep::{Nearest, UNKNOWN};
+use crate::{Grid, LevelSet, TriMesh, WindingNumber};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Nodes that a grid may have here: 2^28, which take 3 GiB.
+const MAX_NODES: usize = 1 << 28;
+
+/// Half of the width, in cells, of the band in which each node is compared with all triangles. Beyond it nodes learn from
+/// their neighbours; the surface, its gradients and the contacts lie within.
+const BAND: f64 = 3.0;
+
+/// Why a mesh has no level set on a grid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshToLevelSetError {
+    /// See [`TriMesh::check`] and [`TriMesh::check_volume`].
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Would not fit into memory.
+    #[error("the grid has {} x {} x {} nodes, must have at most {MAX_NODES} in all", dims[0], dims[1], dims[2])]
+    TooManyNodes {
+        /// Nodes along x, y and z.
+        dims: [usize; 3],
+    },
+    /// The solid is thinner than the grid can tell, or lies beside it.
+    #[error(
+        "the mesh has 0 grid nodes inside, must have at least 1 (the grid's spacing is {spacing} m; use more voxels)"
+    )]
+    NothingInside {
+        /// Of the grid [m].
+        spacing: f64,
+    },
+}
+
+/// Samples the signed distance [m] of the solid that a mesh bounds, exact to rounding within three cells of
+/// the surface and to a small part of a cell beyond.
+///
+/// Inside is where the winding number exceeds one half [JKS13], so that holes and self-intersections do no harm: the
+/// distance is to the triangles that separate inside from outside (not to those buried in the solid, as where parts
+/// overlap), and to patches over the holes. A mesh that faces inward is turned. Does not depend on the number of threads.
+pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToLevelSetError> {
+    // Refuse what has no answer.
+    let nodes = grid.dims.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
+    if nodes.is_none_or(|nodes| nodes > MAX_NODES) {
+        return Err(MeshToLevelSetError::TooManyNodes { dims: grid.dims });
+    }
+    mesh.check("the mesh")?;
+    mesh.check_volume("the mesh")?;
+
+    // Find the triangles that bound the solid.
+    let mut triangles: Vec<[DVec3; 3]> =
+        (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)).collect();
+    if mesh.mass_properties().volume < 0.0 {
+        for corners in &mut triangles {
+            corners.swap(1, 2);
+        }
+    }
+    let winding_number = WindingNumber::new(Bvh::new(&triangles));
+    let mut boundary = boundary_triangles(&winding_number, mesh, &triangles, grid.spacing);
+
+    // Find how often the mesh winds around each node, and how far the nodes near the triangles are from them.
+    let mut winding = vec![0.0_f32; grid.len()];
+    winding.par_iter_mut().enumerate().for_each(|(index, value)| {
+        let [i, j, k] = grid.coordinates(index);
+        *value = winding_number.at(grid.node(i, j, k)) as f32;
+    });
+    let mut nearest =
+        Nearest { distance: vec![f32::INFINITY; grid.len()], triangle: vec![UNKNOWN; grid.len()] };
+    measure_band(&grid, &boundary, 0, &mut nearest);
+
+    // Close the holes, and go on to the nodes far from the surface.
+    let closed = boundary.len();
+    boundary.extend(hole_patches(&grid, &nearest.distance, &winding));
+    measure_band(&grid, &boundary[closed..], closed, &mut nearest);
+    nearest.sweep(&grid, &boundary);
+
+    // Tell inside from outside.
+    let mut phi = nearest.distance;
+    let mut inner = 0_usize;
+    for (value, &winding) in phi.iter_mut().zip(&winding) {
+        if f64::from(winding) > INSIDE {
+            *value = -*value;
+            inner += 1;
+        }
+    }
+    if inner == 0 {
+        return Err(MeshToLevelSetError::NothingInside { spacing: grid.spacing });
+    }
+    Ok(LevelSet::new(grid, phi))
+}
+
+/// Finds the nearest of some triangles for each node in the band around them, where it is nearer than what is known.
+/// `first` is the index of the first triangle.
+fn measure_band(grid: &Grid, triangles: &[[DVec3; 3]], first: usize, nearest: &mut Nearest) {
+    let bvh = Bvh::new(triangles);
+    let [nx, ny, _] = grid.dims;
+    let rows = nearest.distance.par_chunks_mut(nx).zip(nearest.triangle.par_chunks_mut(nx));
+    rows.enumerate().for_each(|(row, (distance, triangle))| {
+        let mut last: Option<usize> = None;
+        for i in 0..nx {
+            // The nearest triangle of the last node is a good guess.
+            let node = grid.node(i, row % ny, row / ny);
+            let guess = last.map_or(f64::INFINITY, |last| {
+                (node - closest_point_on_triangle(node, &triangles[last])).length_squared()
+            });
+            let bound = f64::from(distance[i]).min(BAND * grid.spacing);
+            let mut squared = bound * bound;
+            if guess < squared {
+                squared = guess;
+            } else {
+                last = None;
+            }
+            if let Some(closest) = bvh.closest(node, squared) {
+                squared = closest.distance_squared;
+                last = Some(closest.triangle);
+            }
+            if let Some(last) = last {
+                distance[i] = squared.sqrt() as f32;
+                triangle[i] = (first + last) as u32;
+            }
+        }
+    });
+}

@@ -1,0 +1,94 @@
+//! Meshes that the tests share.
+#![allow(dead_code, reason = "each test file uses some of them")]
+
+use frangible_geometry::TriMesh;
+use glam::DVec3;
+
+/// Faces of a cube as quads over its eight corners, corner `i` at bit 0 of `i` along x, 1 along y, 2 along z.
+pub(crate) const CUBE_FACES: [[u32; 4]; 6] =
+    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+
+/// Box without its last `missing` faces.
+pub(crate) fn open_box(low: DVec3, high: DVec3, missing: usize) -> TriMesh {
+    let corner = |i: u32| {
+        let pick = |axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let faces = &CUBE_FACES[..CUBE_FACES.len() - missing];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    TriMesh { positions: (0..8).map(corner).collect(), triangles }
+}
+
+/// Sphere of 20 * 4^levels triangles around the origin, its vertices on the sphere.
+pub(crate) fn icosphere(radius: f64, levels: usize) -> TriMesh {
+    let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let mut positions: Vec<DVec3> = [
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ]
+    .map(|p| DVec3::from_array(p).normalize() * radius)
+    .to_vec();
+    let mut triangles: Vec<[u32; 3]> = vec![
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    for _ in 0..levels {
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                let middle = (positions[from as usize] + positions[to as usize]).normalize() * radius;
+                positions.push(middle);
+                positions.len() as u32 - 1
+            });
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    let mut mesh = TriMesh { positions, triangles };
+    mesh.weld();
+    mesh
+}
+
+/// Both meshes in one.
+pub(crate) fn joined(mut first: TriMesh, second: &TriMesh) -> TriMesh {
+    let base = first.positions.len() as u32;
+    first.positions.extend(&second.positions);
+    first.triangles.extend(second.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+    first
+}
+
+/// The same mesh elsewhere.
+pub(crate) fn moved(mut mesh: TriMesh, way: DVec3) -> TriMesh {
+    for position in &mut mesh.positions {
+        *position += way;
+    }
+    mesh
+}
