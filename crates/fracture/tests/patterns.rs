@@ -1,5 +1,7 @@
 //! Patterns tile their box, and everything beyond it too.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod common;
 
 use frangible_fracture::{Pattern, PatternError, Radial, Region, Voronoi};

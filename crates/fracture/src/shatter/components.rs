@@ -178,3 +178,92 @@ fn found_islands(solid: &GridSolid, region_of_node: &[u32], components: &mut Com
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frangible_geometry::LevelSet;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    /// A solid whose inside and coverage are noise.
+    fn noise(phi: Vec<f32>, dims: [usize; 3]) -> GridSolid {
+        let grid = Grid { origin: DVec3::ZERO, spacing: 1.0, dims };
+        let mut solid = GridSolid::from_level_set(LevelSet::new(grid, phi));
+        solid.coverage = solid.level_set.phi().iter().map(|&phi| (0.5 - phi).clamp(0.0, 1.0)).collect();
+        solid
+    }
+
+    /// Reference: flood fill from each node that has no number yet.
+    fn flood_fill(solid: &GridSolid, region_of_node: &[u32]) -> Vec<u32> {
+        let grid = solid.level_set.grid();
+        let inside = |node: usize| solid.level_set.phi()[node] <= 0.0;
+        let mut number = vec![NONE; grid.len()];
+        let mut next = 0;
+        for seed in 0..grid.len() {
+            if !inside(seed) || number[seed] != NONE {
+                continue;
+            }
+            let mut frontier = vec![seed];
+            number[seed] = next;
+            while let Some(node) = frontier.pop() {
+                for other in neighbours(grid, node) {
+                    if inside(other) && number[other] == NONE && region_of_node[other] == region_of_node[seed]
+                    {
+                        number[other] = next;
+                        frontier.push(other);
+                    }
+                }
+            }
+            next += 1;
+        }
+        number
+    }
+
+    fn field() -> impl Strategy<Value = (GridSolid, Vec<u32>)> {
+        let dims = (2..9usize, 2..7usize, 2..7usize);
+        dims.prop_flat_map(|(x, y, z)| {
+            let count = x * y * z;
+            let nodes = (prop::collection::vec(-1.0..1.0f32, count), prop::collection::vec(0..3u32, count));
+            nodes.prop_map(move |(phi, regions)| (noise(phi, [x, y, z]), regions))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        /// Runs and union-find give what flood fill gives, with the same numbers.
+        #[test]
+        fn components_are_those_of_flood_fill((solid, regions) in field()) {
+            let found = connect_inside(&solid, &regions);
+            prop_assert_eq!(found.of_node, flood_fill(&solid, &regions));
+        }
+
+        /// All material has a component; surface voxels are in one that they touch, in one of their region if they can.
+        #[test]
+        fn no_material_is_left_over((solid, regions) in field()) {
+            let inside = connect_inside(&solid, &regions);
+            let all = connected_components(&solid, &regions);
+            for node in 0..solid.coverage.len() {
+                if inside.of_node[node] != NONE {
+                    prop_assert_eq!(all.of_node[node], inside.of_node[node]);
+                    continue;
+                }
+                prop_assert_eq!(all.of_node[node] != NONE, solid.coverage[node] > 0.0);
+                if all.of_node[node] == NONE {
+                    continue;
+                }
+                let around: Vec<usize> = neighbours(solid.level_set.grid(), node).collect();
+                let of_own_region = around.iter().any(|&other| {
+                    inside.of_node[other] != NONE && regions[other] == regions[node]
+                });
+                if of_own_region {
+                    prop_assert_eq!(all.region[all.of_node[node] as usize], regions[node]);
+                }
+                let touches = around.iter().any(|&other| all.of_node[other] == all.of_node[node]);
+                let alone = around.iter().all(|&other| all.of_node[other] == NONE);
+                prop_assert!(touches || alone);
+            }
+        }
+    }
+}

@@ -65,6 +65,31 @@ fn find_extents(grid: &Grid, piece_of_node: &[u32], count: usize) -> Vec<Extent>
     extents
 }
 
+/// The larger of two numbers that are not NaN: one instruction, unlike [`f32::max`].
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Distances along one row of nodes.
+struct RowScratch {
+    /// To the region of the piece.
+    region: Vec<f32>,
+    /// To one part of it.
+    part: Vec<f32>,
+    /// To each plane of a part, at both ends of the row.
+    ends: Vec<(f64, f64)>,
+    /// 0, 1, 2, ...
+    numbers: Vec<f32>,
+}
+
+impl RowScratch {
+    fn new(width: usize) -> Self {
+        let numbers = (0..width).map(|i| i as f32).collect();
+        Self { region: vec![0.0; width], part: vec![0.0; width], ends: Vec::new(), numbers }
+    }
+}
+
 /// All that one piece's solid is computed from.
 struct Intersection<'a> {
     parent: &'a GridSolid,
@@ -87,15 +112,19 @@ impl Intersection<'_> {
         let mut phi = vec![0.0; grid.len()];
         let mut coverage = vec![0.0; grid.len()];
         let mut row_ends = Vec::with_capacity(2 * dims[1] * dims[2]);
-        let mut region_row = vec![0.0; dims[0]];
+        let mut scratch = RowScratch::new(dims[0]);
         for row in 0..dims[1] * dims[2] {
             let [j, k] = [row % dims[1], row / dims[1]];
             let nodes = row * dims[0]..(row + 1) * dims[0];
             let start = grid.node(0, j, k);
-            self.region_distances(start, &mut region_row);
+            self.region_distances(start, &mut scratch);
             let lattice = [low[0], low[1] + j as i64, low[2] + k as i64];
-            let own =
-                self.fill_row(lattice, &region_row, &mut phi[nodes.clone()], &mut coverage[nodes.clone()]);
+            let own = self.fill_row(
+                lattice,
+                &scratch.region,
+                &mut phi[nodes.clone()],
+                &mut coverage[nodes.clone()],
+            );
             for i in own.into_iter().flatten() {
                 row_ends.push(grid.node(i, j, k));
             }
@@ -106,21 +135,32 @@ impl Intersection<'_> {
 
     /// Distance to the union of the parts along a row of nodes from `start`. From the planes themselves, not
     /// interpolated: the cracks meet exactly at the impact point.
-    fn region_distances(&self, start: DVec3, row: &mut [f32]) {
+    fn region_distances(&self, start: DVec3, scratch: &mut RowScratch) {
         let h = self.parent.level_set.grid().spacing;
-        let mut part_row = vec![0.0; row.len()];
-        row.fill(f32::INFINITY);
+        let last = (scratch.region.len() - 1) as f64;
+        scratch.region.fill(f32::INFINITY);
         for part in &self.parts {
-            part_row.fill(f32::NEG_INFINITY);
+            // Planes at both ends of the row. The distance is nowhere below `least`, so that a plane which is not
+            // above it at either end is never the farthest.
+            scratch.ends.clear();
+            let mut least = f64::NEG_INFINITY;
             for cut in &part.cuts {
-                let at_start = cut.half_space.distance(start) as f32;
-                let step = (cut.half_space.normal.x * h) as f32;
-                for (i, distance) in part_row.iter_mut().enumerate() {
-                    *distance = distance.max(at_start + step * i as f32);
+                let at_start = cut.half_space.distance(start);
+                let at_end = at_start + cut.half_space.normal.x * h * last;
+                least = least.max(at_start.min(at_end));
+                scratch.ends.push((at_start, at_end));
+            }
+            scratch.part.fill(least as f32);
+            for (cut, &(at_start, at_end)) in part.cuts.iter().zip(&scratch.ends) {
+                if at_start.max(at_end) > least {
+                    let (at_start, step) = (at_start as f32, (cut.half_space.normal.x * h) as f32);
+                    for (distance, &i) in scratch.part.iter_mut().zip(&scratch.numbers) {
+                        *distance = larger(at_start + step * i, *distance);
+                    }
                 }
             }
-            for (nearest, &distance) in row.iter_mut().zip(&part_row) {
-                *nearest = nearest.min(distance);
+            for (nearest, &distance) in scratch.region.iter_mut().zip(&scratch.part) {
+                *nearest = if distance < *nearest { distance } else { *nearest };
             }
         }
     }
@@ -130,55 +170,74 @@ impl Intersection<'_> {
     fn fill_row(
         &self,
         lattice: [i64; 3],
-        region_row: &[f32],
+        region: &[f32],
         phi: &mut [f32],
         coverage: &mut [f32],
-    ) -> [Option<usize>; 2] {
+    ) -> Option<[usize; 2]> {
         let grid = self.parent.level_set.grid();
-        let parent_phi = self.parent.level_set.phi();
         let outside = (OUTSIDE * grid.spacing) as f32;
-        let clamp = |axis: usize, n: i64| n.clamp(0, grid.dims[axis] as i64 - 1);
-        let [y, z] = [clamp(1, lattice[1]), clamp(2, lattice[2])];
+
+        // Beyond the parent's grid: the value at its nearest node and the way to it.
+        let parent_phi = self.parent.level_set.phi();
+        let nearest = |axis: usize, n: i64| n.clamp(0, grid.dims[axis] as i64 - 1);
+        let [y, z] = [nearest(1, lattice[1]), nearest(2, lattice[2])];
         let [beyond_y, beyond_z] = [lattice[1] - y, lattice[2] - z];
         let parent_row = grid.index(0, y as usize, z as usize);
-        let mut ends = [None; 2];
-        for i in 0..phi.len() {
-            let x = clamp(0, lattice[0] + i as i64);
-            let node = parent_row + x as usize;
-            let beyond_x = lattice[0] + i as i64 - x;
-            let in_parent = beyond_x == 0 && beyond_y == 0 && beyond_z == 0;
-            if !in_parent {
-                // Beyond the parent's grid: the value at its nearest node and the way to it.
-                let way = ((beyond_x * beyond_x + beyond_y * beyond_y + beyond_z * beyond_z) as f64).sqrt();
-                let distance = parent_phi[node] + (way * grid.spacing) as f32;
-                phi[i] = distance.max(region_row[i]).max(outside);
-                continue;
-            }
-            let distance = parent_phi[node].max(region_row[i]);
-            if self.piece_of_node[node] == self.piece {
-                // Own nodes are inside if they were inside of the parent.
-                phi[i] = if parent_phi[node] <= 0.0 { distance.min(0.0) } else { distance };
-                coverage[i] = self.parent.coverage[node];
-                ends = [ends[0].or(Some(i)), Some(i)];
-            } else {
-                // Another component of the same region, or what a sliver was cut off from.
-                phi[i] = if distance > 0.0 { distance } else { outside.max(-distance) };
-            }
+        let beyond = |i: usize| {
+            let at = lattice[0] + i as i64;
+            let x = nearest(0, at);
+            let square = (at - x) * (at - x) + beyond_y * beyond_y + beyond_z * beyond_z;
+            let way = (square as f64).sqrt() * grid.spacing;
+            larger(larger(parent_phi[parent_row + x as usize] + way as f32, region[i]), outside)
+        };
+        let width = phi.len();
+        let (first, end) = if beyond_y == 0 && beyond_z == 0 {
+            // Pieces lie within the grid, so that part of the row does.
+            ((-lattice[0]).max(0) as usize, (grid.dims[0] as i64 - lattice[0]).min(width as i64) as usize)
+        } else {
+            (0, 0)
+        };
+        for i in (0..first).chain(end..width) {
+            phi[i] = beyond(i);
         }
-        ends
+        if first == end {
+            return None;
+        }
+
+        // Within it.
+        let start = (parent_row as i64 + lattice[0] + first as i64) as usize;
+        let nodes = start..start + (end - first);
+        let pieces = &self.piece_of_node[nodes.clone()];
+        let inputs = parent_phi[nodes.clone()].iter().zip(&region[first..end]).zip(pieces);
+        for (((&parent, &region), &piece), phi) in inputs.zip(&mut phi[first..end]) {
+            let distance = larger(parent, region);
+            // Own nodes are inside if they were inside of the parent. Nodes of others are not: of another component of
+            // the same region, or of what a sliver was cut off from.
+            let own = if parent <= 0.0 && distance > 0.0 { 0.0 } else { distance };
+            let foreign = if distance > 0.0 { distance } else { larger(-distance, outside) };
+            *phi = if piece == self.piece { own } else { foreign };
+        }
+        let materials = self.parent.coverage[nodes].iter().zip(pieces);
+        for ((&material, &piece), coverage) in materials.zip(&mut coverage[first..end]) {
+            *coverage = if piece == self.piece { material } else { 0.0 };
+        }
+        let first_own = pieces.iter().position(|&piece| piece == self.piece)?;
+        let last_own = pieces.iter().rposition(|&piece| piece == self.piece)?;
+        Some([first + first_own, first + last_own])
     }
 
-    /// The parent's cuts and the region's own, as far as they touch the piece's voxels. `row_ends` are the first and the
-    /// last of the piece's nodes in each row: no other node is farther out along any direction.
+    /// The parent's cuts and the region's own, as far as they come within a voxel of the piece's nodes. One that does
+    /// not is the nearest surface to none of them. `row_ends` are the first and the last of the piece's nodes in each
+    /// row: no other node is farther out along any direction.
     fn outline(&self, row_ends: &[DVec3]) -> Outline {
-        let half = 0.5 * self.parent.level_set.grid().spacing;
-        let touches = |half_space: &HalfSpace| {
-            let half_voxel = half * half_space.normal.abs().element_sum();
-            row_ends.iter().any(|&node| half_space.distance(node) >= -half_voxel)
+        let h = self.parent.level_set.grid().spacing;
+        let bounds = |half_space: &HalfSpace| {
+            let voxel = h * half_space.normal.abs().element_sum();
+            row_ends.iter().any(|&node| half_space.distance(node) >= -voxel)
         };
         let inherited = self.parent.outline.cuts.iter();
         let new = self.parts.first().into_iter().flat_map(|region| &region.cuts).map(|cut| &cut.half_space);
-        let cuts = inherited.chain(new).filter(|&half_space| touches(half_space)).copied().collect();
+        let cuts = inherited.chain(new).filter(|&half_space| bounds(half_space)).copied().collect();
         Outline { root: self.parent.outline.root.clone(), cuts }
     }
 }

@@ -18,6 +18,10 @@ const FEWEST_SAMPLES: usize = 4;
 /// Samples closer than this are one, in units of the distance between samples.
 const SAME: f64 = 0.25;
 
+/// Layers of nodes around a point's cell in which its fragment is looked for, one after the other. A circle around a cell
+/// fits into a wedge of 20 degrees four spacings from its tip: that far can be the first node inside.
+const REACHES: [i64; 4] = [0, 1, 2, 4];
+
 /// What a sample's fragment is looked up in.
 struct Lookup<'a> {
     parent: &'a GridSolid,
@@ -53,8 +57,11 @@ pub(crate) fn assign_particles(
     let grid_from_body = shape.body_from_grid.inverse();
     for sample in &shape.samples {
         let point = grid_from_body.point(sample.as_dvec3());
-        if let Some(piece) = lookup.piece_at(point) {
-            fragments[piece].add(point);
+        match lookup.piece_at(point) {
+            Some((piece, true)) => fragments[piece].add(point),
+            // Far from all cracks no sample of one is in its place.
+            Some((piece, false)) => fragments[piece].samples.push(point.as_vec3()),
+            None => {}
         }
     }
     for (fragment, solid) in fragments.iter_mut().zip(solids) {
@@ -66,32 +73,40 @@ pub(crate) fn assign_particles(
 }
 
 impl Lookup<'_> {
-    /// The fragment that a point on the parent's surface belongs to: of the components around it the one in whose
-    /// region it lies deepest, then the one with the least level set.
-    fn piece_at(&self, point: DVec3) -> Option<usize> {
-        for reach in [0, 1] {
-            let candidates = self.components_around(point, reach);
-            let depth = |&component: &u32| {
+    /// The fragment that a point on the parent's surface belongs to, and whether others are near: of the components
+    /// around it the one in whose region it lies deepest, then the one with the least level set.
+    fn piece_at(&self, point: DVec3) -> Option<(usize, bool)> {
+        for reach in REACHES {
+            let around = self.components_around(point, reach);
+            let depth = |component: u32| {
                 let region = &self.regions[self.components.region[component as usize] as usize];
                 (region.distance(point), self.value(component, point))
             };
-            let nearer = |a: &u32, b: &u32| {
-                let (a, b) = (depth(a), depth(b));
-                a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-            };
-            if let Some(nearest) = candidates.into_iter().min_by(nearer) {
-                return Some(self.piece(nearest));
+            match around.as_slice() {
+                [] => {}
+                [only] => return Some((self.piece(*only), false)),
+                [first, others @ ..] => {
+                    let mut nearest = (*first, depth(*first));
+                    for &other in others {
+                        let at_other = depth(other);
+                        if at_other < nearest.1 {
+                            nearest = (other, at_other);
+                        }
+                    }
+                    return Some((self.piece(nearest.0), true));
+                }
             }
         }
         // Far from any material, as a sample of a coarser surface may be: the fragment with the least level set.
         let value = |piece: usize| self.solids[piece].level_set.value(point);
-        (0..self.solids.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)))
+        let nearest = (0..self.solids.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)))?;
+        Some((nearest, true))
     }
 
     /// The fragment of `region` that a point on one of the region's cracks belongs to; none where the region has no
     /// material, or where the crack is healed because a sliver joined the fragment across.
     fn piece_beside_crack(&self, point: DVec3, region: u32) -> Option<usize> {
-        for reach in [0, 1] {
+        for reach in REACHES {
             let around = self.components_around(point, reach);
             let own =
                 around.iter().filter(|&&component| self.components.region[component as usize] == region);
@@ -114,26 +129,36 @@ impl Lookup<'_> {
         self.solids[self.piece(component)].level_set.value(point)
     }
 
-    /// The parent's nodes at the corners of the cell that holds a point, and `reach` further on each side.
-    fn nodes_around(&self, point: DVec3, reach: i64) -> impl Iterator<Item = usize> {
-        let grid = *self.parent.level_set.grid();
+    /// The parent's nodes at the corners of the cell that holds a point, and `reach` further on each side: lowest and
+    /// highest.
+    fn nodes_around(&self, point: DVec3, reach: i64) -> ([usize; 3], [usize; 3]) {
+        let grid = self.parent.level_set.grid();
         let corner = grid.lattice_from_point(point).floor();
-        let range = move |axis: usize| {
-            let lowest = corner[axis] as i64 - reach;
-            let last = grid.dims[axis] as i64 - 1;
-            lowest.clamp(0, last) as usize..=(lowest + 1 + 2 * reach).clamp(0, last) as usize
-        };
-        range(2).flat_map(move |k| range(1).flat_map(move |j| range(0).map(move |i| grid.index(i, j, k))))
+        let within = |axis: usize, n: i64| n.clamp(0, grid.dims[axis] as i64 - 1) as usize;
+        let low = std::array::from_fn(|axis| within(axis, corner[axis] as i64 - reach));
+        let high = std::array::from_fn(|axis| within(axis, corner[axis] as i64 + 1 + reach));
+        (low, high)
     }
 
     /// The components with mass among those nodes, each once.
     fn components_around(&self, point: DVec3, reach: i64) -> Vec<u32> {
-        let mut found = Vec::with_capacity(8);
-        for node in self.nodes_around(point, reach) {
-            let component = self.components.of_node[node];
-            let has_mass = component != NONE && self.pieces.of_component[component as usize] != NONE;
-            if has_mass && !found.contains(&component) {
-                found.push(component);
+        let grid = self.parent.level_set.grid();
+        let (low, high) = self.nodes_around(point, reach);
+        let mut found = Vec::new();
+        let mut last = NONE;
+        for k in low[2]..=high[2] {
+            for j in low[1]..=high[1] {
+                let row = grid.index(0, j, k);
+                for &component in &self.components.of_node[row + low[0]..=row + high[0]] {
+                    if component == NONE || component == last {
+                        continue;
+                    }
+                    last = component;
+                    let has_mass = self.pieces.of_component[component as usize] != NONE;
+                    if has_mass && !found.contains(&component) {
+                        found.push(component);
+                    }
+                }
             }
         }
         found
@@ -141,10 +166,14 @@ impl Lookup<'_> {
 
     /// Whether all material around a point, and there is no gap in it, is of one piece.
     fn is_inside(&self, point: DVec3, piece: usize) -> bool {
-        self.nodes_around(point, 0).all(|node| {
+        let grid = self.parent.level_set.grid();
+        let (low, high) = self.nodes_around(point, 0);
+        let is_own = |node: usize| {
             let component = self.components.of_node[node];
             component != NONE && self.pieces.of_component[component as usize] as usize == piece
-        })
+        };
+        (low[2]..=high[2])
+            .all(|k| (low[1]..=high[1]).all(|j| (low[0]..=high[0]).all(|i| is_own(grid.index(i, j, k)))))
     }
 }
 

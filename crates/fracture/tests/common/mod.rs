@@ -1,5 +1,6 @@
 //! Bodies to break, and blows.
 #![allow(dead_code, unreachable_pub, reason = "each test uses some of these")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
 
 use frangible_fracture::{Impact, Pattern, Radial, Voronoi};
 use frangible_geometry::{ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape};
@@ -22,17 +23,18 @@ pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
     Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples).unwrap()
 }
 
-/// Any distance on a grid over `low` to `high`, with the surface's nodes as samples.
+/// Any distance on a grid over `low` to `high`, with the nodes next to the surface moved onto it as samples.
 pub fn sampled(low: DVec3, high: DVec3, voxels: [usize; 3], distance: impl Fn(DVec3) -> f64) -> Shape {
     let grid = Grid::around_box(low, high, voxels, 2);
-    let level_set = LevelSet::sample(grid, distance);
+    let level_set = LevelSet::sample(grid, &distance);
     let mut samples: Vec<Vec3> = Vec::new();
-    for (node, &phi) in level_set.phi().iter().enumerate() {
-        if phi.abs() < 0.6 * grid.spacing as f32 {
-            let [i, j, k] = grid.coordinates(node);
-            let point = grid.node(i, j, k);
-            let (distance, gradient) = level_set.value_and_gradient(point);
-            samples.push(point.as_vec3() - distance * gradient.normalize_or_zero());
+    for node in 0..grid.len() {
+        let [i, j, k] = grid.coordinates(node);
+        let point = grid.node(i, j, k);
+        if distance(point).abs() < 0.6 * grid.spacing {
+            let slope = |axis: DVec3| distance(point + 1e-4 * axis) - distance(point - 1e-4 * axis);
+            let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
+            samples.push((point - distance(point) * gradient.normalize()).as_vec3());
         }
     }
     Shape::from_grid_solid(GridSolid::from_level_set(level_set), samples).unwrap()
