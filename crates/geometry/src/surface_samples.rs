@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// nodes: all corners, then points along edges, then on faces.
 pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
     // Accepted points this close keep others out; what is left between them is then filled with gaps around `spacing`.
-    const CLOSEST: f64 = 0.7;
+    const CLOSEST: f64 = 0.85;
     // Corners closer than this, in units of the grid's spacing, are the same corner seen from two cells.
     const SAME_CORNER: f64 = 0.1;
     // The two sides of a thin plate are both sampled: only points that face the same way keep each other out.
