@@ -1,13 +1,27 @@
 //! Rigid bodies in motion that never gain energy.
+//!
+//! Each stage of a frame is a public function in the file of its name; `frangible::step` says in which order they run.
+//! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
 
+pub mod bodies;
+pub mod broad_phase;
+pub mod collisions;
+pub mod contact;
+pub mod contact_graph;
+pub mod detection;
 pub mod energy_fix;
+pub mod evolve;
 pub mod impulse;
 pub mod impulse_clamp;
+pub mod pair;
+pub mod push_out;
 pub mod rotation;
+pub mod settings;
+pub mod shock_propagation;
 pub mod state;
+pub mod tally;
 
-pub use energy_fix::{EnergyFix, fix_rotational_energy};
-pub use impulse::{apply_impulse, collision_impulse, contact_matrix};
-pub use impulse_clamp::{Clamp, ClampSide, clamp_impulse};
-pub use rotation::{advance, rotate_second_order};
+pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody};
+pub use settings::{Frame, PaperSettings};
 pub use state::{Inertia, Pose, Velocity};
+pub use tally::Tally;

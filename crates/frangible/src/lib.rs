@@ -1,1 +1,41 @@
-//! Under construction.
+//! **Frangible**: a rigid-body destruction engine that runs at the frame rate and never makes energy.
+//!
+//! Describe a scene, build a world, step it:
+//!
+//! ```
+//! use frangible::{BodyDesc, SceneDesc, ShapeDesc, World, step};
+//!
+//! let mut scene = SceneDesc::new("drop");
+//! scene.bodies.push(BodyDesc::ground(0.0));
+//! let mut ball = BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.5, resolution: Default::default() });
+//! ball.position = [0.0, 2.0, 0.0];
+//! scene.bodies.push(ball);
+//!
+//! let mut world = World::build(&scene)?;
+//! for _ in 0..30 {
+//!     let report = step(&mut world);
+//!     println!("{:.2} s: {:.1} J", report.time, report.energy.total);
+//! }
+//! # Ok::<(), frangible::BuildError>(())
+//! ```
+
+mod books;
+mod break_bodies;
+mod build;
+mod check;
+mod desc;
+mod quarantine;
+mod report;
+mod shapes;
+mod step;
+mod world;
+
+pub use check::BuildError;
+pub use desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+pub use frangible_dynamics as dynamics;
+pub use frangible_dynamics::BodyId;
+pub use frangible_fracture as fracture;
+pub use frangible_geometry as geometry;
+pub use report::{Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number};
+pub use step::step;
+pub use world::{Breaking, Label, World};

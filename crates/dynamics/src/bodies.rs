@@ -1,0 +1,201 @@
+//! All bodies of a world, in dense arrays grouped by what changes together.
+
+use crate::{Inertia, Pose, Velocity};
+use frangible_geometry::Shape;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Names a body for as long as it lives; a slot's next tenant has another generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyId {
+    /// Slot.
+    pub index: u32,
+    /// How many bodies had the slot before.
+    pub generation: u32,
+}
+
+/// What decides where a body goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// Never moves.
+    Static,
+    /// Moves as told, whatever it meets.
+    Kinematic {
+        /// [m/s]
+        linear: DVec3,
+        /// [rad/s]
+        angular: DVec3,
+    },
+    /// Moves by its momentum.
+    Dynamic,
+}
+
+/// How a body's surface meets others. A pair has the smaller value of its two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contactant {
+    /// Coulomb's coefficient.
+    pub friction: f64,
+    /// Ratio of normal speeds after and before a collision, in [0, 1].
+    pub restitution: f64,
+    /// The largest impulse that the body bears in one collision [N s]; infinite if it cannot break.
+    pub strength: f64,
+}
+
+/// A body about to enter a world.
+#[derive(Clone, Debug)]
+pub struct NewBody {
+    /// Shared, immutable.
+    pub shape: Arc<Shape>,
+    /// [kg/m^3]
+    pub density: f64,
+    /// Static, kinematic or dynamic.
+    pub motion: Motion,
+    /// At spawn.
+    pub pose: Pose,
+    /// At spawn; ignored unless dynamic.
+    pub velocity: Velocity,
+    /// Friction, restitution, strength.
+    pub contactant: Contactant,
+}
+
+/// Dense arrays, one entry for each living body, in order of birth.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Who.
+    pub ids: Vec<BodyId>,
+    /// Where, at the start of the frame.
+    pub poses: Vec<Pose>,
+    /// How fast, at the start of the frame.
+    pub velocities: Vec<Velocity>,
+    /// Static, kinematic or dynamic.
+    pub motions: Vec<Motion>,
+    /// [kg]; infinite unless dynamic.
+    pub masses: Vec<f64>,
+    /// Reciprocals of mass and moments; zero unless dynamic.
+    pub inertias: Vec<Inertia>,
+    /// [kg/m^3]
+    pub densities: Vec<f64>,
+    /// Geometry, samples, mass properties.
+    pub shapes: Vec<Arc<Shape>>,
+    /// Friction, restitution, strength.
+    pub contactants: Vec<Contactant>,
+    slots: Slots,
+}
+
+/// Which dense entry an id stands for.
+#[derive(Clone, Debug, Default)]
+struct Slots {
+    generation: Vec<u32>,
+    dense: Vec<Option<u32>>,
+    free: Vec<u32>,
+}
+
+impl Bodies {
+    /// Number of living bodies.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether no body lives.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Dense index of a living body.
+    pub fn index_of(&self, id: BodyId) -> Option<usize> {
+        let slot = id.index as usize;
+        let alive = self.slots.generation.get(slot) == Some(&id.generation);
+        if alive { self.slots.dense[slot].map(|dense| dense as usize) } else { None }
+    }
+
+    /// Adds a body behind all others.
+    pub fn spawn(&mut self, body: NewBody) -> BodyId {
+        let dense = self.len() as u32;
+        let index = self.slots.free.pop().unwrap_or_else(|| {
+            self.slots.generation.push(0);
+            self.slots.dense.push(None);
+            (self.slots.generation.len() - 1) as u32
+        });
+        self.slots.dense[index as usize] = Some(dense);
+        let id = BodyId { index, generation: self.slots.generation[index as usize] };
+
+        let (mass, inertia) = match body.motion {
+            Motion::Dynamic => {
+                let mass = body.density * body.shape.volume;
+                (mass, Inertia::new(mass, body.density * body.shape.unit_moments))
+            }
+            Motion::Static | Motion::Kinematic { .. } => (f64::INFINITY, Inertia::INFINITE),
+        };
+        self.ids.push(id);
+        self.poses.push(body.pose);
+        self.velocities.push(if inertia.is_infinite() { Velocity::default() } else { body.velocity });
+        self.motions.push(body.motion);
+        self.masses.push(mass);
+        self.inertias.push(inertia);
+        self.densities.push(body.density);
+        self.shapes.push(body.shape);
+        self.contactants.push(body.contactant);
+        id
+    }
+
+    /// Removes the bodies whose entry in `gone` is true; the others keep their order. Returns, for each old dense
+    /// index, the new one.
+    pub fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {
+        // Free the slots; the next tenant gets a new generation.
+        for (dense, id) in self.ids.iter().enumerate().filter(|&(dense, _)| gone[dense]) {
+            debug_assert_eq!(self.slots.dense[id.index as usize], Some(dense as u32));
+            self.slots.dense[id.index as usize] = None;
+            self.slots.generation[id.index as usize] += 1;
+            self.slots.free.push(id.index);
+        }
+
+        // Close the gaps in every array.
+        retain(&mut self.ids, gone);
+        retain(&mut self.poses, gone);
+        retain(&mut self.velocities, gone);
+        retain(&mut self.motions, gone);
+        retain(&mut self.masses, gone);
+        retain(&mut self.inertias, gone);
+        retain(&mut self.densities, gone);
+        retain(&mut self.shapes, gone);
+        retain(&mut self.contactants, gone);
+        for (dense, id) in self.ids.iter().enumerate() {
+            self.slots.dense[id.index as usize] = Some(dense as u32);
+        }
+        let mut next = 0;
+        gone.iter()
+            .map(|&is_gone| {
+                (!is_gone).then(|| {
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect()
+    }
+
+    /// Velocity of the material point at `lever` from the centre of mass of body `i`, at the given time levels [m/s].
+    pub fn point_velocity(&self, i: usize, pose: &Pose, velocity: &Velocity, lever: DVec3) -> DVec3 {
+        match self.motions[i] {
+            Motion::Static => DVec3::ZERO,
+            Motion::Kinematic { linear, angular } => linear + angular.cross(lever),
+            Motion::Dynamic => {
+                let angular = self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum);
+                velocity.linear + angular.cross(lever)
+            }
+        }
+    }
+
+    /// Friction and restitution of a pair: the smaller value of the two.
+    pub fn pair_contactant(&self, a: usize, b: usize) -> (f64, f64) {
+        let (a, b) = (&self.contactants[a], &self.contactants[b]);
+        (a.friction.min(b.friction), a.restitution.min(b.restitution))
+    }
+}
+
+fn retain<T>(values: &mut Vec<T>, gone: &[bool]) {
+    let mut dense = 0;
+    values.retain(|_| {
+        dense += 1;
+        !gone[dense - 1]
+    });
+}

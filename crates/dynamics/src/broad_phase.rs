@@ -1,0 +1,67 @@
+//! Pairs of bodies whose bounds overlap: sweep and prune along one axis [Bar92].
+
+use crate::pair::Pair;
+use crate::{Bodies, Pose};
+use frangible_geometry::Shape;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// An axis-aligned box in the world frame [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lowest corner.
+    pub low: DVec3,
+    /// Highest corner.
+    pub high: DVec3,
+}
+
+impl Bounds {
+    /// Of a shape at a pose; infinite for a half-space.
+    pub fn of(shape: &Shape, pose: &Pose) -> Self {
+        let (low, high) = shape.bounds;
+        if !low.is_finite() || !high.is_finite() {
+            return Self { low: DVec3::NEG_INFINITY, high: DVec3::INFINITY };
+        }
+        let transform = pose.world_from_body();
+        let center = transform.point(0.5 * (low + high));
+        let matrix = transform.matrix();
+        let half = 0.5 * (high - low);
+        let reach = half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
+        Self { low: center - reach, high: center + reach }
+    }
+
+    /// Whether the boxes have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+}
+
+/// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of which at least one is dynamic, in increasing
+/// order.
+pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
+    let enlarged = |(shape, pose): (&Arc<Shape>, &Pose)| {
+        let bounds = Bounds::of(shape, pose);
+        Bounds { low: bounds.low - 0.5 * margin, high: bounds.high + 0.5 * margin }
+    };
+    let bounds: Vec<Bounds> = bodies.shapes.iter().zip(poses).map(enlarged).collect();
+
+    // Sort along x; equal keys fall back on the index, so the order is one only.
+    let mut order: Vec<usize> = (0..bodies.len()).collect();
+    order.sort_by(|&a, &b| bounds[a].low.x.total_cmp(&bounds[b].low.x).then(a.cmp(&b)));
+
+    // Sweep: what begins before this one ends may overlap it.
+    let mut pairs = Vec::new();
+    for (rank, &a) in order.iter().enumerate() {
+        for &b in &order[rank + 1..] {
+            if bounds[b].low.x > bounds[a].high.x {
+                break;
+            }
+            let moves = !bodies.inertias[a].is_infinite() || !bodies.inertias[b].is_infinite();
+            if moves && bounds[a].overlaps(&bounds[b]) {
+                pairs.push(Pair { first: a.min(b), second: a.max(b) });
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}

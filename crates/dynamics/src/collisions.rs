@@ -1,0 +1,182 @@
+//! Collisions: what would meet in this frame bounces before it gets there [GBF03 sec. 4].
+//!
+//! Contact points, normals, levers and angular velocities are those of the predicted poses x^{n+1}; the impulses change
+//! v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision Clamping"]. A blow above a body's strength is
+//! reported, for the engine to break the body [Su09 sec. 4.2].
+
+use crate::broad_phase::find_pairs;
+use crate::detection::{Penetration, find_penetrations};
+use crate::evolve::{accelerate, evolve, evolve_all};
+use crate::pair::{Approach, Pair, apply_impulse, clamp_to_energy, deepest_approach, impulse_for, placed};
+use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// A collision that a body does not bear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blow {
+    /// Who breaks.
+    pub body: BodyId,
+    /// Who struck.
+    pub striker: BodyId,
+    /// Where, in the body's frame [m].
+    pub point_body: DVec3,
+    /// Unit, out of the body and towards the striker, in the body's frame.
+    pub normal_body: DVec3,
+    /// Where, in the world frame at the moment of impact [m].
+    pub point_world: DVec3,
+    /// The impulse that would have stopped the collision [N s].
+    pub impulse: f64,
+    /// The part that the body bore and passed on before it broke [N s].
+    pub borne: f64,
+}
+
+/// What one pass over all pairs came to.
+#[derive(Clone, Debug, Default)]
+pub struct Pass {
+    /// Whether any impulse was applied.
+    pub any: bool,
+    /// What breaks, in order of the pairs.
+    pub blows: Vec<Blow>,
+}
+
+/// The collisions of one frame, pass by pass.
+#[derive(Clone, Debug)]
+pub struct Collisions {
+    /// x^{n+1} as the present velocities would have it.
+    pub predicted: Vec<Pose>,
+    /// What static and kinematic bodies contributed.
+    pub tally: Tally,
+    /// How often each body was re-evolved.
+    moves: Vec<u32>,
+    /// The moves of both bodies when a pair was last looked at: what has not moved since needs no second look.
+    seen: HashMap<(BodyId, BodyId), (u32, u32)>,
+    penetrations: Vec<Penetration>,
+}
+
+impl Collisions {
+    /// Begins the frame.
+    pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
+        Self {
+            predicted: predict(bodies, frame),
+            tally: Tally::default(),
+            moves: vec![0; bodies.len()],
+            seen: HashMap::new(),
+            penetrations: Vec::new(),
+        }
+    }
+
+    /// Goes on after bodies were broken: `new_index` maps old dense indices, and what is new stands behind.
+    pub fn rebase(&mut self, bodies: &Bodies, new_index: &[Option<usize>], frame: &Frame) {
+        let mut moves = vec![0; bodies.len()];
+        for (old, new) in new_index.iter().enumerate() {
+            if let Some(new) = *new {
+                moves[new] = self.moves[old];
+            }
+        }
+        self.moves = moves;
+        self.predicted = predict(bodies, frame);
+    }
+
+    /// One pass over all pairs. Bodies break only if `may_break`; what broke is left alone for the rest of the pass.
+    pub fn pass(&mut self, bodies: &mut Bodies, may_break: bool, frame: &Frame) -> Pass {
+        let mut pass = Pass::default();
+        let mut broken = vec![false; bodies.len()];
+        for pair in find_pairs(bodies, &self.predicted, 0.0) {
+            if self.unmoved_since_seen(bodies, pair) {
+                continue;
+            }
+            for _ in 0..frame.settings.collision_pair_iterations {
+                if broken[pair.first] || broken[pair.second] {
+                    break;
+                }
+                let Some((approach, impulse)) = self.next_impulse(bodies, pair, frame) else { break };
+                let blows = if may_break { blows_of(bodies, pair, &approach, impulse, &self.predicted) } else { [None; 2] };
+                let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
+                self.apply(bodies, pair, &approach, borne * impulse, frame);
+                pass.any = true;
+                for (blow, i) in blows.into_iter().zip([pair.first, pair.second]) {
+                    broken[i] |= blow.is_some();
+                    pass.blows.extend(blow);
+                }
+            }
+            self.remember(bodies, pair);
+        }
+        pass
+    }
+
+    /// The clamped impulse at the deepest approaching point of a pair, if there is one.
+    fn next_impulse(&mut self, bodies: &Bodies, pair: Pair, frame: &Frame) -> Option<(Approach, DVec3)> {
+        let (first, second) = placed(bodies, pair, &self.predicted);
+        find_penetrations(first, second, 0.0, &mut self.penetrations);
+        let (predicted, velocities) = (&self.predicted, &bodies.velocities);
+        let approach = deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
+        let (friction, restitution) = bodies.pair_contactant(pair.first, pair.second);
+        let mut impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, restitution, friction);
+        if frame.settings.impulse_clamp {
+            impulse = clamp_to_energy(bodies, pair, &approach, impulse, velocities, &mut self.tally);
+        }
+        (impulse != DVec3::ZERO).then_some((approach, impulse))
+    }
+
+    /// Applies an impulse to v^n, re-evolves both bodies and books what came from outside.
+    fn apply(&mut self, bodies: &mut Bodies, pair: Pair, approach: &Approach, impulse: DVec3, frame: &Frame) {
+        apply_impulse(pair, impulse, approach.levers, &bodies.inertias, &mut bodies.velocities);
+        self.tally.book_impulse(bodies, pair, approach, impulse);
+        for i in [pair.first, pair.second] {
+            if !bodies.inertias[i].is_infinite() {
+                let falling = half_fallen(bodies.velocities[i], frame);
+                self.predicted[i] = evolve(bodies, i, &bodies.poses[i], &falling, frame);
+                self.moves[i] += 1;
+            }
+        }
+    }
+
+    fn unmoved_since_seen(&self, bodies: &Bodies, pair: Pair) -> bool {
+        let key = (bodies.ids[pair.first], bodies.ids[pair.second]);
+        self.seen.get(&key) == Some(&(self.moves[pair.first], self.moves[pair.second]))
+    }
+
+    fn remember(&mut self, bodies: &Bodies, pair: Pair) {
+        let key = (bodies.ids[pair.first], bodies.ids[pair.second]);
+        self.seen.insert(key, (self.moves[pair.first], self.moves[pair.second]));
+    }
+}
+
+/// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels [SSF08].
+fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
+    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
+    evolve_all(bodies, &bodies.poses, &half, frame)
+}
+
+fn half_fallen(velocity: Velocity, frame: &Frame) -> Velocity {
+    Velocity { linear: velocity.linear + 0.5 * frame.dt * frame.gravity, ..velocity }
+}
+
+/// For each body of the pair, the blow if the impulse is more than it bears [Su09 sec. 4.2]. The weaker one breaks; the
+/// stronger feels no more than the weaker can pass on, so it breaks only if they are equally strong.
+fn blows_of(
+    bodies: &Bodies,
+    pair: Pair,
+    approach: &Approach,
+    impulse: DVec3,
+    predicted: &[Pose],
+) -> [Option<Blow>; 2] {
+    let size = impulse.length();
+    let strength = |i: usize| if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength };
+    let borne = strength(pair.first).min(strength(pair.second));
+    let blow = |body: usize, striker: usize, outward: DVec3| {
+        let body_from_world = predicted[body].world_from_body().inverse();
+        (size > borne && strength(body) == borne).then(|| Blow {
+            body: bodies.ids[body],
+            striker: bodies.ids[striker],
+            point_body: body_from_world.point(approach.contact.point),
+            normal_body: body_from_world.direction(outward),
+            point_world: approach.contact.point,
+            impulse: size,
+            borne,
+        })
+    };
+    let normal = approach.contact.normal;
+    [blow(pair.first, pair.second, -normal), blow(pair.second, pair.first, normal)]
+}

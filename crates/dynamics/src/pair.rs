@@ -1,0 +1,132 @@
+//! One impulse between two bodies: from the contact point to the new velocities.
+
+use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
+use crate::impulse::{self, collision_impulse, contact_matrix};
+use crate::impulse_clamp::{self, Clamp, ClampSide};
+use crate::{Bodies, Inertia, Pose, Tally, Velocity};
+use glam::{DMat3, DVec3};
+
+/// A pair of bodies, by dense index; the first has the smaller one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pair {
+    /// An impulse `j` acts on it.
+    pub first: usize,
+    /// `-j` acts on it.
+    pub second: usize,
+}
+
+/// Two bodies that approach each other at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// Point and normal.
+    pub contact: ContactPoint,
+    /// From the centres of mass to the point [m].
+    pub levers: [DVec3; 2],
+    /// Velocity of the first body's point less that of the second's [m/s].
+    pub relative_velocity: DVec3,
+}
+
+/// The pair's bodies at the given poses.
+pub fn placed<'a>(bodies: &'a Bodies, pair: Pair, poses: &'a [Pose]) -> (Placed<'a>, Placed<'a>) {
+    let at = |i: usize| Placed { shape: &bodies.shapes[i], pose: &poses[i] };
+    (at(pair.first), at(pair.second))
+}
+
+/// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen at `poses` and
+/// `velocities`. Sorts the penetrations by depth.
+pub fn deepest_approach(
+    bodies: &Bodies,
+    pair: Pair,
+    penetrations: &mut [Penetration],
+    poses: &[Pose],
+    velocities: &[Velocity],
+) -> Option<Approach> {
+    penetrations.sort_unstable_by(|a, b| {
+        let tie = || (a.sample_of_first, a.sample).cmp(&(b.sample_of_first, b.sample));
+        a.phi.total_cmp(&b.phi).then_with(tie)
+    });
+    let (first, second) = placed(bodies, pair, poses);
+    penetrations.iter().find_map(|penetration| {
+        let contact = contact_point(first, second, penetration);
+        let approach = approach_at(bodies, pair, contact, poses, velocities);
+        (approach.relative_velocity.dot(contact.normal) < 0.0).then_some(approach)
+    })
+}
+
+/// Levers and relative velocity at a contact point.
+fn approach_at(
+    bodies: &Bodies,
+    pair: Pair,
+    contact: ContactPoint,
+    poses: &[Pose],
+    velocities: &[Velocity],
+) -> Approach {
+    let levers = [pair.first, pair.second].map(|i| contact.point - poses[i].position);
+    let [first, second] = [(pair.first, levers[0]), (pair.second, levers[1])]
+        .map(|(i, lever)| bodies.point_velocity(i, &poses[i], &velocities[i], lever));
+    Approach { contact, levers, relative_velocity: first - second }
+}
+
+/// The impulse on the first body that stops the approach with the given restitution, inside Coulomb's cone.
+/// `inertias` may hold bodies still that could move.
+pub fn impulse_for(
+    pair: Pair,
+    approach: &Approach,
+    poses: &[Pose],
+    inertias: &[Inertia],
+    restitution: f64,
+    friction: f64,
+) -> DVec3 {
+    let k = pair_contact_matrix(pair, approach.levers, poses, inertias);
+    collision_impulse(k, approach.relative_velocity, approach.contact.normal, restitution, friction)
+}
+
+/// Change of the relative velocity per impulse at the contact [1/kg].
+pub fn pair_contact_matrix(pair: Pair, levers: [DVec3; 2], poses: &[Pose], inertias: &[Inertia]) -> DMat3 {
+    let of = |i: usize, lever: DVec3| {
+        contact_matrix(inertias[i].inverse_mass, inertias[i].inverse_tensor(poses[i].orientation), lever)
+    };
+    of(pair.first, levers[0]) + of(pair.second, levers[1])
+}
+
+/// Adds `impulse` to the first body and takes it from the second, as far as they can move.
+pub fn apply_impulse(
+    pair: Pair,
+    impulse: DVec3,
+    levers: [DVec3; 2],
+    inertias: &[Inertia],
+    velocities: &mut [Velocity],
+) {
+    for (i, lever, j) in [(pair.first, levers[0], impulse), (pair.second, levers[1], -impulse)] {
+        if !inertias[i].is_infinite() {
+            velocities[i] = impulse::apply_impulse(&velocities[i], inertias[i].inverse_mass, lever, j, DVec3::ZERO);
+        }
+    }
+}
+
+/// The part of an impulse that does not raise the pair's kinetic energy in the non-split state at the poses of `bodies`
+/// and `velocities`; levers may come from another time level [Su09 sec. 3.2].
+pub fn clamp_to_energy(
+    bodies: &Bodies,
+    pair: Pair,
+    approach: &Approach,
+    impulse: DVec3,
+    velocities: &[Velocity],
+    tally: &mut Tally,
+) -> DVec3 {
+    let side = |i: usize, lever: DVec3| {
+        let (inertia, pose) = (&bodies.inertias[i], &bodies.poses[i]);
+        if inertia.is_infinite() {
+            let lever = approach.contact.point - pose.position;
+            ClampSide::Prescribed { point_velocity: bodies.point_velocity(i, pose, &velocities[i], lever) }
+        } else {
+            let inverse_inertia = inertia.inverse_tensor(pose.orientation);
+            ClampSide::Dynamic { inverse_mass: inertia.inverse_mass, inverse_inertia, lever, velocity: velocities[i] }
+        }
+    };
+    let (first, second) = (side(pair.first, approach.levers[0]), side(pair.second, approach.levers[1]));
+    let clamp = impulse_clamp::clamp_impulse(&first, &second, impulse, DVec3::ZERO);
+    tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
+    tally.discarded += u64::from(clamp == Clamp::Blocked);
+    clamp.scale() * impulse
+}

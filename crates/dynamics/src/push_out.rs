@@ -1,0 +1,72 @@
+//! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
+
+use crate::contact_graph::ContactGraph;
+use crate::detection::{contact_point, find_penetrations};
+use crate::pair::{Pair, pair_contact_matrix, placed};
+use crate::rotation::rotation_by;
+use crate::{Bodies, Frame, Inertia, Pose, Tally};
+use glam::DVec3;
+
+/// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps are used up. The
+/// velocities and the angular momenta stay as they are.
+pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame: &Frame, tally: &mut Tally) {
+    let settings = &frame.settings;
+    let mut inertias = bodies.inertias.clone();
+    for level in &graph.levels {
+        // Close a part of each gap first, all of it last.
+        for sweep in 1..=settings.push_out_level_iterations {
+            let part = f64::from(sweep) / f64::from(settings.push_out_level_iterations);
+            for &pair in &level.pairs {
+                for _ in 0..settings.push_out_pair_iterations {
+                    if !separate(bodies, poses, &inertias, pair, part, tally) {
+                        break;
+                    }
+                }
+            }
+        }
+        for &body in &level.bodies {
+            inertias[body] = Inertia::INFINITE;
+        }
+    }
+}
+
+/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth; false if nothing overlaps.
+fn separate(
+    bodies: &Bodies,
+    poses: &mut [Pose],
+    inertias: &[Inertia],
+    pair: Pair,
+    part: f64,
+    tally: &mut Tally,
+) -> bool {
+    // Find the deepest sample.
+    let mut penetrations = Vec::new();
+    let (first, second) = placed(bodies, pair, poses);
+    find_penetrations(first, second, 0.0, &mut penetrations);
+    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else { return false };
+    let contact = contact_point(first, second, deepest);
+    let depth = -f64::from(deepest.phi);
+
+    // The "impulse" whose displacement closes the gap along the normal.
+    let levers = [pair.first, pair.second].map(|i| contact.point - poses[i].position);
+    let k = pair_contact_matrix(pair, levers, poses, inertias);
+    let softness = contact.normal.dot(k * contact.normal);
+    if depth <= 0.0 || softness <= 0.0 {
+        return false;
+    }
+    let push = (part * depth / softness) * contact.normal;
+    for (i, lever, push) in [(pair.first, levers[0], push), (pair.second, levers[1], -push)] {
+        move_by(&mut poses[i], &inertias[i], lever, push);
+    }
+    tally.book_displacement(bodies, pair, push);
+    true
+}
+
+/// Displaces and turns one body by `push` [kg m] at `lever`.
+fn move_by(pose: &mut Pose, inertia: &Inertia, lever: DVec3, push: DVec3) {
+    let turn = inertia.angular_velocity(pose.orientation, lever.cross(push));
+    pose.position += inertia.inverse_mass * push;
+    if turn != DVec3::ZERO {
+        pose.orientation = (rotation_by(turn) * pose.orientation).normalize();
+    }
+}

@@ -1,0 +1,60 @@
+//! The numbers of the paper's method, with their sources.
+
+/// Iteration counts of `Method::Paper`, as its authors ran it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperSettings {
+    /// Passes over all colliding pairs [GBF03 sec. 4].
+    pub collision_passes: u32,
+    /// Impulses on one pair in one pass.
+    pub collision_pair_iterations: u32,
+    /// Passes over the contact graph [GBF03 sec. 6].
+    pub contact_passes: u32,
+    /// Sweeps over one level of the graph in one pass.
+    pub contact_level_iterations: u32,
+    /// Impulses on one pair in one sweep.
+    pub contact_pair_iterations: u32,
+    /// Sweeps over one level in shock propagation [GBF03 sec. 7].
+    pub shock_level_iterations: u32,
+    /// Impulses on one pair in one such sweep.
+    pub shock_pair_iterations: u32,
+    /// Sweeps over one level in push-out [GBF03 sec. 8]; the part of the gap that is closed grows from sweep to sweep.
+    pub push_out_level_iterations: u32,
+    /// Moves of one pair in one such sweep.
+    pub push_out_pair_iterations: u32,
+    /// Passes in which bodies may break; what is struck after the last of them bears the blow until the next frame.
+    pub breaking_passes: u32,
+    /// Correct each rotation's kinetic energy [Su09 sec. 2].
+    pub energy_fix: bool,
+    /// Clamp the impulses of collisions and of velocity contact [Su09 sec. 3].
+    pub impulse_clamp: bool,
+}
+
+impl Default for PaperSettings {
+    fn default() -> Self {
+        Self {
+            collision_passes: 10,
+            collision_pair_iterations: 20,
+            contact_passes: 10,
+            contact_level_iterations: 2,
+            contact_pair_iterations: 20,
+            shock_level_iterations: 2,
+            shock_pair_iterations: 10,
+            push_out_level_iterations: 2,
+            push_out_pair_iterations: 5,
+            breaking_passes: 8,
+            energy_fix: true,
+            impulse_clamp: true,
+        }
+    }
+}
+
+/// What all stages of one frame need and none changes.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Length of the frame [s].
+    pub dt: f64,
+    /// [m/s^2]
+    pub gravity: glam::DVec3,
+    /// Iteration counts and switches.
+    pub settings: PaperSettings,
+}

@@ -1,0 +1,22 @@
+//! Shock propagation: from the ground up, each level is set to rest on what is below it, which then holds still
+//! [GBF03 sec. 7]. Position phase only: its impulses, which are not mutual, never reach a velocity that lasts.
+
+use crate::Inertia;
+use crate::contact::Contact;
+use crate::contact_graph::ContactGraph;
+
+/// One sweep from the lowest level to the highest; in the end all bodies can be moved again.
+pub fn propagate_shock(contact: &mut Contact, graph: &ContactGraph) {
+    let settings = contact.frame.settings;
+    for level in &graph.levels {
+        // Stop what moves into the levels below, which have infinite mass by now.
+        for sweep in 1..=settings.shock_level_iterations {
+            let restitution = f64::from(sweep) / f64::from(settings.shock_level_iterations) - 1.0;
+            contact.sweep_level(level, restitution, settings.shock_pair_iterations);
+        }
+        for &body in &level.bodies {
+            contact.inertias[body] = Inertia::INFINITE;
+        }
+    }
+    contact.inertias.copy_from_slice(&contact.bodies.inertias);
+}

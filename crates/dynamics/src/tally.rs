@@ -1,0 +1,64 @@
+//! What one frame did to the bodies from outside, and how often its safeguards were needed.
+
+use crate::pair::{Approach, Pair};
+use crate::{Bodies, Motion};
+use glam::DVec3;
+
+/// Running sums over one frame. Static and kinematic bodies are the outside; gravity is booked by the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Sum of the impulses that the outside gave to dynamic bodies [N s].
+    pub outside_impulse: DVec3,
+    /// Change of the angular momentum about the world's origin that it explains [kg m^2/s].
+    pub outside_angular_impulse: DVec3,
+    /// Work that kinematic bodies did: each impulse times their velocity at the contact point [J].
+    pub kinematic_work: f64,
+    /// Impulses applied to velocities that last.
+    pub impulses: u64,
+    /// Impulses shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
+    pub clamped: u64,
+    /// Impulses dropped because no length of them would have kept the kinetic energy.
+    pub discarded: u64,
+}
+
+impl Tally {
+    /// Books an impulse on the first body of a pair, and its negative on the second, at the poses of `bodies`.
+    pub fn book_impulse(&mut self, bodies: &Bodies, pair: Pair, approach: &Approach, impulse: DVec3) {
+        self.impulses += 1;
+        let sides = [(pair.first, pair.second, impulse), (pair.second, pair.first, -impulse)];
+        for ((body, other, j), lever) in sides.into_iter().zip(approach.levers) {
+            let (mobile, immobile) = (bodies.inertias[body], bodies.inertias[other]);
+            if mobile.is_infinite() || !immobile.is_infinite() {
+                continue;
+            }
+            self.outside_impulse += j;
+            self.outside_angular_impulse += (bodies.poses[body].position + lever).cross(j);
+            if let Motion::Kinematic { linear, angular } = bodies.motions[other] {
+                let other_lever = approach.contact.point - bodies.poses[other].position;
+                self.kinematic_work += j.dot(linear + angular.cross(other_lever));
+            }
+        }
+    }
+
+    /// Books that the first body of a pair was displaced by `push` over its mass [kg m], the second by the opposite,
+    /// while their velocities stayed.
+    pub fn book_displacement(&mut self, bodies: &Bodies, pair: Pair, push: DVec3) {
+        for (body, other, push) in [(pair.first, pair.second, push), (pair.second, pair.first, -push)] {
+            if !bodies.inertias[body].is_infinite() && bodies.inertias[other].is_infinite() {
+                self.outside_angular_impulse += push.cross(bodies.velocities[body].linear);
+            }
+        }
+    }
+
+    /// The sums over two stages.
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            outside_impulse: self.outside_impulse + other.outside_impulse,
+            outside_angular_impulse: self.outside_angular_impulse + other.outside_angular_impulse,
+            kinematic_work: self.kinematic_work + other.kinematic_work,
+            impulses: self.impulses + other.impulses,
+            clamped: self.clamped + other.clamped,
+            discarded: self.discarded + other.discarded,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Energy and momentum of all dynamic bodies, and what the outside has to do with their change.
+
+use crate::report::{Energy, Momentum};
+use frangible_dynamics::{Bodies, Frame, Tally};
+use glam::DVec3;
+
+/// Sums over all dynamic bodies at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// [kg]
+    pub mass: f64,
+    /// [J]
+    pub kinetic: f64,
+    /// Relative to the world's origin [J].
+    pub potential: f64,
+    /// [kg m/s]
+    pub momentum: DVec3,
+    /// About the world's origin [kg m^2/s].
+    pub angular_momentum: DVec3,
+    /// Sum of the lengths of the bodies' momenta [kg m/s].
+    pub momentum_scale: f64,
+    /// Sum of the lengths of the bodies' orbital and spin angular momenta [kg m^2/s].
+    pub angular_scale: f64,
+}
+
+impl Totals {
+    /// Of the bodies as they are.
+    pub fn of(bodies: &Bodies, gravity: DVec3) -> Self {
+        let mut sum = Self::default();
+        for i in 0..bodies.len() {
+            let (inertia, pose, velocity) = (&bodies.inertias[i], &bodies.poses[i], &bodies.velocities[i]);
+            if inertia.is_infinite() {
+                continue;
+            }
+            let mass = bodies.masses[i];
+            let momentum = mass * velocity.linear;
+            let orbital = pose.position.cross(momentum);
+            let spin = velocity.angular_momentum;
+            sum.mass += mass;
+            sum.kinetic += 0.5 * momentum.dot(velocity.linear) + inertia.rotational_energy(pose.orientation, spin);
+            sum.potential -= mass * gravity.dot(pose.position);
+            sum.momentum += momentum;
+            sum.angular_momentum += orbital + spin;
+            sum.momentum_scale += momentum.length();
+            sum.angular_scale += orbital.length() + spin.length();
+        }
+        sum
+    }
+
+    /// Kinetic and potential energy [J].
+    pub fn energy(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// What gravity gives in one frame of ballistic flight: impulse and angular impulse about the world's origin.
+///
+/// Called between the position update and the velocity update: with x^{n+1} and the velocity v* that the collisions left,
+/// `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are the exact integral along the parabola.
+pub fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
+    let mut sums = (DVec3::ZERO, DVec3::ZERO);
+    for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
+        let impulse = frame.dt * bodies.masses[i] * frame.gravity;
+        sums.0 += impulse;
+        sums.1 += bodies.poses[i].position.cross(impulse);
+        sums.1 += (0.5 * frame.dt) * impulse.cross(bodies.velocities[i].linear);
+    }
+    sums
+}
+
+/// The books from the first frame on.
+#[derive(Clone, Debug, Default)]
+pub struct Books {
+    unexplained: DVec3,
+    unexplained_angular: DVec3,
+    momentum_scale: f64,
+    angular_scale: f64,
+}
+
+impl Books {
+    /// Closes a frame that went from `before` to `after` and received `gravity` and what `tally` says.
+    pub fn close(
+        &mut self,
+        before: &Totals,
+        after: &Totals,
+        gravity: (DVec3, DVec3),
+        tally: &Tally,
+    ) -> (Energy, Momentum) {
+        let energy = Energy {
+            kinetic: after.kinetic,
+            potential: after.potential,
+            total: after.energy(),
+            work: tally.kinematic_work,
+            gain: after.energy() - before.energy() - tally.kinematic_work,
+        };
+
+        // What neither gravity nor the outside explains.
+        self.unexplained += after.momentum - before.momentum - gravity.0 - tally.outside_impulse;
+        self.unexplained_angular +=
+            after.angular_momentum - before.angular_momentum - gravity.1 - tally.outside_angular_impulse;
+        self.momentum_scale = self.momentum_scale.max(before.momentum_scale).max(after.momentum_scale);
+        self.angular_scale = self.angular_scale.max(before.angular_scale).max(after.angular_scale);
+        let relative = |error: DVec3, scale: f64| if scale > 0.0 { error.length() / scale } else { 0.0 };
+        let momentum = Momentum {
+            linear_error: relative(self.unexplained, self.momentum_scale),
+            angular_error: relative(self.unexplained_angular, self.angular_scale),
+        };
+        (energy, momentum)
+    }
+}

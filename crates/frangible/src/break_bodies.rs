@@ -1,0 +1,126 @@
+//! Where a blow becomes a break: bodies are replaced by their fragments [Su09 sec. 4.2].
+
+use crate::World;
+use crate::report::{Fracture, Imbalance, id_number};
+use crate::world::{Breaking, Label};
+use frangible_dynamics::collisions::Blow;
+use frangible_dynamics::{Bodies, BodyId, Contactant, Inertia, Motion, NewBody, Pose, Velocity};
+use frangible_fracture::{Fragment, Impact, fragment_velocity, shatter};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Replaces each struck body by its fragments. The blow has been borne already: parent and striker have the same impulse,
+/// so the fragments simply move on as the parent would. Returns what happened, and the new dense index of each old one.
+pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>, Vec<Option<usize>>) {
+    let mut gone = vec![false; world.bodies.len()];
+    let mut born = Vec::new();
+    let mut fractures = Vec::new();
+    for blow in blows {
+        let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else { continue };
+        let Some(breaking) = world.labels[parent].breaking.clone() else { continue };
+
+        // Prescored space is laid over the body and cuts it.
+        let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
+        let fragments = shatter(&world.bodies.shapes[parent], &breaking.pattern, &impact, &breaking.shatter);
+        if fragments.len() < 2 {
+            continue;
+        }
+        gone[parent] = true;
+        let first = born.len();
+        for (index, fragment) in fragments.into_iter().enumerate() {
+            let label = fragment_label(&world.labels[parent], blow.body, index, &breaking);
+            born.push((fragment_body(&world.bodies, parent, fragment, &label), label));
+        }
+        fractures.push(Fracture {
+            body: id_number(blow.body),
+            striker: id_number(blow.striker),
+            point: blow.point_world.to_array(),
+            impulse: blow.impulse,
+            borne: blow.borne,
+            fragments: vec![0; born.len() - first],
+            imbalance: imbalance(&world.bodies, parent, born[first..].iter().map(|(body, _)| body)),
+        });
+    }
+
+    // Parents leave, fragments enter behind all others, in order.
+    let new_index = world.remove(&gone);
+    let mut born = born.into_iter();
+    for fracture in &mut fractures {
+        for (id, (body, label)) in fracture.fragments.iter_mut().zip(&mut born) {
+            *id = id_number(world.spawn(body, label));
+        }
+    }
+    (fractures, new_index)
+}
+
+/// A fragment's name, and how it breaks in turn: as the parent, once less and with twice the strength.
+fn fragment_label(parent: &Label, id: BodyId, index: usize, breaking: &Breaking) -> Label {
+    let again = Breaking { generations: breaking.generations - 1, ..breaking.clone() };
+    Label {
+        name: format!("{}.{index}", parent.name),
+        parent: Some(id),
+        breaking: (again.generations > 0).then_some(again),
+    }
+}
+
+/// The body that a fragment becomes: where it was in its parent, moving as it did there.
+fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Label) -> NewBody {
+    let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
+    let world_from_fragment = pose.world_from_body().after(&fragment.parent_from_fragment);
+    let pose_fragment =
+        Pose { position: world_from_fragment.translation, orientation: world_from_fragment.rotation.normalize() };
+
+    // Angular momentum from the parent's angular velocity, at the fragment's own inertia.
+    let density = bodies.densities[parent];
+    let angular = bodies.inertias[parent].angular_velocity(pose.orientation, velocity.angular_momentum);
+    let linear = fragment_velocity(velocity.linear, angular, pose.position, pose_fragment.position);
+    let moments = density * fragment.shape.unit_moments;
+    let orientation = pose_fragment.orientation;
+    let angular_momentum = orientation * (moments * (orientation.conjugate() * angular));
+
+    let strength =
+        if label.breaking.is_some() { 2.0 * bodies.contactants[parent].strength } else { f64::INFINITY };
+    NewBody {
+        shape: Arc::new(fragment.shape),
+        density,
+        motion: Motion::Dynamic,
+        pose: pose_fragment,
+        velocity: Velocity { linear, angular_momentum },
+        contactant: Contactant { strength, ..bodies.contactants[parent] },
+    }
+}
+
+/// How far the fragments' sums are from the parent's.
+fn imbalance<'a>(
+    bodies: &Bodies,
+    parent: usize,
+    fragments: impl Iterator<Item = &'a NewBody>,
+) -> Imbalance {
+    let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
+    let mass = bodies.masses[parent];
+    let spin = bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);
+    let (mut mass_sum, mut momentum, mut angular_momentum, mut kinetic) = (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
+    for fragment in fragments {
+        let fragment_mass = fragment.density * fragment.shape.volume;
+        let inertia = Inertia::new(fragment_mass, fragment.density * fragment.shape.unit_moments);
+        let (at, moves) = (&fragment.pose, &fragment.velocity);
+        let lever = at.position - pose.position;
+        mass_sum += fragment_mass;
+        momentum += fragment_mass * moves.linear;
+        angular_momentum += moves.angular_momentum + lever.cross(fragment_mass * moves.linear);
+        kinetic += 0.5 * fragment_mass * moves.linear.length_squared()
+            + inertia.rotational_energy(at.orientation, moves.angular_momentum);
+    }
+    // The scale of angular momentum is that of the body at its speed: a body that does not spin has none of its own.
+    let speed = velocity.linear.length();
+    let size = (bodies.shapes[parent].bounds.1 - bodies.shapes[parent].bounds.0).length();
+    let angular_scale = velocity.angular_momentum.length() + mass * speed * size;
+    let relative = |difference: f64, scale: f64| if scale > 0.0 { difference / scale } else { difference };
+    let kinetic_before = 0.5 * mass * speed * speed + spin;
+    Imbalance {
+        mass: relative((mass_sum - mass).abs(), mass),
+        momentum: relative((momentum - mass * velocity.linear).length(), mass * speed),
+        angular_momentum: relative((angular_momentum - velocity.angular_momentum).length(), angular_scale),
+        kinetic_energy: relative((kinetic - kinetic_before).abs(), kinetic_before),
+    }
+}

@@ -1,0 +1,86 @@
+//! Checks that answer with the field, the value and the rule.
+
+use frangible_fracture::PatternError;
+use frangible_geometry::mesh_io::MeshError;
+use glam::{DQuat, DVec3};
+use std::fmt::Debug;
+use thiserror::Error;
+
+/// Why a scene cannot be built.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// A field breaks a rule.
+    #[error("{path}: {value}, must be {rule}")]
+    Rule {
+        /// Where, as in `bodies[3].density`.
+        path: String,
+        /// As given.
+        value: String,
+        /// What it must be.
+        rule: String,
+    },
+    /// A mesh file cannot be used.
+    #[error("{0}")]
+    Mesh(#[from] MeshError),
+}
+
+/// A place in a description.
+#[derive(Clone, Debug)]
+pub(crate) struct Checker {
+    path: String,
+}
+
+impl Checker {
+    /// The whole description.
+    pub(crate) fn root() -> Self {
+        Self { path: String::new() }
+    }
+
+    /// A field of this place.
+    pub(crate) fn field(&self, name: &str) -> Self {
+        let path = if self.path.is_empty() { name.into() } else { format!("{}.{name}", self.path) };
+        Self { path }
+    }
+
+    /// The error that this place breaks a rule.
+    pub(crate) fn broken(&self, value: &str, rule: &str) -> BuildError {
+        BuildError::Rule { path: self.path.clone(), value: value.into(), rule: rule.into() }
+    }
+
+    /// The error that a pattern's parameter, a field of this place, breaks a rule.
+    pub(crate) fn pattern(&self, error: &PatternError) -> BuildError {
+        let PatternError::Parameter { parameter, value, rule } = error;
+        self.field(parameter).broken(&value.to_string(), rule)
+    }
+
+    fn require<T: Debug>(&self, holds: bool, value: T, rule: &str) -> Result<T, BuildError> {
+        if holds { Ok(value) } else { Err(self.broken(&format!("{value:?}"), rule)) }
+    }
+
+    pub(crate) fn positive(&self, value: f64, unit: &str) -> Result<f64, BuildError> {
+        self.require(value.is_finite() && value > 0.0, value, &format!("> 0 {unit}"))
+    }
+
+    pub(crate) fn not_negative(&self, value: f64) -> Result<f64, BuildError> {
+        self.require(value.is_finite() && value >= 0.0, value, ">= 0")
+    }
+
+    pub(crate) fn within(&self, value: f64, low: f64, high: f64) -> Result<f64, BuildError> {
+        self.require(value >= low && value <= high, value, &format!("between {low} and {high}"))
+    }
+
+    pub(crate) fn at_least(&self, value: usize, least: usize) -> Result<usize, BuildError> {
+        self.require(value >= least, value, &format!(">= {least}"))
+    }
+
+    pub(crate) fn finite_vector(&self, value: [f64; 3]) -> Result<DVec3, BuildError> {
+        self.require(value.iter().all(|x| x.is_finite()), value, "three finite numbers").map(DVec3::from_array)
+    }
+
+    pub(crate) fn rotation(&self, value: [f64; 4]) -> Result<DQuat, BuildError> {
+        let quaternion = DQuat::from_array(value);
+        let length = quaternion.length();
+        self.require(length.is_finite() && length > 1e-6, value, "a quaternion x, y, z, w other than zero")?;
+        Ok(quaternion.normalize())
+    }
+}

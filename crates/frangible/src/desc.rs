@@ -1,0 +1,254 @@
+//! A scene as plain data: described first, then checked and built by [`crate::World::build`].
+
+use serde::{Deserialize, Serialize};
+
+/// Everything that a world starts from. SI units, y up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneDesc {
+    /// For reports and files.
+    #[serde(default)]
+    pub name: String,
+    /// [m/s^2]
+    #[serde(default = "defaults::gravity")]
+    pub gravity: [f64; 3],
+    /// One step each.
+    #[serde(default = "defaults::frames_per_second")]
+    pub frames_per_second: f64,
+    /// Which step.
+    #[serde(default)]
+    pub method: Method,
+    /// In the order in which they enter the world.
+    pub bodies: Vec<BodyDesc>,
+}
+
+/// Which step advances a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The paper's own [Su09].
+    #[default]
+    Paper,
+}
+
+/// One body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyDesc {
+    /// For people; need not be unique.
+    #[serde(default)]
+    pub name: String,
+    /// What it is made of.
+    pub shape: ShapeDesc,
+    /// What decides where it goes.
+    #[serde(default)]
+    pub motion: MotionDesc,
+    /// Of the origin of the shape's own frame (a mesh's coordinates, the centre of a closed form) [m].
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// Quaternion x, y, z, w that takes the shape's frame to the world's; need not be of unit length.
+    #[serde(default = "defaults::orientation")]
+    pub orientation: [f64; 4],
+    /// Of the centre of mass [m/s].
+    #[serde(default)]
+    pub linear_velocity: [f64; 3],
+    /// [rad/s]
+    #[serde(default)]
+    pub angular_velocity: [f64; 3],
+    /// [kg/m^3]
+    #[serde(default = "defaults::density")]
+    pub density: f64,
+    /// Coulomb's coefficient; a pair has the smaller of its two.
+    #[serde(default = "defaults::half")]
+    pub friction: f64,
+    /// In [0, 1]; a pair has the smaller of its two.
+    #[serde(default = "defaults::half")]
+    pub restitution: f64,
+    /// How it breaks, if it can.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub breaking: Option<BreakingDesc>,
+}
+
+/// What decides where a body goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionDesc {
+    /// Its momentum.
+    #[default]
+    Dynamic,
+    /// Its velocity, whatever it meets.
+    Kinematic,
+    /// It stays.
+    Static,
+}
+
+/// A shape in its own frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ShapeDesc {
+    /// All below the plane y = 0; static only.
+    HalfSpace,
+    /// A ball.
+    Sphere {
+        /// [m]
+        radius: f64,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
+    /// A box.
+    Box {
+        /// Edge lengths [m].
+        size: [f64; 3],
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
+    /// Around the y axis.
+    Cylinder {
+        /// [m]
+        radius: f64,
+        /// [m]
+        height: f64,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
+    /// A mesh file: OBJ, PLY, STL or glTF.
+    Mesh {
+        /// Path.
+        path: String,
+        /// The file's unit in metres.
+        #[serde(default = "defaults::one")]
+        scale: f64,
+        /// A mesh is always sampled.
+        #[serde(default)]
+        resolution: Resolution,
+    },
+}
+
+/// How finely a shape is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Resolution {
+    /// Level-set voxels across the bounding box along x, y, z; they are cubes, so the largest need decides. Without it,
+    /// closed forms stay formulas, and what must be sampled has 64 voxels along its longest side.
+    #[serde(default)]
+    pub voxels: Option<[usize; 3]>,
+    /// Distance between surface samples [m]. Without it, two voxels, or a tenth of a closed form's longest side.
+    #[serde(default)]
+    pub sample_spacing: Option<f64>,
+}
+
+/// How a body breaks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BreakingDesc {
+    /// The largest impulse that it bears in one collision [N s] [Su09 sec. 4.2].
+    pub strength: f64,
+    /// How space is prescored.
+    pub pattern: PatternDesc,
+    /// How many times in a row: 1 means that fragments do not break. Each time doubles the strength.
+    #[serde(default = "defaults::generations")]
+    pub generations: u32,
+}
+
+/// How space is prescored [Su09 sec. 4.3].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PatternDesc {
+    /// Wedges around the line of impact, as glass breaks.
+    Radial {
+        /// Number of wedges.
+        spokes: usize,
+        /// Number of concentric cracks.
+        #[serde(default)]
+        rings: usize,
+        /// Irregularity, in [0, 1].
+        #[serde(default = "defaults::half")]
+        jitter: f64,
+        /// Same seed, same pattern.
+        #[serde(default)]
+        seed: u64,
+    },
+    /// Voronoi cells.
+    Voronoi {
+        /// Number of cells in all of the pattern's box.
+        cells: usize,
+        /// How much denser they are towards the impact, in [0, 1].
+        #[serde(default = "defaults::half")]
+        clustering: f64,
+        /// Same seed, same pattern.
+        #[serde(default)]
+        seed: u64,
+    },
+}
+
+/// The only place where a default is written.
+mod defaults {
+    pub(super) fn gravity() -> [f64; 3] {
+        [0.0, -9.81, 0.0]
+    }
+    pub(super) fn frames_per_second() -> f64 {
+        30.0
+    }
+    pub(super) fn orientation() -> [f64; 4] {
+        [0.0, 0.0, 0.0, 1.0]
+    }
+    /// Concrete [kg/m^3].
+    pub(super) fn density() -> f64 {
+        2400.0
+    }
+    pub(super) fn half() -> f64 {
+        0.5
+    }
+    pub(super) fn one() -> f64 {
+        1.0
+    }
+    pub(super) fn generations() -> u32 {
+        1
+    }
+}
+
+impl SceneDesc {
+    /// An empty scene with the defaults.
+    pub fn new(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            gravity: defaults::gravity(),
+            frames_per_second: defaults::frames_per_second(),
+            method: Method::default(),
+            bodies: Vec::new(),
+        }
+    }
+}
+
+impl BodyDesc {
+    /// A dynamic body at rest in the origin, with the defaults.
+    pub fn new(name: &str, shape: ShapeDesc) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+            motion: MotionDesc::default(),
+            position: [0.0; 3],
+            orientation: defaults::orientation(),
+            linear_velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            density: defaults::density(),
+            friction: defaults::half(),
+            restitution: defaults::half(),
+            breaking: None,
+        }
+    }
+
+    /// The ground: everything below y = `height` [m].
+    pub fn ground(height: f64) -> Self {
+        Self {
+            motion: MotionDesc::Static,
+            position: [0.0, height, 0.0],
+            // The pair's smaller value counts, so the ground leaves restitution to what falls on it.
+            restitution: 1.0,
+            ..Self::new("ground", ShapeDesc::HalfSpace)
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What one frame did, with the books open.
+
+use frangible_dynamics::BodyId;
+use serde::Serialize;
+
+/// One frame.
+#[derive(Clone, Debug, Serialize)]
+pub struct StepReport {
+    /// Counts from 1.
+    pub frame: u64,
+    /// At the end of the frame [s].
+    pub time: f64,
+    /// Living bodies at the end of the frame.
+    pub bodies: usize,
+    /// Mass of all dynamic bodies [kg].
+    pub mass: f64,
+    /// The energy books.
+    pub energy: Energy,
+    /// The momentum books.
+    pub momentum: Momentum,
+    /// Collision and contact impulses.
+    pub impulses: Impulses,
+    /// What broke, in order.
+    pub fractures: Vec<Fracture>,
+    /// Bodies whose numbers went bad and that were taken out of the world.
+    pub quarantined: Vec<u64>,
+    /// For each overlapping pair, how deep [m].
+    pub penetrations: Vec<f32>,
+    /// Wall-clock time of each stage [ms], in order.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// The energy books of one frame [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energy {
+    /// Of all dynamic bodies, at the end of the frame.
+    pub kinetic: f64,
+    /// Of all dynamic bodies, relative to the world's origin.
+    pub potential: f64,
+    /// Their sum.
+    pub total: f64,
+    /// That kinematic bodies did in this frame.
+    pub work: f64,
+    /// E(n+1) - E(n) - W: what came out of nowhere in this frame, or, if negative, was dissipated.
+    pub gain: f64,
+}
+
+/// The momentum books since the world began, relative to the largest sum of the bodies' momenta so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Momentum {
+    /// Change of linear momentum that neither gravity nor a static or kinematic body explains.
+    pub linear_error: f64,
+    /// The same of angular momentum about the world's origin.
+    pub angular_error: f64,
+}
+
+/// Collision and contact impulses of one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Impulses {
+    /// Applied to velocities that last.
+    pub applied: u64,
+    /// Shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
+    pub clamped: u64,
+    /// Dropped, for the same reason.
+    pub discarded: u64,
+}
+
+/// A body broke.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fracture {
+    /// Who broke; it lives no longer.
+    pub body: u64,
+    /// Who struck.
+    pub striker: u64,
+    /// Where, in the world frame [m]: the fracture centre lies here.
+    pub point: [f64; 3],
+    /// The impulse that would have stopped the blow [N s].
+    pub impulse: f64,
+    /// The part that the body bore, and that its striker felt, before it broke [N s].
+    pub borne: f64,
+    /// What it broke into.
+    pub fragments: Vec<u64>,
+    /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the break: round-off.
+    pub imbalance: Imbalance,
+}
+
+/// Relative differences between a body and the sum of its fragments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Imbalance {
+    /// Of mass.
+    pub mass: f64,
+    /// Of linear momentum.
+    pub momentum: f64,
+    /// Of angular momentum about the body's centre of mass.
+    pub angular_momentum: f64,
+    /// Of kinetic energy.
+    pub kinetic_energy: f64,
+}
+
+/// An id as one number, for files and other languages.
+pub fn id_number(id: BodyId) -> u64 {
+    u64::from(id.generation) << 32 | u64::from(id.index)
+}
+
+/// The id that [`id_number`] made `number` from.
+pub fn id_from_number(number: u64) -> BodyId {
+    BodyId { index: number as u32, generation: (number >> 32) as u32 }
+}

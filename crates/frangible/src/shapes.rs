@@ -1,0 +1,116 @@
+//! Shapes from their descriptions; equal descriptions share one shape.
+
+use crate::check::{BuildError, Checker};
+use crate::desc::{Resolution, ShapeDesc};
+use frangible_geometry::mesh_io::{self, MeshError};
+use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
+use frangible_geometry::surface_samples::surface_samples;
+use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Shape};
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Voxels along the longest side of what must be sampled and has no resolution of its own.
+const DEFAULT_VOXELS: f64 = 64.0;
+
+/// Voxels between surface samples, unless told otherwise.
+const SAMPLE_VOXELS: f64 = 2.0;
+
+/// Layers of voxels around a solid, so that its surface and the band around it lie inside of the grid.
+const MARGIN: usize = 2;
+
+/// More voxels than this do not fit in the memory of the machines that this is for: 2^28 take 2 GiB.
+const MOST_VOXELS: usize = 1 << 28;
+
+/// Every shape of a scene, once.
+#[derive(Default)]
+pub(crate) struct ShapeLibrary {
+    shapes: Vec<(ShapeDesc, bool, Arc<Shape>)>,
+}
+
+impl ShapeLibrary {
+    /// The shape of a description; sampled on a grid if it breaks.
+    pub(crate) fn shape(&mut self, desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Arc<Shape>, BuildError> {
+        if let Some((_, _, shape)) = self.shapes.iter().find(|(other, b, _)| other == desc && *b == breaks) {
+            return Ok(shape.clone());
+        }
+        let shape = Arc::new(build_shape(desc, breaks, at)?);
+        self.shapes.push((desc.clone(), breaks, shape.clone()));
+        Ok(shape)
+    }
+}
+
+fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, BuildError> {
+    match desc {
+        ShapeDesc::HalfSpace => {
+            let ground = HalfSpace { normal: DVec3::Y, offset: 0.0 };
+            Ok(Shape::closed_form(ClosedForm::HalfSpace(ground), 1.0))
+        }
+        ShapeDesc::Sphere { radius, resolution } => {
+            let radius = at.field("radius").positive(*radius, "m")?;
+            from_form(ClosedForm::Sphere { radius }, resolution, breaks, at)
+        }
+        ShapeDesc::Box { size, resolution } => {
+            let size = at.field("size").finite_vector(*size)?;
+            at.field("size").positive(size.min_element(), "m along each axis")?;
+            from_form(ClosedForm::Box { half: 0.5 * size }, resolution, breaks, at)
+        }
+        ShapeDesc::Cylinder { radius, height, resolution } => {
+            let radius = at.field("radius").positive(*radius, "m")?;
+            let half_height = 0.5 * at.field("height").positive(*height, "m")?;
+            from_form(ClosedForm::Cylinder { radius, half_height }, resolution, breaks, at)
+        }
+        ShapeDesc::Mesh { path, scale, resolution } => {
+            let scale = at.field("scale").positive(*scale, "m")?;
+            from_mesh(Path::new(path), scale, resolution, at)
+        }
+    }
+}
+
+/// A formula, or its samples if it breaks or a number of voxels is given.
+fn from_form(form: ClosedForm, resolution: &Resolution, breaks: bool, at: &Checker) -> Result<Shape, BuildError> {
+    let (low, high) = form.bounds();
+    if !breaks && resolution.voxels.is_none() {
+        let spacing = resolution.sample_spacing.unwrap_or(0.1 * (high - low).max_element());
+        return Ok(Shape::closed_form(form, at.field("resolution.sample_spacing").positive(spacing, "m")?));
+    }
+    let voxels = voxels_for(low, high, resolution, at)?;
+    sampled(GridSolid::from_closed_form(form, voxels, MARGIN), resolution, at)
+}
+
+fn from_mesh(path: &Path, scale: f64, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+    let mut mesh = mesh_io::load(path)?;
+    mesh.check_volume().map_err(|error| error.in_file(path))?;
+    mesh.positions.iter_mut().for_each(|position| *position *= scale);
+    let (low, high) = mesh.bounds();
+    let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
+    let level_set = mesh_to_level_set(&mesh, grid).map_err(MeshError::from)?;
+    sampled(GridSolid::from_level_set(level_set), resolution, at)
+}
+
+/// Surface samples, mass and principal axes of a solid on a grid.
+fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+    let spacing = resolution.sample_spacing.unwrap_or(SAMPLE_VOXELS * solid.level_set.grid().spacing);
+    let spacing = at.field("resolution.sample_spacing").positive(spacing, "m")?;
+    let samples = surface_samples(&solid, spacing);
+    Shape::from_grid_solid(solid, samples)
+        .map_err(|error| at.field("resolution").broken("no voxel inside", &format!("finer: {error}")))
+}
+
+/// Voxels along each side of the bounding box.
+fn voxels_for(low: DVec3, high: DVec3, resolution: &Resolution, at: &Checker) -> Result<[usize; 3], BuildError> {
+    let extent = high - low;
+    let voxels = resolution.voxels.unwrap_or_else(|| {
+        let spacing = extent.max_element() / DEFAULT_VOXELS;
+        (extent / spacing).to_array().map(|count| count.ceil().max(1.0) as usize)
+    });
+    let at = at.field("resolution.voxels");
+    for count in voxels {
+        at.at_least(count, 1)?;
+    }
+    let total = voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
+    if total.is_none_or(|total| total > MOST_VOXELS) {
+        return Err(at.broken(&format!("{voxels:?}"), &format!("at most {MOST_VOXELS} with their margin, to fit in memory")));
+    }
+    Ok(voxels)
+}

@@ -1,0 +1,144 @@
+//! One frame.
+
+use crate::World;
+use crate::books::{Totals, gravity_impulse};
+use crate::break_bodies::break_bodies;
+use crate::quarantine::quarantine_non_finite;
+use crate::report::{Fracture, Impulses, StepReport};
+use frangible_dynamics::broad_phase::find_pairs;
+use frangible_dynamics::collisions::Collisions;
+use frangible_dynamics::contact::{Contact, Phase};
+use frangible_dynamics::contact_graph::contact_graph;
+use frangible_dynamics::detection::deepest;
+use frangible_dynamics::evolve::accelerate;
+use frangible_dynamics::pair::placed;
+use frangible_dynamics::push_out::push_out;
+use frangible_dynamics::shock_propagation::propagate_shock;
+use frangible_dynamics::{Bodies, Frame};
+use std::time::Instant;
+
+/// Advances a world by one frame with the paper's method: the Newmark scheme of [SSF08], clamped as in [Su09 sec. 3].
+/// n is the frame's start. Cannot fail: what goes bad is quarantined and reported.
+pub fn step(world: &mut World) -> StepReport {
+    let frame = Frame { dt: world.dt, gravity: world.gravity, settings: world.settings };
+    let before = Totals::of(&world.bodies, frame.gravity);
+    let mut clock = StageClock::new();
+
+    // Collide and break: impulses come from the split state (x^{n+1}, v^n), change v^n, and are clamped against
+    // (x^n, v^n). Fragments meet their striker in the frame that made them.
+    let mut collisions = Collisions::new(&world.bodies, &frame);
+    let fractures = collide_and_break(world, &mut collisions, &frame, &mut clock);
+    let bodies = &mut world.bodies;
+
+    // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
+    let candidates = find_pairs(bodies, &collisions.predicted, reach(&frame));
+    let graph = contact_graph(bodies, &candidates, &frame);
+    clock.lap("contact_graph");
+    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, &frame);
+    let mut contact = Contact::new(bodies, half, Phase::Position, &frame);
+    let touching = contact.resolve(&graph);
+    clock.lap("position_contact");
+    propagate_shock(&mut contact, &graph);
+    clock.lap("shock_propagation");
+    let Contact { mut proposed, mut tally, .. } = contact;
+    push_out(bodies, &mut proposed, &graph, &frame, &mut tally);
+    bodies.poses = proposed;
+    clock.lap("push_out");
+
+    // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
+    let gravity = gravity_impulse(bodies, &frame);
+    bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, &frame);
+    let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, &frame);
+    contact.resolve(&touching);
+    let Contact { velocities, tally: velocity_tally, .. } = contact;
+    bodies.velocities = velocities;
+    clock.lap("velocity_contact");
+
+    // Close the books.
+    let tally = collisions.tally.and(&tally).and(&velocity_tally);
+    let quarantined = quarantine_non_finite(world);
+    let after = Totals::of(&world.bodies, frame.gravity);
+    let (energy, momentum) = world.books.close(&before, &after, gravity, &tally);
+    let penetrations = measure_penetrations(&world.bodies);
+    world.frame += 1;
+    clock.lap("report");
+    StepReport {
+        frame: world.frame,
+        time: world.time(),
+        bodies: world.bodies.len(),
+        mass: after.mass,
+        energy,
+        momentum,
+        impulses: Impulses { applied: tally.impulses, clamped: tally.clamped, discarded: tally.discarded },
+        fractures,
+        quarantined,
+        penetrations,
+        stages: clock.laps,
+    }
+}
+
+/// Passes over all colliding pairs; what a pass broke is replaced by its fragments before the next one.
+fn collide_and_break(
+    world: &mut World,
+    collisions: &mut Collisions,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> Vec<Fracture> {
+    let mut fractures = Vec::new();
+    let mut breaking_passes = 0;
+    let mut passes = 0;
+    while passes < frame.settings.collision_passes {
+        let may_break = breaking_passes < frame.settings.breaking_passes;
+        let pass = collisions.pass(&mut world.bodies, may_break, frame);
+        clock.lap("collisions");
+        if !pass.blows.is_empty() {
+            let (broken, new_index) = break_bodies(world, &pass.blows);
+            collisions.rebase(&world.bodies, &new_index, frame);
+            fractures.extend(broken);
+            breaking_passes += 1;
+            clock.lap("break_bodies");
+            continue;
+        }
+        if !pass.any {
+            break;
+        }
+        passes += 1;
+    }
+    fractures
+}
+
+/// How far bodies sag in one frame [m]: bounds that come this close may belong to resting contacts.
+fn reach(frame: &Frame) -> f64 {
+    frame.gravity.length() * frame.dt * frame.dt
+}
+
+/// For each pair that overlaps at the end of the frame, how deep [m].
+fn measure_penetrations(bodies: &Bodies) -> Vec<f32> {
+    let depth = |&pair: &_| {
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        deepest(first, second).map(|phi| -phi)
+    };
+    find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
+}
+
+/// Wall-clock time of each stage; a stage that runs several times has one sum.
+struct StageClock {
+    last: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl StageClock {
+    fn new() -> Self {
+        Self { last: Instant::now(), laps: Vec::new() }
+    }
+
+    /// Books the time since the last lap [ms] to a stage.
+    fn lap(&mut self, stage: &'static str) {
+        let spent = 1e3 * self.last.elapsed().as_secs_f64();
+        self.last = Instant::now();
+        match self.laps.iter_mut().find(|lap| lap.0 == stage) {
+            Some(lap) => lap.1 += spent,
+            None => self.laps.push((stage, spent)),
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The world: bodies, how they break, and the books.
+
+use crate::books::Books;
+use crate::report::id_number;
+use frangible_dynamics::{Bodies, BodyId, PaperSettings};
+use frangible_fracture::{Pattern, ShatterSettings};
+use frangible_geometry::Surface;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Bodies in motion. Built from a [`crate::SceneDesc`], advanced by [`crate::step`].
+#[derive(Clone, Debug)]
+pub struct World {
+    pub(crate) bodies: Bodies,
+    /// One entry for each body, in the order of `bodies`.
+    pub(crate) labels: Vec<Label>,
+    pub(crate) frame: u64,
+    pub(crate) dt: f64,
+    pub(crate) gravity: DVec3,
+    pub(crate) settings: PaperSettings,
+    pub(crate) books: Books,
+}
+
+/// What the engine knows of a body and dynamics need not.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// From the scene; a fragment has its parent's with a number.
+    pub name: String,
+    /// Whose fragment it is.
+    pub parent: Option<BodyId>,
+    /// How it breaks, if it can.
+    pub breaking: Option<Breaking>,
+}
+
+/// How a body breaks.
+#[derive(Clone, Debug)]
+pub struct Breaking {
+    /// How space is prescored.
+    pub pattern: Arc<Pattern>,
+    /// Resolution of the fragments.
+    pub shatter: ShatterSettings,
+    /// How many times in a row, this time included.
+    pub generations: u32,
+}
+
+impl World {
+    /// Living bodies, densely, in order of birth.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
+    /// Names, parents and patterns, in the order of [`World::bodies`].
+    pub fn labels(&self) -> &[Label] {
+        &self.labels
+    }
+
+    /// Number of frames so far.
+    pub fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// [s]
+    pub fn time(&self) -> f64 {
+        self.frame as f64 * self.dt
+    }
+
+    /// Length of a frame [s].
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Iteration counts and switches of the method; for experiments and negative controls.
+    pub fn settings_mut(&mut self) -> &mut PaperSettings {
+        &mut self.settings
+    }
+
+    /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when asked for.
+    pub fn surface(&self, id: BodyId) -> Option<Surface> {
+        self.bodies.index_of(id).map(|dense| self.bodies.shapes[dense].surface())
+    }
+
+    /// A fingerprint of ids, poses and velocities, bit by bit: equal states have equal hashes, on every platform.
+    pub fn state_hash(&self) -> u64 {
+        let mut hash = Fnv1a::default();
+        hash.add(self.frame);
+        for i in 0..self.bodies.len() {
+            let (pose, velocity) = (&self.bodies.poses[i], &self.bodies.velocities[i]);
+            hash.add(id_number(self.bodies.ids[i]));
+            pose.position.to_array().map(|x| hash.add(x.to_bits()));
+            pose.orientation.to_array().map(|x| hash.add(x.to_bits()));
+            velocity.linear.to_array().map(|x| hash.add(x.to_bits()));
+            velocity.angular_momentum.to_array().map(|x| hash.add(x.to_bits()));
+        }
+        hash.0
+    }
+}
+
+/// 64-bit FNV-1a [FNV]: a fixed function, unlike the standard library's hasher.
+struct Fnv1a(u64);
+
+impl Default for Fnv1a {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv1a {
+    fn add(&mut self, word: u64) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
