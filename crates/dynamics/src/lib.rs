@@ -22,6 +22,10 @@ pub mod state;
 pub mod tally;
 
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody};
+pub use energy_fix::{EnergyFix, fix_rotational_energy};
+pub use impulse::{apply_impulse, collision_impulse, contact_matrix};
+pub use impulse_clamp::{Clamp, ClampSide, clamp_impulse};
+pub use rotation::{advance, rotate_second_order};
 pub use settings::{Frame, PaperSettings};
 pub use state::{Inertia, Pose, Velocity};
 pub use tally::Tally;

@@ -120,8 +120,7 @@ pub fn clamp_to_energy(
             let lever = approach.contact.point - pose.position;
             ClampSide::Prescribed { point_velocity: bodies.point_velocity(i, pose, &velocities[i], lever) }
         } else {
-            let inverse_inertia = inertia.inverse_tensor(pose.orientation);
-            ClampSide::Dynamic { inverse_mass: inertia.inverse_mass, inverse_inertia, lever, velocity: velocities[i] }
+            ClampSide::Dynamic { inertia: *inertia, orientation: pose.orientation, lever, velocity: velocities[i] }
         }
     };
     let (first, second) = (side(pair.first, approach.levers[0]), side(pair.second, approach.levers[1]));

@@ -1,1 +1,91 @@
-//! Under construction.
+//! Scenes that are a demo, a test and a benchmark at once: one file each, one registry.
+
+mod impact;
+mod wall;
+
+use frangible::geometry::mesh_io::MeshError;
+use frangible::{Method, SceneDesc};
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A scene that can be run by its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot {
+    /// On the command line.
+    pub name: &'static str,
+    /// What happens in it, in one line.
+    pub caption: &'static str,
+    /// How many frames it takes at 30 frames per second, unless told otherwise.
+    pub frames: u32,
+    build: fn(&ShotOptions) -> Result<SceneDesc, ShotError>,
+}
+
+/// What can be asked of any shot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShotOptions {
+    /// For shots that break a mesh: its file.
+    pub mesh: Option<PathBuf>,
+    /// One step each.
+    pub frames_per_second: f64,
+    /// Which step.
+    pub method: Method,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl Default for ShotOptions {
+    fn default() -> Self {
+        Self { mesh: None, frames_per_second: 30.0, method: Method::default(), seed: 0 }
+    }
+}
+
+/// Why a shot cannot be set up.
+#[derive(Debug, Error)]
+pub enum ShotError {
+    /// No shot has that name.
+    #[error("unknown shot '{name}', must be one of: {known}")]
+    Unknown {
+        /// As given.
+        name: String,
+        /// All there are.
+        known: String,
+    },
+    /// The shot breaks a mesh and has none.
+    #[error("shot '{0}' needs a mesh file (--mesh FILE)")]
+    NeedsMesh(&'static str),
+    /// The shot has no use for a mesh.
+    #[error("shot '{0}' takes no mesh file, remove --mesh")]
+    TakesNoMesh(&'static str),
+    /// The mesh cannot be used.
+    #[error("{0}")]
+    Mesh(#[from] MeshError),
+}
+
+/// All shots.
+pub const SHOTS: &[Shot] = &[wall::UPPER, wall::MIDDLE, wall::LOWER, wall::BALL, impact::IMPACT];
+
+impl Shot {
+    /// The shot of a name.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn find(name: &str) -> Result<&'static Self, ShotError> {
+        let known = || SHOTS.iter().map(|shot| shot.name).collect::<Vec<_>>().join(", ");
+        SHOTS
+            .iter()
+            .find(|shot| shot.name == name)
+            .ok_or_else(|| ShotError::Unknown { name: name.into(), known: known() })
+    }
+
+    /// Its scene.
+    ///
+    /// # Errors
+    /// If it needs a mesh and has none, or the mesh cannot be read.
+    pub fn scene(&self, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+        let mut scene = (self.build)(options)?;
+        scene.name = self.name.into();
+        scene.frames_per_second = options.frames_per_second;
+        scene.method = options.method;
+        Ok(scene)
+    }
+}

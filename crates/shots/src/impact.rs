@@ -1,0 +1,63 @@
+//! Any mesh, hit by a ball.
+
+use crate::{Shot, ShotError, ShotOptions};
+use frangible::geometry::mesh_io;
+use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+
+/// The user's own mesh.
+pub(crate) const IMPACT: Shot = Shot {
+    name: "impact",
+    caption: "a ball breaks a mesh of your own (--mesh FILE), scaled to 2 m and set on the ground",
+    frames: 120,
+    build: impact,
+};
+
+/// The mesh's longest side becomes this long [m], so that one shot suits files in any unit.
+const LONGEST_SIDE: f64 = 2.0;
+
+/// Steel [kg/m^3].
+const BALL_DENSITY: f64 = 7800.0;
+
+/// [m]
+const BALL_RADIUS: f64 = 0.25;
+
+/// [m/s]
+const SPEED: f64 = 15.0;
+
+/// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly falls.
+const RUN_UP: f64 = 2.0;
+
+/// What the mesh bears [N s]: a fifteenth of the ball's momentum.
+const STRENGTH: f64 = 500.0;
+
+fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+    // The mesh stands on the ground, in the middle.
+    let path = options.mesh.as_ref().ok_or(ShotError::NeedsMesh("impact"))?;
+    let mesh = mesh_io::load(path)?;
+    let (low, high) = mesh.bounds();
+    let scale = LONGEST_SIDE / (high - low).max_element();
+    let (low, high) = (scale * low, scale * high);
+    let middle = 0.5 * (low + high);
+    let shape =
+        ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution: Resolution::default() };
+    let pattern = PatternDesc::Voronoi { cells: 60, clustering: 0.5, seed: options.seed };
+    let body = BodyDesc {
+        position: [-middle.x, -low.y, -middle.z],
+        breaking: Some(BreakingDesc { strength: STRENGTH, pattern, generations: 1 }),
+        ..BodyDesc::new("mesh", shape)
+    };
+
+    // The ball flies at the centre of its mass.
+    let center = scale * mesh.mass_properties().center - middle;
+    let height = (center.y + middle.y - low.y).clamp(BALL_RADIUS, high.y - low.y);
+    let shape = ShapeDesc::Sphere { radius: BALL_RADIUS, resolution: Resolution::default() };
+    let ball = BodyDesc {
+        position: [0.5 * (high.x - low.x) + RUN_UP, height, center.z],
+        linear_velocity: [-SPEED, 0.0, 0.0],
+        density: BALL_DENSITY,
+        ..BodyDesc::new("ball", shape)
+    };
+    let mut scene = SceneDesc::new("impact");
+    scene.bodies = vec![BodyDesc::ground(0.0), body, ball];
+    Ok(scene)
+}

@@ -1,0 +1,94 @@
+//! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09 fig. 4].
+
+use crate::{Shot, ShotError, ShotOptions};
+use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+
+/// Struck above the middle, towards one side.
+pub(crate) const UPPER: Shot = Shot {
+    name: "wall",
+    caption: "a ball breaks a wall where it hits it, above the middle (figure 4)",
+    frames: 120,
+    build: |options| struck_at([3.0, 0.5, 1.5], options),
+};
+
+/// Struck below the middle.
+pub(crate) const MIDDLE: Shot = Shot {
+    name: "wall-middle",
+    caption: "the same wall and pattern, struck near the middle (figure 4)",
+    frames: 120,
+    build: |options| struck_at([3.0, -0.5, 0.25], options),
+};
+
+/// Struck near a lower corner.
+pub(crate) const LOWER: Shot = Shot {
+    name: "wall-corner",
+    caption: "the same wall and pattern, struck near a lower corner (figure 4)",
+    frames: 120,
+    build: |options| struck_at([3.0, -1.0, -2.0], options),
+};
+
+/// The thresholds exchanged.
+pub(crate) const BALL: Shot = Shot {
+    name: "wall-ball",
+    caption: "the wall is the stronger: the ball breaks on it (figure 4)",
+    frames: 120,
+    build: ball_breaks,
+};
+
+/// Edge lengths of the wall along x, y and z [m]: 0.4 m thick, 4 m high, 6 m wide.
+const WALL: [f64; 3] = [0.4, 4.0, 6.0];
+
+/// Voxels along the same axes: cubes of 4 cm [Su09 fig. 4].
+const WALL_VOXELS: [usize; 3] = [10, 100, 150];
+
+/// Distance between the wall's surface samples [m], as in the authors' scene (31 x 3 x 21 of them).
+const WALL_SAMPLES: f64 = 0.2;
+
+/// The ground [m]; the wall's centre is the origin.
+const GROUND: f64 = -2.0;
+
+/// Of the ball [m/s].
+const SPEED: f64 = 15.0;
+
+/// What the weaker of the two bears [N s]: much less than the collision of either ball.
+const WEAK: f64 = 500.0;
+
+/// What the stronger one bears [N s]: more than the collision of the small ball.
+const STRONG: f64 = 1e6;
+
+fn struck_at(center: [f64; 3], options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+    // A ball that nothing deflects, as in the paper.
+    let shape = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
+    let ball = BodyDesc { motion: MotionDesc::Kinematic, ..ball(shape, center) };
+    scene(WEAK, ball, options)
+}
+
+fn ball_breaks(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+    let resolution = Resolution { voxels: Some([55; 3]), sample_spacing: Some(0.04) };
+    let shape = ShapeDesc::Sphere { radius: 0.25, resolution };
+    let ball = BodyDesc { breaking: Some(breaking(WEAK, options)), ..ball(shape, [3.0, 0.5, 1.5]) };
+    scene(STRONG, ball, options)
+}
+
+fn ball(shape: ShapeDesc, center: [f64; 3]) -> BodyDesc {
+    BodyDesc { position: center, linear_velocity: [-SPEED, 0.0, 0.0], ..BodyDesc::new("ball", shape) }
+}
+
+fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+    if options.mesh.is_some() {
+        return Err(ShotError::TakesNoMesh("wall"));
+    }
+    let resolution = Resolution { voxels: Some(WALL_VOXELS), sample_spacing: Some(WALL_SAMPLES) };
+    let shape = ShapeDesc::Box { size: WALL, resolution };
+    let wall = BodyDesc { breaking: Some(breaking(wall_strength, options)), ..BodyDesc::new("wall", shape) };
+    let mut scene = SceneDesc::new("wall");
+    scene.gravity = [0.0, -9.8, 0.0];
+    scene.bodies = vec![BodyDesc::ground(GROUND), wall, ball];
+    Ok(scene)
+}
+
+/// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.
+fn breaking(strength: f64, options: &ShotOptions) -> BreakingDesc {
+    let pattern = PatternDesc::Radial { spokes: 12, rings: 2, jitter: 0.5, seed: options.seed };
+    BreakingDesc { strength, pattern, generations: 1 }
+}
