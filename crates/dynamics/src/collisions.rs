@@ -5,7 +5,7 @@
 //! reported, for the engine to break the body [Su09 sec. 4.2].
 
 use crate::broad_phase::find_pairs;
-use crate::detection::{Penetration, find_penetrations};
+use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
 use crate::pair::{Approach, Pair, apply_impulse, clamp_to_energy, deepest_approach, impulse_for, placed};
 use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
@@ -86,11 +86,14 @@ impl Collisions {
             if self.unmoved_since_seen(bodies, pair) {
                 continue;
             }
+            let (first, second) = placed(bodies, pair, &self.predicted);
+            let mut near = NearSamples::gather(first, second, 0.0);
             for _ in 0..frame.settings.collision_pair_iterations {
                 if broken[pair.first] || broken[pair.second] {
                     break;
                 }
-                let Some((approach, impulse)) = self.next_impulse(bodies, pair, frame) else { break };
+                let next = self.next_impulse(bodies, pair, &mut near, frame);
+                let Some((approach, impulse)) = next else { break };
                 let blows = if may_break { blows_of(bodies, pair, &approach, impulse, &self.predicted) } else { [None; 2] };
                 let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
                 self.apply(bodies, pair, &approach, borne * impulse, frame);
@@ -106,9 +109,15 @@ impl Collisions {
     }
 
     /// The clamped impulse at the deepest approaching point of a pair, if there is one.
-    fn next_impulse(&mut self, bodies: &Bodies, pair: Pair, frame: &Frame) -> Option<(Approach, DVec3)> {
+    fn next_impulse(
+        &mut self,
+        bodies: &Bodies,
+        pair: Pair,
+        near: &mut NearSamples,
+        frame: &Frame,
+    ) -> Option<(Approach, DVec3)> {
         let (first, second) = placed(bodies, pair, &self.predicted);
-        find_penetrations(first, second, 0.0, &mut self.penetrations);
+        near.find_penetrations(first, second, 0.0, &mut self.penetrations);
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
         let approach = deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
         let (friction, restitution) = bodies.pair_contactant(pair.first, pair.second);

@@ -4,11 +4,12 @@
 //! looked for at the *proposed* poses; normals, levers and velocities are taken at the *old* ones.
 
 use crate::contact_graph::{ContactGraph, Level};
-use crate::detection::{Penetration, find_penetrations};
+use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{evolve, evolve_all};
 use crate::pair::{Approach, Pair, apply_impulse, clamp_to_energy, deepest_approach, impulse_for, placed};
 use crate::{Bodies, Frame, Inertia, Pose, Tally, Velocity};
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the authors' code.
 const CONTOUR: f32 = 1e-6;
@@ -39,6 +40,7 @@ pub struct Contact<'a> {
     pub inertias: Vec<Inertia>,
     /// What static and kinematic bodies contributed.
     pub tally: Tally,
+    near: HashMap<Pair, NearSamples>,
     penetrations: Vec<Penetration>,
 }
 
@@ -47,8 +49,8 @@ impl<'a> Contact<'a> {
     pub fn new(bodies: &'a Bodies, velocities: Vec<Velocity>, phase: Phase, frame: &'a Frame) -> Self {
         let proposed = evolve_all(bodies, &bodies.poses, &velocities, frame);
         let inertias = bodies.inertias.clone();
-        let tally = Tally::default();
-        Self { bodies, frame, phase, velocities, proposed, inertias, tally, penetrations: Vec::new() }
+        let (tally, near, penetrations) = (Tally::default(), HashMap::new(), Vec::new());
+        Self { bodies, frame, phase, velocities, proposed, inertias, tally, near, penetrations }
     }
 
     /// Passes over the graph, level by level, until nothing approaches. The restitution rises from -1 to 0 ("epsilon
@@ -92,7 +94,8 @@ impl<'a> Contact<'a> {
     fn stop_deepest(&mut self, pair: Pair, restitution: f64) -> bool {
         // Look for what would penetrate, at the proposed poses.
         let (first, second) = placed(self.bodies, pair, &self.proposed);
-        find_penetrations(first, second, CONTOUR, &mut self.penetrations);
+        let near = self.near.entry(pair).or_insert_with(|| NearSamples::gather(first, second, CONTOUR));
+        near.find_penetrations(first, second, CONTOUR, &mut self.penetrations);
 
         // The deepest that approaches, as seen at the old poses.
         let (old, penetrations) = (&self.bodies.poses, &mut self.penetrations);

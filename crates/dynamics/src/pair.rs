@@ -7,7 +7,7 @@ use crate::{Bodies, Inertia, Pose, Tally, Velocity};
 use glam::{DMat3, DVec3};
 
 /// A pair of bodies, by dense index; the first has the smaller one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Pair {
     /// An impulse `j` acts on it.
     pub first: usize,
@@ -33,24 +33,30 @@ pub fn placed<'a>(bodies: &'a Bodies, pair: Pair, poses: &'a [Pose]) -> (Placed<
 }
 
 /// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen at `poses` and
-/// `velocities`. Sorts the penetrations by depth.
+/// `velocities`. Uses the penetrations up.
 pub fn deepest_approach(
     bodies: &Bodies,
     pair: Pair,
-    penetrations: &mut [Penetration],
+    penetrations: &mut Vec<Penetration>,
     poses: &[Pose],
     velocities: &[Velocity],
 ) -> Option<Approach> {
-    penetrations.sort_unstable_by(|a, b| {
-        let tie = || (a.sample_of_first, a.sample).cmp(&(b.sample_of_first, b.sample));
-        a.phi.total_cmp(&b.phi).then_with(tie)
-    });
     let (first, second) = placed(bodies, pair, poses);
-    penetrations.iter().find_map(|penetration| {
-        let contact = contact_point(first, second, penetration);
+    // The deepest one nearly always approaches, so looking for the next deepest one is cheaper than sorting.
+    while let Some(deepest) = (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b])) {
+        let contact = contact_point(first, second, &penetrations.swap_remove(deepest));
         let approach = approach_at(bodies, pair, contact, poses, velocities);
-        (approach.relative_velocity.dot(contact.normal) < 0.0).then_some(approach)
-    })
+        if approach.relative_velocity.dot(contact.normal) < 0.0 {
+            return Some(approach);
+        }
+    }
+    None
+}
+
+/// Deepest first; equal depths in the order of the samples, so that the order is one only.
+fn by_depth(a: &Penetration, b: &Penetration) -> std::cmp::Ordering {
+    let tie = || (a.sample_of_first, a.sample).cmp(&(b.sample_of_first, b.sample));
+    a.phi.total_cmp(&b.phi).then_with(tie)
 }
 
 /// Levers and relative velocity at a contact point.

@@ -1,7 +1,7 @@
 //! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
 
 use crate::contact_graph::ContactGraph;
-use crate::detection::{contact_point, find_penetrations};
+use crate::detection::{NearSamples, Penetration, contact_point};
 use crate::pair::{Pair, pair_contact_matrix, placed};
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Inertia, Pose, Tally};
@@ -12,15 +12,20 @@ use glam::DVec3;
 pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame: &Frame, tally: &mut Tally) {
     let settings = &frame.settings;
     let mut inertias = bodies.inertias.clone();
+    let mut penetrations = Vec::new();
     for level in &graph.levels {
         // Close a part of each gap first, all of it last.
         for sweep in 1..=settings.push_out_level_iterations {
             let part = f64::from(sweep) / f64::from(settings.push_out_level_iterations);
             for &pair in &level.pairs {
+                let (first, second) = placed(bodies, pair, poses);
+                let mut near = NearSamples::gather(first, second, 0.0);
                 for _ in 0..settings.push_out_pair_iterations {
-                    if !separate(bodies, poses, &inertias, pair, part, tally) {
-                        break;
-                    }
+                    let (first, second) = placed(bodies, pair, poses);
+                    near.find_penetrations(first, second, 0.0, &mut penetrations);
+                    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else { break };
+                    let push = separate(bodies, poses, &inertias, pair, deepest, part);
+                    tally.book_displacement(bodies, pair, push);
                 }
             }
         }
@@ -30,20 +35,17 @@ pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame
     }
 }
 
-/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth; false if nothing overlaps.
+/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns
+/// the push on the first body [kg m].
 fn separate(
     bodies: &Bodies,
     poses: &mut [Pose],
     inertias: &[Inertia],
     pair: Pair,
+    deepest: &Penetration,
     part: f64,
-    tally: &mut Tally,
-) -> bool {
-    // Find the deepest sample.
-    let mut penetrations = Vec::new();
+) -> DVec3 {
     let (first, second) = placed(bodies, pair, poses);
-    find_penetrations(first, second, 0.0, &mut penetrations);
-    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else { return false };
     let contact = contact_point(first, second, deepest);
     let depth = -f64::from(deepest.phi);
 
@@ -51,15 +53,14 @@ fn separate(
     let levers = [pair.first, pair.second].map(|i| contact.point - poses[i].position);
     let k = pair_contact_matrix(pair, levers, poses, inertias);
     let softness = contact.normal.dot(k * contact.normal);
-    if depth <= 0.0 || softness <= 0.0 {
-        return false;
+    if softness <= 0.0 {
+        return DVec3::ZERO;
     }
     let push = (part * depth / softness) * contact.normal;
     for (i, lever, push) in [(pair.first, levers[0], push), (pair.second, levers[1], -push)] {
         move_by(&mut poses[i], &inertias[i], lever, push);
     }
-    tally.book_displacement(bodies, pair, push);
-    true
+    push
 }
 
 /// Displaces and turns one body by `push` [kg m] at `lever`.
