@@ -1,0 +1,63 @@
+//! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Every numbered equation, and every section from 2 to 4.4.
+const PAPER: &[&str] = &[
+    "eq. 1", "eq. 2", "eq. 3", "eq. 4", "eq. 5", "eq. 6", "sec. 2", "sec. 2.1", "sec. 2.2", "sec. 2.3", "sec. 2.4",
+    "sec. 3", "sec. 3.1", "sec. 3.2", "sec. 4", "sec. 4.1", "sec. 4.2", "sec. 4.3", "sec. 4.4",
+];
+
+struct Entry {
+    paper: String,
+    function: String,
+    test: String,
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn entries() -> Vec<Entry> {
+    let text = fs::read_to_string(root().join("docs/paper_map.md")).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| sec.") || line.starts_with("| eq."));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split(" | ").map(str::trim).collect();
+        assert_eq!(cells.len(), 4, "four columns: {row}");
+        let code = |cell: &str| cell.trim_matches('`').to_string();
+        Entry { paper: cells[0].to_string(), function: code(cells[2]), test: code(cells[3]) }
+    })
+    .collect()
+}
+
+/// The lines of a file in which a function of that name is defined.
+fn definitions(reference: &str) -> Vec<(Vec<String>, usize)> {
+    let (file, name) = reference.split_once("::").unwrap_or_else(|| panic!("{reference}: not file::function"));
+    let text = fs::read_to_string(root().join(file)).unwrap_or_else(|_| panic!("{reference}: no such file"));
+    let lines: Vec<String> = text.lines().map(str::to_string).collect();
+    let heads = [format!("fn {name}("), format!("fn {name}<")];
+    let at = lines.iter().enumerate().filter(|(_, line)| heads.iter().any(|head| line.contains(head.as_str())));
+    at.map(|(number, _)| number).collect::<Vec<_>>().into_iter().map(|number| (lines.clone(), number)).collect()
+}
+
+#[test]
+fn every_equation_and_section_is_mapped() {
+    let entries = entries();
+    for claim in PAPER {
+        assert!(entries.iter().any(|entry| entry.paper == *claim), "{claim} is not in docs/paper_map.md");
+    }
+}
+
+#[test]
+fn every_entry_points_to_a_function_and_to_a_test() {
+    for entry in entries() {
+        assert!(!definitions(&entry.function).is_empty(), "{}: no function {}", entry.paper, entry.function);
+        let is_test = definitions(&entry.test).into_iter().any(|(lines, number)| {
+            let inside_proptest = lines[..number].iter().any(|line| line.trim_start().starts_with("proptest!"));
+            lines[..number].iter().rev().take(6).any(|line| line.trim() == "#[test]")
+                && (inside_proptest || lines[number].contains("()"))
+        });
+        assert!(is_test, "{}: no test {}", entry.paper, entry.test);
+    }
+}
