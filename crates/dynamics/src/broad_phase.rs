@@ -26,7 +26,8 @@ impl Bounds {
         let center = transform.point(0.5 * (low + high));
         let matrix = transform.matrix();
         let half = 0.5 * (high - low);
-        let reach = half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
+        let reach =
+            half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
         Self { low: center - reach, high: center + reach }
     }
 

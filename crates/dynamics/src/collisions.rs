@@ -94,7 +94,11 @@ impl Collisions {
                 }
                 let next = self.next_impulse(bodies, pair, &mut near, frame);
                 let Some((approach, impulse)) = next else { break };
-                let blows = if may_break { blows_of(bodies, pair, &approach, impulse, &self.predicted) } else { [None; 2] };
+                let blows = if may_break {
+                    blows_of(bodies, pair, &approach, impulse, &self.predicted)
+                } else {
+                    [None; 2]
+                };
                 let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
                 self.apply(bodies, pair, &approach, borne * impulse, frame);
                 pass.any = true;
@@ -172,7 +176,9 @@ fn blows_of(
     predicted: &[Pose],
 ) -> [Option<Blow>; 2] {
     let size = impulse.length();
-    let strength = |i: usize| if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength };
+    let strength = |i: usize| {
+        if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
+    };
     let borne = strength(pair.first).min(strength(pair.second));
     let blow = |body: usize, striker: usize, outward: DVec3| {
         let body_from_world = predicted[body].world_from_body().inverse();

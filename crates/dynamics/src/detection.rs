@@ -60,7 +60,9 @@ impl NearSamples {
         let reach = contour + (STEEPEST * margin) as f32;
         let mut near = [Vec::new(), Vec::new()];
         visit_inside(first.shape, second.shape, &gathered_at, reach, None, |sample, _| near[0].push(sample));
-        visit_inside(second.shape, first.shape, &gathered_at.inverse(), reach, None, |sample, _| near[1].push(sample));
+        visit_inside(second.shape, first.shape, &gathered_at.inverse(), reach, None, |sample, _| {
+            near[1].push(sample)
+        });
         Self { near, gathered_at, margin }
     }
 

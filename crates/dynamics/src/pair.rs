@@ -43,7 +43,9 @@ pub fn deepest_approach(
 ) -> Option<Approach> {
     let (first, second) = placed(bodies, pair, poses);
     // The deepest one nearly always approaches, so looking for the next deepest one is cheaper than sorting.
-    while let Some(deepest) = (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b])) {
+    while let Some(deepest) =
+        (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b]))
+    {
         let contact = contact_point(first, second, &penetrations.swap_remove(deepest));
         let approach = approach_at(bodies, pair, contact, poses, velocities);
         if approach.relative_velocity.dot(contact.normal) < 0.0 {
@@ -105,7 +107,8 @@ pub fn apply_impulse(
 ) {
     for (i, lever, j) in [(pair.first, levers[0], impulse), (pair.second, levers[1], -impulse)] {
         if !inertias[i].is_infinite() {
-            velocities[i] = impulse::apply_impulse(&velocities[i], inertias[i].inverse_mass, lever, j, DVec3::ZERO);
+            velocities[i] =
+                impulse::apply_impulse(&velocities[i], inertias[i].inverse_mass, lever, j, DVec3::ZERO);
         }
     }
 }
@@ -126,7 +129,12 @@ pub fn clamp_to_energy(
             let lever = approach.contact.point - pose.position;
             ClampSide::Prescribed { point_velocity: bodies.point_velocity(i, pose, &velocities[i], lever) }
         } else {
-            ClampSide::Dynamic { inertia: *inertia, orientation: pose.orientation, lever, velocity: velocities[i] }
+            ClampSide::Dynamic {
+                inertia: *inertia,
+                orientation: pose.orientation,
+                lever,
+                velocity: velocities[i],
+            }
         }
     };
     let (first, second) = (side(pair.first, approach.levers[0]), side(pair.second, approach.levers[1]));

@@ -23,7 +23,9 @@ pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame
                 for _ in 0..settings.push_out_pair_iterations {
                     let (first, second) = placed(bodies, pair, poses);
                     near.find_penetrations(first, second, 0.0, &mut penetrations);
-                    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else { break };
+                    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else {
+                        break;
+                    };
                     let push = separate(bodies, poses, &inertias, pair, deepest, part);
                     tally.book_displacement(bodies, pair, push);
                 }

@@ -6,26 +6,26 @@ use glam::DVec3;
 
 /// Sums over all dynamic bodies at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Totals {
+pub(crate) struct Totals {
     /// [kg]
-    pub mass: f64,
+    pub(crate) mass: f64,
     /// [J]
-    pub kinetic: f64,
+    pub(crate) kinetic: f64,
     /// Relative to the world's origin [J].
-    pub potential: f64,
+    pub(crate) potential: f64,
     /// [kg m/s]
-    pub momentum: DVec3,
+    pub(crate) momentum: DVec3,
     /// About the world's origin [kg m^2/s].
-    pub angular_momentum: DVec3,
+    pub(crate) angular_momentum: DVec3,
     /// Sum of the lengths of the bodies' momenta [kg m/s].
-    pub momentum_scale: f64,
+    pub(crate) momentum_scale: f64,
     /// Sum of the lengths of the bodies' orbital and spin angular momenta [kg m^2/s].
-    pub angular_scale: f64,
+    pub(crate) angular_scale: f64,
 }
 
 impl Totals {
     /// Of the bodies as they are.
-    pub fn of(bodies: &Bodies, gravity: DVec3) -> Self {
+    pub(crate) fn of(bodies: &Bodies, gravity: DVec3) -> Self {
         let mut sum = Self::default();
         for i in 0..bodies.len() {
             let (inertia, pose, velocity) = (&bodies.inertias[i], &bodies.poses[i], &bodies.velocities[i]);
@@ -37,7 +37,8 @@ impl Totals {
             let orbital = pose.position.cross(momentum);
             let spin = velocity.angular_momentum;
             sum.mass += mass;
-            sum.kinetic += 0.5 * momentum.dot(velocity.linear) + inertia.rotational_energy(pose.orientation, spin);
+            sum.kinetic +=
+                0.5 * momentum.dot(velocity.linear) + inertia.rotational_energy(pose.orientation, spin);
             sum.potential -= mass * gravity.dot(pose.position);
             sum.momentum += momentum;
             sum.angular_momentum += orbital + spin;
@@ -48,7 +49,7 @@ impl Totals {
     }
 
     /// Kinetic and potential energy [J].
-    pub fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         self.kinetic + self.potential
     }
 }
@@ -57,7 +58,7 @@ impl Totals {
 ///
 /// Called between the position update and the velocity update: with x^{n+1} and the velocity v* that the collisions left,
 /// `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are the exact integral along the parabola.
-pub fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
+pub(crate) fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
     let mut sums = (DVec3::ZERO, DVec3::ZERO);
     for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
         let impulse = frame.dt * bodies.masses[i] * frame.gravity;
@@ -70,7 +71,7 @@ pub fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
 
 /// The books from the first frame on.
 #[derive(Clone, Debug, Default)]
-pub struct Books {
+pub(crate) struct Books {
     unexplained: DVec3,
     unexplained_angular: DVec3,
     momentum_scale: f64,
@@ -79,7 +80,7 @@ pub struct Books {
 
 impl Books {
     /// Closes a frame that went from `before` to `after` and received `gravity` and what `tally` says.
-    pub fn close(
+    pub(crate) fn close(
         &mut self,
         before: &Totals,
         after: &Totals,

@@ -67,8 +67,10 @@ fn fragment_label(parent: &Label, id: BodyId, index: usize, breaking: &Breaking)
 fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Label) -> NewBody {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let world_from_fragment = pose.world_from_body().after(&fragment.parent_from_fragment);
-    let pose_fragment =
-        Pose { position: world_from_fragment.translation, orientation: world_from_fragment.rotation.normalize() };
+    let pose_fragment = Pose {
+        position: world_from_fragment.translation,
+        orientation: world_from_fragment.rotation.normalize(),
+    };
 
     // Angular momentum from the parent's angular velocity, at the fragment's own inertia.
     let density = bodies.densities[parent];
@@ -91,15 +93,12 @@ fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Lab
 }
 
 /// How far the fragments' sums are from the parent's.
-fn imbalance<'a>(
-    bodies: &Bodies,
-    parent: usize,
-    fragments: impl Iterator<Item = &'a NewBody>,
-) -> Imbalance {
+fn imbalance<'a>(bodies: &Bodies, parent: usize, fragments: impl Iterator<Item = &'a NewBody>) -> Imbalance {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let mass = bodies.masses[parent];
     let spin = bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);
-    let (mut mass_sum, mut momentum, mut angular_momentum, mut kinetic) = (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
+    let (mut mass_sum, mut momentum, mut angular_momentum, mut kinetic) =
+        (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
     for fragment in fragments {
         let fragment_mass = fragment.density * fragment.shape.volume;
         let inertia = Inertia::new(fragment_mass, fragment.density * fragment.shape.unit_moments);

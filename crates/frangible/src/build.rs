@@ -3,7 +3,7 @@
 use crate::World;
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
-use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, SceneDesc};
+use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc};
 use crate::shapes::ShapeLibrary;
 use crate::world::{Breaking, Label};
 use frangible_dynamics::{Bodies, BodyId, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
@@ -74,18 +74,27 @@ fn build_body(
     // Shape and breaking: what breaks must be sampled.
     let shape = library.shape(&desc.shape, desc.breaking.is_some(), &at.field("shape"))?;
     if shape.volume == 0.0 && desc.motion != MotionDesc::Static {
-        return Err(at.field("motion").broken(&format!("{:?}", desc.motion), "static for a half-space, which has no mass"));
+        return Err(at
+            .field("motion")
+            .broken(&format!("{:?}", desc.motion), "static for a half-space, which has no mass"));
     }
-    let breaking = desc.breaking.as_ref().map(|breaking| build_breaking(breaking, &shape, &at.field("breaking")));
-    let breaking = breaking.transpose()?;
+    let breaking = match &desc.breaking {
+        Some(breaking) => {
+            Some(build_breaking(breaking, desc.shape.resolution(), &shape, &at.field("breaking"))?)
+        }
+        None => None,
+    };
     let strength = desc.breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.strength);
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
     let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
-    let pose = Pose { position: world_from_body.translation, orientation: world_from_body.rotation.normalize() };
+    let pose =
+        Pose { position: world_from_body.translation, orientation: world_from_body.rotation.normalize() };
     let (motion, velocity) = match desc.motion {
-        MotionDesc::Dynamic => (Motion::Dynamic, spinning(linear, angular, density, &shape, pose.orientation)),
+        MotionDesc::Dynamic => {
+            (Motion::Dynamic, spinning(linear, angular, density, &shape, pose.orientation))
+        }
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
@@ -100,7 +109,12 @@ fn spinning(linear: DVec3, angular: DVec3, density: f64, shape: &Shape, orientat
     Velocity { linear, angular_momentum: orientation * (moments * (orientation.conjugate() * angular)) }
 }
 
-fn build_breaking(desc: &BreakingDesc, shape: &Shape, at: &Checker) -> Result<Breaking, BuildError> {
+fn build_breaking(
+    desc: &BreakingDesc,
+    resolution: &Resolution,
+    shape: &Shape,
+    at: &Checker,
+) -> Result<Breaking, BuildError> {
     at.field("strength").positive(desc.strength, "N s")?;
     at.field("generations").at_least(desc.generations as usize, 1)?;
     let pattern = match desc.pattern {
@@ -115,6 +129,10 @@ fn build_breaking(desc: &BreakingDesc, shape: &Shape, at: &Checker) -> Result<Br
     let Geometry::Grid(solid) = &shape.geometry else {
         return Err(at.broken("a closed form", "a body that breaks is sampled on a grid"));
     };
-    let shatter = ShatterSettings::for_spacing(solid.level_set.grid().spacing);
+    // Cracks are sampled as densely as the surface was.
+    let mut shatter = ShatterSettings::default();
+    if let Some(spacing) = resolution.sample_spacing {
+        shatter.sample_spacing_voxels = spacing / solid.level_set.grid().spacing;
+    }
     Ok(Breaking { pattern: Arc::new(pattern), shatter, generations: desc.generations })
 }

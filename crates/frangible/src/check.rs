@@ -1,7 +1,8 @@
 //! Checks that answer with the field, the value and the rule.
 
 use frangible_fracture::PatternError;
-use frangible_geometry::mesh_io::MeshError;
+use frangible_geometry::MeshError;
+use frangible_geometry::mesh_to_level_set::MeshToLevelSetError;
 use glam::{DQuat, DVec3};
 use std::fmt::Debug;
 use thiserror::Error;
@@ -22,6 +23,14 @@ pub enum BuildError {
     /// A mesh file cannot be used.
     #[error("{0}")]
     Mesh(#[from] MeshError),
+    /// A mesh cannot be sampled on its grid.
+    #[error("{path}: {error}")]
+    Sampling {
+        /// Of the file.
+        path: String,
+        /// Why.
+        error: MeshToLevelSetError,
+    },
 }
 
 /// A place in a description.
@@ -74,7 +83,8 @@ impl Checker {
     }
 
     pub(crate) fn finite_vector(&self, value: [f64; 3]) -> Result<DVec3, BuildError> {
-        self.require(value.iter().all(|x| x.is_finite()), value, "three finite numbers").map(DVec3::from_array)
+        self.require(value.iter().all(|x| x.is_finite()), value, "three finite numbers")
+            .map(DVec3::from_array)
     }
 
     pub(crate) fn rotation(&self, value: [f64; 4]) -> Result<DQuat, BuildError> {

@@ -210,6 +210,20 @@ mod defaults {
     }
 }
 
+impl ShapeDesc {
+    /// How finely it is sampled.
+    pub fn resolution(&self) -> &Resolution {
+        const NONE: &Resolution = &Resolution { voxels: None, sample_spacing: None };
+        match self {
+            Self::HalfSpace => NONE,
+            Self::Sphere { resolution, .. }
+            | Self::Box { resolution, .. }
+            | Self::Cylinder { resolution, .. }
+            | Self::Mesh { resolution, .. } => resolution,
+        }
+    }
+}
+
 impl SceneDesc {
     /// An empty scene with the defaults.
     pub fn new(name: &str) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::check::{BuildError, Checker};
 use crate::desc::{Resolution, ShapeDesc};
-use frangible_geometry::mesh_io::{self, MeshError};
+use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
 use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Shape};
@@ -30,7 +30,12 @@ pub(crate) struct ShapeLibrary {
 
 impl ShapeLibrary {
     /// The shape of a description; sampled on a grid if it breaks.
-    pub(crate) fn shape(&mut self, desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Arc<Shape>, BuildError> {
+    pub(crate) fn shape(
+        &mut self,
+        desc: &ShapeDesc,
+        breaks: bool,
+        at: &Checker,
+    ) -> Result<Arc<Shape>, BuildError> {
         if let Some((_, _, shape)) = self.shapes.iter().find(|(other, b, _)| other == desc && *b == breaks) {
             return Ok(shape.clone());
         }
@@ -68,23 +73,31 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
 }
 
 /// A formula, or its samples if it breaks or a number of voxels is given.
-fn from_form(form: ClosedForm, resolution: &Resolution, breaks: bool, at: &Checker) -> Result<Shape, BuildError> {
+fn from_form(
+    form: ClosedForm,
+    resolution: &Resolution,
+    breaks: bool,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
     let (low, high) = form.bounds();
     if !breaks && resolution.voxels.is_none() {
         let spacing = resolution.sample_spacing.unwrap_or(0.1 * (high - low).max_element());
         return Ok(Shape::closed_form(form, at.field("resolution.sample_spacing").positive(spacing, "m")?));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
-    sampled(GridSolid::from_closed_form(form, voxels, MARGIN), resolution, at)
+    let solid = GridSolid::from_closed_form(form, voxels, MARGIN)
+        .map_err(|_| at.broken("a half-space", "a shape with a volume to be sampled"))?;
+    sampled(solid, resolution, at)
 }
 
 fn from_mesh(path: &Path, scale: f64, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
     let mut mesh = mesh_io::load(path)?;
-    mesh.check_volume().map_err(|error| error.in_file(path))?;
+    mesh.check_volume(&path.display().to_string())?;
     mesh.positions.iter_mut().for_each(|position| *position *= scale);
     let (low, high) = mesh.bounds();
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
-    let level_set = mesh_to_level_set(&mesh, grid).map_err(MeshError::from)?;
+    let level_set = mesh_to_level_set(&mesh, grid)
+        .map_err(|error| BuildError::Sampling { path: path.display().to_string(), error })?;
     sampled(GridSolid::from_level_set(level_set), resolution, at)
 }
 
@@ -98,7 +111,12 @@ fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Sh
 }
 
 /// Voxels along each side of the bounding box.
-fn voxels_for(low: DVec3, high: DVec3, resolution: &Resolution, at: &Checker) -> Result<[usize; 3], BuildError> {
+fn voxels_for(
+    low: DVec3,
+    high: DVec3,
+    resolution: &Resolution,
+    at: &Checker,
+) -> Result<[usize; 3], BuildError> {
     let extent = high - low;
     let voxels = resolution.voxels.unwrap_or_else(|| {
         let spacing = extent.max_element() / DEFAULT_VOXELS;
@@ -108,9 +126,13 @@ fn voxels_for(low: DVec3, high: DVec3, resolution: &Resolution, at: &Checker) ->
     for count in voxels {
         at.at_least(count, 1)?;
     }
-    let total = voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
+    let total =
+        voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
     if total.is_none_or(|total| total > MOST_VOXELS) {
-        return Err(at.broken(&format!("{voxels:?}"), &format!("at most {MOST_VOXELS} with their margin, to fit in memory")));
+        return Err(at.broken(
+            &format!("{voxels:?}"),
+            &format!("at most {MOST_VOXELS} with their margin, to fit in memory"),
+        ));
     }
     Ok(voxels)
 }

@@ -86,10 +86,10 @@ impl World {
         for i in 0..self.bodies.len() {
             let (pose, velocity) = (&self.bodies.poses[i], &self.bodies.velocities[i]);
             hash.add(id_number(self.bodies.ids[i]));
-            pose.position.to_array().map(|x| hash.add(x.to_bits()));
-            pose.orientation.to_array().map(|x| hash.add(x.to_bits()));
-            velocity.linear.to_array().map(|x| hash.add(x.to_bits()));
-            velocity.angular_momentum.to_array().map(|x| hash.add(x.to_bits()));
+            pose.position.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
+            pose.orientation.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
+            velocity.linear.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
+            velocity.angular_momentum.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
         }
         hash.0
     }

@@ -25,7 +25,8 @@ fn position(world: &World, body: usize) -> DVec3 {
 /// split state [Su09 sec. 3.1].
 #[test]
 fn free_flight_is_ballistic_and_keeps_its_energy() {
-    let mut brick = BodyDesc::new("brick", ShapeDesc::Box { size: [0.3, 0.1, 0.2], resolution: Resolution::default() });
+    let mut brick =
+        BodyDesc::new("brick", ShapeDesc::Box { size: [0.3, 0.1, 0.2], resolution: Resolution::default() });
     brick.position = [1.0, 2.0, 3.0];
     brick.linear_velocity = [1.0, 10.0, -0.5];
     brick.angular_velocity = [3.0, 20.0, -7.0];
@@ -159,7 +160,11 @@ fn the_same_scene_gives_the_same_bits() {
         for i in 0..8 {
             let x = f64::from(i);
             let position = [0.3 * x, 1.0 + 0.7 * x, 0.1 * x];
-            bodies.push(BodyDesc { position, angular_velocity: [x, 1.0, -x], ..BodyDesc::new("cube", cube(0.6)) });
+            bodies.push(BodyDesc {
+                position,
+                angular_velocity: [x, 1.0, -x],
+                ..BodyDesc::new("cube", cube(0.6))
+            });
         }
         let mut world = world(bodies);
         (0..90).for_each(|_| {

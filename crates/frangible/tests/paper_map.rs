@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Every numbered equation, and every section from 2 to 4.4.
 const PAPER: &[&str] = &[
-    "eq. 1", "eq. 2", "eq. 3", "eq. 4", "eq. 5", "eq. 6", "sec. 2", "sec. 2.1", "sec. 2.2", "sec. 2.3", "sec. 2.4",
-    "sec. 3", "sec. 3.1", "sec. 3.2", "sec. 4", "sec. 4.1", "sec. 4.2", "sec. 4.3", "sec. 4.4",
+    "eq. 1", "eq. 2", "eq. 3", "eq. 4", "eq. 5", "eq. 6", "sec. 2", "sec. 2.1", "sec. 2.2", "sec. 2.3",
+    "sec. 2.4", "sec. 3", "sec. 3.1", "sec. 3.2", "sec. 4", "sec. 4.1", "sec. 4.2", "sec. 4.3", "sec. 4.4",
 ];
 
 struct Entry {
@@ -33,12 +33,18 @@ fn entries() -> Vec<Entry> {
 
 /// The lines of a file in which a function of that name is defined.
 fn definitions(reference: &str) -> Vec<(Vec<String>, usize)> {
-    let (file, name) = reference.split_once("::").unwrap_or_else(|| panic!("{reference}: not file::function"));
+    let (file, name) =
+        reference.split_once("::").unwrap_or_else(|| panic!("{reference}: not file::function"));
     let text = fs::read_to_string(root().join(file)).unwrap_or_else(|_| panic!("{reference}: no such file"));
     let lines: Vec<String> = text.lines().map(str::to_string).collect();
     let heads = [format!("fn {name}("), format!("fn {name}<")];
-    let at = lines.iter().enumerate().filter(|(_, line)| heads.iter().any(|head| line.contains(head.as_str())));
-    at.map(|(number, _)| number).collect::<Vec<_>>().into_iter().map(|number| (lines.clone(), number)).collect()
+    let at =
+        lines.iter().enumerate().filter(|(_, line)| heads.iter().any(|head| line.contains(head.as_str())));
+    at.map(|(number, _)| number)
+        .collect::<Vec<_>>()
+        .into_iter()
+        .map(|number| (lines.clone(), number))
+        .collect()
 }
 
 #[test]
@@ -54,7 +60,8 @@ fn every_entry_points_to_a_function_and_to_a_test() {
     for entry in entries() {
         assert!(!definitions(&entry.function).is_empty(), "{}: no function {}", entry.paper, entry.function);
         let is_test = definitions(&entry.test).into_iter().any(|(lines, number)| {
-            let inside_proptest = lines[..number].iter().any(|line| line.trim_start().starts_with("proptest!"));
+            let inside_proptest =
+                lines[..number].iter().any(|line| line.trim_start().starts_with("proptest!"));
             lines[..number].iter().rev().take(6).any(|line| line.trim() == "#[test]")
                 && (inside_proptest || lines[number].contains("()"))
         });

@@ -27,8 +27,8 @@ const SPEED: f64 = 15.0;
 /// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly falls.
 const RUN_UP: f64 = 2.0;
 
-/// What the mesh bears [N s]: a fifteenth of the ball's momentum.
-const STRENGTH: f64 = 500.0;
+/// What the mesh bears [N s]: more than its own weight in a frame, less than the collision of the ball.
+const STRENGTH: f64 = 2500.0;
 
 fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     // The mesh stands on the ground, in the middle.
@@ -40,7 +40,7 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let middle = 0.5 * (low + high);
     let shape =
         ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution: Resolution::default() };
-    let pattern = PatternDesc::Voronoi { cells: 60, clustering: 0.5, seed: options.seed };
+    let pattern = PatternDesc::Voronoi { cells: 200, clustering: 0.5, seed: options.seed };
     let body = BodyDesc {
         position: [-middle.x, -low.y, -middle.z],
         breaking: Some(BreakingDesc { strength: STRENGTH, pattern, generations: 1 }),

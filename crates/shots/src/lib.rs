@@ -3,7 +3,7 @@
 mod impact;
 mod wall;
 
-use frangible::geometry::mesh_io::MeshError;
+use frangible::geometry::MeshError;
 use frangible::{Method, SceneDesc};
 use std::path::PathBuf;
 use thiserror::Error;
