@@ -14,7 +14,7 @@ use thiserror::Error;
 pub struct Pattern {
     /// Half of the box's edge lengths.
     pub half_extent: DVec3,
-    /// The fracture centre, in the box: what is laid on the impact point.
+    /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
     /// They tile the box.
     pub regions: Vec<Region>,
@@ -85,10 +85,23 @@ impl Region {
     }
 }
 
+/// The region with the least distance, the first of equals.
+pub(crate) fn nearest_region(regions: &[Region], point: DVec3) -> Option<usize> {
+    let mut nearest = None;
+    let mut least = f64::INFINITY;
+    for (at, region) in regions.iter().enumerate() {
+        let distance = region.distance(point);
+        if distance < least {
+            (nearest, least) = (Some(at), distance);
+        }
+    }
+    nearest
+}
+
 impl Pattern {
     /// The region that holds a point: the one with the least distance, the first of equals.
     pub fn region_at(&self, point: DVec3) -> Option<usize> {
-        crate::shatter::regions::nearest_region(&self.regions, point)
+        nearest_region(&self.regions, point)
     }
 
     /// Volume of a region within the box, by the divergence theorem.

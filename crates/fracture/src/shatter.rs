@@ -1,11 +1,11 @@
 //! Breaking a body [Su09 sec. 4.2].
 
-pub(crate) mod components;
+mod components;
 mod crack_samples;
 mod disjoint_sets;
 mod level_sets;
 mod particles;
-pub(crate) mod regions;
+mod regions;
 mod slivers;
 
 use crate::{Impact, Pattern, align::align_pattern};

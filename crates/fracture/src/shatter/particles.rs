@@ -133,10 +133,10 @@ impl Lookup<'_> {
     /// highest.
     fn nodes_around(&self, point: DVec3, reach: i64) -> ([usize; 3], [usize; 3]) {
         let grid = self.parent.level_set.grid();
-        let corner = grid.lattice_from_point(point).floor();
+        let corner = grid.lattice_from_point(point).to_array().map(floor);
         let within = |axis: usize, n: i64| n.clamp(0, grid.dims[axis] as i64 - 1) as usize;
-        let low = std::array::from_fn(|axis| within(axis, corner[axis] as i64 - reach));
-        let high = std::array::from_fn(|axis| within(axis, corner[axis] as i64 + 1 + reach));
+        let low = std::array::from_fn(|axis| within(axis, corner[axis] - reach));
+        let high = std::array::from_fn(|axis| within(axis, corner[axis] + 1 + reach));
         (low, high)
     }
 
@@ -177,22 +177,32 @@ impl Lookup<'_> {
     }
 }
 
+/// The largest whole number that is not above `x`, without a call into the platform's library.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(x < towards_zero as f64)
+}
+
 /// The samples of one fragment, none of them twice.
 struct Collector {
     samples: Vec<Vec3>,
-    taken: BTreeSet<[i64; 3]>,
-    same: f64,
+    /// The cubes that have one.
+    taken: BTreeSet<u64>,
+    /// Edge of these cubes, inverse [1/m].
+    per_cube: f64,
 }
 
 impl Collector {
     fn new(same: f64) -> Self {
-        Self { samples: Vec::new(), taken: BTreeSet::new(), same }
+        Self { samples: Vec::new(), taken: BTreeSet::new(), per_cube: 1.0 / same }
     }
 
     /// Takes a point in, unless its place is taken.
     fn add(&mut self, point: DVec3) {
-        let place = (point / self.same).round();
-        if self.taken.insert([place.x as i64, place.y as i64, place.z as i64]) {
+        // 21 bits an axis: two million cubes across, or round and round.
+        let [x, y, z] = (point * self.per_cube).to_array().map(|x| floor(x + 0.5) as u64 & 0x1f_ffff);
+        if self.taken.insert(x | y << 21 | z << 42) {
             self.samples.push(point.as_vec3());
         }
     }

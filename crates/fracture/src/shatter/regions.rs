@@ -1,24 +1,11 @@
 //! Which region of the pattern each node lies in.
 
-use crate::pattern::Region;
+use crate::pattern::{Cut, Region, nearest_region};
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
 
 /// No region, no component.
 pub(crate) const NONE: u32 = u32::MAX;
-
-/// The region with the least distance, the first of equals.
-pub(crate) fn nearest_region(regions: &[Region], point: DVec3) -> Option<usize> {
-    let mut nearest = None;
-    let mut least = f64::INFINITY;
-    for (at, region) in regions.iter().enumerate() {
-        let distance = region.distance(point);
-        if distance < least {
-            (nearest, least) = (Some(at), distance);
-        }
-    }
-    nearest
-}
 
 /// Region of each node that is inside of the solid or whose voxel holds material; [`NONE`] elsewhere.
 ///
@@ -78,12 +65,7 @@ fn label_row(
 }
 
 /// First and last node within the bounds, counted along x from `origin`, that lie inside of all cuts or on them.
-fn row_interval(
-    cuts: &[crate::pattern::Cut],
-    origin: DVec3,
-    spacing: f64,
-    bounds: (f64, f64),
-) -> Option<(usize, usize)> {
+fn row_interval(cuts: &[Cut], origin: DVec3, spacing: f64, bounds: (f64, f64)) -> Option<(usize, usize)> {
     // In units of the spacing: a node this close to a crack counts as on it.
     const ON_CRACK: f64 = 1e-9;
     let (mut low, mut high) = bounds;

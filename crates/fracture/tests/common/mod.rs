@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
 
 use frangible_fracture::{Impact, Pattern, Radial, Voronoi};
-use frangible_geometry::{ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape};
-use glam::{DVec3, Vec3};
+use frangible_geometry::{
+    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, surface_samples::surface_samples,
+};
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -23,21 +25,12 @@ pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
     Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples).unwrap()
 }
 
-/// Any distance on a grid over `low` to `high`, with the nodes next to the surface moved onto it as samples.
+/// Any distance on a grid over `low` to `high`, with samples two voxels apart.
 pub fn sampled(low: DVec3, high: DVec3, voxels: [usize; 3], distance: impl Fn(DVec3) -> f64) -> Shape {
     let grid = Grid::around_box(low, high, voxels, 2);
-    let level_set = LevelSet::sample(grid, &distance);
-    let mut samples: Vec<Vec3> = Vec::new();
-    for node in 0..grid.len() {
-        let [i, j, k] = grid.coordinates(node);
-        let point = grid.node(i, j, k);
-        if distance(point).abs() < 0.6 * grid.spacing {
-            let slope = |axis: DVec3| distance(point + 1e-4 * axis) - distance(point - 1e-4 * axis);
-            let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
-            samples.push((point - distance(point) * gradient.normalize()).as_vec3());
-        }
-    }
-    Shape::from_grid_solid(GridSolid::from_level_set(level_set), samples).unwrap()
+    let solid = GridSolid::from_level_set(LevelSet::sample(grid, distance));
+    let samples = surface_samples(&solid, 2.0 * grid.spacing);
+    Shape::from_grid_solid(solid, samples).unwrap()
 }
 
 /// The paper's wall: 6 x 0.4 x 4 m on 150 x 10 x 100 voxels.
