@@ -17,15 +17,15 @@ pub(crate) struct Totals {
     pub(crate) momentum: DVec3,
     /// About the world's origin [kg m^2/s].
     pub(crate) angular_momentum: DVec3,
-    /// Sum of the lengths of the bodies' momenta [kg m/s].
+    /// Sum of the lengths of the bodies' momenta, and of what gravity gives them in one frame [kg m/s].
     pub(crate) momentum_scale: f64,
-    /// Sum of the lengths of the bodies' orbital and spin angular momenta [kg m^2/s].
+    /// The same for angular momentum, orbital and spin [kg m^2/s].
     pub(crate) angular_scale: f64,
 }
 
 impl Totals {
     /// Of the bodies as they are.
-    pub(crate) fn of(bodies: &Bodies, gravity: DVec3) -> Self {
+    pub(crate) fn of(bodies: &Bodies, frame: &Frame) -> Self {
         let mut sum = Self::default();
         for i in 0..bodies.len() {
             let (inertia, pose, velocity) = (&bodies.inertias[i], &bodies.poses[i], &bodies.velocities[i]);
@@ -33,17 +33,18 @@ impl Totals {
                 continue;
             }
             let mass = bodies.masses[i];
+            let weight = frame.dt * mass * frame.gravity;
             let momentum = mass * velocity.linear;
             let orbital = pose.position.cross(momentum);
             let spin = velocity.angular_momentum;
             sum.mass += mass;
             sum.kinetic +=
                 0.5 * momentum.dot(velocity.linear) + inertia.rotational_energy(pose.orientation, spin);
-            sum.potential -= mass * gravity.dot(pose.position);
+            sum.potential -= mass * frame.gravity.dot(pose.position);
             sum.momentum += momentum;
             sum.angular_momentum += orbital + spin;
-            sum.momentum_scale += momentum.length();
-            sum.angular_scale += orbital.length() + spin.length();
+            sum.momentum_scale += momentum.length() + weight.length();
+            sum.angular_scale += orbital.length() + spin.length() + pose.position.cross(weight).length();
         }
         sum
     }

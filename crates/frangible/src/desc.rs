@@ -175,8 +175,9 @@ pub enum PatternDesc {
     Voronoi {
         /// Number of cells in all of the pattern's box.
         cells: usize,
-        /// How much denser they are towards the impact, in [0, 1].
-        #[serde(default = "defaults::half")]
+        /// How much denser they are towards the impact: 0 for everywhere alike, else the box's half extent in standard
+        /// deviations of the cells' centres, up to 30.
+        #[serde(default)]
         clustering: f64,
         /// Same seed, same pattern.
         #[serde(default)]

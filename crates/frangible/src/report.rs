@@ -45,7 +45,8 @@ pub struct Energy {
     pub gain: f64,
 }
 
-/// The momentum books since the world began, relative to the largest sum of the bodies' momenta so far.
+/// The momentum books since the world began, relative to the largest sum so far of the bodies' momenta and of what gravity
+/// gives them in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Momentum {
     /// Change of linear momentum that neither gravity nor a static or kinematic body explains.

@@ -21,7 +21,7 @@ use std::time::Instant;
 /// n is the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
     let frame = Frame { dt: world.dt, gravity: world.gravity, settings: world.settings };
-    let before = Totals::of(&world.bodies, frame.gravity);
+    let before = Totals::of(&world.bodies, &frame);
     let mut clock = StageClock::new();
 
     // Collide and break: impulses come from the split state (x^{n+1}, v^n), change v^n, and are clamped against
@@ -57,7 +57,7 @@ pub fn step(world: &mut World) -> StepReport {
     // Close the books.
     let tally = collisions.tally.and(&tally).and(&velocity_tally);
     let quarantined = quarantine_non_finite(world);
-    let after = Totals::of(&world.bodies, frame.gravity);
+    let after = Totals::of(&world.bodies, &frame);
     let (energy, momentum) = world.books.close(&before, &after, gravity, &tally);
     let penetrations = measure_penetrations(&world.bodies);
     world.frame += 1;

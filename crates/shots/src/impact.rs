@@ -40,7 +40,7 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let middle = 0.5 * (low + high);
     let shape =
         ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution: Resolution::default() };
-    let pattern = PatternDesc::Voronoi { cells: 200, clustering: 0.5, seed: options.seed };
+    let pattern = PatternDesc::Voronoi { cells: 200, clustering: 1.5, seed: options.seed };
     let body = BodyDesc {
         position: [-middle.x, -low.y, -middle.z],
         breaking: Some(BreakingDesc { strength: STRENGTH, pattern, generations: 1 }),
