@@ -11,6 +11,7 @@ from ._frangible import BuildError, World, mesh_info, shot_frames, shot_scene, s
 from .cache import CacheError
 from .output import OutputError
 from .recording import Body, Recorder, Recording
+from .report import StepReport
 from .simulation import run
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "OutputError",
     "Recorder",
     "Recording",
+    "StepReport",
     "World",
     "mesh_info",
     "run",

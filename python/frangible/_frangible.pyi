@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .report import StepReport
+
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
 
@@ -37,7 +39,7 @@ class World:
     def build(scene_json: str, threads: int = 0) -> World:
         """Check a scene and build it; 0 threads means one for every processor. `BuildError` if a rule is broken."""
 
-    def step(self) -> dict[str, Any]:
+    def step(self) -> StepReport:
         """Advance by one frame, without the interpreter lock, and report on it."""
 
     @property

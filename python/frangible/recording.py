@@ -6,10 +6,12 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+
+from .report import StepReport
 
 if TYPE_CHECKING:
     from ._frangible import World
@@ -84,7 +86,7 @@ class Recording:
     #: Sorted by birth, then by id.
     bodies: list[Body]
     #: One report for every step, as `World.step` gave it.
-    reports: list[dict[str, Any]] = field(default_factory=list)
+    reports: list[StepReport] = field(default_factory=list)
 
     @staticmethod
     def record(
@@ -129,7 +131,7 @@ class Recorder:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.reports: list[dict[str, Any]] = []
+        self.reports: list[StepReport] = []
         # Kept for each frame: ids (n,), positions (n, 3), orientations (n, 4).
         self._ids: list[npt.NDArray[np.uint64]] = []
         self._positions: list[Float64] = []
@@ -144,7 +146,7 @@ class Recorder:
         """Everything kept so far."""
         return Recording(shot, fps, len(self.reports), self._bodies(), self.reports)
 
-    def capture(self, report: dict[str, Any]) -> None:
+    def capture(self, report: StepReport) -> None:
         """Keep the state that a step led to, and its report."""
         self.reports.append(report)
         # A fragment's parents may have come and gone within the frame.

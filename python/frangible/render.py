@@ -173,7 +173,7 @@ def _radiance(stage: _Stage, camera: Camera, directions: Float64, offsets: Float
     albedo = stage.colours[triangle]
     on_floor = triangle >= stage.first_floor
     albedo = np.where(on_floor[:, None], albedo * _grid_lines(stage, points + camera.target, depth)[:, None], albedo)
-    sheen = 0.35 * np.maximum(np.sum(normals * _unit(stage.lamp - view), axis=1, keepdims=True), 0.0) ** 48
+    sheen = 0.14 * np.maximum(np.sum(normals * _unit(stage.lamp - view), axis=1, keepdims=True), 0.0) ** 48
     facing = np.maximum(normals @ stage.lamp, 0.0)[:, None]
     lit = albedo * (lamp * facing + sky) + np.where(on_floor[:, None], 0.0, sheen) * lamp * (facing > 0.0)
 

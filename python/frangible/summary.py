@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import resource
 import sys
 from collections.abc import Sequence
@@ -9,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
-Report = dict[str, Any]
+from .report import StepReport
+
+Summary = dict[str, Any]
 
 
 def summarise(
-    reports: Sequence[Report],
+    reports: Sequence[StepReport],
     *,
     shot: str,
     method: str,
@@ -22,15 +25,18 @@ def summarise(
     bodies: tuple[int, int],
     mass: tuple[float, float],
     step_ms: Sequence[float],
-) -> Report:
+) -> Summary:
     """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state.
 
     Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, ``scale`` the
     largest kinetic energy plus the range of the potential energy: what a gain is to be measured against.
     """
     # The books begin before the first step, so its report is undone.
-    energy = {key: np.array([report["energy"][key] for report in reports]) for key in reports[0]["energy"]}
-    start = energy["total"][0] - energy["gain"][0] - energy["work"][0]
+    first, last = reports[0]["energy"], reports[-1]["energy"]
+    start = first["total"] - first["gain"] - first["work"]
+    gains = [report["energy"]["gain"] for report in reports]
+    potentials = [report["energy"]["potential"] for report in reports]
+    largest_kinetic = max(report["energy"]["kinetic"] for report in reports)
     depths = np.concatenate([np.asarray(report["penetrations"], np.float64) for report in reports])
     stages: dict[str, float] = {}
     for report in reports:
@@ -51,14 +57,17 @@ def summarise(
         },
         "mass_kg": {"start": mass[0], "end": mass[1]},
         "energy_J": {
-            "start": float(start),
-            "end": float(energy["total"][-1]),
-            "work": float(energy["work"].sum()),
-            "dissipated": float(-energy["gain"].sum()),
-            "max_frame_gain": float(energy["gain"].max()),
-            "scale": float(energy["kinetic"].max() + np.ptp(energy["potential"])),
+            "start": start,
+            "end": last["total"],
+            "work": math.fsum(report["energy"]["work"] for report in reports),
+            "dissipated": -math.fsum(gains),
+            "max_frame_gain": max(gains),
+            "scale": largest_kinetic + max(potentials) - min(potentials),
         },
-        "momentum": {key: max(report["momentum"][key] for report in reports) for key in reports[0]["momentum"]},
+        "momentum": {
+            "linear_error": max(report["momentum"]["linear_error"] for report in reports),
+            "angular_error": max(report["momentum"]["angular_error"] for report in reports),
+        },
         "penetration_m": {
             "p50": _percentile(depths, 50),
             "p99": _percentile(depths, 99),
@@ -73,7 +82,7 @@ def summarise(
     }
 
 
-def describe(summary: Report, seconds: float) -> str:
+def describe(summary: Summary, seconds: float) -> str:
     """The summary for people; ``seconds`` is the time of all steps."""
     bodies, mass, energy = summary["bodies"], summary["mass_kg"], summary["energy_J"]
     frames = summary["frames"]

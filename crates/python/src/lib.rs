@@ -1,1 +1,78 @@
-//! The Python door: `frangible._frangible`, thin over the engine.
+//! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi` documents it.
+
+mod convert;
+mod world;
+
+use frangible::Method;
+use frangible::geometry::mesh_io;
+use frangible_shots::{SHOTS, Shot, ShotOptions};
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+create_exception!(
+    frangible,
+    BuildError,
+    PyValueError,
+    "A scene that cannot be built: the message names the field, the value and the rule."
+);
+
+/// The engine's sentence as a Python exception.
+fn build_error(error: impl Display) -> PyErr {
+    BuildError::new_err(error.to_string())
+}
+
+/// Name and one line for every shot.
+#[pyfunction]
+fn shots() -> Vec<(&'static str, &'static str)> {
+    SHOTS.iter().map(|shot| (shot.name, shot.caption)).collect()
+}
+
+/// How many frames a shot takes at `fps` frames per second.
+#[pyfunction]
+fn shot_frames(name: &str, fps: f64) -> PyResult<u32> {
+    let frames = Shot::find(name).map_err(build_error)?.frames;
+    Ok((f64::from(frames) * fps / 30.0).ceil() as u32)
+}
+
+/// The scene of a shot, as JSON.
+#[pyfunction]
+#[pyo3(signature = (name, *, mesh=None, fps=30.0, method="paper", seed=0))]
+fn shot_scene(name: &str, mesh: Option<PathBuf>, fps: f64, method: &str, seed: u64) -> PyResult<String> {
+    let method: Method =
+        serde_json::from_value(method.into()).map_err(|error| build_error(format!("method: {error}")))?;
+    let options = ShotOptions { mesh, frames_per_second: fps, method, seed };
+    let scene = Shot::find(name).and_then(|shot| shot.scene(&options)).map_err(build_error)?;
+    serde_json::to_string(&scene).map_err(build_error)
+}
+
+/// What a mesh file holds.
+#[pyfunction]
+fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>> {
+    let info = py.detach(|| mesh_io::load(Path::new(&path)).map(|mesh| mesh.info())).map_err(build_error)?;
+    let facts = PyDict::new(py);
+    facts.set_item("vertices", info.vertices)?;
+    facts.set_item("triangles", info.triangles)?;
+    facts.set_item("parts", info.parts)?;
+    facts.set_item("watertight", info.watertight)?;
+    facts.set_item("volume_m3", info.volume)?;
+    facts.set_item("low_m", info.bounds.0.to_array())?;
+    facts.set_item("high_m", info.bounds.1.to_array())?;
+    facts.set_item("center_m", info.center.to_array())?;
+    facts.set_item("inertia_m5", info.inertia.to_cols_array_2d())?;
+    Ok(facts)
+}
+
+/// The compiled module.
+#[pymodule]
+fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("BuildError", module.py().get_type::<BuildError>())?;
+    module.add_class::<world::World>()?;
+    module.add_function(wrap_pyfunction!(shots, module)?)?;
+    module.add_function(wrap_pyfunction!(shot_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(shot_scene, module)?)?;
+    module.add_function(wrap_pyfunction!(mesh_info, module)?)
+}

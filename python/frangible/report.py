@@ -1,0 +1,84 @@
+"""What one frame did: the shape of the dictionaries that `World.step` answers with."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+
+class Energy(TypedDict):
+    """Of all dynamic bodies at the end of the frame [J]."""
+
+    kinetic: float
+    #: Relative to the world's origin.
+    potential: float
+    total: float
+    #: That kinematic bodies did in this frame.
+    work: float
+    #: E(n+1) - E(n) - W: what came out of nowhere in this frame, or, if negative, was dissipated.
+    gain: float
+
+
+class Momentum(TypedDict):
+    """What neither gravity nor a static or kinematic body explains, relative to all momenta, since the world began."""
+
+    linear_error: float
+    angular_error: float
+
+
+class Impulses(TypedDict):
+    """Collision and contact impulses: how many were applied, shortened and dropped so that no energy came from them."""
+
+    applied: int
+    clamped: int
+    discarded: int
+
+
+class Imbalance(TypedDict):
+    """Relative differences between a body and the sum of its fragments."""
+
+    mass: float
+    momentum: float
+    angular_momentum: float
+    kinetic_energy: float
+
+
+class Fracture(TypedDict):
+    """A body broke."""
+
+    #: Who broke; it lives no longer.
+    body: int
+    #: Who struck.
+    striker: int
+    #: Where, world frame [m].
+    point: list[float]
+    #: The impulse that would have stopped the blow [N s].
+    impulse: float
+    #: The part that the body bore before it broke [N s].
+    borne: float
+    #: What it broke into.
+    fragments: list[int]
+    imbalance: Imbalance
+
+
+class StepReport(TypedDict):
+    """One frame."""
+
+    #: Counts from 1.
+    frame: int
+    #: At the end of the frame [s].
+    time: float
+    #: Living bodies at the end of the frame.
+    bodies: int
+    #: Of all dynamic bodies [kg].
+    mass: float
+    energy: Energy
+    momentum: Momentum
+    impulses: Impulses
+    #: In order.
+    fractures: list[Fracture]
+    #: Bodies whose numbers went bad and that were taken out of the world.
+    quarantined: list[int]
+    #: For each overlapping pair, how deep [m].
+    penetrations: list[float]
+    #: Wall-clock time of each stage [ms], in order.
+    stages: list[tuple[str, float]]

@@ -1,0 +1,135 @@
+"""The compiled module: arrays, reports and errors."""
+
+import json
+from typing import Any, get_type_hints, is_typeddict
+
+import numpy as np
+import pytest
+from frangible import BuildError, Recording, World, shot_scene
+from frangible.report import Fracture, StepReport
+
+BALL = {"name": "ball", "shape": {"kind": "sphere", "radius": 0.5}, "position": [1, 2, 3], "density": 1000.0}
+GROUND = {"name": "ground", "shape": {"kind": "half-space"}, "motion": "static"}
+
+
+def build(*bodies: dict[str, Any], **fields: Any) -> World:
+    return World.build(json.dumps({"bodies": list(bodies), **fields}))
+
+
+def test_a_free_body_flies_as_newton_says() -> None:
+    spin = [0.0, 2.0, 0.0]
+    world = build(GROUND, {**BALL, "linear_velocity": [3, 0, 0], "angular_velocity": spin}, gravity=[0, -10, 0])
+    for _ in range(6):
+        world.step()
+    t = 6 / 30
+    assert (world.frame, world.dt, world.time) == (6, pytest.approx(1 / 30), pytest.approx(t))
+    assert world.positions[1] == pytest.approx([1 + 3 * t, 2 - 5 * t * t, 3])
+    assert world.velocities[1] == pytest.approx([3, -10 * t, 0])
+    assert world.angular_velocities[1] == pytest.approx(spin)
+    assert world.orientations[1] == pytest.approx([0, np.sin(t), 0, np.cos(t)])
+
+
+def test_arrays_have_a_row_for_each_body() -> None:
+    world = build(GROUND, BALL, BALL)
+    assert world.ids.dtype == np.uint64
+    assert len(set(world.ids.tolist())) == 3
+    assert world.positions.shape == world.velocities.shape == world.angular_velocities.shape == (3, 3)
+    assert world.orientations.shape == (3, 4)
+    assert world.masses == pytest.approx([np.inf, *[1000 * np.pi / 6] * 2])
+    assert world.names == ["ground", "ball", "ball"]
+    assert world.parents == [None, None, None]
+
+
+def test_a_kinematic_body_has_infinite_mass_and_its_own_velocity() -> None:
+    world = build({**BALL, "motion": "kinematic", "linear_velocity": [0, 0, 4], "angular_velocity": [1, 0, 0]})
+    world.step()
+    assert world.masses.tolist() == [np.inf]
+    assert world.velocities[0].tolist() == [0, 0, 4]
+    assert world.angular_velocities[0].tolist() == [1, 0, 0]
+    assert world.positions[0] == pytest.approx([1, 2, 3 + 4 / 30])
+
+
+def test_a_surface_lies_on_its_shape_and_faces_outward() -> None:
+    world = build(GROUND, BALL)
+    vertices, triangles, interior = world.surface(int(world.ids[1]))
+    assert (vertices.dtype, triangles.dtype, interior.dtype) == (np.float32, np.uint32, np.bool_)
+    assert len(interior) == len(triangles) > 0
+    assert not interior.any()
+    assert np.linalg.norm(vertices, axis=1) == pytest.approx(np.full(len(vertices), 0.5), abs=0.02)
+    a, b, c = vertices[triangles].astype(float).swapaxes(0, 1)
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(np.pi / 6, rel=0.05)
+
+
+def test_an_id_that_is_not_alive_is_a_key_error() -> None:
+    with pytest.raises(KeyError, match="12345"):
+        build(BALL).surface(12345)
+
+
+def test_reports_have_the_fields_that_their_types_say(wall: Recording) -> None:
+    def check(value: dict[str, Any], kind: type) -> None:
+        hints = get_type_hints(kind)
+        assert set(value) == set(hints), kind.__name__
+        for key, hint in hints.items():
+            if is_typeddict(hint):
+                check(value[key], hint)
+
+    for report in wall.reports:
+        check(report, StepReport)
+        for fracture in report["fractures"]:
+            check(fracture, Fracture)
+
+
+def test_fragments_know_their_parent_and_share_its_mass(wall: Recording) -> None:
+    whole = next(body for body in wall.bodies if body.name == "wall")
+    pieces = [body for body in wall.alive(wall.frames) if body.source == whole.id]
+    assert len(pieces) > 10
+    assert {body.parent for body in pieces} == {whole.id}
+    assert sum(body.mass for body in pieces) == pytest.approx(whole.mass, rel=1e-9)
+    assert all(body.interior.any() for body in pieces)
+
+
+def test_equal_scenes_have_equal_hashes_and_others_do_not() -> None:
+    first, second, third = build(BALL), build(BALL), build({**BALL, "position": [1, 2, 3.0000001]})
+    assert first.state_hash() == second.state_hash() != third.state_hash()
+    first.step()
+    assert first.state_hash() != second.state_hash()
+    assert len(first.state_hash()) == 16
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"density": -1.0}, ["bodies[0].density", "-1.0", "> 0"]),
+        ({"density": 0}, ["bodies[0].density", "> 0"]),
+        ({"friction": -0.5}, ["bodies[0].friction", "-0.5", ">= 0"]),
+        ({"restitution": 1.5}, ["bodies[0].restitution", "1.5", "between 0 and 1"]),
+        ({"position": [0, 1e999, 0]}, ["scene"]),
+        ({"orientation": [0, 0, 0, 0]}, ["bodies[0].orientation", "zero"]),
+        ({"shape": {"kind": "sphere", "radius": -2}}, ["bodies[0].shape.radius", "-2", "> 0"]),
+        (
+            {"shape": {"kind": "box", "size": [1, 1, 1], "resolution": {"voxels": [4000, 4000, 4000]}}},
+            ["bodies[0].shape.resolution.voxels", "4000", "at most"],
+        ),
+        ({"shape": {"kind": "mesh", "path": "no/such.obj"}}, ["no/such.obj", "no such file"]),
+        ({"shape": {"kind": "teapot"}}, ["teapot", "sphere"]),
+        ({"colour": "red"}, ["colour", "density"]),
+    ],
+)
+def test_a_scene_that_breaks_a_rule_names_field_value_and_rule(change: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(BuildError) as caught:
+        build({**BALL, **change})
+    message = str(caught.value)
+    assert "\n" not in message
+    assert [word for word in words if word not in message] == [], message
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"bodies": 3}', '{"bodies": [], "gravity": [0, NaN, 0]}'])
+def test_a_scene_that_is_no_scene_says_where(text: str) -> None:
+    with pytest.raises(BuildError, match=r"^scene: .*line 1"):
+        World.build(text)
+
+
+def test_shots_are_scenes_in_json() -> None:
+    scene = json.loads(shot_scene("wall", fps=60.0, seed=3))
+    assert scene["frames_per_second"] == 60.0
+    assert World.build(json.dumps(scene)).dt == pytest.approx(1 / 60)
