@@ -37,8 +37,9 @@ clean: ## Remove what the other targets made
 
 # The environment may be there already, without pip or without our tools.
 $(VENV)/.tools: pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, set PYTHON")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
+	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 	  print(*extras["dependencies"], *(line for extra in ("usd", "render", "dev") \

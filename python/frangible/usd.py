@@ -103,8 +103,11 @@ def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> N
     if len(rows) == 1:
         attribute.Set(values[0])
         return
-    for row in rows.tolist():
-        attribute.Set(values[row], float(frames[row]))
+    # Thousands of paths are long: write to the layer itself, without a notice for every sample.
+    layer, path = attribute.GetStage().GetRootLayer(), attribute.GetPath()
+    with Sdf.ChangeBlock():
+        for row in rows.tolist():
+            layer.SetTimeSample(path, float(frames[row]), values[row])
 
 
 def _life(mesh: Any, body: Body) -> None:
