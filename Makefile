@@ -5,6 +5,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := out
+# The picture shows the wall in mid-break.
+DEMO_FRAME := 14
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
@@ -18,7 +20,7 @@ build: $(VENV)/.installed ## Build the Python package into .venv
 
 demo: build ## Simulate the wall and write it to out/ as USD, glTF and a picture
 	@mkdir -p $(OUT)
-	$(BIN)/frangible run wall --out $(OUT)/wall.usdc --out $(OUT)/wall.glb --out $(OUT)/wall.png
+	$(BIN)/frangible run wall --out $(OUT)/wall.usdc --out $(OUT)/wall.glb --out $(OUT)/wall.png --frame $(DEMO_FRAME)
 
 test: test-rust test-python ## Check everything, as continuous integration does
 

@@ -1,11 +1,13 @@
 """The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
 
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
 
 from .report import StepReport
+
+__all__ = ["BuildError", "World", "mesh_info", "shot_frames", "shot_scene", "shots"]
 
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
@@ -29,6 +31,7 @@ def shot_scene(
 def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read."""
 
+@final
 class World:
     """Bodies, and the engine that moves and breaks them.
 

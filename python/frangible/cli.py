@@ -172,4 +172,12 @@ def _info(options: argparse.Namespace) -> None:
     from .info import describe_file
 
     for key, value in describe_file(options.file).items():
-        print(f"{key:14} {value}")
+        print(f"{key:14} {_readable(value)}")
+
+
+def _readable(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return " ".join(_readable(item) for item in value)
+    return str(value)

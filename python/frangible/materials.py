@@ -11,7 +11,7 @@ INSIDE: Colour = (0.42, 0.15, 0.085)
 INSIDE_ROUGHNESS = 0.9
 #: What was the surface all along, one colour for each source that can move.
 OUTSIDE: tuple[Colour, ...] = (
-    (0.60, 0.55, 0.46),  # limestone
+    (0.54, 0.49, 0.41),  # limestone
     (0.13, 0.17, 0.23),  # gunmetal
     (0.28, 0.45, 0.52),  # verdigris
     (0.55, 0.42, 0.16),  # brass

@@ -28,8 +28,8 @@ SKY_RAYS, LAMP_RAYS = 8, 5
 #: Rows of pixels that one task traces.
 BAND = 24
 
-#: Towards the lamp, over the camera's left shoulder (right, up, back).
-LAMP = np.array([-0.75, 1.15, 0.35]) / np.linalg.norm([-0.75, 1.15, 0.35])
+#: Towards the lamp, over the right shoulder of the camera (right, up, back).
+LAMP = np.array([0.70, 1.15, 0.65]) / np.linalg.norm([0.70, 1.15, 0.65])
 #: The lamp's radius over its distance: shadows soften with the distance from what casts them.
 LAMP_RADIUS = 0.06
 LAMP_COLOUR = np.array([2.55, 2.25, 1.85])

@@ -86,21 +86,28 @@ def describe(summary: Summary, seconds: float) -> str:
     """The summary for people; ``seconds`` is the time of all steps."""
     bodies, mass, energy = summary["bodies"], summary["mass_kg"], summary["energy_J"]
     frames = summary["frames"]
-    gain = energy["max_frame_gain"]
+    scale = energy["scale"]
+    # Round-off around zero would only distract.
+    start, work, dissipated, end, gain = (
+        energy[key] if abs(energy[key]) > 1e-12 * scale else 0.0
+        for key in ("start", "work", "dissipated", "end", "max_frame_gain")
+    )
     lines = [
         f"{summary['shot']}: {frames} frames of {summary['dt'] * 1e3:.4g} ms in {seconds:.2f} s,"
         f" {frames / seconds:.3g} frames per second ({summary['method']} method)",
-        f"  bodies    {bodies['start']} at first, {bodies['end']} at last; {summary['fractures']} fractures",
+        f"  bodies    {bodies['start']} at first, {bodies['end']} at last; {_count(summary['fractures'], 'fracture')}",
         f"  mass      {mass['start']:.6g} kg at first, {mass['end']:.6g} kg at last",
-        f"  energy    {energy['start']:.6g} J at first + {energy['work']:.6g} J of work"
-        f" - {energy['dissipated']:.6g} J dissipated = {energy['end']:.6g} J at last",
-        f"  books     largest gain of a frame {gain:.3g} J, {gain / energy['scale'] if energy['scale'] else 0.0:.2g}"
-        f" of the {energy['scale']:.4g} J in play",
+        f"  energy    {start:.6g} J at first + {work:.6g} J of work - {dissipated:.6g} J dissipated = {end:.6g} J at last",
+        f"  books     largest gain of a frame {gain:.3g} J, {gain / scale if scale else 0.0:.2g} of the {scale:.4g} J in play",
         f"  state     {summary['state_hash']}",
     ]
     if bodies["quarantined"]:
         lines.insert(2, f"  removed   {bodies['quarantined']} bodies whose numbers went bad")
     return "\n".join(lines)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _percentile(values: Any, percent: float) -> float:

@@ -18,3 +18,9 @@ def wall() -> Recording:
     recording = run("wall", frames=60)
     assert any(report["fractures"] for report in recording.reports), "the wall must break in the frames that tests see"
     return recording
+
+
+@pytest.fixture
+def tetrahedron() -> str:
+    """The smallest solid, as an OBJ file."""
+    return "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"

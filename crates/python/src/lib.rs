@@ -62,7 +62,6 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
     facts.set_item("low_m", info.bounds.0.to_array())?;
     facts.set_item("high_m", info.bounds.1.to_array())?;
     facts.set_item("center_m", info.center.to_array())?;
-    facts.set_item("inertia_m5", info.inertia.to_cols_array_2d())?;
     Ok(facts)
 }
 
