@@ -163,19 +163,32 @@ fn visit_inside_grid(
     let beyond = Vec3::splat((contour / grid.spacing as f32).max(0.0));
     let top = Vec3::new((grid.dims[0] - 1) as f32, (grid.dims[1] - 1) as f32, (grid.dims[2] - 1) as f32);
     let (low, high) = (-beyond, top + beyond);
+    let inside_box =
+        |lattice: Vec3, slack: f32| lattice.cmpge(low - slack).all() && lattice.cmple(high + slack).all();
     let mut test = |index: u32| {
         let lattice = lattice_from_body * body.samples[index as usize] + shift;
-        if lattice.cmpge(low).all() && lattice.cmple(high).all() {
+        if inside_box(lattice, 0.0) {
             let phi = level_set.value_at_lattice(lattice);
             if phi <= contour {
                 visit(index, phi);
             }
         }
     };
-    match near {
-        Some(near) => near.iter().for_each(|&index| test(index)),
-        None if apart(body, lattice_from_body, shift, low, high) => {}
-        None => (0..body.samples.len() as u32).for_each(test),
+    if let Some(near) = near {
+        near.iter().for_each(|&index| test(index));
+        return;
+    }
+    if apart(body, lattice_from_body, shift, low, high) {
+        return;
+    }
+    for cluster in &body.sample_clusters {
+        let center = lattice_from_body * cluster.center + shift;
+        let reach = contour + STEEPEST as f32 * cluster.radius;
+        if inside_box(center, cluster.radius / grid.spacing as f32)
+            && level_set.value_at_lattice(center) <= reach
+        {
+            (cluster.first..cluster.first + cluster.count).for_each(&mut test);
+        }
     }
 }
 
@@ -203,7 +216,7 @@ fn visit_inside_form(
     let matrix = form_from_body.matrix();
     let mut test = |index: u32| {
         let sample = body.samples[index as usize].as_dvec3();
-        let phi = form.distance_and_gradient(matrix * sample + form_from_body.translation).0 as f32;
+        let phi = form.distance(matrix * sample + form_from_body.translation) as f32;
         if phi <= contour {
             visit(index, phi);
         }
@@ -212,9 +225,11 @@ fn visit_inside_form(
         near.iter().for_each(|&index| test(index));
         return;
     }
-    let (center, half) = (0.5 * (body.bounds.0 + body.bounds.1), 0.5 * (body.bounds.1 - body.bounds.0));
-    if form.distance_and_gradient(form_from_body.point(center)).0 <= half.length() + f64::from(contour) {
-        (0..body.samples.len() as u32).for_each(test);
+    for cluster in &body.sample_clusters {
+        let center = form_from_body.point(cluster.center.as_dvec3());
+        if form.distance(center) <= f64::from(contour + cluster.radius) {
+            (cluster.first..cluster.first + cluster.count).for_each(&mut test);
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Bodies that move, collide and rest under the paper's method, against what mechanics says.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Plane, sphere, box and cylinder in closed form: bodies, and the oracles of the tests.
 
 use crate::{HalfSpace, MassProperties};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// A shape whose signed distance, gradient and mass properties are formulas. Centred at the origin of its frame.
@@ -52,6 +52,19 @@ impl ClosedForm {
                     f64::NEG_INFINITY,
                 ));
                 (distance, gradient.x * outward + gradient.y * sign(point).y * DVec3::Y)
+            }
+        }
+    }
+
+    /// Signed distance [m] alone.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        match *self {
+            Self::HalfSpace(half_space) => half_space.distance(point),
+            Self::Sphere { radius } => point.length() - radius,
+            Self::Box { half } => length_beyond(point.abs() - half),
+            Self::Cylinder { radius, half_height } => {
+                let from_axis = DVec2::new(point.x, point.z).length();
+                length_beyond(DVec3::new(from_axis - radius, point.y.abs() - half_height, f64::NEG_INFINITY))
             }
         }
     }
@@ -119,6 +132,11 @@ fn distance_to_corner(beyond: DVec3) -> (f64, DVec3) {
 /// -1 or +1 for each component; +1 for both zeros.
 fn sign(vector: DVec3) -> DVec3 {
     DVec3::select(vector.cmplt(DVec3::ZERO), DVec3::NEG_ONE, DVec3::ONE)
+}
+
+/// Distance from a corner of a box to a point with these distances from its faces [m].
+fn length_beyond(from_faces: DVec3) -> f64 {
+    from_faces.max(DVec3::ZERO).length() + from_faces.max_element().min(0.0)
 }
 
 #[cfg(test)]

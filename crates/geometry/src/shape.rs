@@ -2,6 +2,7 @@
 
 use crate::closed_form_surface::closed_form_surface;
 use crate::polygonize::polygonize;
+use crate::sample_clusters::{SampleCluster, cluster_samples};
 use crate::surface_samples::closed_form_samples;
 use crate::{ClosedForm, GridSolid, NoMass, RigidTransform, Surface};
 use glam::{DVec3, Vec3};
@@ -16,6 +17,8 @@ pub struct Shape {
     pub body_from_grid: RigidTransform,
     /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets.
     pub samples: Vec<Vec3>,
+    /// All samples, in the same order, by neighbourhood.
+    pub sample_clusters: Vec<SampleCluster>,
     /// Lowest and highest corner in the body frame [m].
     pub bounds: (DVec3, DVec3),
     /// [m^3]; zero for a half-space.
@@ -41,10 +44,13 @@ impl Shape {
         let (volume, unit_moments) = form.mass_properties().map_or((0.0, DVec3::ZERO), |mass| {
             (mass.volume, DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z))
         });
+        let mut samples = closed_form_samples(&form, sample_spacing);
+        let sample_clusters = cluster_samples(&mut samples);
         Self {
             geometry: Geometry::ClosedForm(form),
             body_from_grid: RigidTransform::IDENTITY,
-            samples: closed_form_samples(&form, sample_spacing),
+            samples,
+            sample_clusters,
             bounds: form.bounds(),
             volume,
             unit_moments,
@@ -64,10 +70,19 @@ impl Shape {
         let grid_from_body = RigidTransform::new(grid_from_principal, mass.center);
         let body_from_grid = grid_from_body.inverse();
         let into_body = |sample: Vec3| body_from_grid.point(sample.as_dvec3()).as_vec3();
-        let samples: Vec<Vec3> = samples_grid.into_iter().map(into_body).collect();
+        let mut samples: Vec<Vec3> = samples_grid.into_iter().map(into_body).collect();
+        let sample_clusters = cluster_samples(&mut samples);
         let bounds = bounds_in_body(&solid, &body_from_grid, &samples);
         let geometry = Geometry::Grid(solid);
-        Ok(Self { geometry, body_from_grid, samples, bounds, volume: mass.volume, unit_moments })
+        Ok(Self {
+            geometry,
+            body_from_grid,
+            samples,
+            sample_clusters,
+            bounds,
+            volume: mass.volume,
+            unit_moments,
+        })
     }
 
     /// Signed distance [m] and its unit gradient at a point in the body frame [m].

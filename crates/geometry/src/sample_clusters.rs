@@ -1,0 +1,93 @@
+//! Surface samples in clusters, so that most of them need not be looked at.
+
+use glam::Vec3;
+
+/// Neighbouring samples and a ball around them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleCluster {
+    /// Index of the first sample; the others follow it.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+    /// Of the ball [m].
+    pub center: Vec3,
+    /// Of the ball [m].
+    pub radius: f32,
+}
+
+/// Samples in one cluster: a ball costs as much to test as a sample, and smaller clusters fit the surface better.
+const CLUSTER: usize = 16;
+
+/// Sorts samples along a space-filling curve [Mor66] and cuts the row into clusters.
+pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
+    // Sort by the Morton code in the samples' box; equal codes keep their order.
+    let low = samples.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
+    let high = samples.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
+    let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
+    let mut coded: Vec<(u32, Vec3)> =
+        samples.iter().map(|&sample| (morton_code((sample - low) * scale), sample)).collect();
+    coded.sort_by_key(|&(code, _)| code);
+    samples.clear();
+    samples.extend(coded.into_iter().map(|(_, sample)| sample));
+
+    let cluster = |(index, chunk): (usize, &[Vec3])| {
+        let low = chunk.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
+        let high = chunk.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
+        let center = 0.5 * (low + high);
+        let radius = chunk.iter().fold(0.0_f32, |radius, &sample| radius.max(sample.distance(center)));
+        SampleCluster { first: (index * CLUSTER) as u32, count: chunk.len() as u32, center, radius }
+    };
+    samples.chunks(CLUSTER).enumerate().map(cluster).collect()
+}
+
+/// The bits of three coordinates in [0, 1024), interleaved.
+fn morton_code(point: Vec3) -> u32 {
+    spread(point.x as u32) | spread(point.y as u32) << 1 | spread(point.z as u32) << 2
+}
+
+/// Two zeros before each of the ten lowest bits.
+fn spread(bits: u32) -> u32 {
+    let bits = bits.min(1023);
+    let bits = (bits | bits << 16) & 0x0300_00ff;
+    let bits = (bits | bits << 8) & 0x0300_f00f;
+    let bits = (bits | bits << 4) & 0x030c_30c3;
+    (bits | bits << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Every sample is in one cluster, and in its ball.
+        #[test]
+        fn clusters_hold_all_samples(points in prop::collection::vec(prop::array::uniform3(-5.0..5.0f32), 0..200)) {
+            let mut samples: Vec<Vec3> = points.iter().map(|&point| Vec3::from_array(point)).collect();
+            let clusters = cluster_samples(&mut samples);
+            let mut next = 0;
+            for cluster in clusters {
+                prop_assert_eq!(cluster.first, next);
+                next += cluster.count;
+                for sample in &samples[cluster.first as usize..next as usize] {
+                    prop_assert!(sample.distance(cluster.center) <= cluster.radius);
+                }
+            }
+            prop_assert_eq!(next as usize, points.len());
+            let key = |point: &Vec3| point.to_array().map(f32::to_bits);
+            let mut before: Vec<_> = points.iter().map(|&point| key(&Vec3::from_array(point))).collect();
+            let mut after: Vec<_> = samples.iter().map(key).collect();
+            before.sort_unstable();
+            after.sort_unstable();
+            prop_assert_eq!(before, after);
+        }
+    }
+
+    #[test]
+    fn the_curve_visits_one_octant_after_the_other() {
+        assert_eq!(morton_code(Vec3::new(1.0, 0.0, 0.0)), 1);
+        assert_eq!(morton_code(Vec3::new(0.0, 1.0, 0.0)), 2);
+        assert_eq!(morton_code(Vec3::new(3.0, 3.0, 3.0)), 63);
+        assert_eq!(morton_code(Vec3::splat(1023.0)), (1 << 30) - 1);
+    }
+}
