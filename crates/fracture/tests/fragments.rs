@@ -84,7 +84,7 @@ fn outline_distance(fragment: &Fragment, point: DVec3) -> f64 {
 }
 
 /// Nearly all samples are within half a voxel of the level set's surface. The others are sharp tips, which the level set
-/// rounds off: on the exact surface.
+/// rounds off: on the exact surface, or, where a sliver was merged, within two voxels.
 #[test]
 fn samples_lie_on_their_fragment_and_in_no_other() {
     let (mut all, mut near) = (0usize, 0usize);
@@ -97,7 +97,7 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
                 let point = grid_from_body.point(sample.as_dvec3());
                 let distance = value(fragment, point).abs() / h;
                 let exact = outline_distance(fragment, point).abs() / h;
-                assert!(distance < 1.0 || exact < 0.05, "{name}: {distance} {exact} voxels off the surface");
+                assert!(distance < 2.0 || exact < 0.05, "{name}: {distance} {exact} voxels off the surface");
                 all += 1;
                 near += usize::from(distance <= 0.5);
                 for other in &fragments {
