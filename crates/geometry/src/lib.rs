@@ -12,6 +12,7 @@ mod dual_contour;
 pub mod grid;
 pub mod grid_solid;
 pub mod half_space;
+mod hole_patches;
 pub mod level_set;
 pub mod mass_properties;
 pub mod mesh;

@@ -1,9 +1,11 @@
 //! Triangle mesh to level set: the exact distance to the boundary between inside and outside.
 
 use crate::bvh::{Bvh, closest_point_on_triangle};
+use crate::hole_patches::hole_patches;
 use crate::mesh_check::MeshError;
-use crate::solid_boundary::{INSIDE, boundary_triangles, hole_patches};
+use crate::solid_boundary::boundary_triangles;
 use crate::sweep::{Nearest, UNKNOWN};
+use crate::winding_number::INSIDE;
 use crate::{Grid, LevelSet, TriMesh, WindingNumber};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -75,9 +77,9 @@ pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToL
 
     // Close the holes, and go on to the nodes far from the surface.
     let closed = boundary.len();
-    boundary.extend(hole_patches(&grid, &nearest.distance, &winding));
+    boundary.extend(hole_patches(&winding_number, &grid, &nearest.distance, &winding));
     measure_band(&grid, &boundary[closed..], closed, &mut nearest);
-    nearest.sweep(&grid, &boundary);
+    nearest.sweep(&grid, &boundary, (BAND * grid.spacing) as f32);
 
     // Tell inside from outside.
     let mut phi = nearest.distance;

@@ -17,25 +17,34 @@ pub(crate) struct Nearest {
 
 impl Nearest {
     /// Hands the nearest triangle on from node to node, in the order of the fast sweeping method [Zha05], so that each
-    /// node gets the exact distance to a triangle that is nearest to one of its neighbours. That is the nearest one
-    /// to the node too, or misses it by much less than a cell.
-    pub(crate) fn sweep(&mut self, grid: &Grid, triangles: &[[DVec3; 3]]) {
-        let steps = [1, grid.dims[0], grid.dims[0] * grid.dims[1]];
+    /// node farther than `exact` [m] gets the distance to a triangle that is nearest to one of its neighbours. That is
+    /// the nearest one to the node too, or misses it by much less than a cell.
+    pub(crate) fn sweep(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], exact: f32) {
+        let [nx, ny, nz] = grid.dims;
         for direction in 0..8 {
             // One sweep for each octant that the way from the surface may point into.
             let upward = [0, 1, 2].map(|axis| direction >> axis & 1 == 0);
             let along =
                 |axis: usize, count: usize| if upward[axis] { count } else { grid.dims[axis] - 1 - count };
-            for k in (0..grid.dims[2]).map(|count| along(2, count)) {
-                for j in (0..grid.dims[1]).map(|count| along(1, count)) {
-                    for i in (0..grid.dims[0]).map(|count| along(0, count)) {
-                        let (node, cell) = (grid.index(i, j, k), [i, j, k]);
-                        for axis in 0..3 {
-                            if upward[axis] && cell[axis] > 0 {
-                                self.hand_on(grid, triangles, node - steps[axis], node);
-                            } else if !upward[axis] && cell[axis] + 1 < grid.dims[axis] {
-                                self.hand_on(grid, triangles, node + steps[axis], node);
-                            }
+            let [x, y, z] = [(0, 1), (1, nx), (2, nx * ny)].map(|(axis, step): (usize, usize)| {
+                if upward[axis] { -(step as isize) } else { step as isize }
+            });
+            let back = [0, x, y, x + y, z, z + x, z + y, z + x + y];
+
+            for (c, b) in (0..nz).flat_map(|c| (0..ny).map(move |b| (c, b))) {
+                for a in 0..nx {
+                    let cell = [along(0, a), along(1, b), along(2, c)];
+                    let node = grid.index(cell[0], cell[1], cell[2]);
+                    if self.distance[node] <= exact {
+                        continue;
+                    }
+
+                    // Ask the neighbours across the faces, edges and the corner behind the node, one for each set of
+                    // axes along which there is one.
+                    let present = usize::from(a > 0) + 2 * usize::from(b > 0) + 4 * usize::from(c > 0);
+                    for (axes, back) in back.iter().enumerate().skip(1) {
+                        if axes & !present == 0 {
+                            self.hand_on(grid, triangles, node.wrapping_add_signed(*back), cell);
                         }
                     }
                 }
@@ -45,12 +54,12 @@ impl Nearest {
 
     /// Tries the nearest triangle of a neighbour, which must be nearer to the surface.
     #[inline]
-    fn hand_on(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], from: usize, to: usize) {
+    fn hand_on(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], from: usize, [i, j, k]: [usize; 3]) {
+        let to = grid.index(i, j, k);
         let candidate = self.triangle[from];
         if candidate == self.triangle[to] || self.distance[from] >= self.distance[to] {
             return;
         }
-        let [i, j, k] = grid.coordinates(to);
         let point = grid.node(i, j, k);
         let way = point - closest_point_on_triangle(point, &triangles[candidate as usize]);
         let distance = way.length() as f32;

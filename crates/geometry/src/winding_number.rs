@@ -4,6 +4,8 @@ use crate::bvh::Bvh;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
+/// Winding number of the boundary between inside and outside.
+pub(crate) const INSIDE: f64 = 0.5;
 /// A cluster is seen as one dipole from farther than this many of its radii [BDS18 sec. 4.2].
 const FAR_RADII: f64 = 2.3;
 

@@ -92,3 +92,19 @@ pub(crate) fn moved(mut mesh: TriMesh, way: DVec3) -> TriMesh {
     }
     mesh
 }
+
+/// The Stanford bunny of 3674 triangles, closed, from the npm package `bunny` (public domain).
+pub(crate) fn bunny() -> TriMesh {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/tools/node_modules/bunny/index.js");
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("{}: {error}; `make test` fetches it, run that", path.display()));
+    let array = |name: &str| {
+        let start = text.find(name).unwrap() + name.len();
+        let end = text[start..].find("]]").unwrap() + start + 2;
+        &text[start..end]
+    };
+    let positions: Vec<[f64; 3]> = serde_json::from_str(array("exports.positions=")).unwrap();
+    let triangles: Vec<[u32; 3]> = serde_json::from_str(array("exports.cells=")).unwrap();
+    TriMesh { positions: positions.into_iter().map(DVec3::from_array).collect(), triangles }
+}
