@@ -172,7 +172,7 @@ fn box_without_lid_is_closed() {
     let (open, closed) = (level_set(&open, [31, 19, 25], 4), level_set(&closed, [31, 19, 25], 4));
     for ((point, phi), (_, expected)) in nodes(&open).zip(nodes(&closed)) {
         assert_eq!(phi < 0.0, expected < 0.0, "{point}: {phi} {expected}");
-        assert!((phi - expected).abs() < 0.05, "{point}: {phi} {expected}");
+        assert!((phi - expected).abs() < 0.1, "{point}: {phi} {expected}");
     }
 }
 

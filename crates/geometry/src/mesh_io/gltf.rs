@@ -6,6 +6,7 @@ use base64::Engine;
 use glam::{DMat4, DVec3};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::buffer::Source;
+use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 
@@ -63,6 +64,15 @@ fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
         Gltf::from_slice_without_validation(file.bytes).map_err(|error| error.to_string())?;
     let mut json = document.into_json();
     json.extensions_required.retain(|extension| extension.contains("mesh"));
+
+    // The library's check of the indices takes that of the positions for good.
+    let accessors = json.accessors.len();
+    for primitive in json.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+        if let Some(index) = positions.map(|index| index.value()).filter(|&index| index >= accessors) {
+            return Err(format!("it refers to accessor {index}, and has {accessors}"));
+        }
+    }
     let document = Document::from_json(json).map_err(|error| error.to_string())?;
 
     // Each buffer is in the file itself or beside it.

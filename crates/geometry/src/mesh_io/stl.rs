@@ -47,10 +47,8 @@ fn text_corners(file: &File) -> Result<Vec<DVec3>, MeshError> {
     let malformed =
         |number: usize, reason: &str| file.malformed("STL", format!("line {} {reason}", number + 1));
     if !text.trim_start().to_lowercase().starts_with("solid") {
-        return Err(file.malformed(
-            "STL",
-            format!("it is neither text (which begins with the word solid) nor as long as a binary file of {} bytes has to be", file.bytes.len()),
-        ));
+        let reason = "it has neither the word solid in front, as text has, nor the 84 + 50 n bytes of n binary triangles";
+        return Err(file.malformed("STL", reason));
     }
     let mut corners: Vec<DVec3> = Vec::new();
     let mut ended = false;

@@ -1,8 +1,10 @@
 //! Meshes that the tests share.
 #![allow(dead_code, reason = "each test file uses some of them")]
 
-use frangible_geometry::TriMesh;
+use frangible_geometry::{TriMesh, mesh_io};
 use glam::DVec3;
+use proptest::prelude::*;
+use std::path::PathBuf;
 
 /// Faces of a cube as quads over its eight corners, corner `i` at bit 0 of `i` along x, 1 along y, 2 along z.
 pub(crate) const CUBE_FACES: [[u32; 4]; 6] =
@@ -107,4 +109,51 @@ pub(crate) fn bunny() -> TriMesh {
     let positions: Vec<[f64; 3]> = serde_json::from_str(array("exports.positions=")).unwrap();
     let triangles: Vec<[u32; 3]> = serde_json::from_str(array("exports.cells=")).unwrap();
     TriMesh { positions: positions.into_iter().map(DVec3::from_array).collect(), triangles }
+}
+
+/// A folder with one file in it.
+pub(crate) struct TestFile {
+    pub(crate) folder: tempfile::TempDir,
+    pub(crate) path: PathBuf,
+}
+
+impl TestFile {
+    pub(crate) fn new(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        Self { folder, path }
+    }
+
+    pub(crate) fn load(&self) -> TriMesh {
+        mesh_io::load(&self.path).unwrap()
+    }
+
+    /// The error's sentence without the folder.
+    pub(crate) fn refusal(&self) -> String {
+        let sentence = mesh_io::load(&self.path).unwrap_err().to_string();
+        sentence.replace(&format!("{}/", self.folder.path().display()), "")
+    }
+}
+
+/// [`TestFile::refusal`] of a file.
+pub(crate) fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
+    TestFile::new(name, content).refusal()
+}
+
+/// Bytes to put at places, counted from the start, that wrap around.
+pub(crate) fn any_damages() -> impl Strategy<Value = Vec<(usize, u8)>> {
+    let digits_and_all = prop_oneof![prop::sample::select(b"0123456789-e.".as_slice()), any::<u8>()];
+    prop::collection::vec((any::<usize>(), digits_and_all), 1..8)
+}
+
+/// Loads a damaged file; the mesh, if there is one, must keep the rules.
+pub(crate) fn load_damaged(name: &str, mut bytes: Vec<u8>, damages: &[(usize, u8)]) {
+    for &(place, byte) in damages {
+        let length = bytes.len();
+        bytes[place % length] = byte;
+    }
+    if let Ok(mesh) = mesh_io::load(&TestFile::new(name, bytes).path) {
+        mesh.check(name).unwrap();
+    }
 }
