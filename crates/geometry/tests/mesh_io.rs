@@ -1,4 +1,5 @@
 //! Mesh files: what is read, and the sentence for what is not.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Level sets of meshes against brute force and closed forms.
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
 

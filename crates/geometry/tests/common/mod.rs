@@ -1,4 +1,5 @@
 //! Meshes that the tests share.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
 #![allow(dead_code, reason = "each test file uses some of them")]
 
 use frangible_geometry::{TriMesh, mesh_io};
