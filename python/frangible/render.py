@@ -210,7 +210,7 @@ def _sky_light(stage: _Stage, points: Float64, normals: Float64, offsets: Float6
 
 
 def _grid_lines(stage: _Stage, points: Float64, depth: Float64) -> Float64:
-    """Brightness (n,) of a faint grid of one-metre squares, coarser by tens for large scenes, that fades with distance."""
+    """Brightness (n,) of a faint grid that fades with distance; its squares are a power of ten of metres wide."""
     spacing = 10.0 ** max(np.ceil(np.log10(stage.distance / 30.0)), -6.0)
     pixel = depth * 1.1e-3
     off_line = np.abs((points[:, [0, 2]] / spacing + 0.5) % 1.0 - 0.5) * spacing

@@ -79,6 +79,24 @@ def test_in_a_pipe_progress_is_a_line_for_every_tenth() -> None:
     assert "\x1b" not in run.stderr
 
 
+def test_on_a_terminal_progress_is_a_bar() -> None:
+    leader, follower = os.openpty()
+    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "20"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=follower, env={**os.environ, "TERM": "xterm"})
+    os.close(follower)
+    shown = b""
+    try:
+        while piece := os.read(leader, 4096):
+            shown += piece
+    except OSError:
+        # Linux ends a terminal that nobody writes to any more with an error.
+        pass
+    os.close(leader)
+    assert process.wait(timeout=60) == 0
+    assert b"bodies" in shown
+    assert b"s left" not in shown
+
+
 def test_threads_and_repetition_do_not_change_the_state() -> None:
     runs = [frangible("run", "wall", "--frames", 40, "--json", "--threads", threads) for threads in (1, 2, 2)]
     hashes = {json.loads(run.stdout)["state_hash"] for run in runs}
