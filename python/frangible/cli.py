@@ -21,6 +21,10 @@ from .progress import report_progress
 from .recording import Recorder
 from .summary import describe, summarise
 
+#: More threads than any machine has processors.
+MOST_THREADS = 4096
+
+EXIT_FAILED = 1
 #: Bad input, as for `argparse`.
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 128 + signal.SIGINT
@@ -46,6 +50,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read our output has seen enough; the interpreter must not try to flush the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_PIPE_CLOSED
+    except OSError as error:
+        # The disk is full, or the folder went away during the run.
+        print(f"frangible: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return EXIT_FAILED
     except KeyboardInterrupt:
         print("frangible: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
@@ -71,12 +79,12 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--frames", type=_positive(int, "a whole number"), metavar="N", help="number of steps [the shot's]")
     run.add_argument("--fps", type=_positive(float, "a number"), default=30.0, metavar="HZ", help="steps per second [30]")
     run.add_argument("--method", default="paper", help="which step advances a frame [paper]")
-    run.add_argument("--threads", type=_natural, default=0, metavar="N", help="0 means one for every processor [0]")
-    run.add_argument("--seed", type=_natural, default=0, metavar="N", help="same seed, same run [0]")
+    run.add_argument("--threads", type=_natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
+    run.add_argument("--seed", type=_natural(2**64 - 1), default=0, metavar="N", help="same seed, same run [0]")
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
     )
-    run.add_argument("--frame", type=_natural, metavar="N", help="frame that a .png shows [the last]")
+    run.add_argument("--frame", type=_natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
     shots = commands.add_parser("shots", help="list the shots")
@@ -101,10 +109,13 @@ def _positive(kind: Callable[[str], Any], noun: str) -> Callable[[str], Any]:
     return parse
 
 
-def _natural(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number >= 0")
-    return int(text)
+def _natural(largest: int) -> Callable[[str], int]:
+    def parse(text: str) -> int:
+        if not text.isdecimal() or int(text) > largest:
+            raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number >= 0 and <= {largest}")
+        return int(text)
+
+    return parse
 
 
 def _run(options: argparse.Namespace) -> None:

@@ -29,7 +29,8 @@ def summarise(
     """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state.
 
     Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, ``scale`` the
-    largest kinetic energy plus the range of the potential energy: what a gain is to be measured against.
+    largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
+    means over all frames.
     """
     # The books begin before the first step, so its report is undone.
     first, last = reports[0]["energy"], reports[-1]["energy"]

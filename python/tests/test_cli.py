@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -123,15 +123,28 @@ def test_info_describes_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 
 def test_an_interrupt_is_answered_at_once_and_leaves_nothing(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "100000", "--out", tmp_path / "wall.npz"]
+    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "1000", "--out", tmp_path / "wall.npz"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(3)
+    assert process.stderr is not None
+    assert process.stderr.readline().startswith("frame 100/1000")
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130
     assert errors.splitlines()[-1] == "frangible: interrupted"
     assert "Traceback" not in errors
     assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_that_goes_away_during_the_run_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    monkeypatch.setattr("frangible.cli.report_progress", lambda _: folder.rmdir() or nullcontext(lambda *_: None))
+    assert main(["run", "wall", "--frames", "1", "--out", str(folder / "wall.glb")]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(folder) in line
+    assert "No such file" in line
 
 
 def test_a_reader_that_has_seen_enough_is_no_error() -> None:
