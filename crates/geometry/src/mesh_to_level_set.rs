@@ -65,15 +65,11 @@ pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToL
     let winding_number = WindingNumber::new(Bvh::new(&triangles));
     let mut boundary = boundary_triangles(&winding_number, mesh, &triangles, grid.spacing);
 
-    // Find how often the mesh winds around each node, and how far the nodes near the triangles are from them.
-    let mut winding = vec![0.0_f32; grid.len()];
-    winding.par_iter_mut().enumerate().for_each(|(index, value)| {
-        let [i, j, k] = grid.coordinates(index);
-        *value = winding_number.at(grid.node(i, j, k)) as f32;
-    });
+    // Measure the nodes near the triangles, and find how often the mesh winds around each node.
     let mut nearest =
         Nearest { distance: vec![f32::INFINITY; grid.len()], triangle: vec![UNKNOWN; grid.len()] };
     measure_band(&grid, &boundary, 0, &mut nearest);
+    let winding = node_windings(&winding_number, mesh.is_watertight(), &grid, &nearest);
 
     // Close the holes, and go on to the nodes far from the surface.
     let closed = boundary.len();
@@ -94,6 +90,26 @@ pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToL
         return Err(MeshToLevelSetError::NothingInside { spacing: grid.spacing });
     }
     Ok(LevelSet::new(grid, phi))
+}
+
+/// The winding number at each node.
+fn node_windings(number: &WindingNumber, watertight: bool, grid: &Grid, nearest: &Nearest) -> Vec<f32> {
+    let [nx, ny, _] = grid.dims;
+    let mut winding = vec![0.0; grid.len()];
+    winding.par_chunks_mut(nx).zip(nearest.triangle.par_chunks(nx)).enumerate().for_each(
+        |(row, (winding, triangle))| {
+            for i in 0..nx {
+                // Between two nodes outside of the band lies no triangle, and without holes nothing changes there.
+                let as_before = watertight && i > 0 && triangle[i - 1] == UNKNOWN && triangle[i] == UNKNOWN;
+                winding[i] = if as_before {
+                    winding[i - 1]
+                } else {
+                    number.at(grid.node(i, row % ny, row / ny)) as f32
+                };
+            }
+        },
+    );
+    winding
 }
 
 /// Finds the nearest of some triangles for each node in the band around them, where it is nearer than what is known.
