@@ -7,7 +7,7 @@
 use crate::broad_phase::find_pairs;
 use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
-use crate::pair::{Approach, Pair, apply_impulse, clamp_to_energy, deepest_approach, impulse_for, placed};
+use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -95,12 +95,12 @@ impl Collisions {
                 let next = self.next_impulse(bodies, pair, &mut near, frame);
                 let Some((approach, impulse)) = next else { break };
                 let blows = if may_break {
-                    blows_of(bodies, pair, &approach, impulse, &self.predicted)
+                    blows_of(bodies, pair, &approach, &impulse, &self.predicted)
                 } else {
                     [None; 2]
                 };
                 let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
-                self.apply(bodies, pair, &approach, borne * impulse, frame);
+                self.apply(bodies, pair, &approach, &impulse.scaled(borne), frame);
                 pass.any = true;
                 for (blow, i) in blows.into_iter().zip([pair.first, pair.second]) {
                     broken[i] |= blow.is_some();
@@ -119,22 +119,30 @@ impl Collisions {
         pair: Pair,
         near: &mut NearSamples,
         frame: &Frame,
-    ) -> Option<(Approach, DVec3)> {
+    ) -> Option<(Approach, PairImpulse)> {
         let (first, second) = placed(bodies, pair, &self.predicted);
         near.find_penetrations(first, second, 0.0, &mut self.penetrations);
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
         let approach = deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
         let (friction, restitution) = bodies.pair_contactant(pair.first, pair.second);
-        let mut impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, restitution, friction);
+        let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, restitution, friction);
+        let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
-            impulse = clamp_to_energy(bodies, pair, &approach, impulse, velocities, &mut self.tally);
+            impulse = impulse.clamped_to_energy(bodies, pair, &approach, velocities, &mut self.tally);
         }
-        (impulse != DVec3::ZERO).then_some((approach, impulse))
+        (!impulse.is_zero()).then_some((approach, impulse))
     }
 
     /// Applies an impulse to v^n, re-evolves both bodies and books what came from outside.
-    fn apply(&mut self, bodies: &mut Bodies, pair: Pair, approach: &Approach, impulse: DVec3, frame: &Frame) {
-        apply_impulse(pair, impulse, approach.levers, &bodies.inertias, &mut bodies.velocities);
+    fn apply(
+        &mut self,
+        bodies: &mut Bodies,
+        pair: Pair,
+        approach: &Approach,
+        impulse: &PairImpulse,
+        frame: &Frame,
+    ) {
+        impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
         self.tally.book_impulse(bodies, pair, approach, impulse);
         for i in [pair.first, pair.second] {
             if !bodies.inertias[i].is_infinite() {
@@ -172,10 +180,10 @@ fn blows_of(
     bodies: &Bodies,
     pair: Pair,
     approach: &Approach,
-    impulse: DVec3,
+    impulse: &PairImpulse,
     predicted: &[Pose],
 ) -> [Option<Blow>; 2] {
-    let size = impulse.length();
+    let size = impulse.at_contact.length();
     let strength = |i: usize| {
         if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
     };

@@ -5,10 +5,10 @@
 
 use crate::contact_graph::{ContactGraph, Level};
 use crate::detection::{NearSamples, Penetration};
+use crate::displacements::Displacements;
 use crate::evolve::{evolve, evolve_all};
-use crate::pair::{Approach, Pair, apply_impulse, clamp_to_energy, deepest_approach, impulse_for, placed};
+use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::{Bodies, Frame, Inertia, Pose, Tally, Velocity};
-use glam::DVec3;
 use std::collections::HashMap;
 
 /// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the authors' code.
@@ -40,6 +40,8 @@ pub struct Contact<'a> {
     pub inertias: Vec<Inertia>,
     /// What static and kinematic bodies contributed.
     pub tally: Tally,
+    /// How far the position phase moved pairs off the paths of their velocities.
+    pub displacements: Displacements,
     near: HashMap<Pair, NearSamples>,
     penetrations: Vec<Penetration>,
 }
@@ -49,8 +51,18 @@ impl<'a> Contact<'a> {
     pub fn new(bodies: &'a Bodies, velocities: Vec<Velocity>, phase: Phase, frame: &'a Frame) -> Self {
         let proposed = evolve_all(bodies, &bodies.poses, &velocities, frame);
         let inertias = bodies.inertias.clone();
-        let (tally, near, penetrations) = (Tally::default(), HashMap::new(), Vec::new());
-        Self { bodies, frame, phase, velocities, proposed, inertias, tally, near, penetrations }
+        Self {
+            bodies,
+            frame,
+            phase,
+            velocities,
+            proposed,
+            inertias,
+            tally: Tally::default(),
+            displacements: Displacements::default(),
+            near: HashMap::new(),
+            penetrations: Vec::new(),
+        }
     }
 
     /// Passes over the graph, level by level, until nothing approaches. The restitution rises from -1 to 0 ("epsilon
@@ -106,18 +118,18 @@ impl<'a> Contact<'a> {
         let mut impulse = impulse_for(pair, &approach, old, &self.inertias, restitution, friction);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
             let (velocities, tally) = (&self.velocities, &mut self.tally);
-            impulse = clamp_to_energy(self.bodies, pair, &approach, impulse, velocities, tally);
+            impulse = impulse.clamped_to_energy(self.bodies, pair, &approach, velocities, tally);
         }
-        if impulse == DVec3::ZERO {
+        if impulse.is_zero() {
             return false;
         }
-        self.apply(pair, &approach, impulse);
+        self.apply(pair, &approach, &impulse);
         true
     }
 
     /// Applies an impulse, re-evolves both bodies and books what came from outside.
-    fn apply(&mut self, pair: Pair, approach: &Approach, impulse: DVec3) {
-        apply_impulse(pair, impulse, approach.levers, &self.inertias, &mut self.velocities);
+    fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
+        impulse.apply(pair, &self.inertias, &mut self.velocities);
         for i in [pair.first, pair.second] {
             if !self.inertias[i].is_infinite() {
                 self.proposed[i] =
@@ -126,7 +138,10 @@ impl<'a> Contact<'a> {
         }
         match self.phase {
             Phase::Velocity => self.tally.book_impulse(self.bodies, pair, approach, impulse),
-            Phase::Position => self.tally.book_displacement(self.bodies, pair, self.frame.dt * impulse),
+            Phase::Position => {
+                let push = self.frame.dt * impulse.at_contact;
+                self.displacements.book(self.bodies, pair, push, &self.inertias);
+            }
         }
     }
 }

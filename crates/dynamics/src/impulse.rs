@@ -115,21 +115,35 @@ fn solve(matrix: DMat3, right: DVec3) -> Option<DVec3> {
     Some(DVec3::new(right.x / m.x - l_yx * y - l_zx * z, y, z))
 }
 
-/// The velocity after an impulse [kg m/s] at `lever` from the centre of mass [m] and a torque impulse [kg m^2/s]. An
-/// infinite mass keeps its own.
-pub fn apply_impulse(
-    velocity: &Velocity,
-    inverse_mass: f64,
-    lever: DVec3,
-    impulse: DVec3,
-    torque_impulse: DVec3,
-) -> Velocity {
+/// What acts on one body at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Impulse {
+    /// Changes the linear momentum [kg m/s].
+    pub linear: DVec3,
+    /// Changes the angular momentum about the centre of mass [kg m^2/s].
+    pub angular: DVec3,
+}
+
+impl Impulse {
+    /// An impulse [kg m/s] at `lever` from the centre of mass [m]: `j_tau = r* j + ...` [Su09 sec. 3.2].
+    pub fn at(lever: DVec3, impulse: DVec3) -> Self {
+        Self { linear: impulse, angular: lever.cross(impulse) }
+    }
+
+    /// A part of it.
+    pub fn scaled(&self, scale: f64) -> Self {
+        Self { linear: scale * self.linear, angular: scale * self.angular }
+    }
+}
+
+/// The velocity after an impulse. An infinite mass keeps its own.
+pub fn apply_impulse(velocity: &Velocity, inverse_mass: f64, impulse: &Impulse) -> Velocity {
     if inverse_mass == 0.0 {
         return *velocity;
     }
     Velocity {
-        linear: velocity.linear + inverse_mass * impulse,
-        angular_momentum: velocity.angular_momentum + lever.cross(impulse) + torque_impulse,
+        linear: velocity.linear + inverse_mass * impulse.linear,
+        angular_momentum: velocity.angular_momentum + impulse.angular,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Impulses scaled so that they never raise the kinetic energy of the pair they act on [Su09 sec. 3.2].
 
-use crate::{Inertia, Velocity};
+use crate::{Impulse, Inertia, Velocity};
 use glam::{DQuat, DVec3};
 
 /// One body of a pair just before an impulse.
@@ -12,10 +12,10 @@ pub enum ClampSide {
         inertia: Inertia,
         /// `world_from_body` of the non-split state.
         orientation: DQuat,
-        /// From the centre of mass to the contact in the state that the impulse was computed in, split or not [m].
-        lever: DVec3,
         /// Of the non-split state, with all earlier impulses.
         velocity: Velocity,
+        /// About to act, computed in the split state.
+        impulse: Impulse,
     },
     /// Static or kinematic: no impulse moves it.
     Prescribed {
@@ -49,19 +49,18 @@ impl Clamp {
 /// An energy-neutral fraction this near to 1 is 1 up to rounding, as every elastic impulse without friction has it.
 const WHOLE: f64 = 1.0 - 1e-13;
 
-/// How much of `impulse` [kg m/s] and `torque_impulse` [kg m^2/s], which act on `a` and opposite on `b`, leaves the
-/// kinetic energy of the pair in the non-split state no higher than it is.
+/// How much of the two bodies' impulses leaves the kinetic energy of the pair in the non-split state no higher than it is.
 ///
 /// Against a kinematic body the energy is that in the frame that moves with the body's point, so that a lift can lift.
 /// Nothing is to be scaled between two prescribed bodies: `Whole`.
-pub fn clamp_impulse(a: &ClampSide, b: &ClampSide, impulse: DVec3, torque_impulse: DVec3) -> Clamp {
+pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
     // The change of the energy is  slope eps + curvature eps^2 / 2.
     let frame_velocity = |other: &ClampSide| match other {
         ClampSide::Dynamic { .. } => DVec3::ZERO,
         ClampSide::Prescribed { point_velocity } => *point_velocity,
     };
-    let (slope_a, curvature_a) = energy_change(a, frame_velocity(b), impulse, torque_impulse);
-    let (slope_b, curvature_b) = energy_change(b, frame_velocity(a), -impulse, -torque_impulse);
+    let (slope_a, curvature_a) = energy_change(a, frame_velocity(b));
+    let (slope_b, curvature_b) = energy_change(b, frame_velocity(a));
     let (slope, curvature) = (slope_a + slope_b, curvature_a + curvature_b);
     if curvature == 0.0 {
         return Clamp::Whole;
@@ -80,21 +79,16 @@ pub fn clamp_impulse(a: &ClampSide, b: &ClampSide, impulse: DVec3, torque_impuls
 
 /// First and second derivative of a body's kinetic energy with respect to the fraction of the impulse that acts, at
 /// fraction zero [J].
-fn energy_change(
-    side: &ClampSide,
-    frame_velocity: DVec3,
-    impulse: DVec3,
-    torque_impulse: DVec3,
-) -> (f64, f64) {
-    let ClampSide::Dynamic { inertia, orientation, lever, velocity } = side else {
+fn energy_change(side: &ClampSide, frame_velocity: DVec3) -> (f64, f64) {
+    let ClampSide::Dynamic { inertia, orientation, velocity, impulse } = side else {
         return (0.0, 0.0);
     };
     // Rotation, in the body frame: there a thin body's energy does not drown in the rounding of its tensor.
     let body_from_world = orientation.conjugate();
-    let angular_impulse = body_from_world * (lever.cross(impulse) + torque_impulse);
+    let angular_impulse = body_from_world * impulse.angular;
     let angular_answer = inertia.inverse_moments * angular_impulse;
     let angular_slope = angular_answer.dot(body_from_world * velocity.angular_momentum);
 
-    let slope = impulse.dot(velocity.linear - frame_velocity) + angular_slope;
-    (slope, inertia.inverse_mass * impulse.length_squared() + angular_impulse.dot(angular_answer))
+    let slope = impulse.linear.dot(velocity.linear - frame_velocity) + angular_slope;
+    (slope, inertia.inverse_mass * impulse.linear.length_squared() + angular_impulse.dot(angular_answer))
 }

@@ -1,8 +1,9 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
 use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
-use crate::impulse::{self, collision_impulse, contact_matrix};
-use crate::impulse_clamp::{self, Clamp, ClampSide};
+use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
+use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse};
+use crate::pair_rotation::turn_pair;
 use crate::{Bodies, Inertia, Pose, Tally, Velocity};
 use glam::{DMat3, DVec3};
 
@@ -84,9 +85,10 @@ pub fn impulse_for(
     inertias: &[Inertia],
     restitution: f64,
     friction: f64,
-) -> DVec3 {
+) -> PairImpulse {
     let k = pair_contact_matrix(pair, approach.levers, poses, inertias);
-    collision_impulse(k, approach.relative_velocity, approach.contact.normal, restitution, friction)
+    let (relative, normal) = (approach.relative_velocity, approach.contact.normal);
+    PairImpulse::new(approach, collision_impulse(k, relative, normal, restitution, friction))
 }
 
 /// Change of the relative velocity per impulse at the contact [1/kg].
@@ -97,49 +99,80 @@ pub fn pair_contact_matrix(pair: Pair, levers: [DVec3; 2], poses: &[Pose], inert
     of(pair.first, levers[0]) + of(pair.second, levers[1])
 }
 
-/// Adds `impulse` to the first body and takes it from the second, as far as they can move.
-pub fn apply_impulse(
-    pair: Pair,
-    impulse: DVec3,
-    levers: [DVec3; 2],
-    inertias: &[Inertia],
-    velocities: &mut [Velocity],
-) {
-    for (i, lever, j) in [(pair.first, levers[0], impulse), (pair.second, levers[1], -impulse)] {
-        if !inertias[i].is_infinite() {
-            velocities[i] =
-                impulse::apply_impulse(&velocities[i], inertias[i].inverse_mass, lever, j, DVec3::ZERO);
-        }
-    }
+/// The impulses on the two bodies of a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairImpulse {
+    /// At the contact point, on the first body; its opposite acts on the second [N s].
+    pub at_contact: DVec3,
+    /// All that acts on each of them; the linear parts are opposite.
+    pub on: [Impulse; 2],
 }
 
-/// The part of an impulse that does not raise the pair's kinetic energy in the non-split state at the poses of `bodies`
-/// and `velocities`; levers may come from another time level [Su09 sec. 3.2].
-pub fn clamp_to_energy(
-    bodies: &Bodies,
-    pair: Pair,
-    approach: &Approach,
-    impulse: DVec3,
-    velocities: &[Velocity],
-    tally: &mut Tally,
-) -> DVec3 {
-    let side = |i: usize, lever: DVec3| {
-        let (inertia, pose) = (&bodies.inertias[i], &bodies.poses[i]);
-        if inertia.is_infinite() {
-            let lever = approach.contact.point - pose.position;
-            ClampSide::Prescribed { point_velocity: bodies.point_velocity(i, pose, &velocities[i], lever) }
-        } else {
-            ClampSide::Dynamic {
-                inertia: *inertia,
-                orientation: pose.orientation,
-                lever,
-                velocity: velocities[i],
-            }
+impl PairImpulse {
+    /// Of one impulse at the contact.
+    pub fn new(approach: &Approach, at_contact: DVec3) -> Self {
+        let [first, second] = approach.levers;
+        Self { at_contact, on: [Impulse::at(first, at_contact), Impulse::at(second, -at_contact)] }
+    }
+
+    /// A part of it.
+    pub fn scaled(&self, scale: f64) -> Self {
+        Self { at_contact: scale * self.at_contact, on: self.on.map(|impulse| impulse.scaled(scale)) }
+    }
+
+    /// Whether nothing acts.
+    pub fn is_zero(&self) -> bool {
+        self.at_contact == DVec3::ZERO
+    }
+
+    /// With levers of another time level, two dynamic bodies at the poses of `bodies` would gain or lose angular
+    /// momentum; this adds the rigid rotation of the pair that makes up for it.
+    pub fn keeping_angular_momentum(mut self, bodies: &Bodies, pair: Pair) -> Self {
+        let [first, second] = [pair.first, pair.second];
+        if bodies.inertias[first].is_infinite() || bodies.inertias[second].is_infinite() {
+            return self;
         }
-    };
-    let (first, second) = (side(pair.first, approach.levers[0]), side(pair.second, approach.levers[1]));
-    let clamp = impulse_clamp::clamp_impulse(&first, &second, impulse, DVec3::ZERO);
-    tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
-    tally.discarded += u64::from(clamp == Clamp::Blocked);
-    clamp.scale() * impulse
+        let apart = bodies.poses[first].position - bodies.poses[second].position;
+        let gain = self.on[0].angular + self.on[1].angular + apart.cross(self.on[0].linear);
+        for (sum, turn) in self.on.iter_mut().zip(turn_pair(bodies, pair, -gain)) {
+            sum.linear += turn.linear;
+            sum.angular += turn.angular;
+        }
+        self
+    }
+
+    /// Changes the velocities of those that can move.
+    pub fn apply(&self, pair: Pair, inertias: &[Inertia], velocities: &mut [Velocity]) {
+        for (i, impulse) in [pair.first, pair.second].into_iter().zip(&self.on) {
+            velocities[i] = apply_impulse(&velocities[i], inertias[i].inverse_mass, impulse);
+        }
+    }
+
+    /// The part that does not raise the pair's kinetic energy in the non-split state at the poses of `bodies` and
+    /// `velocities` [Su09 sec. 3.2].
+    pub fn clamped_to_energy(
+        &self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        velocities: &[Velocity],
+        tally: &mut Tally,
+    ) -> Self {
+        let side = |i: usize, impulse: Impulse| {
+            let (inertia, pose) = (&bodies.inertias[i], &bodies.poses[i]);
+            if inertia.is_infinite() {
+                let lever = approach.contact.point - pose.position;
+                ClampSide::Prescribed {
+                    point_velocity: bodies.point_velocity(i, pose, &velocities[i], lever),
+                }
+            } else {
+                let (orientation, velocity) = (pose.orientation, velocities[i]);
+                ClampSide::Dynamic { inertia: *inertia, orientation, velocity, impulse }
+            }
+        };
+        let clamp = clamp_impulse(&side(pair.first, self.on[0]), &side(pair.second, self.on[1]));
+        tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
+        tally.discarded += u64::from(clamp == Clamp::Blocked);
+        self.scaled(clamp.scale())
+    }
 }

@@ -2,14 +2,21 @@
 
 use crate::contact_graph::ContactGraph;
 use crate::detection::{NearSamples, Penetration, contact_point};
+use crate::displacements::Displacements;
 use crate::pair::{Pair, pair_contact_matrix, placed};
 use crate::rotation::rotation_by;
-use crate::{Bodies, Frame, Inertia, Pose, Tally};
+use crate::{Bodies, Frame, Inertia, Pose};
 use glam::DVec3;
 
 /// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps are used up. The
 /// velocities and the angular momenta stay as they are.
-pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame: &Frame, tally: &mut Tally) {
+pub fn push_out(
+    bodies: &Bodies,
+    poses: &mut [Pose],
+    graph: &ContactGraph,
+    displacements: &mut Displacements,
+    frame: &Frame,
+) {
     let settings = &frame.settings;
     let mut inertias = bodies.inertias.clone();
     let mut penetrations = Vec::new();
@@ -27,7 +34,7 @@ pub fn push_out(bodies: &Bodies, poses: &mut [Pose], graph: &ContactGraph, frame
                         break;
                     };
                     let push = separate(bodies, poses, &inertias, pair, deepest, part);
-                    tally.book_displacement(bodies, pair, push);
+                    displacements.book(bodies, pair, push, &inertias);
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! What one frame did to the bodies from outside, and how often its safeguards were needed.
 
-use crate::pair::{Approach, Pair};
+use crate::pair::{Approach, Pair, PairImpulse};
 use crate::{Bodies, Motion};
 use glam::DVec3;
 
@@ -23,9 +23,10 @@ pub struct Tally {
 
 impl Tally {
     /// Books an impulse on the first body of a pair, and its negative on the second, at the poses of `bodies`.
-    pub fn book_impulse(&mut self, bodies: &Bodies, pair: Pair, approach: &Approach, impulse: DVec3) {
+    pub fn book_impulse(&mut self, bodies: &Bodies, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
         self.impulses += 1;
-        let sides = [(pair.first, pair.second, impulse), (pair.second, pair.first, -impulse)];
+        let j = impulse.at_contact;
+        let sides = [(pair.first, pair.second, j), (pair.second, pair.first, -j)];
         for ((body, other, j), lever) in sides.into_iter().zip(approach.levers) {
             let (mobile, immobile) = (bodies.inertias[body], bodies.inertias[other]);
             if mobile.is_infinite() || !immobile.is_infinite() {
@@ -36,16 +37,6 @@ impl Tally {
             if let Motion::Kinematic { linear, angular } = bodies.motions[other] {
                 let other_lever = approach.contact.point - bodies.poses[other].position;
                 self.kinematic_work += j.dot(linear + angular.cross(other_lever));
-            }
-        }
-    }
-
-    /// Books that the first body of a pair was displaced by `push` over its mass [kg m], the second by the opposite,
-    /// while their velocities stayed.
-    pub fn book_displacement(&mut self, bodies: &Bodies, pair: Pair, push: DVec3) {
-        for (body, other, push) in [(pair.first, pair.second, push), (pair.second, pair.first, -push)] {
-            if !bodies.inertias[body].is_infinite() && bodies.inertias[other].is_infinite() {
-                self.outside_angular_impulse += push.cross(bodies.velocities[body].linear);
             }
         }
     }

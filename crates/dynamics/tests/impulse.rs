@@ -3,10 +3,8 @@
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_dynamics::{apply_impulse, collision_impulse, contact_matrix};
+use frangible_dynamics::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use glam::DVec3;
-
-const NONE: DVec3 = DVec3::ZERO;
 
 #[test]
 fn restitution_is_met_and_friction_stays_in_the_cone() {
@@ -35,8 +33,8 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             assert!(friction_impulse.length() <= friction * normal_impulse + 1e-12 * impulse.length());
 
             // The velocities of the bodies, not only K, show the restitution.
-            let after_a = apply_impulse(&a.velocity, a.inertia.inverse_mass, a.lever, impulse, NONE);
-            let after_b = apply_impulse(&b.velocity, b.inertia.inverse_mass, b.lever, -impulse, NONE);
+            let after_a = apply_impulse(&a.velocity, a.inertia.inverse_mass, &Impulse::at(a.lever, impulse));
+            let after_b = apply_impulse(&b.velocity, b.inertia.inverse_mass, &Impulse::at(b.lever, -impulse));
             let after = a.point_velocity(&after_a) - b.point_velocity(&after_b);
             let rounding = 1e-13 * (relative.length() + matrix.x_axis.length() * impulse.length());
             let missed = normal.dot(after) + restitution * approach;

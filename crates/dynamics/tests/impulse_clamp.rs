@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, Tensors, Toucher};
 use frangible_dynamics::{
-    Clamp, ClampSide, Velocity, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
+    Clamp, ClampSide, Impulse, Velocity, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
 };
 use glam::{DQuat, DVec3};
 
@@ -25,13 +25,14 @@ struct Tally {
     blocked: u32,
 }
 
-fn side(body: &Toucher, non_split: DQuat) -> ClampSide {
-    ClampSide::Dynamic {
-        inertia: body.inertia,
-        orientation: non_split,
-        lever: body.lever,
-        velocity: body.velocity,
-    }
+fn side(body: &Toucher, non_split: DQuat, impulse: Impulse) -> ClampSide {
+    ClampSide::Dynamic { inertia: body.inertia, orientation: non_split, velocity: body.velocity, impulse }
+}
+
+/// An impulse and a torque impulse on a body.
+fn on(body: &Toucher, impulse: DVec3, torque_impulse: DVec3) -> Impulse {
+    let at_lever = Impulse::at(body.lever, impulse);
+    Impulse { angular: at_lever.angular + torque_impulse, ..at_lever }
 }
 
 /// Collides random bodies whose split orientation differs from the non-split one by up to `split` [rad].
@@ -62,17 +63,17 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
         let torque_impulse = torque * impulse.length() * random.vector();
 
         let other = if dynamic {
-            side(&b, b_non_split)
+            side(&b, b_non_split, on(&b, -impulse, -torque_impulse))
         } else {
             ClampSide::Prescribed { point_velocity: wall_velocity }
         };
-        let clamp = clamp_impulse(&side(&a, a_non_split), &other, impulse, torque_impulse);
+        let clamp = clamp_impulse(&side(&a, a_non_split, on(&a, impulse, torque_impulse)), &other);
 
         // Energy of the pair in the non-split state, in the frame of the wall.
         let after = |scale: f64| {
             let (j, t) = (scale * impulse, scale * torque_impulse);
-            let of_a = apply_impulse(&a.velocity, a.inertia.inverse_mass, a.lever, j, t);
-            let of_b = apply_impulse(&b.velocity, b.inertia.inverse_mass, b.lever, -j, -t);
+            let of_a = apply_impulse(&a.velocity, a.inertia.inverse_mass, &on(&a, j, t));
+            let of_b = apply_impulse(&b.velocity, b.inertia.inverse_mass, &on(&b, -j, -t));
             (of_a, if dynamic { of_b } else { Velocity::default() })
         };
         let energy = |(of_a, of_b): (Velocity, Velocity)| {

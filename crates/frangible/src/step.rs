@@ -40,13 +40,14 @@ pub fn step(world: &mut World) -> StepReport {
     clock.lap("position_contact");
     propagate_shock(&mut contact, &graph);
     clock.lap("shock_propagation");
-    let Contact { mut proposed, mut tally, .. } = contact;
-    push_out(bodies, &mut proposed, &graph, &frame, &mut tally);
+    let Contact { mut proposed, mut displacements, .. } = contact;
+    push_out(bodies, &mut proposed, &graph, &mut displacements, &frame);
     bodies.poses = proposed;
     clock.lap("push_out");
 
     // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
     let gravity = gravity_impulse(bodies, &frame);
+    displacements.restore_angular_momentum(bodies, &mut collisions.tally);
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, &frame);
     let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, &frame);
     contact.resolve(&touching);
@@ -55,7 +56,7 @@ pub fn step(world: &mut World) -> StepReport {
     clock.lap("velocity_contact");
 
     // Close the books.
-    let tally = collisions.tally.and(&tally).and(&velocity_tally);
+    let tally = collisions.tally.and(&velocity_tally);
     let quarantined = quarantine_non_finite(world);
     let after = Totals::of(&world.bodies, &frame);
     let (energy, momentum) = world.books.close(&before, &after, gravity, &tally);

@@ -70,6 +70,34 @@ fn an_elastic_collision_exchanges_velocities() {
     assert!((v(1) - DVec3::new(3.0, 0.0, 0.0)).length() < 0.3, "{}", v(1));
 }
 
+/// A swarm in free space: linear and angular momentum stay to rounding, whatever collides, and energy is not made.
+#[test]
+fn a_free_swarm_keeps_its_momentum() {
+    let mut scene = SceneDesc::new("swarm");
+    scene.gravity = [0.0; 3];
+    for i in 0..27 {
+        let [x, y, z] = [i % 3, i / 3 % 3, i / 9].map(|n| f64::from(n) - 1.0);
+        scene.bodies.push(BodyDesc {
+            position: [2.0 * x, 2.0 * y, 2.0 * z],
+            linear_velocity: [-4.0 * x + y, -4.0 * y + z, -4.0 * z + x],
+            angular_velocity: [z, 5.0 * x, -3.0 * y],
+            ..BodyDesc::new(
+                "brick",
+                ShapeDesc::Box { size: [0.6, 0.9, 1.2], resolution: Resolution::default() },
+            )
+        });
+    }
+    let mut world = World::build(&scene).unwrap();
+    let mut impulses = 0;
+    for _ in 0..90 {
+        let report = step(&mut world);
+        impulses += report.impulses.applied;
+        assert!(report.momentum.linear_error < 1e-12, "{}", report.momentum.linear_error);
+        assert!(report.momentum.angular_error < 1e-12, "{}", report.momentum.angular_error);
+    }
+    assert!(impulses > 100, "the bricks do meet");
+}
+
 /// A cube let fall comes to rest on the ground, within a millimetre of it.
 #[test]
 fn a_dropped_cube_comes_to_rest_on_the_ground() {

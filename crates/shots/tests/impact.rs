@@ -42,7 +42,7 @@ fn breaks_well(mesh: PathBuf) {
         let report = step(&mut world);
         let mass = *first_mass.get_or_insert(report.mass);
         assert!((report.mass - mass).abs() < 1e-9 * mass);
-        assert!(report.momentum.linear_error < 1e-9);
+        assert!(report.momentum.linear_error < 1e-9 && report.momentum.angular_error < 1e-9);
         assert!(report.quarantined.is_empty());
         fractures.extend(report.fractures);
     }

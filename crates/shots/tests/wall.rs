@@ -86,6 +86,7 @@ fn the_break_and_the_aftermath_conserve() {
             let mass = *first_mass.get_or_insert(report.mass);
             assert!((report.mass - mass).abs() < 1e-9 * mass, "{name}: {} kg of {mass}", report.mass);
             assert!(report.momentum.linear_error < 1e-9, "{name}: {}", report.momentum.linear_error);
+            assert!(report.momentum.angular_error < 1e-9, "{name}: {}", report.momentum.angular_error);
             assert!(report.quarantined.is_empty());
             for fracture in &report.fractures {
                 let error = fracture.imbalance;
