@@ -46,8 +46,10 @@ pub fn step(world: &mut World) -> StepReport {
     clock.lap("push_out");
 
     // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
+    // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
     let gravity = gravity_impulse(bodies, &frame);
     displacements.restore_angular_momentum(bodies, &mut collisions.tally);
+    clock.lap("restore_momentum");
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, &frame);
     let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, &frame);
     contact.resolve(&touching);

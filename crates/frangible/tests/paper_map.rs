@@ -1,4 +1,5 @@
-//! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist.
+//! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist;
+//! docs/the_step.md names the stages that a step reports.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
@@ -68,5 +69,16 @@ fn every_entry_points_to_a_function_and_to_a_test() {
                 && (inside_proptest || lines[number].contains("()"))
         });
         assert!(is_test, "{}: no test {}", entry.paper, entry.test);
+    }
+}
+
+#[test]
+fn every_stage_is_described() {
+    let mut scene = frangible::SceneDesc::new("empty");
+    scene.bodies.push(frangible::BodyDesc::ground(0.0));
+    let mut world = frangible::World::build(&scene).unwrap();
+    let text = fs::read_to_string(root().join("docs/the_step.md")).unwrap();
+    for (stage, _) in frangible::step(&mut world).stages {
+        assert!(text.contains(&format!("| {stage} |")), "{stage} is not in docs/the_step.md");
     }
 }
