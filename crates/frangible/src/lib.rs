@@ -39,3 +39,8 @@ pub use frangible_geometry as geometry;
 pub use report::{Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number};
 pub use step::step;
 pub use world::{Breaking, Label, World};
+
+/// The README's Rust is compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
