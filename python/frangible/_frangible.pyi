@@ -58,6 +58,10 @@ class World:
         """Length of a frame [s]."""
 
     @property
+    def energy(self) -> tuple[float, float]:
+        """Kinetic and potential energy of all dynamic bodies now [J]."""
+
+    @property
     def ids(self) -> npt.NDArray[np.uint64]:
         """(n,) ids of the living bodies."""
 

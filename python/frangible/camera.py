@@ -66,18 +66,18 @@ def frame_bodies(bodies: list[Body], frame: int, aspect: float) -> Camera:
 
 
 def _front(bodies: list[Body], frame: int) -> Float64:
-    """The horizontal unit vector towards the camera's side: across the largest body, where the action goes."""
+    """The horizontal unit vector towards the camera's side: across the largest body, where the action is."""
     first = [body for body in bodies if body.alive(0) and np.isfinite(body.mass) and len(body.vertices)]
     if not first:
         return np.array([0.0, 0.0, 1.0])
-    extents = np.ptp(max(first, key=lambda body: body.mass).vertices_world(0), axis=0)
+    largest = max(first, key=lambda body: body.mass)
+    extents = np.ptp(largest.vertices_world(0), axis=0)
     across_x = extents[0] < THIN * extents[2]
     front = np.array([1.0, 0.0, 0.0] if across_x else [0.0, 0.0, 1.0])
 
-    # Where the action goes: how far all that moves has come since it was part of the scene.
-    sources = {body.id: body.positions[0] for body in bodies if body.parent is None}
-    travelled = [body.pose(frame)[0] - sources[body.source] for body in bodies if body.moves and body.alive(frame)]
-    forth = float(np.sum(travelled, axis=0) @ front) if travelled else 0.0
+    # Where the action is: on which side of where the largest body was at first are the things that move?
+    aside = [body.pose(frame)[0] - largest.positions[0] for body in bodies if body.moves and body.alive(frame)]
+    forth = float(np.sum(aside, axis=0) @ front) if aside else 0.0
     thin = across_x or extents[2] < THIN * extents[0]
     return -front if thin and forth < 0.0 else front
 

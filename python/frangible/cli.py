@@ -133,6 +133,7 @@ def _run(options: argparse.Namespace) -> None:
 
     # Simulate; surfaces are made and kept only if a file needs them.
     start_bodies, start_mass = len(world.ids), _mass(world)
+    start_energy = world.energy
     recorder = Recorder(world) if outputs else None
     reports, step_ms = [], []
     with report_progress(frames) as progress:
@@ -155,6 +156,7 @@ def _run(options: argparse.Namespace) -> None:
         state_hash=world.state_hash(),
         bodies=(start_bodies, len(world.ids)),
         mass=(start_mass, _mass(world)),
+        energy=start_energy,
         step_ms=step_ms,
     )
     print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))

@@ -24,20 +24,19 @@ def summarise(
     state_hash: str,
     bodies: tuple[int, int],
     mass: tuple[float, float],
+    energy: tuple[float, float],
     step_ms: Sequence[float],
 ) -> Summary:
-    """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state.
+    """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state, ``energy`` [J] the kinetic and the
+    potential one of the first.
 
     Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, ``scale`` the
     largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
     means over all frames.
     """
-    # The books begin before the first step, so its report is undone.
-    first, last = reports[0]["energy"], reports[-1]["energy"]
-    start = first["total"] - first["gain"] - first["work"]
     gains = [report["energy"]["gain"] for report in reports]
-    potentials = [report["energy"]["potential"] for report in reports]
-    largest_kinetic = max(report["energy"]["kinetic"] for report in reports)
+    kinetics = [energy[0], *(report["energy"]["kinetic"] for report in reports)]
+    potentials = [energy[1], *(report["energy"]["potential"] for report in reports)]
     depths = np.concatenate([np.asarray(report["penetrations"], np.float64) for report in reports])
     stages: dict[str, float] = {}
     for report in reports:
@@ -58,12 +57,12 @@ def summarise(
         },
         "mass_kg": {"start": mass[0], "end": mass[1]},
         "energy_J": {
-            "start": start,
-            "end": last["total"],
+            "start": sum(energy),
+            "end": reports[-1]["energy"]["total"],
             "work": math.fsum(report["energy"]["work"] for report in reports),
             "dissipated": -math.fsum(gains),
             "max_frame_gain": max(gains),
-            "scale": largest_kinetic + max(potentials) - min(potentials),
+            "scale": max(kinetics) + max(potentials) - min(potentials),
         },
         "momentum": {
             "linear_error": max(report["momentum"]["linear_error"] for report in reports),

@@ -20,7 +20,7 @@ use std::time::Instant;
 /// Advances a world by one frame with the paper's method: the Newmark scheme of [SSF08], clamped as in [Su09 sec. 3].
 /// n is the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
-    let frame = Frame { dt: world.dt, gravity: world.gravity, settings: world.settings };
+    let frame = world.frame_constants();
     let before = Totals::of(&world.bodies, &frame);
     let mut clock = StageClock::new();
 

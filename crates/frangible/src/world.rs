@@ -1,8 +1,8 @@
 //! The world: bodies, how they break, and the books.
 
-use crate::books::Books;
+use crate::books::{Books, Totals};
 use crate::report::id_number;
-use frangible_dynamics::{Bodies, BodyId, PaperSettings};
+use frangible_dynamics::{Bodies, BodyId, Frame, PaperSettings};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
@@ -77,6 +77,17 @@ impl World {
     /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when asked for.
     pub fn surface(&self, id: BodyId) -> Option<Surface> {
         self.bodies.index_of(id).map(|dense| self.bodies.shapes[dense].surface())
+    }
+
+    /// Kinetic and potential energy of all dynamic bodies as they are now [J].
+    pub fn energy(&self) -> (f64, f64) {
+        let totals = Totals::of(&self.bodies, &self.frame_constants());
+        (totals.kinetic, totals.potential)
+    }
+
+    /// What all stages of the next frame need.
+    pub(crate) fn frame_constants(&self) -> Frame {
+        Frame { dt: self.dt, gravity: self.gravity, settings: self.settings }
     }
 
     /// A fingerprint of ids, poses and velocities, bit by bit: equal states have equal hashes, on every platform.

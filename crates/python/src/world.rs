@@ -55,6 +55,11 @@ impl World {
     }
 
     #[getter]
+    fn energy(&self) -> (f64, f64) {
+        self.world.energy()
+    }
+
+    #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
         PyArray1::from_iter(py, self.world.bodies().ids.iter().map(|&id| id_number(id)))
     }
