@@ -21,6 +21,7 @@ pub mod mesh_io;
 pub mod mesh_to_level_set;
 pub mod mesh_topology;
 mod outline_pieces;
+mod placement;
 pub mod polygonize;
 mod qef;
 pub mod rigid_transform;

@@ -54,6 +54,11 @@ impl<'a> OutlinePieces<'a> {
         self.of_root < self.pieces.len()
     }
 
+    /// The piece that is known from samples only.
+    pub(crate) fn sampled(&self) -> Option<usize> {
+        (0..self.of_root).find(|&piece| !self.is_formula(piece))
+    }
+
     /// Whether a piece is a formula, known at every point, not samples.
     pub(crate) fn is_formula(&self, piece: usize) -> bool {
         !matches!(self.pieces[piece], Piece::Sampled(_))
