@@ -14,8 +14,24 @@ class Energy(TypedDict):
     total: float
     #: That kinematic bodies did in this frame.
     work: float
-    #: E(n+1) - E(n) - W: what came out of nowhere in this frame, or, if negative, was dissipated.
+    #: What the ledger's banks grew by in this frame: energy that was dissipated and may be spent again.
+    banked: float
+    #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
+    #: negative, was dissipated.
     gain: float
+
+
+class Balance(TypedDict):
+    """What the ledger had to do in the frame."""
+
+    #: Of touching bodies.
+    islands: int
+    #: Islands whose relative velocities were scaled down.
+    scaled: int
+    #: Islands whose displacements were shortened.
+    shortened: int
+    #: Energy that was taken out by both [J].
+    removed: float
 
 
 class Momentum(TypedDict):
@@ -73,6 +89,7 @@ class StepReport(TypedDict):
     mass: float
     energy: Energy
     momentum: Momentum
+    balance: Balance
     impulses: Impulses
     #: In order.
     fractures: list[Fracture]

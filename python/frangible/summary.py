@@ -30,8 +30,8 @@ def summarise(
     """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state, ``energy`` [J] the kinetic and the
     potential one of the first.
 
-    Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, ``scale`` the
-    largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
+    Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, with what is in
+    the ledger's bank counted as energy, ``scale`` the largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
     means over all frames.
     """
     gains = [report["energy"]["gain"] for report in reports]
@@ -61,6 +61,7 @@ def summarise(
             "end": reports[-1]["energy"]["total"],
             "work": math.fsum(report["energy"]["work"] for report in reports),
             "dissipated": -math.fsum(gains),
+            "banked": math.fsum(report["energy"]["banked"] for report in reports),
             "max_frame_gain": max(gains),
             "scale": max(kinetics) + max(potentials) - min(potentials),
         },
@@ -88,16 +89,17 @@ def describe(summary: Summary, seconds: float) -> str:
     frames = summary["frames"]
     scale = energy["scale"]
     # Round-off around zero would only distract.
-    start, work, dissipated, end, gain = (
+    start, work, dissipated, banked, end, gain = (
         energy[key] if abs(energy[key]) > 1e-12 * scale else 0.0
-        for key in ("start", "work", "dissipated", "end", "max_frame_gain")
+        for key in ("start", "work", "dissipated", "banked", "end", "max_frame_gain")
     )
     lines = [
         f"{summary['shot']}: {frames} frames of {summary['dt'] * 1e3:.4g} ms in {seconds:.2f} s,"
         f" {frames / seconds:.3g} frames per second ({summary['method']} method)",
         f"  bodies    {bodies['start']} at first, {bodies['end']} at last; {_count(summary['fractures'], 'fracture')}",
         f"  mass      {mass['start']:.6g} kg at first, {mass['end']:.6g} kg at last",
-        f"  energy    {start:.6g} J at first + {work:.6g} J of work - {dissipated:.6g} J dissipated = {end:.6g} J at last",
+        f"  energy    {start:.6g} J at first + {work:.6g} J of work - {dissipated:.6g} J dissipated"
+        f" - {banked:.6g} J in the bank = {end:.6g} J at last",
         f"  books     largest gain of a frame {gain:.3g} J, {gain / scale if scale else 0.0:.2g} of the {scale:.4g} J in play",
         f"  state     {summary['state_hash']}",
     ]

@@ -107,7 +107,10 @@ impl Collisions {
                     pass.blows.extend(blow);
                 }
             }
-            self.remember(bodies, pair);
+            // A pair with a blow is looked at again: by the fragments, or by a body that could not be split.
+            if !broken[pair.first] && !broken[pair.second] {
+                self.remember(bodies, pair);
+            }
         }
         pass
     }

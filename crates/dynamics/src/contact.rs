@@ -65,8 +65,8 @@ impl<'a> Contact<'a> {
         }
     }
 
-    /// Passes over the graph, level by level, until nothing approaches. The restitution rises from -1 to 0 ("epsilon
-    /// scaling"), so that the first passes stop a part of each approach only. Returns the graph of what fired.
+    /// Passes over the graph, level by level, until nothing approaches. Restitution below 0 ("epsilon
+    /// scaling") lets the first passes stop a part of each approach only; the schedule is that of the authors' code. Returns the graph of what fired.
     pub fn resolve(&mut self, graph: &ContactGraph) -> ContactGraph {
         let settings = self.frame.settings;
         let full = f64::from(settings.contact_passes * settings.contact_level_iterations);

@@ -37,8 +37,9 @@ pub struct Placed<'a> {
 /// they can be inside.
 #[derive(Clone, Debug)]
 pub struct NearSamples {
-    /// Of the first body, near the second; and the other way round.
-    near: [Vec<u32>; 2],
+    /// Of the first body, near the second, and the other way round: sorted by their signed distance when they were
+    /// gathered [m].
+    near: [Vec<(f32, u32)>; 2],
     /// `second_from_first` when they were gathered.
     gathered_at: RigidTransform,
     /// The relative motion that they allow for [m].
@@ -59,10 +60,16 @@ impl NearSamples {
         let margin = MARGIN * radius(first.shape).min(radius(second.shape));
         let reach = contour + (STEEPEST * margin) as f32;
         let mut near = [Vec::new(), Vec::new()];
-        visit_inside(first.shape, second.shape, &gathered_at, reach, None, |sample, _| near[0].push(sample));
-        visit_inside(second.shape, first.shape, &gathered_at.inverse(), reach, None, |sample, _| {
-            near[1].push(sample)
+        let [of_first, of_second] = &mut near;
+        visit_inside(first.shape, second.shape, &gathered_at, reach, None, |sample, phi| {
+            of_first.push((phi, sample));
         });
+        visit_inside(second.shape, first.shape, &gathered_at.inverse(), reach, None, |sample, phi| {
+            of_second.push((phi, sample));
+        });
+        for near in &mut near {
+            near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        }
         Self { near, gathered_at, margin }
     }
 
@@ -76,28 +83,44 @@ impl NearSamples {
         found: &mut Vec<Penetration>,
     ) {
         let relative = second_from_first(first, second);
-        if self.moved(&relative, first.shape) > self.margin {
+        let mut moved = self.moved(&relative, first.shape, second.shape);
+        if moved > self.margin {
             *self = Self::gather(first, second, contour);
+            moved = 0.0;
         }
+        // What was further than it can have come since is not inside.
+        let reach = contour + (STEEPEST * moved) as f32;
+        let [of_first, of_second] = &self.near;
         found.clear();
-        let near = Some(&self.near[0][..]);
+        let near = Some(within(of_first, reach));
         visit_inside(first.shape, second.shape, &relative, contour, near, |sample, phi| {
             found.push(Penetration { sample_of_first: true, sample, phi });
         });
-        let near = Some(&self.near[1][..]);
+        let near = Some(within(of_second, reach));
         visit_inside(second.shape, first.shape, &relative.inverse(), contour, near, |sample, phi| {
             found.push(Penetration { sample_of_first: false, sample, phi });
         });
     }
 
-    /// The furthest that a point of either body can have moved relative to the other since the gathering [m].
-    fn moved(&self, relative: &RigidTransform, first: &Shape) -> f64 {
-        let shift = (relative.translation - self.gathered_at.translation).length();
+    /// The furthest that a point near the smaller body can have moved, of either body relative to the other, since the
+    /// gathering [m].
+    fn moved(&self, relative: &RigidTransform, first: &Shape, second: &Shape) -> f64 {
+        let (now, then, reach) = if radius(first) <= radius(second) {
+            (*relative, self.gathered_at, radius(first))
+        } else {
+            (relative.inverse(), self.gathered_at.inverse(), radius(second))
+        };
+        let shift = (now.translation - then.translation).length();
         // Of unit quaternions, |R - R'| <= 2 |q - q'|, up to the sign of q.
-        let [q, p] = [relative.rotation, self.gathered_at.rotation].map(glam::DVec4::from);
+        let [q, p] = [now.rotation, then.rotation].map(glam::DVec4::from);
         let turn = 2.0 * (q - p).length().min((q + p).length());
-        shift + turn * (radius(first) + relative.translation.length())
+        shift + turn * (reach + STEEPEST * self.margin)
     }
+}
+
+/// The samples that were not further than `reach` [m].
+fn within(sorted: &[(f32, u32)], reach: f32) -> &[(f32, u32)] {
+    &sorted[..sorted.partition_point(|&(phi, _)| phi <= reach)]
 }
 
 /// Whether either body has a sample inside the other.
@@ -130,10 +153,10 @@ fn visit_inside(
     other: &Shape,
     other_from_body: &RigidTransform,
     contour: f32,
-    near: Option<&[u32]>,
+    near: Option<&[(f32, u32)]>,
     visit: impl FnMut(u32, f32),
 ) {
-    if near.map_or(body.samples.is_empty(), <[u32]>::is_empty) {
+    if near.map_or(body.samples.is_empty(), <[_]>::is_empty) {
         return;
     }
     let grid_from_body = other.body_from_grid.inverse().after(other_from_body);
@@ -152,7 +175,7 @@ fn visit_inside_grid(
     level_set: &LevelSet,
     grid_from_body: &RigidTransform,
     contour: f32,
-    near: Option<&[u32]>,
+    near: Option<&[(f32, u32)]>,
     mut visit: impl FnMut(u32, f32),
 ) {
     let grid = level_set.grid();
@@ -175,7 +198,7 @@ fn visit_inside_grid(
         }
     };
     if let Some(near) = near {
-        near.iter().for_each(|&index| test(index));
+        near.iter().for_each(|&(_, index)| test(index));
         return;
     }
     if apart(body, lattice_from_body, shift, low, high) {
@@ -210,7 +233,7 @@ fn visit_inside_form(
     form: &ClosedForm,
     form_from_body: &RigidTransform,
     contour: f32,
-    near: Option<&[u32]>,
+    near: Option<&[(f32, u32)]>,
     mut visit: impl FnMut(u32, f32),
 ) {
     let matrix = form_from_body.matrix();
@@ -222,7 +245,7 @@ fn visit_inside_form(
         }
     };
     if let Some(near) = near {
-        near.iter().for_each(|&index| test(index));
+        near.iter().for_each(|&(_, index)| test(index));
         return;
     }
     for cluster in &body.sample_clusters {
@@ -242,4 +265,69 @@ pub fn contact_point(first: Placed, second: Placed, penetration: &Penetration) -
     let (_, gradient) = other.shape.distance_and_gradient(other_from_world.point(point));
     let outward = other.pose.orientation * gradient;
     ContactPoint { point, normal: if penetration.sample_of_first { outward } else { -outward } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frangible_geometry::HalfSpace;
+    use glam::DQuat;
+    use proptest::prelude::*;
+
+    fn shapes() -> [Shape; 3] {
+        let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
+        let brick = ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.3) };
+        [
+            Shape::closed_form(ground, 1.0),
+            Shape::closed_form(brick, 0.1),
+            Shape::closed_form(ClosedForm::Sphere { radius: 0.4 }, 0.1),
+        ]
+    }
+
+    fn at<'a>(shape: &'a Shape, pose: &'a Pose) -> Placed<'a> {
+        Placed { shape, pose }
+    }
+
+    fn pose() -> impl Strategy<Value = Pose> {
+        let numbers = prop::array::uniform3(-0.4..0.4f64);
+        (numbers.clone(), numbers).prop_map(|(position, turn)| Pose {
+            position: DVec3::from_array(position),
+            orientation: DQuat::from_scaled_axis(DVec3::from_array(turn)),
+        })
+    }
+
+    proptest! {
+        /// However the pair moves, and whichever of the two is the ground, near samples miss nothing.
+        #[test]
+        fn near_samples_miss_nothing(
+            pair in prop::sample::select(vec![(0, 1), (1, 0), (0, 2), (1, 2), (2, 1)]),
+            start in pose(),
+            moves in prop::collection::vec((pose(), -4..0_i32), 1..6),
+        ) {
+            let shapes = shapes();
+            let still = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
+            let (first, second) = (&shapes[pair.0], &shapes[pair.1]);
+            let mut pose = start;
+            // The body that is not the ground moves.
+            let place = |pose: &Pose| if pair.1 == 0 { (*pose, still) } else { (still, *pose) };
+            let (a, b) = place(&pose);
+            let mut near = NearSamples::gather(at(first, &a), at(second, &b), 0.0);
+            for (step, exponent) in moves {
+                let size = 10_f64.powi(exponent);
+                pose.position += size * step.position;
+                pose.orientation = (pose.orientation * DQuat::IDENTITY.slerp(step.orientation, size)).normalize();
+                let (a, b) = place(&pose);
+                let mut found = Vec::new();
+                near.find_penetrations(at(first, &a), at(second, &b), 0.0, &mut found);
+                let mut all = Vec::new();
+                NearSamples::gather(at(first, &a), at(second, &b), 0.0)
+                    .find_penetrations(at(first, &a), at(second, &b), 0.0, &mut all);
+                let key = |p: &Penetration| (p.sample_of_first, p.sample);
+                found.sort_by_key(key);
+                all.sort_by_key(key);
+                prop_assert_eq!(&found, &all);
+                prop_assert_eq!(found.is_empty(), !overlap(at(first, &a), at(second, &b)));
+            }
+        }
+    }
 }

@@ -30,6 +30,7 @@ impl Displacements {
     /// is booked.
     pub fn restore_angular_momentum(&self, bodies: &mut Bodies, tally: &mut Tally) {
         for (&pair, &gain) in &self.gains {
+            tally.link(bodies, pair);
             let indices = [pair.first, pair.second];
             if indices.iter().any(|&i| bodies.inertias[i].is_infinite()) {
                 tally.outside_angular_impulse += gain;

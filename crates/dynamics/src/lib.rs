@@ -1,6 +1,6 @@
 //! Rigid bodies in motion that never gain energy.
 //!
-//! Each stage of a frame is a public function in the file of its name; `frangible::step` says in which order they run.
+//! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
 //! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
 
 pub mod bodies;
@@ -14,9 +14,12 @@ pub mod energy_fix;
 pub mod evolve;
 pub mod impulse;
 pub mod impulse_clamp;
+pub mod islands;
+pub mod ledger;
 pub mod pair;
 pub mod pair_rotation;
 pub mod push_out;
+pub mod rigid_part;
 pub mod rotation;
 pub mod settings;
 pub mod shock_propagation;

@@ -6,6 +6,7 @@
 //! makes up for it: the relative velocity at their contact stays as it is, and so does the sum of linear momenta.
 
 use crate::pair::Pair;
+use crate::rigid_part::tensor;
 use crate::{Bodies, Impulse};
 use glam::{DMat3, DVec3};
 
@@ -14,7 +15,7 @@ use glam::{DMat3, DVec3};
 pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impulse; 2] {
     // Inertia of the two about their common centre of mass.
     let [first, second] = [pair.first, pair.second];
-    let [tensor_first, tensor_second] = [first, second].map(|i| tensor(bodies, i));
+    let [tensor_first, tensor_second] = [first, second].map(|i| tensor(bodies, &bodies.poses, i));
     let (mass_first, mass_second) = (bodies.masses[first], bodies.masses[second]);
     let reduced_mass = mass_first * mass_second / (mass_first + mass_second);
     let apart = bodies.poses[first].position - bodies.poses[second].position;
@@ -31,10 +32,4 @@ pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impul
     // What the solution of the 3 x 3 system leaves over goes to the first body's spin: the sum is exact to rounding.
     let rest = angular_momentum - (spin[0] + spin[1] + apart.cross(orbital));
     [Impulse { linear: orbital, angular: spin[0] + rest }, Impulse { linear: -orbital, angular: spin[1] }]
-}
-
-/// Inertia tensor in the world frame [kg m^2].
-fn tensor(bodies: &Bodies, i: usize) -> DMat3 {
-    let rotation = DMat3::from_quat(bodies.poses[i].orientation);
-    rotation * DMat3::from_diagonal(bodies.inertias[i].inverse_moments.recip()) * rotation.transpose()
 }

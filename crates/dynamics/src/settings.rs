@@ -27,6 +27,10 @@ pub struct PaperSettings {
     pub energy_fix: bool,
     /// Clamp the impulses of collisions and of velocity contact [Su09 sec. 3].
     pub impulse_clamp: bool,
+    /// Let no island end a frame with more energy than it may have.
+    pub ledger: bool,
+    /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
+    pub bank_cap: f64,
 }
 
 impl Default for PaperSettings {
@@ -44,6 +48,8 @@ impl Default for PaperSettings {
             breaking_passes: 8,
             energy_fix: true,
             impulse_clamp: true,
+            ledger: true,
+            bank_cap: 0.1,
         }
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Totals {
     pub(crate) angular_momentum: DVec3,
     /// Sum of the lengths of the bodies' momenta, and of what gravity gives them in one frame [kg m/s].
     pub(crate) momentum_scale: f64,
-    /// The same for angular momentum, orbital and spin [kg m^2/s].
+    /// The same for angular momentum, orbital and spin; gravity's lever reaches to the far side of the body [kg m^2/s].
     pub(crate) angular_scale: f64,
 }
 
@@ -34,6 +34,8 @@ impl Totals {
             }
             let mass = bodies.masses[i];
             let weight = frame.dt * mass * frame.gravity;
+            let (low, high) = bodies.shapes[i].bounds;
+            let reach = pose.position.length() + 0.5 * (high - low).length();
             let momentum = mass * velocity.linear;
             let orbital = pose.position.cross(momentum);
             let spin = velocity.angular_momentum;
@@ -44,7 +46,7 @@ impl Totals {
             sum.momentum += momentum;
             sum.angular_momentum += orbital + spin;
             sum.momentum_scale += momentum.length() + weight.length();
-            sum.angular_scale += orbital.length() + spin.length() + pose.position.cross(weight).length();
+            sum.angular_scale += orbital.length() + spin.length() + reach * weight.length();
         }
         sum
     }
@@ -80,12 +82,14 @@ pub(crate) struct Books {
 }
 
 impl Books {
-    /// Closes a frame that went from `before` to `after` and received `gravity` and what `tally` says.
+    /// Closes a frame that went from `before` to `after` received `gravity` and what `tally` says, and put
+    /// `banked` [J] aside.
     pub(crate) fn close(
         &mut self,
         before: &Totals,
         after: &Totals,
         gravity: (DVec3, DVec3),
+        banked: f64,
         tally: &Tally,
     ) -> (Energy, Momentum) {
         let energy = Energy {
@@ -93,7 +97,8 @@ impl Books {
             potential: after.potential,
             total: after.energy(),
             work: tally.kinematic_work,
-            gain: after.energy() - before.energy() - tally.kinematic_work,
+            banked,
+            gain: after.energy() - before.energy() + banked - tally.kinematic_work,
         };
 
         // What neither gravity nor the outside explains.

@@ -23,6 +23,8 @@ pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>,
         let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
         let fragments = shatter(&world.bodies.shapes[parent], &breaking.pattern, &impact, &breaking.shatter);
         if fragments.len() < 2 {
+            // Too small to be split: it bears whatever comes.
+            world.bodies.contactants[parent].strength = f64::INFINITY;
             continue;
         }
         gone[parent] = true;

@@ -6,11 +6,15 @@ use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc};
 use crate::shapes::ShapeLibrary;
 use crate::world::{Breaking, Label};
-use frangible_dynamics::{Bodies, BodyId, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
+use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
+
+/// Cells of a pattern: ten times the pieces that the finest usual grid resolves, made in seconds.
+const MOST_CELLS: usize = 2000;
 
 impl World {
     /// Checks a scene and builds it.
@@ -19,7 +23,7 @@ impl World {
     /// The first rule that the scene breaks, with the field's path and its value; or what is wrong with a mesh file.
     pub fn build(scene: &SceneDesc) -> Result<Self, BuildError> {
         let checker = Checker::root();
-        let gravity = checker.field("gravity").finite_vector(scene.gravity)?;
+        let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
         let rate = checker.field("frames_per_second").positive(scene.frames_per_second, "1/s")?;
         let Method::Paper = scene.method;
         let mut world = Self {
@@ -30,6 +34,7 @@ impl World {
             gravity,
             settings: PaperSettings::default(),
             books: Books::default(),
+            ledger: Ledger::default(),
         };
         let mut library = ShapeLibrary::default();
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -38,22 +43,6 @@ impl World {
             world.spawn(new_body, label);
         }
         Ok(world)
-    }
-
-    /// Adds a body behind all others.
-    pub(crate) fn spawn(&mut self, body: NewBody, label: Label) -> BodyId {
-        self.labels.push(label);
-        self.bodies.spawn(body)
-    }
-
-    /// Removes the bodies whose entry in `gone` is true; returns the new dense index of each old one.
-    pub(crate) fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {
-        let mut dense = 0;
-        self.labels.retain(|_| {
-            dense += 1;
-            !gone[dense - 1]
-        });
-        self.bodies.remove(gone)
     }
 }
 
@@ -66,10 +55,10 @@ fn build_body(
     let density = at.field("density").positive(desc.density, "kg/m^3")?;
     let friction = at.field("friction").not_negative(desc.friction)?;
     let restitution = at.field("restitution").within(desc.restitution, 0.0, 1.0)?;
-    let position = at.field("position").finite_vector(desc.position)?;
+    let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
-    let linear = at.field("linear_velocity").finite_vector(desc.linear_velocity)?;
-    let angular = at.field("angular_velocity").finite_vector(desc.angular_velocity)?;
+    let linear = at.field("linear_velocity").vector(desc.linear_velocity, "m/s")?;
+    let angular = at.field("angular_velocity").vector(desc.angular_velocity, "rad/s")?;
 
     // Shape and breaking: what breaks must be sampled.
     let shape = library.shape(&desc.shape, desc.breaking.is_some(), &at.field("shape"))?;
@@ -77,6 +66,11 @@ fn build_body(
         return Err(at
             .field("motion")
             .broken(&format!("{:?}", desc.motion), "static for a half-space, which has no mass"));
+    }
+    if desc.breaking.is_some() && desc.motion != MotionDesc::Dynamic {
+        return Err(at
+            .field("breaking")
+            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
     }
     let breaking = match &desc.breaking {
         Some(breaking) => {
@@ -116,23 +110,27 @@ fn build_breaking(
     at: &Checker,
 ) -> Result<Breaking, BuildError> {
     at.field("strength").positive(desc.strength, "N s")?;
-    at.field("generations").at_least(desc.generations as usize, 1)?;
-    let pattern = match desc.pattern {
+    at.field("generations").count(desc.generations as usize, 1, 64)?;
+    let pattern = at.field("pattern");
+    let made = match desc.pattern {
         PatternDesc::Radial { spokes, rings, jitter, seed } => {
+            pattern.field("spokes").count(spokes, 2, MOST_CELLS)?;
+            pattern.field("rings").count(rings, 0, MOST_CELLS / spokes)?;
             Pattern::radial(&Radial { spokes, rings, jitter, seed })
         }
         PatternDesc::Voronoi { cells, clustering, seed } => {
+            pattern.field("cells").count(cells, 1, MOST_CELLS)?;
             Pattern::voronoi(&Voronoi { cells, clustering, seed, half_extent: DVec3::ONE })
         }
     };
-    let pattern = pattern.map_err(|error| at.field("pattern").pattern(&error))?;
+    let made = made.map_err(|error| pattern.pattern(&error))?;
     let Geometry::Grid(solid) = &shape.geometry else {
-        return Err(at.broken("a closed form", "a body that breaks is sampled on a grid"));
+        return Err(at.broken("on a formula", "on a body that is sampled on a grid"));
     };
     // Cracks are sampled as densely as the surface was.
     let mut shatter = ShatterSettings::default();
     if let Some(spacing) = resolution.sample_spacing {
         shatter.sample_spacing_voxels = spacing / solid.level_set.grid().spacing;
     }
-    Ok(Breaking { pattern: Arc::new(pattern), shatter, generations: desc.generations })
+    Ok(Breaking { pattern: Arc::new(made), shatter, generations: desc.generations })
 }

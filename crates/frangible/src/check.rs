@@ -78,12 +78,19 @@ impl Checker {
         self.require(value >= low && value <= high, value, &format!("between {low} and {high}"))
     }
 
-    pub(crate) fn at_least(&self, value: usize, least: usize) -> Result<usize, BuildError> {
-        self.require(value >= least, value, &format!(">= {least}"))
+    pub(crate) fn at_least(&self, value: f64, least: f64, unit: &str) -> Result<f64, BuildError> {
+        self.require(value.is_finite() && value >= least, value, &format!(">= {least} {unit}"))
     }
 
-    pub(crate) fn finite_vector(&self, value: [f64; 3]) -> Result<DVec3, BuildError> {
-        self.require(value.iter().all(|x| x.is_finite()), value, "three finite numbers")
+    pub(crate) fn count(&self, value: usize, least: usize, most: usize) -> Result<usize, BuildError> {
+        self.require((least..=most).contains(&value), value, &format!("between {least} and {most}"))
+    }
+
+    /// Three numbers that are not too large for their squares and products to be summed.
+    pub(crate) fn vector(&self, value: [f64; 3], unit: &str) -> Result<DVec3, BuildError> {
+        const MOST: f64 = 1e9;
+        let holds = value.iter().all(|x| x.abs() <= MOST);
+        self.require(holds, value, &format!("three numbers from -{MOST:e} to {MOST:e} {unit}"))
             .map(DVec3::from_array)
     }
 

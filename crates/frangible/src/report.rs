@@ -1,6 +1,6 @@
 //! What one frame did, with the books open.
 
-use frangible_dynamics::BodyId;
+use frangible_dynamics::{BodyId, ledger};
 use serde::Serialize;
 
 /// One frame.
@@ -18,6 +18,8 @@ pub struct StepReport {
     pub energy: Energy,
     /// The momentum books.
     pub momentum: Momentum,
+    /// What the ledger had to do.
+    pub balance: Balance,
     /// Collision and contact impulses.
     pub impulses: Impulses,
     /// What broke, in order.
@@ -41,8 +43,31 @@ pub struct Energy {
     pub total: f64,
     /// That kinematic bodies did in this frame.
     pub work: f64,
-    /// E(n+1) - E(n) - W: what came out of nowhere in this frame, or, if negative, was dissipated.
+    /// What the ledger's banks grew by in this frame: energy that was dissipated and may be spent again.
+    pub banked: f64,
+    /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
+    /// negative, was dissipated.
     pub gain: f64,
+}
+
+/// What the ledger had to do in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Balance {
+    /// Islands of touching bodies.
+    pub islands: u64,
+    /// Islands whose relative velocities were scaled down.
+    pub scaled: u64,
+    /// Islands whose displacements were shortened.
+    pub shortened: u64,
+    /// Energy that was taken out by both [J].
+    pub removed: f64,
+}
+
+impl From<ledger::Balance> for Balance {
+    fn from(balance: ledger::Balance) -> Self {
+        let ledger::Balance { islands, scaled, shortened, removed } = balance;
+        Self { islands, scaled, shortened, removed }
+    }
 }
 
 /// The momentum books since the world began, relative to the largest sum so far of the bodies' momenta and of what gravity
@@ -83,6 +108,13 @@ pub struct Fracture {
     pub fragments: Vec<u64>,
     /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the break: round-off.
     pub imbalance: Imbalance,
+}
+
+impl Fracture {
+    /// The body with each of its fragments.
+    pub(crate) fn links(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
+        self.fragments.iter().map(|&fragment| (id_from_number(self.body), id_from_number(fragment)))
+    }
 }
 
 /// Relative differences between a body and the sum of its fragments.

@@ -22,6 +22,9 @@ const MARGIN: usize = 2;
 /// More voxels than this do not fit in the memory of the machines that this is for: 2^28 take 2 GiB.
 const MOST_VOXELS: usize = 1 << 28;
 
+/// Surface samples along the longest side.
+const MOST_SAMPLES_ALONG: f64 = 1000.0;
+
 /// Every shape of a scene, once.
 #[derive(Default)]
 pub(crate) struct ShapeLibrary {
@@ -56,7 +59,7 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
             from_form(ClosedForm::Sphere { radius }, resolution, breaks, at)
         }
         ShapeDesc::Box { size, resolution } => {
-            let size = at.field("size").finite_vector(*size)?;
+            let size = at.field("size").vector(*size, "m")?;
             at.field("size").positive(size.min_element(), "m along each axis")?;
             from_form(ClosedForm::Box { half: 0.5 * size }, resolution, breaks, at)
         }
@@ -82,7 +85,7 @@ fn from_form(
     let (low, high) = form.bounds();
     if !breaks && resolution.voxels.is_none() {
         let spacing = resolution.sample_spacing.unwrap_or(0.1 * (high - low).max_element());
-        return Ok(Shape::closed_form(form, at.field("resolution.sample_spacing").positive(spacing, "m")?));
+        return Ok(Shape::closed_form(form, check_spacing(spacing, high - low, at)?));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
     let solid = GridSolid::from_closed_form(form, voxels, MARGIN)
@@ -101,13 +104,25 @@ fn from_mesh(path: &Path, scale: f64, resolution: &Resolution, at: &Checker) -> 
     sampled(GridSolid::from_level_set(level_set), resolution, at)
 }
 
+/// Distance between surface samples [m]: what is sampled a thousand times along a side has millions of samples.
+fn check_spacing(spacing: f64, extent: DVec3, at: &Checker) -> Result<f64, BuildError> {
+    let least = extent.max_element() / MOST_SAMPLES_ALONG;
+    at.field("resolution.sample_spacing").at_least(spacing, least, "m, a thousandth of the longest side")
+}
+
 /// Surface samples, mass and principal axes of a solid on a grid.
 fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+    let voxels = at.field("resolution.voxels");
+    if !solid.level_set.phi().iter().any(|&phi| phi < 0.0) {
+        return Err(voxels
+            .broken(&format!("{:?}", resolution.voxels), "so many that a node lies inside of the shape"));
+    }
     let spacing = resolution.sample_spacing.unwrap_or(SAMPLE_VOXELS * solid.level_set.grid().spacing);
-    let spacing = at.field("resolution.sample_spacing").positive(spacing, "m")?;
+    let (low, high) = solid.level_set.grid().bounds();
+    let spacing = check_spacing(spacing, high - low, at)?;
     let samples = surface_samples(&solid, spacing);
     Shape::from_grid_solid(solid, samples)
-        .map_err(|error| at.field("resolution").broken("no voxel inside", &format!("finer: {error}")))
+        .map_err(|error| voxels.broken(&format!("{:?}", resolution.voxels), &format!("finer: {error}")))
 }
 
 /// Voxels along each side of the bounding box.
@@ -124,7 +139,7 @@ fn voxels_for(
     });
     let at = at.field("resolution.voxels");
     for count in voxels {
-        at.at_least(count, 1)?;
+        at.count(count, 1, MOST_VOXELS)?;
     }
     let total =
         voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));

@@ -11,10 +11,11 @@ use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
+use frangible_dynamics::ledger::Opening;
 use frangible_dynamics::pair::placed;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
-use frangible_dynamics::{Bodies, Frame};
+use frangible_dynamics::{Bodies, Frame, Tally};
 use std::time::Instant;
 
 /// Advances a world by one frame with the paper's method: the Newmark scheme of [SSF08], clamped as in [Su09 sec. 3].
@@ -22,6 +23,8 @@ use std::time::Instant;
 pub fn step(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
     let before = Totals::of(&world.bodies, &frame);
+    let opening = Opening::new(&world.bodies, &frame);
+    let bank = world.ledger.bank();
     let mut clock = StageClock::new();
 
     // Collide and break: impulses come from the split state (x^{n+1}, v^n), change v^n, and are clamped against
@@ -36,6 +39,7 @@ pub fn step(world: &mut World) -> StepReport {
     clock.lap("contact_graph");
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, &frame);
     let mut contact = Contact::new(bodies, half, Phase::Position, &frame);
+    let flight = contact.proposed.clone();
     let touching = contact.resolve(&graph);
     clock.lap("position_contact");
     propagate_shock(&mut contact, &graph);
@@ -57,11 +61,23 @@ pub fn step(world: &mut World) -> StepReport {
     bodies.velocities = velocities;
     clock.lap("velocity_contact");
 
+    // Balance the energy of every island.
+    let mut tally = collisions.tally;
+    tally.add(velocity_tally);
+    tally.links.extend(fractures.iter().flat_map(Fracture::links));
+    let balance = world.ledger.balance(bodies, &opening, &flight, &frame, &mut tally);
+    clock.lap("balance_energy");
+
     // Close the books.
-    let tally = collisions.tally.and(&velocity_tally);
     let quarantined = quarantine_non_finite(world);
     let after = Totals::of(&world.bodies, &frame);
-    let (energy, momentum) = world.books.close(&before, &after, gravity, &tally);
+    let banked = world.ledger.bank() - bank;
+    // What was taken out took its sums along: such a frame has nothing to compare.
+    let (energy, momentum) = if quarantined.is_empty() {
+        world.books.close(&before, &after, gravity, banked, &tally)
+    } else {
+        world.books.close(&after, &after, Default::default(), 0.0, &Tally::default())
+    };
     let penetrations = measure_penetrations(&world.bodies);
     world.frame += 1;
     clock.lap("report");
@@ -72,6 +88,7 @@ pub fn step(world: &mut World) -> StepReport {
         mass: after.mass,
         energy,
         momentum,
+        balance: balance.into(),
         impulses: Impulses { applied: tally.impulses, clamped: tally.clamped, discarded: tally.discarded },
         fractures,
         quarantined,

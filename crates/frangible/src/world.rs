@@ -2,7 +2,8 @@
 
 use crate::books::{Books, Totals};
 use crate::report::id_number;
-use frangible_dynamics::{Bodies, BodyId, Frame, PaperSettings};
+use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, PaperSettings};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
@@ -19,6 +20,7 @@ pub struct World {
     pub(crate) gravity: DVec3,
     pub(crate) settings: PaperSettings,
     pub(crate) books: Books,
+    pub(crate) ledger: Ledger,
 }
 
 /// What the engine knows of a body and dynamics need not.
@@ -83,6 +85,22 @@ impl World {
     pub fn energy(&self) -> (f64, f64) {
         let totals = Totals::of(&self.bodies, &self.frame_constants());
         (totals.kinetic, totals.potential)
+    }
+
+    /// Adds a body behind all others.
+    pub(crate) fn spawn(&mut self, body: NewBody, label: Label) -> BodyId {
+        self.labels.push(label);
+        self.bodies.spawn(body)
+    }
+
+    /// Removes the bodies whose entry in `gone` is true; returns the new dense index of each old one.
+    pub(crate) fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {
+        let mut dense = 0;
+        self.labels.retain(|_| {
+            dense += 1;
+            !gone[dense - 1]
+        });
+        self.bodies.remove(gone)
     }
 
     /// What all stages of the next frame need.

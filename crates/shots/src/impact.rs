@@ -9,6 +9,7 @@ pub(crate) const IMPACT: Shot = Shot {
     name: "impact",
     caption: "a ball breaks a mesh of your own (--mesh FILE), scaled to 2 m and set on the ground",
     frames: 120,
+    takes_mesh: true,
     build: impact,
 };
 
@@ -57,7 +58,7 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         density: BALL_DENSITY,
         ..BodyDesc::new("ball", shape)
     };
-    let mut scene = SceneDesc::new("impact");
+    let mut scene = SceneDesc::new("");
     scene.bodies = vec![BodyDesc::ground(0.0), body, ball];
     Ok(scene)
 }

@@ -17,6 +17,8 @@ pub struct Shot {
     pub caption: &'static str,
     /// How many frames it takes at 30 frames per second, unless told otherwise.
     pub frames: u32,
+    /// Whether it breaks a mesh of the user's.
+    pub takes_mesh: bool,
     build: fn(&ShotOptions) -> Result<SceneDesc, ShotError>,
 }
 
@@ -82,6 +84,9 @@ impl Shot {
     /// # Errors
     /// If it needs a mesh and has none, or the mesh cannot be read.
     pub fn scene(&self, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+        if options.mesh.is_some() && !self.takes_mesh {
+            return Err(ShotError::TakesNoMesh(self.name));
+        }
         let mut scene = (self.build)(options)?;
         scene.name = self.name.into();
         scene.frames_per_second = options.frames_per_second;

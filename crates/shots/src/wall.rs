@@ -8,6 +8,7 @@ pub(crate) const UPPER: Shot = Shot {
     name: "wall",
     caption: "a ball breaks a wall where it hits it, above the middle (figure 4)",
     frames: 120,
+    takes_mesh: false,
     build: |options| struck_at([3.0, 0.5, 1.5], options),
 };
 
@@ -16,6 +17,7 @@ pub(crate) const MIDDLE: Shot = Shot {
     name: "wall-middle",
     caption: "the same wall and pattern, struck near the middle (figure 4)",
     frames: 120,
+    takes_mesh: false,
     build: |options| struck_at([3.0, -0.5, 0.25], options),
 };
 
@@ -24,6 +26,7 @@ pub(crate) const LOWER: Shot = Shot {
     name: "wall-corner",
     caption: "the same wall and pattern, struck near a lower corner (figure 4)",
     frames: 120,
+    takes_mesh: false,
     build: |options| struck_at([3.0, -1.0, -2.0], options),
 };
 
@@ -32,6 +35,7 @@ pub(crate) const BALL: Shot = Shot {
     name: "wall-ball",
     caption: "the wall is the stronger: the ball breaks on it (figure 4)",
     frames: 120,
+    takes_mesh: false,
     build: ball_breaks,
 };
 
@@ -75,13 +79,10 @@ fn ball(shape: ShapeDesc, center: [f64; 3]) -> BodyDesc {
 }
 
 fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
-    if options.mesh.is_some() {
-        return Err(ShotError::TakesNoMesh("wall"));
-    }
     let resolution = Resolution { voxels: Some(WALL_VOXELS), sample_spacing: Some(WALL_SAMPLES) };
     let shape = ShapeDesc::Box { size: WALL, resolution };
     let wall = BodyDesc { breaking: Some(breaking(wall_strength, options)), ..BodyDesc::new("wall", shape) };
-    let mut scene = SceneDesc::new("wall");
+    let mut scene = SceneDesc::new("");
     scene.gravity = [0.0, -9.8, 0.0];
     scene.bodies = vec![BodyDesc::ground(GROUND), wall, ball];
     Ok(scene)

@@ -1,0 +1,152 @@
+//! The rigid part of an island's motion, and the rest.
+//!
+//! Velocities are split into those of one rigid body and what is relative to it. For a free island the rigid body is the one with the
+//! island's momentum and angular momentum; then kinetic energy is the sum of the two parts' [Koenig], and scaling the relative part
+//! changes neither momentum, and no contact that did not approach begins to. For an island that touches a static or kinematic body it
+//! is that body.
+
+use crate::{Bodies, Pose, Velocity};
+use glam::{DMat3, DVec3};
+
+/// A rigid motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// World frame [m].
+    pub origin: DVec3,
+    /// Of the origin [m/s].
+    pub linear: DVec3,
+    /// [rad/s]
+    pub angular: DVec3,
+}
+
+impl Twist {
+    /// The rigid motion with the momentum [kg m/s], and the angular momentum about the world's origin [kg m^2/s], of the
+    /// given bodies.
+    pub fn of_momentum(
+        bodies: &Bodies,
+        poses: &[Pose],
+        members: &[usize],
+        momentum: DVec3,
+        angular_momentum: DVec3,
+    ) -> Self {
+        // Mass and inertia of the bodies frozen together.
+        let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
+        let origin = members.iter().map(|&i| bodies.masses[i] * poses[i].position).sum::<DVec3>() / mass;
+        let mut inertia = DMat3::ZERO;
+        for &i in members {
+            let lever = poses[i].position - origin;
+            let outer = DMat3::from_cols(lever.x * lever, lever.y * lever, lever.z * lever);
+            inertia += tensor(bodies, poses, i);
+            inertia +=
+                bodies.masses[i] * (DMat3::from_diagonal(DVec3::splat(lever.length_squared())) - outer);
+        }
+        let about_origin = angular_momentum - origin.cross(momentum);
+        Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
+    }
+
+    /// What a body would have if it moved along.
+    pub fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
+        let linear = self.linear + self.angular.cross(poses[i].position - self.origin);
+        Velocity { linear, angular_momentum: tensor(bodies, poses, i) * self.angular }
+    }
+
+    /// Kinetic energy of the bodies relative to this motion [J].
+    pub fn relative_energy(
+        &self,
+        bodies: &Bodies,
+        poses: &[Pose],
+        velocities: &[Velocity],
+        members: &[usize],
+    ) -> f64 {
+        let of = |&i: &usize| {
+            let along = self.velocity_of(bodies, poses, i);
+            let linear = velocities[i].linear - along.linear;
+            let angular = velocities[i].angular_momentum - along.angular_momentum;
+            0.5 * bodies.masses[i] * linear.length_squared()
+                + bodies.inertias[i].rotational_energy(poses[i].orientation, angular)
+        };
+        members.iter().map(of).sum()
+    }
+
+    /// Scales the velocities of the bodies relative to this motion.
+    pub fn scale_relative(
+        &self,
+        bodies: &Bodies,
+        poses: &[Pose],
+        velocities: &mut [Velocity],
+        members: &[usize],
+        scale: f64,
+    ) {
+        for &i in members {
+            let along = self.velocity_of(bodies, poses, i);
+            let velocity = &mut velocities[i];
+            velocity.linear = along.linear + scale * (velocity.linear - along.linear);
+            velocity.angular_momentum =
+                along.angular_momentum + scale * (velocity.angular_momentum - along.angular_momentum);
+        }
+    }
+}
+
+/// Inertia tensor of a dynamic body in the world frame [kg m^2].
+pub(crate) fn tensor(bodies: &Bodies, poses: &[Pose], i: usize) -> DMat3 {
+    let rotation = DMat3::from_quat(poses[i].orientation);
+    rotation * DMat3::from_diagonal(bodies.inertias[i].inverse_moments.recip()) * rotation.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Contactant, Motion, NewBody};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    /// Momentum and angular momentum survive any scale, and the energy is the sum of the two parts.
+    #[test]
+    fn scaling_the_relative_part_keeps_both_momenta() {
+        let mut bodies = Bodies::default();
+        for i in 0..5 {
+            let x = f64::from(i);
+            let half = DVec3::new(0.1 + 0.1 * x, 0.5, 0.02);
+            bodies.spawn(NewBody {
+                shape: Arc::new(Shape::closed_form(ClosedForm::Box { half }, 0.2)),
+                density: 1000.0,
+                motion: Motion::Dynamic,
+                pose: Pose {
+                    position: DVec3::new(x, 2.0 - x * x, 0.3 * x),
+                    orientation: DQuat::from_rotation_y(x) * DQuat::from_rotation_x(0.4 * x),
+                },
+                velocity: Velocity {
+                    linear: DVec3::new(3.0 - x, x * x - 4.0, 1.0),
+                    angular_momentum: DVec3::new(x, -3.0, 2.0 * x),
+                },
+                contactant: Contactant { friction: 0.5, restitution: 0.5, strength: f64::INFINITY },
+            });
+        }
+        let members: Vec<usize> = (0..5).collect();
+        let sums = |velocities: &[Velocity]| {
+            let mut sums = (DVec3::ZERO, DVec3::ZERO, 0.0);
+            for (i, velocity) in velocities.iter().enumerate() {
+                let momentum = bodies.masses[i] * velocity.linear;
+                sums.0 += momentum;
+                sums.1 += bodies.poses[i].position.cross(momentum) + velocity.angular_momentum;
+                sums.2 += 0.5 * momentum.dot(velocity.linear)
+                    + bodies.inertias[i]
+                        .rotational_energy(bodies.poses[i].orientation, velocity.angular_momentum);
+            }
+            sums
+        };
+        let before = sums(&bodies.velocities);
+        let twist = Twist::of_momentum(&bodies, &bodies.poses, &members, before.0, before.1);
+        let relative = twist.relative_energy(&bodies, &bodies.poses, &bodies.velocities, &members);
+        for scale in [0.0, 0.3, 0.999, 1.0] {
+            let mut velocities = bodies.velocities.clone();
+            twist.scale_relative(&bodies, &bodies.poses, &mut velocities, &members, scale);
+            let after = sums(&velocities);
+            assert!((after.0 - before.0).length() < 1e-12 * before.0.length());
+            assert!((after.1 - before.1).length() < 1e-12 * before.1.length());
+            let expected = before.2 - (1.0 - scale * scale) * relative;
+            assert!((after.2 - expected).abs() < 1e-12 * before.2);
+        }
+    }
+}
