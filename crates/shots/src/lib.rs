@@ -1,6 +1,8 @@
 //! Scenes that are a demo, a test and a benchmark at once: one file each, one registry.
 
 mod impact;
+mod incline;
+mod stack;
 mod wall;
 
 use frangible::geometry::MeshError;
@@ -64,7 +66,8 @@ pub enum ShotError {
 }
 
 /// All shots.
-pub const SHOTS: &[Shot] = &[wall::UPPER, wall::MIDDLE, wall::LOWER, wall::BALL, impact::IMPACT];
+pub const SHOTS: &[Shot] =
+    &[wall::UPPER, wall::MIDDLE, wall::LOWER, wall::BALL, impact::IMPACT, stack::STACK, incline::INCLINE];
 
 impl Shot {
     /// The shot of a name.
