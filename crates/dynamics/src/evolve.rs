@@ -12,7 +12,7 @@ pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame
             orientation: (rotation::rotation_by(frame.dt * angular) * pose.orientation).normalize(),
         },
         Motion::Dynamic => {
-            rotation::advance(pose, velocity, &bodies.inertias[i], frame.dt, frame.settings.energy_fix)
+            rotation::advance(pose, velocity, &bodies.inertias[i], frame.dt, frame.settings.rotation)
         }
     }
 }

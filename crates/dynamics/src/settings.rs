@@ -23,14 +23,26 @@ pub struct PaperSettings {
     pub push_out_pair_iterations: u32,
     /// Passes in which bodies may break; what is struck after the last of them bears the blow until the next frame.
     pub breaking_passes: u32,
-    /// Correct each rotation's kinetic energy [Su09 sec. 2].
-    pub energy_fix: bool,
+    /// How free bodies turn; the paper's way is second order with its energy fix.
+    pub rotation: Rotation,
     /// Clamp the impulses of collisions and of velocity contact [Su09 sec. 3].
     pub impulse_clamp: bool,
     /// Let no island end a frame with more energy than it may have.
     pub ledger: bool,
     /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
     pub bank_cap: f64,
+}
+
+/// The rule by which a free body turns. All of them keep angular momentum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rotation {
+    /// The closed form: kinetic energy and orientation to round-off at any rate (docs/adr/008).
+    Exact,
+    /// Second order in the time step [SSF08].
+    SecondOrder {
+        /// Turn on to the kinetic energy from before the step [Su09 sec. 2]. The phase stays second order.
+        energy_fix: bool,
+    },
 }
 
 impl Default for PaperSettings {
@@ -46,7 +58,7 @@ impl Default for PaperSettings {
             push_out_level_iterations: 2,
             push_out_pair_iterations: 5,
             breaking_passes: 8,
-            energy_fix: true,
+            rotation: Rotation::SecondOrder { energy_fix: true },
             impulse_clamp: true,
             ledger: true,
             bank_cap: 0.1,
