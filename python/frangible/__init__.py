@@ -7,7 +7,7 @@
 Quantities are SI, y is up, quaternions are x, y, z, w.
 """
 
-from ._frangible import BuildError, World, mesh_info, shot_frames, shot_scene, shots
+from ._frangible import BuildError, World, mesh_info, shot_defaults, shot_frames, shot_scene, shots
 from .cache import CacheError
 from .output import OutputError
 from .recording import Body, Recorder, Recording
@@ -25,6 +25,7 @@ __all__ = [
     "World",
     "mesh_info",
     "run",
+    "shot_defaults",
     "shot_frames",
     "shot_scene",
     "shots",

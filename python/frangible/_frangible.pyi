@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from .report import StepReport
 
-__all__ = ["BuildError", "World", "mesh_info", "shot_frames", "shot_scene", "shots"]
+__all__ = ["BuildError", "World", "mesh_info", "shot_defaults", "shot_frames", "shot_scene", "shots"]
 
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
@@ -15,18 +15,24 @@ class BuildError(ValueError):
 def shots() -> list[tuple[str, str]]:
     """Name and one line for every built-in shot."""
 
-def shot_frames(name: str, fps: float) -> int:
+def shot_defaults() -> dict[str, Any]:
+    """What `shot_scene` takes for `fps`, `method` and `seed` if it is given `None`."""
+
+def shot_frames(name: str, fps: float | None = None) -> int:
     """How many frames a shot takes at `fps` frames per second; `BuildError` for an unknown name."""
 
 def shot_scene(
     name: str,
     *,
     mesh: str | None = None,
-    fps: float = 30.0,
-    method: str = "paper",
-    seed: int = 0,
+    fps: float | None = None,
+    method: str | None = None,
+    seed: int | None = None,
 ) -> str:
-    """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that cannot be used."""
+    """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that cannot be used.
+
+    `shot_defaults` says what stands for `None`.
+    """
 
 def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read."""

@@ -72,15 +72,18 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="frangible", description="Rigid bodies that break.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
+    defaults = _frangible.shot_defaults()
     run = commands.add_parser("run", help="simulate a shot and write what it looks like")
     run.set_defaults(command=_run)
     run.add_argument("shot", metavar="SHOT", help="one of those that `frangible shots` lists")
     run.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
     run.add_argument("--frames", type=_positive(int, "a whole number"), metavar="N", help="number of steps [the shot's]")
-    run.add_argument("--fps", type=_positive(float, "a number"), default=30.0, metavar="HZ", help="steps per second [30]")
-    run.add_argument("--method", default="paper", help="which step advances a frame [paper]")
+    run.add_argument(
+        "--fps", type=_positive(float, "a number"), default=defaults["fps"], metavar="HZ", help="steps per second [%(default)g]"
+    )
+    run.add_argument("--method", default=defaults["method"], help="which step advances a frame [%(default)s]")
     run.add_argument("--threads", type=_natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
-    run.add_argument("--seed", type=_natural(2**64 - 1), default=0, metavar="N", help="same seed, same run [0]")
+    run.add_argument("--seed", type=_natural(2**64 - 1), default=defaults["seed"], metavar="N", help="same seed, same run [%(default)s]")
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
     )

@@ -13,16 +13,17 @@ def run(
     *,
     mesh: str | os.PathLike[str] | None = None,
     frames: int | None = None,
-    fps: float = 30.0,
-    method: str = "paper",
+    fps: float | None = None,
+    method: str | None = None,
     threads: int = 0,
-    seed: int = 0,
+    seed: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Recording:
     """Build a shot, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
 
-    ``mesh`` is a file for shots that break one; without ``frames`` the shot takes as long as it is meant to; 0
-    ``threads`` means one for every processor. `BuildError` if the scene cannot be built.
+    ``mesh`` is a file for shots that break one; without ``frames`` the shot takes as long as it is meant to; what
+    stands for `None` in ``fps``, ``method`` and ``seed``, `shot_defaults` says; 0 ``threads`` means one for every
+    processor. `BuildError` if the scene cannot be built.
     """
     path = None if mesh is None else os.fspath(mesh)
     world = World.build(shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed), threads)

@@ -31,20 +31,48 @@ fn shots() -> Vec<(&'static str, &'static str)> {
     SHOTS.iter().map(|shot| (shot.name, shot.caption)).collect()
 }
 
+/// What `shot_scene` takes for what it is not told.
+#[pyfunction]
+fn shot_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let defaults = ShotOptions::default();
+    let values = PyDict::new(py);
+    values.set_item("fps", defaults.frames_per_second)?;
+    values.set_item("method", convert::json(py, &serde_json::to_value(defaults.method).map_err(build_error)?)?)?;
+    values.set_item("seed", defaults.seed)?;
+    Ok(values)
+}
+
 /// How many frames a shot takes at `fps` frames per second.
 #[pyfunction]
-fn shot_frames(name: &str, fps: f64) -> PyResult<u32> {
+#[pyo3(signature = (name, fps=None))]
+fn shot_frames(name: &str, fps: Option<f64>) -> PyResult<u32> {
     let frames = Shot::find(name).map_err(build_error)?.frames;
-    Ok((f64::from(frames) * fps / 30.0).ceil() as u32)
+    let default = ShotOptions::default().frames_per_second;
+    Ok((f64::from(frames) * fps.unwrap_or(default) / default).ceil() as u32)
 }
 
 /// The scene of a shot, as JSON.
 #[pyfunction]
-#[pyo3(signature = (name, *, mesh=None, fps=30.0, method="paper", seed=0))]
-fn shot_scene(name: &str, mesh: Option<PathBuf>, fps: f64, method: &str, seed: u64) -> PyResult<String> {
-    let method: Method =
-        serde_json::from_value(method.into()).map_err(|error| build_error(format!("method: {error}")))?;
-    let options = ShotOptions { mesh, frames_per_second: fps, method, seed };
+#[pyo3(signature = (name, *, mesh=None, fps=None, method=None, seed=None))]
+fn shot_scene(
+    name: &str,
+    mesh: Option<PathBuf>,
+    fps: Option<f64>,
+    method: Option<&str>,
+    seed: Option<u64>,
+) -> PyResult<String> {
+    let defaults = ShotOptions::default();
+    let method = match method {
+        Some(method) => serde_json::from_value::<Method>(method.into())
+            .map_err(|error| build_error(format!("method: {error}")))?,
+        None => defaults.method,
+    };
+    let options = ShotOptions {
+        mesh,
+        frames_per_second: fps.unwrap_or(defaults.frames_per_second),
+        method,
+        seed: seed.unwrap_or(defaults.seed),
+    };
     let scene = Shot::find(name).and_then(|shot| shot.scene(&options)).map_err(build_error)?;
     serde_json::to_string(&scene).map_err(build_error)
 }
@@ -71,6 +99,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BuildError", module.py().get_type::<BuildError>())?;
     module.add_class::<world::World>()?;
     module.add_function(wrap_pyfunction!(shots, module)?)?;
+    module.add_function(wrap_pyfunction!(shot_defaults, module)?)?;
     module.add_function(wrap_pyfunction!(shot_frames, module)?)?;
     module.add_function(wrap_pyfunction!(shot_scene, module)?)?;
     module.add_function(wrap_pyfunction!(mesh_info, module)?)
