@@ -8,7 +8,6 @@ import math
 import os
 import signal
 import sys
-import time
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
@@ -18,7 +17,8 @@ from . import _frangible
 from .cache import CacheError
 from .output import Output, OutputError, open_output
 from .progress import report_progress
-from .recording import Recorder
+from .recording import Recorder, step_frames
+from .report import StepReport
 from .summary import describe, summarise
 
 #: More threads than any machine has processors.
@@ -138,15 +138,15 @@ def _run(options: argparse.Namespace) -> None:
     start_bodies, start_mass = len(world.ids), _mass(world)
     start_energy = world.energy
     recorder = Recorder(world) if outputs else None
-    reports, step_ms = [], []
+    reports: list[StepReport] = []
+
+    def keep(report: StepReport) -> None:
+        reports.append(report)
+        if recorder is not None:
+            recorder.capture(report)
+
     with report_progress(frames) as progress:
-        for frame in range(1, frames + 1):
-            begin = time.perf_counter()
-            reports.append(world.step())
-            step_ms.append(1e3 * (time.perf_counter() - begin))
-            if recorder is not None:
-                recorder.capture(reports[-1])
-            progress(frame, reports[-1]["bodies"])
+        step_ms = step_frames(world, frames, on_step=keep, progress=progress)
 
     # Write the files, then the figures.
     if recorder is not None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from importlib.util import find_spec
 
 import numpy as np
 
 from ._frangible import mesh_info
 from .cache import CacheError
 from .gltf import describe_glb
+from .output import missing_packages
 from .recording import Recording
 
 
@@ -21,8 +21,8 @@ def describe_file(path: str) -> dict[str, object]:
     if ending == ".npz":
         return _describe_npz(path)
     if ending in (".usda", ".usdc"):
-        if find_spec("pxr") is None:
-            raise CacheError(f"{path}: needs an optional package, install it with: pip install 'frangible[usd]'")
+        if hint := missing_packages(ending):
+            raise CacheError(f"{path}: {hint}")
         from .usd import describe_usd
 
         return describe_usd(path)

@@ -87,10 +87,17 @@ def open_output(path: str, frame: int | None = None) -> Output:
         raise OutputError(f"{path}: is a folder, must be a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{path}: the folder {folder!r} cannot be written to")
-    missing = [module for module in _FORMATS[ending].modules if find_spec(module) is None]
-    if missing:
-        raise OutputError(f"{path}: needs an optional package, install it with: pip install 'frangible[{_FORMATS[ending].extra}]'")
+    if hint := missing_packages(ending):
+        raise OutputError(f"{path}: {hint}")
     return Output(path, _FORMATS[ending].writer, frame)
+
+
+def missing_packages(ending: str) -> str | None:
+    """How to install what a format needs; `None` if all of it is there."""
+    form = _FORMATS[ending]
+    if all(find_spec(module) is not None for module in form.modules):
+        return None
+    return f"needs an optional package, install it with: pip install 'frangible[{form.extra}]'"
 
 
 @contextmanager

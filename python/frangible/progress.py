@@ -15,7 +15,7 @@ from .recording import ProgressCallback
 
 @contextmanager
 def report_progress(frames: int) -> Iterator[ProgressCallback]:
-    """A callback for `Recording.record` that shows frame, bodies and the time left."""
+    """A callback for `step_frames` that shows frame, bodies and the time left."""
     if sys.stderr.isatty():
         with Progress(
             TextColumn("frame"),
