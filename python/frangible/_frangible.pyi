@@ -35,7 +35,10 @@ def shot_scene(
     """
 
 def mesh_info(path: str) -> dict[str, Any]:
-    """What a mesh file holds; `BuildError` if it cannot be read."""
+    """What a mesh file holds; `BuildError` if it cannot be read.
+
+    `unit_inertia_m5` is the tensor (3, 3) about `center_m` at unit density: times kg/m^3 it is in kg m^2.
+    """
 
 @final
 class World:

@@ -93,7 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     shots = commands.add_parser("shots", help="list the shots")
     shots.set_defaults(command=_shots)
 
-    info = commands.add_parser("info", help="describe a mesh or a cache")
+    info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
     info.set_defaults(command=_info)
     info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb) or cache (.npz, .usda, .usdc)")
     return parser
@@ -188,12 +188,13 @@ def _info(options: argparse.Namespace) -> None:
     from .info import describe_file
 
     for key, value in describe_file(options.file).items():
-        print(f"{key:14} {_readable(value)}")
+        print(f"{key:15} {_readable(value)}")
 
 
 def _readable(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return " ".join(_readable(item) for item in value)
+        between = "; " if value and isinstance(value[0], list) else " "
+        return between.join(_readable(item) for item in value)
     return str(value)

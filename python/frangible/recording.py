@@ -29,7 +29,6 @@ ProgressCallback = Callable[[int, int], None]
 StepCallback = Callable[[StepReport], None]
 
 
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
     """One body from its birth to its death, with its surface and its path.
@@ -125,6 +124,7 @@ class Recording:
         from .cache import read_npz
 
         return read_npz(os.fspath(path))
+
 
 def step_frames(
     world: World, frames: int, *, on_step: StepCallback, progress: ProgressCallback | None = None

@@ -120,6 +120,11 @@ def test_info_describes_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert main(["info", str(path)]) == 0
     facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert facts["triangles"] == "4"
+    # Corners at the origin and at one metre along each axis, at unit density: the textbook's moments.
+    assert float(facts["volume_m3"]) == pytest.approx(1 / 6, rel=1e-5)
+    assert [float(word) for word in facts["center_m"].split()] == pytest.approx([0.25] * 3)
+    rows = [[float(word) for word in row.split()] for row in facts["unit_inertia_m5"].split(";")]
+    assert rows == [pytest.approx([1 / 80 if i == j else 1 / 480 for j in range(3)], rel=1e-5) for i in range(3)]
 
 
 def test_an_interrupt_is_answered_at_once_and_leaves_nothing(tmp_path: Path) -> None:

@@ -90,6 +90,8 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
     facts.set_item("low_m", info.bounds.0.to_array())?;
     facts.set_item("high_m", info.bounds.1.to_array())?;
     facts.set_item("center_m", info.center.to_array())?;
+    let rows = info.inertia.transpose().to_cols_array_2d();
+    facts.set_item("unit_inertia_m5", rows)?;
     Ok(facts)
 }
 
