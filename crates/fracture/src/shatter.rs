@@ -2,7 +2,6 @@
 
 mod components;
 mod crack_samples;
-mod disjoint_sets;
 mod level_sets;
 mod particles;
 mod regions;

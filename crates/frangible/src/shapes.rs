@@ -19,9 +19,6 @@ const SAMPLE_VOXELS: f64 = 2.0;
 /// Layers of voxels around a solid, so that its surface and the band around it lie inside of the grid.
 const MARGIN: usize = 2;
 
-/// More voxels than this do not fit in the memory of the machines that this is for: 2^28 take 2 GiB.
-const MOST_VOXELS: usize = 1 << 28;
-
 /// Surface samples along the longest side.
 const MOST_SAMPLES_ALONG: f64 = 1000.0;
 
@@ -139,14 +136,14 @@ fn voxels_for(
     });
     let at = at.field("resolution.voxels");
     for count in voxels {
-        at.count(count, 1, MOST_VOXELS)?;
+        at.count(count, 1, Grid::MOST_NODES)?;
     }
     let total =
         voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
-    if total.is_none_or(|total| total > MOST_VOXELS) {
+    if total.is_none_or(|total| total > Grid::MOST_NODES) {
         return Err(at.broken(
             &format!("{voxels:?}"),
-            &format!("at most {MOST_VOXELS} with their margin, to fit in memory"),
+            &format!("at most {} with their margin, to fit in memory", Grid::MOST_NODES),
         ));
     }
     Ok(voxels)

@@ -1,5 +1,6 @@
 //! How much of each voxel is material, and the sums over it.
 
+use crate::mass_properties::{inertia_from_second_moments, outer};
 use crate::{ClosedForm, Grid, LevelSet, MassProperties};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -23,7 +24,7 @@ pub fn closed_form_coverage(form: &ClosedForm, grid: &Grid) -> Vec<f32> {
     let offset = |n: i32| (f64::from(n) + 0.5) * part - 0.5 * grid.spacing;
     for_each_voxel(grid, |[i, j, k]| {
         let node = grid.node(i, j, k);
-        let (distance, _) = form.distance_and_gradient(node);
+        let distance = form.distance(node);
         if distance.abs() >= half_diagonal {
             return if distance < 0.0 { 1.0 } else { 0.0 };
         }
@@ -149,8 +150,8 @@ impl VoxelMoments {
         let first = volume * point;
         self.volume += volume;
         self.first += first;
-        self.second += DMat3::from_cols(first * point.x, first * point.y, first * point.z)
-            + DMat3::from_diagonal(DVec3::splat(volume * spacing * spacing / 12.0));
+        self.second +=
+            outer(first, point) + DMat3::from_diagonal(DVec3::splat(volume * spacing * spacing / 12.0));
     }
 
     /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m].
@@ -160,11 +161,7 @@ impl VoxelMoments {
             return MassProperties { volume: 0.0, center: origin, inertia: DMat3::ZERO };
         }
         let center = self.first / self.volume;
-        let about_center = self.second
-            - DMat3::from_cols(self.first * center.x, self.first * center.y, self.first * center.z);
-        let trace = about_center.x_axis.x + about_center.y_axis.y + about_center.z_axis.z;
-        let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - about_center;
-        let inertia = 0.5 * (inertia + inertia.transpose());
+        let inertia = inertia_from_second_moments(self.second - outer(self.first, center));
         MassProperties { volume: self.volume, center: origin + center, inertia }
     }
 }

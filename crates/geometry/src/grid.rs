@@ -16,6 +16,10 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// A grid may have so many nodes, 2^28. Sampling a solid takes at most 12 bytes for each at a time (distance, nearest
+    /// triangle and winding number of a mesh; then distance, a copy of it and coverage), 3 GiB in all.
+    pub const MOST_NODES: usize = 1 << 28;
+
     /// The grid whose voxels fill the box from `min` to `max` with `voxels` cells, or as many more as a cube needs,
     /// and `margin` further layers of voxels outside of each face. The box is centred on the grid.
     pub fn around_box(min: DVec3, max: DVec3, voxels: [usize; 3], margin: usize) -> Self {
@@ -71,12 +75,6 @@ impl Grid {
     /// Lowest and highest node [m].
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.origin, self.node(self.dims[0] - 1, self.dims[1] - 1, self.dims[2] - 1))
-    }
-
-    /// The part of this grid from node `low` to node `high`, both included: the same lattice, fewer nodes.
-    pub fn crop(&self, low: [usize; 3], high: [usize; 3]) -> Self {
-        let dims = [high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1];
-        Self { origin: self.node(low[0], low[1], low[2]), spacing: self.spacing, dims }
     }
 }
 

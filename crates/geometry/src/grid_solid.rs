@@ -50,7 +50,7 @@ impl GridSolid {
         }
         let (low, high) = form.bounds();
         let grid = Grid::around_box(low, high, voxels, margin);
-        let level_set = LevelSet::sample(grid, |point| form.distance_and_gradient(point).0);
+        let level_set = LevelSet::sample(grid, |point| form.distance(point));
         let coverage = coverage::closed_form_coverage(&form, &grid);
         Ok(Self { level_set, coverage, outline: Outline { root: Root::ClosedForm(form), cuts: Vec::new() } })
     }

@@ -8,6 +8,7 @@ pub mod closed_form;
 pub mod closed_form_surface;
 pub mod coverage;
 mod crossings;
+pub mod disjoint_sets;
 mod dual_contour;
 pub mod grid;
 pub mod grid_solid;

@@ -26,6 +26,24 @@ impl MassProperties {
     }
 }
 
+/// `u v^T`.
+pub fn outer(u: DVec3, v: DVec3) -> DMat3 {
+    DMat3::from_cols(u * v.x, u * v.y, u * v.z)
+}
+
+/// Inertia tensor from the second moments, the sum of mass times `x x^T`, about the same point.
+pub fn inertia_from_second_moments(second: DMat3) -> DMat3 {
+    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
+    // Sums round differently on the two sides of the diagonal.
+    0.5 * (inertia + inertia.transpose())
+}
+
+/// What a mass adds to the inertia tensor about a point at `lever` from its centre: Steiner's parallel-axis term.
+pub fn parallel_axis(mass: f64, lever: DVec3) -> DMat3 {
+    mass * (DMat3::from_diagonal(DVec3::splat(lever.length_squared())) - outer(lever, lever))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,8 +95,17 @@ mod tests {
         assert_eq!((moments, rotation), (DVec3::ZERO, DQuat::IDENTITY));
         // Two points on a line along (1, 1, 0): no resistance about it.
         let along = DVec3::new(1.0, 1.0, 0.0);
-        let line = DMat3::from_diagonal(DVec3::splat(along.length_squared()))
-            - DMat3::from_cols(along * along.x, along * along.y, along * along.z);
-        assert!(with_inertia(line).principal_axes().0.min_element().abs() < 1e-15);
+        assert!(with_inertia(parallel_axis(1.0, along)).principal_axes().0.min_element().abs() < 1e-15);
+    }
+
+    /// Two masses seen from their common centre, once by second moments and once by parallel axes.
+    #[test]
+    fn second_moments_and_parallel_axes_agree() {
+        let levers = [DVec3::new(1.0, -2.0, 0.5), DVec3::new(-2.0, 4.0, -1.0)];
+        let masses = [2.0, 1.0];
+        let second = masses[0] * outer(levers[0], levers[0]) + masses[1] * outer(levers[1], levers[1]);
+        let sum = parallel_axis(masses[0], levers[0]) + parallel_axis(masses[1], levers[1]);
+        assert!(inertia_from_second_moments(second).abs_diff_eq(sum, 1e-14));
+        assert_eq!(sum.x_axis, DVec3::new(2.0 * 4.25 + 17.0, 4.0 + 8.0, -1.0 - 2.0));
     }
 }

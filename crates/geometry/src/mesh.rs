@@ -1,6 +1,7 @@
 //! Triangle meshes.
 
 use crate::MassProperties;
+use crate::mass_properties::{inertia_from_second_moments, outer};
 use glam::{DMat3, DVec3};
 
 /// Indexed triangles, counter-clockwise seen from outside.
@@ -55,7 +56,7 @@ impl TriMesh {
             let sum = a + b + c;
             six_volume += determinant;
             first_moment += determinant * sum;
-            second_moment += (outer(a) + outer(b) + outer(c) + outer(sum)) * determinant;
+            second_moment += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * determinant;
         }
 
         // Move the moments from the origin to the centre of mass.
@@ -64,13 +65,9 @@ impl TriMesh {
             return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
         }
         let offset = first_moment / (24.0 * volume);
-        let central = second_moment * (1.0 / 120.0) - outer(offset) * volume;
-        let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;
-        MassProperties {
-            volume,
-            center: origin + offset,
-            inertia: DMat3::from_diagonal(DVec3::splat(trace)) - central,
-        }
+        let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
+        let inertia = inertia_from_second_moments(central);
+        MassProperties { volume, center: origin + offset, inertia }
     }
 
     /// Sum of the triangles' areas [m^2].
@@ -103,9 +100,4 @@ impl TriMesh {
         }
         if area > 0.0 { moment / area } else { DVec3::ZERO }
     }
-}
-
-/// `v v^T`.
-fn outer(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }

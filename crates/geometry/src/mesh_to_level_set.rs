@@ -10,9 +10,6 @@ use crate::{Grid, LevelSet, TriMesh, WindingNumber};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Nodes that a grid may have here: 2^28, which take 3 GiB.
-const MAX_NODES: usize = 1 << 28;
-
 /// Half of the width, in cells, of the band in which each node is compared with all triangles. Beyond it nodes learn from
 /// their neighbours; the surface, its gradients and the contacts lie within.
 const BAND: f64 = 3.0;
@@ -24,7 +21,7 @@ pub enum MeshToLevelSetError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// Would not fit into memory.
-    #[error("the grid has {} x {} x {} nodes, must have at most {MAX_NODES} in all", dims[0], dims[1], dims[2])]
+    #[error("the grid has {} x {} x {} nodes, must have at most {} in all", dims[0], dims[1], dims[2], Grid::MOST_NODES)]
     TooManyNodes {
         /// Nodes along x, y and z.
         dims: [usize; 3],
@@ -48,7 +45,7 @@ pub enum MeshToLevelSetError {
 pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToLevelSetError> {
     // Refuse what has no answer.
     let nodes = grid.dims.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
-    if nodes.is_none_or(|nodes| nodes > MAX_NODES) {
+    if nodes.is_none_or(|nodes| nodes > Grid::MOST_NODES) {
         return Err(MeshToLevelSetError::TooManyNodes { dims: grid.dims });
     }
     mesh.check("the mesh")?;

@@ -1,6 +1,7 @@
 //! How the triangles of a mesh hang together.
 
 use crate::TriMesh;
+use crate::disjoint_sets::DisjointSets;
 use glam::{DMat3, DVec3};
 
 /// What there is to know about a mesh at a glance.
@@ -62,14 +63,15 @@ impl TriMesh {
     /// Number of connected parts, vertices at equal positions being one.
     pub fn parts(&self) -> usize {
         // Join the corners of each triangle; a part is known by its lowest vertex.
-        let mut parent = self.first_vertex_at_position();
-        for &[a, b, c] in &self.triangles {
-            for other in [b, c] {
-                let (x, y) = (root(&mut parent, a), root(&mut parent, other));
-                parent[x.max(y) as usize] = x.min(y);
-            }
+        let mut sets = DisjointSets::new(self.positions.len());
+        for (vertex, first) in self.first_vertex_at_position().into_iter().enumerate() {
+            sets.unite(vertex as u32, first);
         }
-        let mut roots: Vec<u32> = self.triangles.iter().map(|&[a, _, _]| root(&mut parent, a)).collect();
+        for &[a, b, c] in &self.triangles {
+            sets.unite(a, b);
+            sets.unite(a, c);
+        }
+        let mut roots: Vec<u32> = self.triangles.iter().map(|&[a, _, _]| sets.root(a)).collect();
         roots.sort_unstable();
         roots.dedup();
         roots.len()
@@ -122,13 +124,4 @@ impl TriMesh {
         }
         first_at
     }
-}
-
-/// The lowest vertex of a part, with the path to it halved.
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
-        vertex = parent[vertex as usize];
-    }
-    vertex
 }

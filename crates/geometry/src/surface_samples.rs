@@ -34,6 +34,9 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
 /// Moves a vertex along the normal onto the surface that it stands for.
 fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> DVec3 {
     const MAX_STEPS: usize = 8;
+    // A distance has slope 1, but on a ridge the slope of its samples vanishes. Down to 1/30 it is believed, below that
+    // Newton's step would leave the cell.
+    const LEAST_SLOPE_SQUARED: f64 = 1e-3;
     let spacing = level_set.grid().spacing;
     // Newton's method on the outline, or on the samples where the outline does not know of the surface.
     let project = |step: &dyn Fn(DVec3) -> DVec3| {
@@ -50,7 +53,7 @@ fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> D
     let to_samples = |point: DVec3| {
         let (value, gradient) = level_set.value_and_gradient(point);
         let slope = gradient.as_dvec3();
-        slope * (f64::from(value) / slope.length_squared().max(1e-3))
+        slope * (f64::from(value) / slope.length_squared().max(LEAST_SLOPE_SQUARED))
     };
     let known = if vertex.in_outline { project(&to_outline) } else { None };
     known.or_else(|| project(&to_samples)).unwrap_or(vertex.position)

@@ -1,6 +1,7 @@
 //! Generalised winding numbers [JKS13]: inside and outside also for surfaces with holes and self-intersections.
 
 use crate::bvh::Bvh;
+use crate::mass_properties::outer;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -39,11 +40,6 @@ impl WindingNumber {
     pub fn new(bvh: Bvh) -> Self {
         let clusters = bvh.nodes().iter().map(|node| Cluster::new(&bvh.triangles()[node.range()])).collect();
         Self { bvh, clusters }
-    }
-
-    /// The hierarchy that the clusters follow.
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
     }
 
     /// Winding number at a point: near triangles exactly, far clusters by their series.
@@ -95,7 +91,7 @@ impl Cluster {
             let normal = vector_area(corners);
             let offset = middle(corners) - center;
             cluster.dipole += normal;
-            cluster.quadrupole += DMat3::from_cols(offset * normal.x, offset * normal.y, offset * normal.z);
+            cluster.quadrupole += outer(offset, normal);
             for corner in corners {
                 radius_squared = radius_squared.max((*corner - center).length_squared());
             }

@@ -1,6 +1,7 @@
 //! The connected parts of each region's share of a body [Su09 sec. 4.2].
 
-use super::{disjoint_sets::DisjointSets, regions::NONE};
+use super::regions::NONE;
+use frangible_geometry::disjoint_sets::DisjointSets;
 use frangible_geometry::{Grid, GridSolid};
 
 /// Which connected part each node belongs to.

@@ -55,7 +55,7 @@ impl Sampler<'_> {
     /// Signed distance to the parent [m]; its flat walls have cut the face already.
     fn distance(&self, point: DVec3) -> f64 {
         match self.root {
-            Root::ClosedForm(form) => form.distance_and_gradient(point).0,
+            Root::ClosedForm(form) => form.distance(point),
             Root::Sampled(level_set) => f64::from(level_set.value(point)),
         }
     }

@@ -2,10 +2,10 @@
 
 use super::{
     components::{Components, neighbours},
-    disjoint_sets::DisjointSets,
     regions::NONE,
 };
 use frangible_geometry::GridSolid;
+use frangible_geometry::disjoint_sets::DisjointSets;
 
 /// The fragments, as sets of components.
 #[derive(Debug)]

@@ -1,18 +1,19 @@
 //! Union-find.
 
 /// A partition of `0..n` that only grows coarser. The root of a set is its least member.
-pub(crate) struct DisjointSets {
+#[derive(Clone, Debug)]
+pub struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
     /// `count` sets of one member each.
-    pub(crate) fn new(count: usize) -> Self {
+    pub fn new(count: usize) -> Self {
         Self { parent: (0..count as u32).collect() }
     }
 
     /// The root of the set that holds `member`.
-    pub(crate) fn root(&mut self, member: u32) -> u32 {
+    pub fn root(&mut self, member: u32) -> u32 {
         let mut at = member;
         while self.parent[at as usize] != at {
             // Halve the path for the next visitor.
@@ -24,8 +25,22 @@ impl DisjointSets {
     }
 
     /// Makes one set of two.
-    pub(crate) fn unite(&mut self, a: u32, b: u32) {
+    pub fn unite(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_united_has_its_least_member_as_root() {
+        let mut sets = DisjointSets::new(6);
+        for (a, b) in [(5, 3), (4, 2), (3, 4)] {
+            sets.unite(a, b);
+        }
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|member| sets.root(member)), [0, 1, 2, 2, 2, 2]);
     }
 }
