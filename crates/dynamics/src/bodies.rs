@@ -41,6 +41,15 @@ pub struct Contactant {
     pub strength: f64,
 }
 
+/// How the surfaces of a pair meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairContactant {
+    /// Ratio of normal speeds after and before; in [-1, 1], below 0 only a part of the approach is stopped.
+    pub restitution: f64,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+}
+
 /// A body about to enter a world.
 #[derive(Clone, Debug)]
 pub struct NewBody {
@@ -120,10 +129,7 @@ impl Bodies {
         let id = BodyId { index, generation: self.slots.generation[index as usize] };
 
         let (mass, inertia) = match body.motion {
-            Motion::Dynamic => {
-                let mass = body.density * body.shape.volume;
-                (mass, Inertia::new(mass, body.density * body.shape.unit_moments))
-            }
+            Motion::Dynamic => (body.density * body.shape.volume, Inertia::of(&body.shape, body.density)),
             Motion::Static | Motion::Kinematic { .. } => (f64::INFINITY, Inertia::INFINITE),
         };
         self.ids.push(id);
@@ -185,10 +191,10 @@ impl Bodies {
         }
     }
 
-    /// Friction and restitution of a pair: the smaller value of the two.
-    pub fn pair_contactant(&self, a: usize, b: usize) -> (f64, f64) {
+    /// How the surfaces of a pair meet: the smaller value of the two.
+    pub fn pair_contactant(&self, a: usize, b: usize) -> PairContactant {
         let (a, b) = (&self.contactants[a], &self.contactants[b]);
-        (a.friction.min(b.friction), a.restitution.min(b.restitution))
+        PairContactant { restitution: a.restitution.min(b.restitution), friction: a.friction.min(b.friction) }
     }
 }
 

@@ -127,8 +127,8 @@ impl Collisions {
         near.find_penetrations(first, second, 0.0, &mut self.penetrations);
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
         let approach = deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
-        let (friction, restitution) = bodies.pair_contactant(pair.first, pair.second);
-        let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, restitution, friction);
+        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, surfaces);
         let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
             impulse = impulse.clamped_to_energy(bodies, pair, &approach, velocities, &mut self.tally);

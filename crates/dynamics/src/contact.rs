@@ -8,7 +8,7 @@ use crate::detection::{NearSamples, Penetration};
 use crate::displacements::Displacements;
 use crate::evolve::{evolve, evolve_all};
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
-use crate::{Bodies, Frame, Inertia, Pose, Tally, Velocity};
+use crate::{Bodies, Frame, Inertia, PairContactant, Pose, Tally, Velocity};
 use std::collections::HashMap;
 
 /// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the authors' code.
@@ -114,8 +114,8 @@ impl<'a> Contact<'a> {
         let Some(approach) = deepest_approach(self.bodies, pair, penetrations, old, &self.velocities) else {
             return false;
         };
-        let (friction, _) = self.bodies.pair_contactant(pair.first, pair.second);
-        let mut impulse = impulse_for(pair, &approach, old, &self.inertias, restitution, friction);
+        let surfaces = PairContactant { restitution, ..self.bodies.pair_contactant(pair.first, pair.second) };
+        let mut impulse = impulse_for(pair, &approach, old, &self.inertias, surfaces);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
             let (velocities, tally) = (&self.velocities, &mut self.tally);
             impulse = impulse.clamped_to_energy(self.bodies, pair, &approach, velocities, tally);

@@ -1,6 +1,6 @@
 //! The impulse between two bodies that touch at a point: Newton's restitution and Coulomb's friction [GBF03 sec. 5].
 
-use crate::Velocity;
+use crate::{PairContactant, Velocity};
 use glam::{DMat3, DVec3};
 
 /// Where Coulomb's sliding impulse per unit of normal impulse changes the normal velocity by less than this fraction of
@@ -26,17 +26,17 @@ pub fn contact_matrix(inverse_mass: f64, inverse_inertia: DMat3, lever: DVec3) -
 /// times itself, with friction in Coulomb's cone.
 ///
 /// `contact_matrix` is the pair's K [1/kg], `relative_velocity` that of a's point less b's [m/s], `normal` the unit
-/// normal from b to a, `restitution` in [-1, 1] (below 0 only a part of the approach is stopped). Zero if the points
-/// separate or no mass is finite. Where friction can act in its usual way the energy can rise, by the model or in a split
-/// state [Su09 sec. 3]: see [`crate::clamp_impulse`]. Where it cannot (a jam, as in Painleve's paradox), it is as much as
-/// does not raise the energy.
+/// normal from b to a. Zero if the points separate or no mass is finite. Where friction can act in its usual way the energy
+/// can rise, by the model or in a split state [Su09 sec. 3]: see [`crate::clamp_impulse`]. Where it cannot (a jam, as in
+/// Painleve's paradox), it is as much as does not raise the energy.
 pub fn collision_impulse(
     contact_matrix: DMat3,
     relative_velocity: DVec3,
     normal: DVec3,
-    restitution: f64,
-    friction: f64,
+    surfaces: PairContactant,
 ) -> DVec3 {
+    let PairContactant { restitution, friction } = surfaces;
+
     // Only an approach is resisted.
     let normal_velocity = normal.dot(relative_velocity);
     let normal_change = -(1.0 + restitution) * normal_velocity;
@@ -155,6 +155,10 @@ mod tests {
 
     const UP: DVec3 = DVec3::Y;
 
+    fn surfaces(restitution: f64, friction: f64) -> PairContactant {
+        PairContactant { restitution, friction }
+    }
+
     /// A solid ball of 2 kg and 0.5 m that touches the ground.
     fn ball_matrix() -> DMat3 {
         let inertia = Inertia::new(2.0, DVec3::splat(0.4 * 2.0 * 0.25));
@@ -164,20 +168,23 @@ mod tests {
     #[test]
     fn ball_that_slips_keeps_coulombs_ratio_and_ball_that_grips_stops_at_two_sevenths() {
         let velocity = DVec3::new(7.0, -3.0, 0.0);
-        let slips = collision_impulse(ball_matrix(), velocity, UP, 0.5, 0.1);
+        let slips = collision_impulse(ball_matrix(), velocity, UP, surfaces(0.5, 0.1));
         assert!((slips - 2.0 * 1.5 * 3.0 * DVec3::new(-0.1, 1.0, 0.0)).length() < 1e-14, "{slips}");
         // K across the normal is 1/m + r^2/I = 7/(2m).
-        let grips = collision_impulse(ball_matrix(), velocity, UP, 0.5, 1.0);
+        let grips = collision_impulse(ball_matrix(), velocity, UP, surfaces(0.5, 1.0));
         assert!((grips - DVec3::new(-2.0 * 7.0 * 2.0 / 7.0, 9.0, 0.0)).length() < 1e-14, "{grips}");
-        let glances = collision_impulse(ball_matrix(), velocity, UP, 0.5, 0.0);
+        let glances = collision_impulse(ball_matrix(), velocity, UP, surfaces(0.5, 0.0));
         assert!((glances - 9.0 * UP).length() < 1e-14, "{glances}");
     }
 
     #[test]
     fn separating_points_and_infinite_masses_get_nothing() {
-        assert_eq!(collision_impulse(ball_matrix(), DVec3::new(1.0, 0.0, 0.0), UP, 0.5, 0.5), DVec3::ZERO);
-        assert_eq!(collision_impulse(ball_matrix(), -UP, UP, -1.0, 0.5), DVec3::ZERO);
-        assert_eq!(collision_impulse(DMat3::ZERO, -UP, UP, 0.5, 0.5), DVec3::ZERO);
+        assert_eq!(
+            collision_impulse(ball_matrix(), DVec3::new(1.0, 0.0, 0.0), UP, surfaces(0.5, 0.5)),
+            DVec3::ZERO
+        );
+        assert_eq!(collision_impulse(ball_matrix(), -UP, UP, surfaces(-1.0, 0.5)), DVec3::ZERO);
+        assert_eq!(collision_impulse(DMat3::ZERO, -UP, UP, surfaces(0.5, 0.5)), DVec3::ZERO);
         let wall =
             contact_matrix(0.0, Inertia::INFINITE.inverse_tensor(DQuat::IDENTITY), DVec3::new(3.0, 1.0, 2.0));
         assert_eq!(wall, DMat3::ZERO);
@@ -204,7 +211,7 @@ mod tests {
             let sliding = UP - friction * DVec3::new(slip, 0.0, 0.0).normalize();
             jams += i32::from(UP.dot(matrix * sliding) < 0.0);
             for restitution in [0.0, 0.5, 1.0] {
-                let impulse = collision_impulse(matrix, velocity, UP, restitution, friction);
+                let impulse = collision_impulse(matrix, velocity, UP, surfaces(restitution, friction));
                 let after = velocity + matrix * impulse;
                 assert!((after.y - restitution).abs() < 1e-13);
                 assert!((impulse - impulse.y * UP).length() <= friction * impulse.y * (1.0 + 1e-14));

@@ -28,7 +28,7 @@ pub mod shock_propagation;
 pub mod state;
 pub mod tally;
 
-pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody};
+pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant};
 pub use energy_fix::{EnergyFix, fix_rotational_energy};
 pub use exact_rotation::rotate_exact;
 pub use impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};

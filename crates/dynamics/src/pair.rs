@@ -4,7 +4,7 @@ use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse};
 use crate::pair_rotation::turn_pair;
-use crate::{Bodies, Inertia, Pose, Tally, Velocity};
+use crate::{Bodies, Inertia, PairContactant, Pose, Tally, Velocity};
 use glam::{DMat3, DVec3};
 
 /// A pair of bodies, by dense index; the first has the smaller one.
@@ -76,19 +76,18 @@ fn approach_at(
     Approach { contact, levers, relative_velocity: first - second }
 }
 
-/// The impulse on the first body that stops the approach with the given restitution, inside Coulomb's cone.
+/// The impulse on the first body that stops the approach with the pair's restitution, inside Coulomb's cone.
 /// `inertias` may hold bodies still that could move.
 pub fn impulse_for(
     pair: Pair,
     approach: &Approach,
     poses: &[Pose],
     inertias: &[Inertia],
-    restitution: f64,
-    friction: f64,
+    surfaces: PairContactant,
 ) -> PairImpulse {
     let k = pair_contact_matrix(pair, approach.levers, poses, inertias);
     let (relative, normal) = (approach.relative_velocity, approach.contact.normal);
-    PairImpulse::new(approach, collision_impulse(k, relative, normal, restitution, friction))
+    PairImpulse::new(approach, collision_impulse(k, relative, normal, surfaces))
 }
 
 /// Change of the relative velocity per impulse at the contact [1/kg].

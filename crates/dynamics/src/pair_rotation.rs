@@ -6,23 +6,21 @@
 //! makes up for it: the relative velocity at their contact stays as it is, and so does the sum of linear momenta.
 
 use crate::pair::Pair;
-use crate::rigid_part::tensor;
 use crate::{Bodies, Impulse};
-use glam::{DMat3, DVec3};
+use frangible_geometry::mass_properties::parallel_axis;
+use glam::DVec3;
 
 /// The impulses that add `angular_momentum` [kg m^2/s] to a pair of dynamic bodies at the poses of `bodies`, by turning it
 /// rigidly; one for each body, with opposite linear parts.
 pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impulse; 2] {
     // Inertia of the two about their common centre of mass.
     let [first, second] = [pair.first, pair.second];
-    let [tensor_first, tensor_second] = [first, second].map(|i| tensor(bodies, &bodies.poses, i));
+    let [tensor_first, tensor_second] =
+        [first, second].map(|i| bodies.inertias[i].tensor(bodies.poses[i].orientation));
     let (mass_first, mass_second) = (bodies.masses[first], bodies.masses[second]);
     let reduced_mass = mass_first * mass_second / (mass_first + mass_second);
     let apart = bodies.poses[first].position - bodies.poses[second].position;
-    let parallel_axis = reduced_mass
-        * (DMat3::from_diagonal(DVec3::splat(apart.length_squared()))
-            - DMat3::from_cols(apart.x * apart, apart.y * apart, apart.z * apart));
-    let composite = tensor_first + tensor_second + parallel_axis;
+    let composite = tensor_first + tensor_second + parallel_axis(reduced_mass, apart);
 
     // One angular velocity for both, and the orbital motion that goes with it.
     let turn = composite.inverse() * angular_momentum;

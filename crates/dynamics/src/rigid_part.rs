@@ -6,6 +6,7 @@
 //! is that body.
 
 use crate::{Bodies, Pose, Velocity};
+use frangible_geometry::mass_properties::parallel_axis;
 use glam::{DMat3, DVec3};
 
 /// A rigid motion.
@@ -34,11 +35,8 @@ impl Twist {
         let origin = members.iter().map(|&i| bodies.masses[i] * poses[i].position).sum::<DVec3>() / mass;
         let mut inertia = DMat3::ZERO;
         for &i in members {
-            let lever = poses[i].position - origin;
-            let outer = DMat3::from_cols(lever.x * lever, lever.y * lever, lever.z * lever);
-            inertia += tensor(bodies, poses, i);
-            inertia +=
-                bodies.masses[i] * (DMat3::from_diagonal(DVec3::splat(lever.length_squared())) - outer);
+            inertia += bodies.inertias[i].tensor(poses[i].orientation);
+            inertia += parallel_axis(bodies.masses[i], poses[i].position - origin);
         }
         let about_origin = angular_momentum - origin.cross(momentum);
         Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
@@ -47,7 +45,8 @@ impl Twist {
     /// What a body would have if it moved along.
     pub fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
         let linear = self.linear + self.angular.cross(poses[i].position - self.origin);
-        Velocity { linear, angular_momentum: tensor(bodies, poses, i) * self.angular }
+        let tensor = bodies.inertias[i].tensor(poses[i].orientation);
+        Velocity { linear, angular_momentum: tensor * self.angular }
     }
 
     /// Kinetic energy of the bodies relative to this motion [J].
@@ -85,12 +84,6 @@ impl Twist {
                 along.angular_momentum + scale * (velocity.angular_momentum - along.angular_momentum);
         }
     }
-}
-
-/// Inertia tensor of a dynamic body in the world frame [kg m^2].
-pub(crate) fn tensor(bodies: &Bodies, poses: &[Pose], i: usize) -> DMat3 {
-    let rotation = DMat3::from_quat(poses[i].orientation);
-    rotation * DMat3::from_diagonal(bodies.inertias[i].inverse_moments.recip()) * rotation.transpose()
 }
 
 #[cfg(test)]

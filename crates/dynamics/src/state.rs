@@ -1,6 +1,6 @@
 //! A body's state, split by what changes together.
 
-use frangible_geometry::RigidTransform;
+use frangible_geometry::{RigidTransform, Shape};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Where a body is at one time level.
@@ -38,6 +38,14 @@ impl Pose {
     }
 }
 
+impl Velocity {
+    /// Of a body at a density [kg/m^3], from its linear [m/s] and angular velocity [rad/s] in the world frame: `L = I omega`.
+    pub fn spinning(linear: DVec3, angular: DVec3, orientation: DQuat, shape: &Shape, density: f64) -> Self {
+        let moments = density * shape.unit_moments;
+        Self { linear, angular_momentum: orientation * (moments * (orientation.conjugate() * angular)) }
+    }
+}
+
 impl Inertia {
     /// What no impulse moves.
     pub const INFINITE: Self = Self { inverse_mass: 0.0, inverse_moments: DVec3::ZERO };
@@ -47,6 +55,11 @@ impl Inertia {
         Self { inverse_mass: 1.0 / mass, inverse_moments: moments.recip() }
     }
 
+    /// Of a shape with a volume, at a density [kg/m^3].
+    pub fn of(shape: &Shape, density: f64) -> Self {
+        Self::new(density * shape.volume, density * shape.unit_moments)
+    }
+
     /// Whether impulses leave the body as it is.
     pub fn is_infinite(&self) -> bool {
         self.inverse_mass == 0.0
@@ -54,8 +67,12 @@ impl Inertia {
 
     /// Inverse of the inertia tensor in the world frame: `R I0^-1 R^T` [1/(kg m^2)].
     pub fn inverse_tensor(&self, orientation: DQuat) -> DMat3 {
-        let r = DMat3::from_quat(orientation);
-        r * DMat3::from_diagonal(self.inverse_moments) * r.transpose()
+        turned(self.inverse_moments, orientation)
+    }
+
+    /// Inertia tensor in the world frame: `R I0 R^T` [kg m^2]; for finite masses only.
+    pub fn tensor(&self, orientation: DQuat) -> DMat3 {
+        turned(self.inverse_moments.recip(), orientation)
     }
 
     /// Angular velocity `I^-1 L` in the world frame [rad/s].
@@ -68,4 +85,10 @@ impl Inertia {
         let body = orientation.conjugate() * angular_momentum;
         0.5 * body.dot(self.inverse_moments * body)
     }
+}
+
+/// `R D R^T` of a diagonal matrix.
+fn turned(diagonal: DVec3, orientation: DQuat) -> DMat3 {
+    let r = DMat3::from_quat(orientation);
+    r * DMat3::from_diagonal(diagonal) * r.transpose()
 }

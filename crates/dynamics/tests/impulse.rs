@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_dynamics::{Impulse, apply_impulse, collision_impulse, contact_matrix};
+use frangible_dynamics::{Impulse, PairContactant, apply_impulse, collision_impulse, contact_matrix};
 use glam::DVec3;
 
 #[test]
@@ -19,7 +19,8 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             let normal = random.direction();
             let (restitution, friction) = (random.uniform(-1.0, 1.0), random.uniform(0.0, 2.0));
 
-            let impulse = collision_impulse(matrix, relative, normal, restitution, friction);
+            let impulse =
+                collision_impulse(matrix, relative, normal, PairContactant { restitution, friction });
             let approach = normal.dot(relative);
             if approach >= 0.0 {
                 assert_eq!(impulse, DVec3::ZERO, "separating points are left alone");

@@ -4,7 +4,8 @@ mod common;
 
 use common::{Random, Tensors, Toucher};
 use frangible_dynamics::{
-    Clamp, ClampSide, Impulse, Velocity, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
+    Clamp, ClampSide, Impulse, PairContactant, Velocity, apply_impulse, clamp_impulse, collision_impulse,
+    contact_matrix,
 };
 use glam::{DQuat, DVec3};
 
@@ -56,7 +57,8 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             matrix += contact_matrix(b.inertia.inverse_mass, b.inverse_tensor(), b.lever);
             relative -= b.point_velocity(&b.velocity);
         }
-        let impulse = collision_impulse(matrix, relative, random.direction(), restitution, 0.5);
+        let surfaces = PairContactant { restitution, friction: 0.5 };
+        let impulse = collision_impulse(matrix, relative, random.direction(), surfaces);
         if impulse == DVec3::ZERO {
             continue;
         }

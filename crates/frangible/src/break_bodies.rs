@@ -9,6 +9,10 @@ use frangible_fracture::{Fragment, Impact, fragment_velocity, shatter};
 use glam::DVec3;
 use std::sync::Arc;
 
+/// A fragment that can break again bears this many times the impulse of its parent (a ratio): smaller pieces have fewer flaws
+/// for a crack to begin at. That it is two is our choice, not a measurement.
+const STRENGTH_OF_FRAGMENTS: f64 = 2.0;
+
 /// Replaces each struck body by its fragments. The blow has been borne already: parent and striker have the same impulse,
 /// so the fragments simply move on as the parent would. Returns what happened, and the new dense index of each old one.
 pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>, Vec<Option<usize>>) {
@@ -55,7 +59,7 @@ pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>,
     (fractures, new_index)
 }
 
-/// A fragment's name, and how it breaks in turn: as the parent, once less and with twice the strength.
+/// A fragment's name, and how it breaks in turn: as the parent, but once less.
 fn fragment_label(parent: &Label, id: BodyId, index: usize, breaking: &Breaking) -> Label {
     let again = Breaking { generations: breaking.generations - 1, ..breaking.clone() };
     Label {
@@ -78,18 +82,19 @@ fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Lab
     let density = bodies.densities[parent];
     let angular = bodies.inertias[parent].angular_velocity(pose.orientation, velocity.angular_momentum);
     let linear = fragment_velocity(velocity.linear, angular, pose.position, pose_fragment.position);
-    let moments = density * fragment.shape.unit_moments;
-    let orientation = pose_fragment.orientation;
-    let angular_momentum = orientation * (moments * (orientation.conjugate() * angular));
+    let velocity = Velocity::spinning(linear, angular, pose_fragment.orientation, &fragment.shape, density);
 
-    let strength =
-        if label.breaking.is_some() { 2.0 * bodies.contactants[parent].strength } else { f64::INFINITY };
+    let strength = if label.breaking.is_some() {
+        STRENGTH_OF_FRAGMENTS * bodies.contactants[parent].strength
+    } else {
+        f64::INFINITY
+    };
     NewBody {
         shape: Arc::new(fragment.shape),
         density,
         motion: Motion::Dynamic,
         pose: pose_fragment,
-        velocity: Velocity { linear, angular_momentum },
+        velocity,
         contactant: Contactant { strength, ..bodies.contactants[parent] },
     }
 }
@@ -103,7 +108,7 @@ fn imbalance<'a>(bodies: &Bodies, parent: usize, fragments: impl Iterator<Item =
         (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
     for fragment in fragments {
         let fragment_mass = fragment.density * fragment.shape.volume;
-        let inertia = Inertia::new(fragment_mass, fragment.density * fragment.shape.unit_moments);
+        let inertia = Inertia::of(&fragment.shape, fragment.density);
         let (at, moves) = (&fragment.pose, &fragment.velocity);
         let lever = at.position - pose.position;
         mass_sum += fragment_mass;

@@ -10,7 +10,7 @@ use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Cells of a pattern: ten times the pieces that the finest usual grid resolves, made in seconds.
@@ -87,7 +87,7 @@ fn build_body(
         Pose { position: world_from_body.translation, orientation: world_from_body.rotation.normalize() };
     let (motion, velocity) = match desc.motion {
         MotionDesc::Dynamic => {
-            (Motion::Dynamic, spinning(linear, angular, density, &shape, pose.orientation))
+            (Motion::Dynamic, Velocity::spinning(linear, angular, pose.orientation, &shape, density))
         }
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
@@ -95,12 +95,6 @@ fn build_body(
     let contactant = Contactant { friction, restitution, strength };
     let label = Label { name: desc.name.clone(), parent: None, breaking };
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
-}
-
-/// Linear velocity and angular momentum from linear and angular velocity.
-fn spinning(linear: DVec3, angular: DVec3, density: f64, shape: &Shape, orientation: DQuat) -> Velocity {
-    let moments = density * shape.unit_moments;
-    Velocity { linear, angular_momentum: orientation * (moments * (orientation.conjugate() * angular)) }
 }
 
 fn build_breaking(
