@@ -37,7 +37,10 @@ fn shot_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let defaults = ShotOptions::default();
     let values = PyDict::new(py);
     values.set_item("fps", defaults.frames_per_second)?;
-    values.set_item("method", convert::json(py, &serde_json::to_value(defaults.method).map_err(build_error)?)?)?;
+    values.set_item(
+        "method",
+        convert::json(py, &serde_json::to_value(defaults.method).map_err(build_error)?)?,
+    )?;
     values.set_item("seed", defaults.seed)?;
     Ok(values)
 }
