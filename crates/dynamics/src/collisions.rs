@@ -23,7 +23,7 @@ pub struct Blow {
     pub point_body: DVec3,
     /// Unit, out of the body and towards the striker, in the body's frame.
     pub normal_body: DVec3,
-    /// Where, in the world frame at the moment of impact [m].
+    /// Where, in the world frame at the predicted pose x^{n+1} [m].
     pub point_world: DVec3,
     /// The impulse that would have stopped the collision [N s].
     pub impulse: f64,

@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(wall, DMat3::ZERO);
     }
 
-    /// A thin rod that slides on its lower end in the direction it leans away from [Painleve 1895]: Coulomb's sliding
+    /// A thin rod that slides on its lower end in the direction it leans away from [Pai95]: Coulomb's sliding
     /// impulse would have to pull. Ours pushes, meets the restitution, stays in the cone and makes no energy.
     #[test]
     fn painleve_rod_neither_pulls_nor_gains() {

@@ -1,4 +1,10 @@
 //! Breaking a body [Su09 sec. 4.2].
+//!
+//! - *Region*: a convex cell of the pattern, laid onto the body.
+//! - *Component*: a connected part of the body's voxels within one region.
+//! - *Piece*: one or more components that stay together, a sliver having joined its neighbour.
+//! - *Solid*: the level set, coverage and outline of a piece, without samples, mass or frame.
+//! - *Fragment*: the finished piece, a solid with its samples, mass properties and body frame.
 
 mod components;
 mod crack_samples;

@@ -1,8 +1,9 @@
 //! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist;
-//! docs/the_step.md names the stages that a step reports.
+//! docs/references.md has what is cited; docs/the_step.md names the stages that a step reports.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -70,6 +71,62 @@ fn every_entry_points_to_a_function_and_to_a_test() {
         });
         assert!(is_test, "{}: no test {}", entry.paper, entry.test);
     }
+}
+
+/// The tags that a text cites: after a bracket a capital, letters, and two digits, such as `Su09`.
+fn tags(text: &str) -> impl Iterator<Item = &str> {
+    text.split('[').skip(1).filter_map(|after| {
+        let tag = &after[..after.find(|c: char| !c.is_ascii_alphanumeric())?];
+        let letters = tag.trim_end_matches(|c: char| c.is_ascii_digit());
+        let is_tag = letters.len() > 1
+            && tag.len() == letters.len() + 2
+            && letters.starts_with(|c: char| c.is_ascii_uppercase())
+            && letters.chars().all(|c| c.is_ascii_alphabetic());
+        // An array of `Vec3` in code is none: what follows a tag ends it, or says where to look.
+        (is_tag && after[tag.len()..].starts_with([']', ' ', ',', ':'])).then_some(tag)
+    })
+}
+
+/// The files under a folder, with their text.
+fn texts(folder: &Path, endings: &[&str]) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(texts(&path, endings));
+        } else if path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)) {
+            let text = fs::read_to_string(&path).unwrap();
+            found.push((path, text));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_citation_has_its_reference_and_every_reference_is_cited() {
+    // Lines such as "- [Su09] J. Su, ...: title. Venue, year."
+    let references = fs::read_to_string(root().join("docs/references.md")).unwrap();
+    let lines = references.lines().filter_map(|line| line.strip_prefix("- [")?.split_once("] "));
+    let known: BTreeSet<&str> = lines.map(|(tag, _)| tag).collect();
+
+    let mut sources = texts(&root().join("crates"), &["rs"]);
+    sources.extend(texts(&root().join("docs"), &["md"]));
+    sources.retain(|(path, _)| !path.ends_with("references.md") && !path.ends_with("tests/paper_map.rs"));
+    for (path, text) in &sources {
+        for tag in tags(text) {
+            assert!(known.contains(tag), "{}: [{tag}] is not in docs/references.md", path.display());
+        }
+    }
+    for tag in &known {
+        let cited = |(_, text): &(PathBuf, String)| {
+            [']', ' ', ',', ':'].iter().any(|end| text.contains(&format!("[{tag}{end}")))
+        };
+        assert!(sources.iter().any(cited), "[{tag}] is not cited anywhere");
+    }
+
+    // What a tag is, and is not.
+    let text = "[Xy12] [Xyz34 sec. 5] [XY56: z] [M1] [Vec32; 4] [a12] [Long2009] [DVec3; 10] no Xy99]";
+    assert_eq!(tags(text).collect::<Vec<_>>(), ["Xy12", "Xyz34", "XY56"]);
 }
 
 #[test]

@@ -78,8 +78,7 @@ fn mean_and_steps(level_set: &LevelSet, node: [usize; 3]) -> (f64, DVec3) {
 }
 
 /// The fraction of a cube below a plane: of `[-1/2, 1/2]^3` where `value + steps . x < 0`, with `value` the distance at
-/// the cube's middle and `steps` its gradient times the cube's edge [SZ00: Scardovelli & Zaleski 2000,
-/// J. Comput. Phys. 164, 228-237, sec. 2.1].
+/// the cube's middle and `steps` its gradient times the cube's edge [SZ00 sec. 2.1].
 pub fn cube_below_plane(value: f64, steps: DVec3) -> f64 {
     // Distances are f32: a face on the plane is off by a few of its ulps, here in units of the cube.
     const ON_A_FACE: f64 = 1e-6;

@@ -13,10 +13,11 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The closed surface of a body, for drawing and for export.
+/// A closed surface, for drawing and for export: in the body frame from [`Shape::surface`](crate::Shape::surface), in the grid
+/// frame from [`polygonize`](crate::polygonize::polygonize).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// In the body frame [m].
+    /// In the frame of the function that made it [m].
     pub mesh: TriMesh,
     /// For each triangle, whether a crack made it.
     pub interior: Vec<bool>,
