@@ -4,7 +4,6 @@ use crate::mass_properties::{inertia_from_second_moments, outer};
 use crate::{ClosedForm, Grid, LevelSet, MassProperties};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use std::ops::{Add, AddAssign};
 
 /// The fraction of each node's voxel that lies inside, from samples: the part of the cube below the plane through the
 /// mean of the distance over the voxel, along its central differences. One value in [0, 1] for each node.
@@ -79,7 +78,7 @@ fn mean_and_steps(level_set: &LevelSet, node: [usize; 3]) -> (f64, DVec3) {
 
 /// The fraction of a cube below a plane: of `[-1/2, 1/2]^3` where `value + steps . x < 0`, with `value` the distance at
 /// the cube's middle and `steps` its gradient times the cube's edge [SZ00 sec. 2.1].
-pub fn cube_below_plane(value: f64, steps: DVec3) -> f64 {
+fn cube_below_plane(value: f64, steps: DVec3) -> f64 {
     // Distances are f32: a face on the plane is off by a few of its ulps, here in units of the cube.
     const ON_A_FACE: f64 = 1e-6;
     let steps = steps.abs();
@@ -131,21 +130,21 @@ fn sorted(v: DVec3) -> [f64; 3] {
 /// Additive: the sums over the parts of a partition of the voxels give the sums over the whole, so that mass, momentum,
 /// angular momentum and kinetic energy are equal before and after a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VoxelMoments {
+struct VoxelMoments {
     /// [m^3]
-    pub volume: f64,
+    volume: f64,
     /// Volume times position [m^4].
-    pub first: DVec3,
+    first: DVec3,
     /// Volume times position times position transposed, with each cube's own h^2/12 on the diagonal [m^5].
-    pub second: DMat3,
+    second: DMat3,
 }
 
 impl VoxelMoments {
     /// Of nothing.
-    pub const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+    const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
 
     /// Adds `volume` [m^3] of material in the voxel of edge `spacing` [m] around `point` [m].
-    pub fn add_voxel(&mut self, point: DVec3, volume: f64, spacing: f64) {
+    fn add_voxel(&mut self, point: DVec3, volume: f64, spacing: f64) {
         let first = volume * point;
         self.volume += volume;
         self.first += first;
@@ -155,30 +154,13 @@ impl VoxelMoments {
 
     /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m].
     /// Without volume, the centre is the origin.
-    pub fn mass_properties(&self, origin: DVec3) -> MassProperties {
+    fn mass_properties(&self, origin: DVec3) -> MassProperties {
         if self.volume <= 0.0 {
             return MassProperties { volume: 0.0, center: origin, inertia: DMat3::ZERO };
         }
         let center = self.first / self.volume;
         let inertia = inertia_from_second_moments(self.second - outer(self.first, center));
         MassProperties { volume: self.volume, center: origin + center, inertia }
-    }
-}
-
-impl AddAssign for VoxelMoments {
-    fn add_assign(&mut self, other: Self) {
-        self.volume += other.volume;
-        self.first += other.first;
-        self.second += other.second;
-    }
-}
-
-impl Add for VoxelMoments {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
     }
 }
 
@@ -350,7 +332,12 @@ mod tests {
             let volume = f64::from(fraction) * grid.voxel_volume();
             parts[index * 31 % 7].add_voxel(grid.node(i, j, k) - offset, volume, grid.spacing);
         }
-        let summed = parts.iter().fold(VoxelMoments::ZERO, |sum, &part| sum + part).mass_properties(offset);
+        let summed = VoxelMoments {
+            volume: parts.iter().map(|part| part.volume).sum(),
+            first: parts.iter().map(|part| part.first).sum(),
+            second: parts.iter().map(|part| part.second).sum(),
+        }
+        .mass_properties(offset);
         let whole = mass_properties(&grid, &coverage);
         assert!((summed.volume / whole.volume - 1.0).abs() < 1e-13);
         assert!((summed.center - whole.center).length() < 1e-12);
