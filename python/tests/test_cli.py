@@ -33,7 +33,7 @@ def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
     shapes = {
         "bodies": {"start", "end", "quarantined"},
         "mass_kg": {"start", "end"},
-        "energy_J": {"start", "end", "work", "max_frame_gain", "scale", "dissipated"},
+        "energy_J": {"start", "end", "work", "max_frame_gain", "scale", "dissipated", "banked"},
         "momentum": {"linear_error", "angular_error"},
         "penetration_m": {"p50", "p99", "max"},
         "ms_per_frame": {"median", "p95", "max"},
@@ -53,7 +53,8 @@ def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
     assert summary["mass_kg"]["end"] == pytest.approx(summary["mass_kg"]["start"], rel=1e-12)
     assert summary["bodies"]["end"] > summary["bodies"]["start"] == 3
     energy = summary["energy_J"]
-    assert energy["start"] + energy["work"] - energy["dissipated"] == pytest.approx(energy["end"], abs=1e-9 * energy["scale"])
+    end = energy["start"] + energy["work"] - energy["dissipated"] - energy["banked"]
+    assert end == pytest.approx(energy["end"], abs=1e-9 * energy["scale"])
     assert energy["max_frame_gain"] <= 1e-3 * energy["scale"]
     assert Recording.load(tmp_path / "wall.npz").frames == 12
 
