@@ -5,7 +5,7 @@ from typing import Any, get_type_hints, is_typeddict
 
 import numpy as np
 import pytest
-from frangible import BuildError, Recording, World, shot_scene
+from frangible import BuildError, Recording, World, shot_defaults, shot_frames, shot_scene
 from frangible.report import Fracture, StepReport
 
 BALL = {"name": "ball", "shape": {"kind": "sphere", "radius": 0.5}, "position": [1, 2, 3], "density": 1000.0}
@@ -133,3 +133,12 @@ def test_shots_are_scenes_in_json() -> None:
     scene = json.loads(shot_scene("wall", fps=60.0, seed=3))
     assert scene["frames_per_second"] == 60.0
     assert World.build(json.dumps(scene)).dt == pytest.approx(1 / 60)
+
+
+def test_what_is_not_asked_for_is_the_engines_default() -> None:
+    defaults = shot_defaults()
+    assert shot_scene("wall-ball") == shot_scene("wall-ball", **defaults)
+    assert shot_frames("wall-ball") == shot_frames("wall-ball", defaults["fps"])
+    scene = json.loads(shot_scene("wall-ball"))
+    assert (scene["frames_per_second"], scene["method"]) == (defaults["fps"], defaults["method"])
+    assert shot_scene("wall-ball", seed=defaults["seed"] + 1) != shot_scene("wall-ball")

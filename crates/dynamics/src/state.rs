@@ -92,3 +92,28 @@ fn turned(diagonal: DVec3, orientation: DQuat) -> DMat3 {
     let r = DMat3::from_quat(orientation);
     r * DMat3::from_diagonal(diagonal) * r.transpose()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frangible_geometry::ClosedForm;
+
+    /// Angular velocity to angular momentum and back, by the body's axes and by the world's tensors.
+    #[test]
+    fn spin_and_tensors_agree() {
+        let shape = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.1) }, 0.1);
+        let inertia = Inertia::of(&shape, 500.0);
+        assert!((1.0 / inertia.inverse_mass - 500.0 * 0.08).abs() < 1e-12);
+        let orientation = DQuat::from_rotation_y(0.7) * DQuat::from_rotation_x(-1.9);
+        let (linear, angular) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-3.0, 0.5, 2.0));
+        let velocity = Velocity::spinning(linear, angular, orientation, &shape, 500.0);
+        assert_eq!(velocity.linear, linear);
+        let momentum = velocity.angular_momentum;
+        assert!((inertia.tensor(orientation) * angular - momentum).length() < 1e-14 * momentum.length());
+        for back in
+            [inertia.angular_velocity(orientation, momentum), inertia.inverse_tensor(orientation) * momentum]
+        {
+            assert!((back - angular).length() < 1e-14 * angular.length());
+        }
+    }
+}

@@ -1,5 +1,5 @@
 //! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist;
-//! docs/references.md has what is cited; docs/the_step.md names the stages that a step reports.
+//! docs/references.md has what is cited; docs/conventions.md names what exists; docs/the_step.md names the stages that a step reports.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
@@ -127,6 +127,19 @@ fn every_citation_has_its_reference_and_every_reference_is_cited() {
     // What a tag is, and is not.
     let text = "[Xy12] [Xyz34 sec. 5] [XY56: z] [M1] [Vec32; 4] [a12] [Long2009] [DVec3; 10] no Xy99]";
     assert_eq!(tags(text).collect::<Vec<_>>(), ["Xy12", "Xyz34", "XY56"]);
+}
+
+#[test]
+fn names_that_the_conventions_give_as_examples_exist() {
+    let conventions = fs::read_to_string(root().join("docs/conventions.md")).unwrap();
+    let line = conventions.lines().find(|line| line.starts_with("**Frames.**")).unwrap();
+    let names: Vec<&str> = line.split('`').skip(1).step_by(2).collect();
+    assert!(names.len() >= 3);
+    let sources = texts(&root().join("crates"), &["rs"]);
+    for name in names {
+        let uses = sources.iter().filter(|(_, text)| text.contains(&format!("{name}:"))).count();
+        assert!(uses > 0, "{name} is a name of nothing");
+    }
 }
 
 #[test]
