@@ -7,6 +7,7 @@
 use crate::broad_phase::find_pairs;
 use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
+use crate::first_contact::first_contact;
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
 use glam::DVec3;
@@ -191,18 +192,25 @@ fn blows_of(
         if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
     };
     let borne = strength(pair.first).min(strength(pair.second));
-    let blow = |body: usize, striker: usize, outward: DVec3| {
-        let body_from_world = predicted[body].world_from_body().inverse();
-        (size > borne && strength(body) == borne).then(|| Blow {
+    if size <= borne {
+        return [None; 2];
+    }
+
+    // The blow lands where they first touched; bodies that touched before it land it where the impulse acts.
+    let (contact, [pose_first, pose_second]) = first_contact(bodies, pair, predicted)
+        .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]));
+    let blow = |body: usize, striker: usize, pose: Pose, outward: DVec3| {
+        let body_from_world = pose.world_from_body().inverse();
+        (strength(body) == borne).then(|| Blow {
             body: bodies.ids[body],
             striker: bodies.ids[striker],
-            point_body: body_from_world.point(approach.contact.point),
+            point_body: body_from_world.point(contact.point),
             normal_body: body_from_world.direction(outward),
-            point_world: approach.contact.point,
+            point_world: contact.point,
             impulse: size,
             borne,
         })
     };
-    let normal = approach.contact.normal;
-    [blow(pair.first, pair.second, -normal), blow(pair.second, pair.first, normal)]
+    let normal = contact.normal;
+    [blow(pair.first, pair.second, pose_first, -normal), blow(pair.second, pair.first, pose_second, normal)]
 }

@@ -13,6 +13,7 @@ pub mod displacements;
 pub mod energy_fix;
 pub mod evolve;
 pub mod exact_rotation;
+pub mod first_contact;
 pub mod impulse;
 pub mod impulse_clamp;
 pub mod islands;

@@ -50,7 +50,7 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
 
     // The ball flies at the centre of its mass.
     let center = scale * mesh.mass_properties().center - middle;
-    let height = (center.y + middle.y - low.y).clamp(BALL_RADIUS, high.y - low.y);
+    let height = (center.y + middle.y - low.y).max(BALL_RADIUS);
     let shape = ShapeDesc::Sphere { radius: BALL_RADIUS, resolution: Resolution::default() };
     let ball = BodyDesc {
         position: [0.5 * (high.x - low.x) + RUN_UP, height, center.z],

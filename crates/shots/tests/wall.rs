@@ -44,7 +44,11 @@ fn the_wall_breaks_around_each_place_it_is_struck() {
         let mut world = world(name);
         let fracture = break_it(&mut world);
         let struck = DVec3::from_array(fracture.point);
-        assert!((struck - DVec3::new(0.2, y, z)).length() < 0.1, "{name}: the ball flies at ({y}, {z})");
+        let touch = DVec3::new(0.2, y, z);
+        assert!(
+            (struck - touch).length() < VOXEL,
+            "{name}: the ball touches at {touch}, the blow is at {struck}"
+        );
         assert!(fracture.fragments.len() >= 12, "{name}: {} pieces", fracture.fragments.len());
 
         // The wedges meet in the fracture centre. It lies within a voxel of the contact point: more pieces meet there
