@@ -24,7 +24,7 @@ impl World {
     pub fn build(scene: &SceneDesc) -> Result<Self, BuildError> {
         let checker = Checker::root();
         let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
-        let rate = checker.field("frames_per_second").positive(scene.frames_per_second, "1/s")?;
+        let rate = checker.field("frames_per_second").within(scene.frames_per_second, 1.0, 1e5)?;
         let Method::Paper = scene.method;
         let mut world = Self {
             bodies: Bodies::default(),

@@ -67,7 +67,13 @@ impl Checker {
     }
 
     pub(crate) fn positive(&self, value: f64, unit: &str) -> Result<f64, BuildError> {
-        self.require(value.is_finite() && value > 0.0, value, &format!("> 0 {unit}"))
+        const MOST: f64 = 1e12;
+        self.require(value > 0.0 && value <= MOST, value, &format!("> 0 and at most {MOST:e} {unit}"))
+    }
+
+    /// A length whose square and cube neither vanish nor overflow.
+    pub(crate) fn length(&self, value: f64) -> Result<f64, BuildError> {
+        self.require((1e-6..=1e6).contains(&value), value, "between 1e-6 and 1e6 m")
     }
 
     pub(crate) fn not_negative(&self, value: f64) -> Result<f64, BuildError> {

@@ -52,17 +52,19 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
             Ok(Shape::closed_form(ClosedForm::HalfSpace(ground), 1.0))
         }
         ShapeDesc::Sphere { radius, resolution } => {
-            let radius = at.field("radius").positive(*radius, "m")?;
+            let radius = at.field("radius").length(*radius)?;
             from_form(ClosedForm::Sphere { radius }, resolution, breaks, at)
         }
         ShapeDesc::Box { size, resolution } => {
-            let size = at.field("size").vector(*size, "m")?;
-            at.field("size").positive(size.min_element(), "m along each axis")?;
+            let size = DVec3::from_array(*size);
+            for edge in size.to_array() {
+                at.field("size").length(edge)?;
+            }
             from_form(ClosedForm::Box { half: 0.5 * size }, resolution, breaks, at)
         }
         ShapeDesc::Cylinder { radius, height, resolution } => {
-            let radius = at.field("radius").positive(*radius, "m")?;
-            let half_height = 0.5 * at.field("height").positive(*height, "m")?;
+            let radius = at.field("radius").length(*radius)?;
+            let half_height = 0.5 * at.field("height").length(*height)?;
             from_form(ClosedForm::Cylinder { radius, half_height }, resolution, breaks, at)
         }
         ShapeDesc::Mesh { path, scale, resolution } => {

@@ -25,7 +25,10 @@ fn sentence(body: BodyDesc) -> String {
 #[test]
 fn a_wrong_field_is_named_with_its_value_and_its_rule() {
     let cases = [
-        (BodyDesc { density: -1.0, ..ball() }, "bodies[1].density: -1.0, must be > 0 kg/m^3"),
+        (
+            BodyDesc { density: -1.0, ..ball() },
+            "bodies[1].density: -1.0, must be > 0 and at most 1e12 kg/m^3",
+        ),
         (BodyDesc { friction: f64::NAN, ..ball() }, "bodies[1].friction: NaN, must be >= 0"),
         (BodyDesc { restitution: 1.5, ..ball() }, "bodies[1].restitution: 1.5, must be between 0 and 1"),
         (
@@ -43,6 +46,13 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
         (
             BodyDesc { breaking: Some(voronoi(1_000_000)), ..ball() },
             "bodies[1].breaking.pattern.cells: 1000000, must be between 1 and 2000",
+        ),
+        (
+            BodyDesc {
+                shape: ShapeDesc::Sphere { radius: 1e-200, resolution: Resolution::default() },
+                ..ball()
+            },
+            "bodies[1].shape.radius: 1e-200, must be between 1e-6 and 1e6 m",
         ),
         (
             BodyDesc { shape: ShapeDesc::HalfSpace, ..ball() },

@@ -10,6 +10,9 @@ pub(crate) const KNOWN_ENDINGS: &str = ".obj, .ply, .stl, .gltf, .glb";
 /// its diagonal, and the rounding of single-precision files alone makes a tilted plane 1e-7 thick.
 const FLAT: f64 = 1e-6;
 
+/// Largest coordinate [m]: areas and volumes of larger ones lose their digits, and then overflow.
+const MOST_COORDINATE: f64 = 1e12;
+
 /// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value and the rule.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
@@ -64,7 +67,7 @@ pub enum MeshError {
         mesh: String,
     },
     /// NaN or infinite.
-    #[error("{mesh}: vertex {vertex} is ({}, {}, {}), coordinates must be finite", position.x, position.y, position.z)]
+    #[error("{mesh}: vertex {vertex} is ({}, {}, {}), coordinates must be finite and at most {MOST_COORDINATE:e}", position.x, position.y, position.z)]
     NotFinite {
         /// File or "the mesh".
         mesh: String,
@@ -107,7 +110,7 @@ impl TriMesh {
     pub fn check(&self, name: &str) -> Result<(), MeshError> {
         let mesh = || name.to_owned();
         for (vertex, &position) in self.positions.iter().enumerate() {
-            if !position.is_finite() {
+            if !position.is_finite() || position.abs().max_element() > MOST_COORDINATE {
                 return Err(MeshError::NotFinite { mesh: mesh(), vertex, position });
             }
         }

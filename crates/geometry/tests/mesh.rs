@@ -144,7 +144,7 @@ fn each_broken_rule_has_its_sentence() {
     bad.positions[7].x = f64::NAN;
     assert_eq!(
         bad.check("bunny.obj").unwrap_err().to_string(),
-        "bunny.obj: vertex 7 is (NaN, 1, 1), coordinates must be finite"
+        "bunny.obj: vertex 7 is (NaN, 1, 1), coordinates must be finite and at most 1e12"
     );
     let mut bad = good.clone();
     bad.triangles[5] = [0, 8, 1];

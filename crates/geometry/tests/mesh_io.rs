@@ -182,7 +182,7 @@ fn ply_refusals_name_the_place() {
     );
     assert_eq!(
         refusal("a.ply", ply_text().replace("-0.5 0.25 200 1\n", "nan 0.25 200 1\n")),
-        "a.ply: vertex 0 is (NaN, 0.25, 1), coordinates must be finite"
+        "a.ply: vertex 0 is (NaN, 0.25, 1), coordinates must be finite and at most 1e12"
     );
     assert_eq!(
         refusal("a.ply", ply_text().replace("element vertex 8", "element vertex 999999999999")),
@@ -273,7 +273,7 @@ fn stl_refusals_name_the_line() {
     );
     assert_eq!(
         refusal("a.stl", stl_text().replacen("vertex -0.5", "vertex inf", 1)),
-        "a.stl: vertex 0 is (inf, 0.25, 1), coordinates must be finite"
+        "a.stl: vertex 0 is (inf, 0.25, 1), coordinates must be finite and at most 1e12"
     );
     let mut short = stl_binary("made by a test");
     short.pop();
@@ -322,7 +322,7 @@ fn each_bad_path_has_its_sentence() {
     assert_eq!(refusal("a", "x"), "a: ends in \"\", must end in one of .obj, .ply, .stl, .gltf, .glb");
     assert_eq!(
         refusal("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 -inf\nf 1 2 3\n"),
-        "a.obj: vertex 1 is (1, NaN, 0), coordinates must be finite"
+        "a.obj: vertex 1 is (1, NaN, 0), coordinates must be finite and at most 1e12"
     );
     assert_eq!(refusal("a.obj", "v 0 0 0\n"), "a.obj: has 0 triangles with an area, must have at least 1");
 }

@@ -219,7 +219,7 @@ fn each_refusal_names_the_place() {
         bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
         document["buffers"][0]["uri"] = json!(embedded(&bytes));
     });
-    assert_eq!(nan, "a.gltf: vertex 1 is (NaN, NaN, NaN), coordinates must be finite");
+    assert_eq!(nan, "a.gltf: vertex 1 is (NaN, NaN, NaN), coordinates must be finite and at most 1e12");
     for content in
         ["{", "glTF", "glTF\u{2}\0\0\0\u{1}\0\0\0....", "glTF\u{2}\0\0\0\u{7f}\0\0\0....", "[1, 2]"]
     {

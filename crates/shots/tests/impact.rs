@@ -72,6 +72,23 @@ fn a_bunny_with_holes_breaks_too() {
     breaks_well(bunny(folder.path(), |triangle| triangle % 50 == 0));
 }
 
+/// A low, wide mesh is struck as well: the ball flies above the ground.
+#[test]
+fn a_plank_breaks() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plank.obj");
+    let corners = (0..8)
+        .map(|n| format!("v {} {} {}\n", 2 * (n & 1), 0.2 * f64::from(n >> 1 & 1), 0.5 * f64::from(n >> 2)));
+    let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
+    let text: String = corners.chain(faces.map(|face| format!("f {face}\n"))).collect();
+    fs::write(&path, text).unwrap();
+    let scene = Shot::find("impact").unwrap();
+    let scene = scene.scene(&ShotOptions { mesh: Some(path), ..ShotOptions::default() }).unwrap();
+    let mut world = World::build(&scene).unwrap();
+    let broke = (0..30).map(|_| step(&mut world).fractures.len()).sum::<usize>();
+    assert_eq!(broke, 1);
+}
+
 /// The surfaces of the pieces are closed, and together enclose the bunny's volume.
 #[test]
 fn pieces_have_closed_surfaces_that_enclose_the_whole() {
