@@ -28,9 +28,12 @@ class Output:
     frame: int | None
 
     def write(self, recording: Recording) -> None:
-        """Write the whole file or none."""
-        with whole_file(self.path) as part:
-            self.writer(recording, part, self.frame)
+        """Write the whole file or none; an `OSError` names it."""
+        try:
+            with whole_file(self.path) as part:
+                self.writer(recording, part, self.frame)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror or str(error), self.path) from error
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ class Fracture(TypedDict):
     body: int
     #: Who struck.
     striker: int
-    #: Where, at the predicted pose x^{n+1}, world frame [m].
+    #: Where the two first touched on their way through the frame, world frame [m].
     point: list[float]
     #: The impulse that would have stopped the blow [N s].
     impulse: float

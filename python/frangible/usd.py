@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,10 @@ def write_usd(recording: Recording, path: str) -> None:
             mesh = _mesh(stage, f"/World/{name}/{piece}", body, outside, inside)
             _motion(mesh, body)
             _life(mesh, body)
-    stage.GetRootLayer().Save()
+    try:
+        stage.GetRootLayer().Save()
+    except Tf.ErrorException as error:
+        raise OSError(errno.EIO, "the USD library could not write all of it; is the disk full?") from error
 
 
 def _material(stage: Any, path: str, colour: Colour, roughness: float) -> Any:

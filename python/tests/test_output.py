@@ -105,3 +105,17 @@ def test_a_picture_shows_the_bodies_on_the_floor(scripted: Recording) -> None:
     assert (before[:, :, 0] > 1.6 * before[:, :, 2]).mean() < 0.2 * clay.mean()
     # The same picture every time.
     assert np.array_equal(image, picture(scripted, 5, width=160, height=90))
+
+
+@pytest.mark.parametrize("ending", ["usda", "usdc", "npz", "glb"])
+def test_a_full_disk_is_a_sentence_that_names_the_file(ending: str, tmp_path: Path) -> None:
+    script = (
+        "import resource, sys; from frangible.cli import main;"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000));"
+        f"sys.exit(main(['run', 'wall', '--frames', '6', '--out', 'wall.{ending}']))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith(f"frangible: wall.{ending}: ")
+    assert "Traceback" not in done.stderr
+    assert os.listdir(tmp_path) == []

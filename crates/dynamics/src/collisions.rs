@@ -24,7 +24,7 @@ pub struct Blow {
     pub point_body: DVec3,
     /// Unit, out of the body and towards the striker, in the body's frame.
     pub normal_body: DVec3,
-    /// Where, in the world frame at the predicted pose x^{n+1} [m].
+    /// Where they first touched on their way to x^{n+1}, in the world frame [m].
     pub point_world: DVec3,
     /// The impulse that would have stopped the collision [N s].
     pub impulse: f64,

@@ -98,8 +98,8 @@ pub struct Fracture {
     pub body: u64,
     /// Who struck.
     pub striker: u64,
-    /// Where, in the world frame [m]: the point of contact at the predicted pose x^{n+1}, where the collision was found. The
-    /// fracture centre is that point of the body's material; the body breaks at x^n, so there it lies a frame's motion away.
+    /// Where the two first touched on their way through the frame, in the world frame [m]. The fracture is centred on the
+    /// material that was there then.
     pub point: [f64; 3],
     /// The impulse that would have stopped the blow [N s].
     pub impulse: f64,

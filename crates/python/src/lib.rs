@@ -49,9 +49,8 @@ fn shot_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 #[pyfunction]
 #[pyo3(signature = (name, fps=None))]
 fn shot_frames(name: &str, fps: Option<f64>) -> PyResult<u32> {
-    let frames = Shot::find(name).map_err(build_error)?.frames;
-    let default = ShotOptions::default().frames_per_second;
-    Ok((f64::from(frames) * fps.unwrap_or(default) / default).ceil() as u32)
+    let shot = Shot::find(name).map_err(build_error)?;
+    Ok(shot.frames_at(fps.unwrap_or(ShotOptions::default().frames_per_second)))
 }
 
 /// The scene of a shot, as JSON.

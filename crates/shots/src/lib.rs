@@ -82,6 +82,11 @@ impl Shot {
             .ok_or_else(|| ShotError::Unknown { name: name.into(), known: known() })
     }
 
+    /// How many frames it takes at a rate [1/s].
+    pub fn frames_at(&self, frames_per_second: f64) -> u32 {
+        (f64::from(self.frames) * frames_per_second / ShotOptions::default().frames_per_second).ceil() as u32
+    }
+
     /// Its scene.
     ///
     /// # Errors
