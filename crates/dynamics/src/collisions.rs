@@ -41,6 +41,17 @@ pub struct Pass {
     pub blows: Vec<Blow>,
 }
 
+/// What a collision may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Response {
+    /// Bodies bounce, and break if they do not bear it.
+    BounceAndBreak,
+    /// Bodies bounce, whatever they bear.
+    Bounce,
+    /// Bodies break if they do not bear it; what they bear is left to contact.
+    Break,
+}
+
 /// The collisions of one frame, pass by pass.
 #[derive(Clone, Debug)]
 pub struct Collisions {
@@ -79,8 +90,8 @@ impl Collisions {
         self.predicted = predict(bodies, frame);
     }
 
-    /// One pass over all pairs. Bodies break only if `may_break`; what broke is left alone for the rest of the pass.
-    pub fn pass(&mut self, bodies: &mut Bodies, may_break: bool, frame: &Frame) -> Pass {
+    /// One pass over all pairs. What broke is left alone for the rest of the pass.
+    pub fn pass(&mut self, bodies: &mut Bodies, response: Response, frame: &Frame) -> Pass {
         let mut pass = Pass::default();
         let mut broken = vec![false; bodies.len()];
         for pair in find_pairs(bodies, &self.predicted, 0.0) {
@@ -95,11 +106,14 @@ impl Collisions {
                 }
                 let next = self.next_impulse(bodies, pair, &mut near, frame);
                 let Some((approach, impulse)) = next else { break };
-                let blows = if may_break {
+                let blows = if response != Response::Bounce {
                     blows_of(bodies, pair, &approach, &impulse, &self.predicted)
                 } else {
                     [None; 2]
                 };
+                if response == Response::Break && blows == [None; 2] {
+                    break;
+                }
                 let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
                 self.apply(bodies, pair, &approach, &impulse.scaled(borne), frame);
                 pass.any = true;

@@ -64,6 +64,8 @@ struct Island {
     anchor: Anchor,
     /// The energy that it may have at the end of the frame, without the bank [J].
     allowance: f64,
+    /// The part of it that kinematic bodies did as work [J].
+    work: f64,
     /// [J]
     bank: f64,
 }
@@ -156,6 +158,7 @@ impl Ledger {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, &touched),
                 allowance: sum(&opening.0) + sum(&tally.work),
+                work: sum(&tally.work),
                 bank: sum(&self.bank),
             }
         };
@@ -220,7 +223,14 @@ fn take_out(
     let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
     tally.outside_impulse += impulse;
     tally.outside_angular_impulse += moment;
-    let work = rigid.linear.dot(impulse) + rigid.angular.dot(moment - rigid.origin.cross(impulse));
+    let mut work = rigid.work(impulse, moment);
+
+    // What was stopped on its flight has no less energy left: kinematic bodies took out that much less than was booked.
+    if shortened {
+        let of = |&i: &usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
+        let missing = members.iter().map(of).sum::<f64>() - island.allowance - island.bank - work;
+        work += missing.clamp(0.0, (-island.work).max(0.0));
+    }
     tally.kinematic_work += work;
     (shortened, work)
 }
@@ -255,11 +265,24 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &[Pose], momenta: (DVec
         }
         poses
     };
+    // The energy of the rigid motion, less the work that its anchor does to bring it about.
     let rigid_energy = |poses: &[Pose]| -> f64 {
         let rigid = rigid_part(bodies, island, poses, momenta);
-        let of =
-            |&i: &usize| energy(bodies, i, &poses[i], &rigid.velocity_of(bodies, poses, i), frame.gravity);
-        island.members.iter().map(of).sum()
+        let along: Vec<Velocity> =
+            island.members.iter().map(|&i| rigid.velocity_of(bodies, poses, i)).collect();
+        let entries = || island.members.iter().copied().zip(&along);
+        let total: f64 =
+            entries().map(|(i, velocity)| energy(bodies, i, &poses[i], velocity, frame.gravity)).sum();
+        if island.anchor == Anchor::Free {
+            return total;
+        }
+        let (mut impulse, mut moment) = (-momenta.0, -momenta.1);
+        for (i, velocity) in entries() {
+            let momentum = bodies.masses[i] * velocity.linear;
+            impulse += momentum;
+            moment += poses[i].position.cross(momentum) + velocity.angular_momentum;
+        }
+        total - rigid.work(impulse, moment)
     };
 
     // The largest part that the allowance pays for, to the precision of the halvings.

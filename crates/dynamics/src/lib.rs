@@ -19,6 +19,7 @@ pub mod impulse_clamp;
 pub mod islands;
 mod jacobi;
 pub mod ledger;
+pub mod manifold;
 pub mod pair;
 pub mod pair_rotation;
 pub mod push_out;
@@ -27,6 +28,7 @@ pub mod rotation;
 pub mod settings;
 pub mod shock_propagation;
 pub mod state;
+pub mod substeps;
 pub mod tally;
 
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant};

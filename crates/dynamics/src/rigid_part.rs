@@ -42,6 +42,11 @@ impl Twist {
         Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
     }
 
+    /// Work of an impulse [N s], with its moment about the world's origin [kg m^2/s], by what moves like this [J].
+    pub fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
+        self.linear.dot(impulse) + self.angular.dot(moment - self.origin.cross(impulse))
+    }
+
     /// What a body would have if it moved along.
     pub fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
         let linear = self.linear + self.angular.cross(poses[i].position - self.origin);

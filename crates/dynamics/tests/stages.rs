@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
-use frangible_dynamics::collisions::Collisions;
+use frangible_dynamics::collisions::{Collisions, Response};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::{Placed, deepest};
 use frangible_dynamics::displacements::Displacements;
@@ -46,7 +46,7 @@ fn a_blow_passes_on_what_the_weaker_body_bears() {
     ));
     let before = bodies.velocities.clone();
     let frame = frame(DVec3::ZERO);
-    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, true, &frame);
+    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, Response::BounceAndBreak, &frame);
 
     assert_eq!(pass.blows.len(), 1);
     let blow = &pass.blows[0];
@@ -72,7 +72,7 @@ fn without_leave_to_break_the_whole_impulse_acts() {
         f64::INFINITY,
     ));
     let frame = frame(DVec3::ZERO);
-    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, false, &frame);
+    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, Response::Bounce, &frame);
     assert!(pass.any && pass.blows.is_empty());
     assert!(bodies.velocities[0].linear.x < -7.0, "{}", bodies.velocities[0].linear);
 }

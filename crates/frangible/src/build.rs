@@ -7,6 +7,8 @@ use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resol
 use crate::shapes::ShapeLibrary;
 use crate::world::{Breaking, Label};
 use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::settings::Rotation;
+use frangible_dynamics::substeps::WarmStart;
 use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
@@ -25,16 +27,17 @@ impl World {
         let checker = Checker::root();
         let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
         let rate = checker.field("frames_per_second").within(scene.frames_per_second, 1.0, 1e5)?;
-        let Method::Paper = scene.method;
         let mut world = Self {
             bodies: Bodies::default(),
             labels: Vec::new(),
             frame: 0,
             dt: 1.0 / rate,
             gravity,
-            settings: PaperSettings::default(),
+            settings: settings_of(scene.method),
             books: Books::default(),
             ledger: Ledger::default(),
+            method: scene.method,
+            warm: WarmStart::default(),
         };
         let mut library = ShapeLibrary::default();
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -43,6 +46,15 @@ impl World {
             world.spawn(new_body, label);
         }
         Ok(world)
+    }
+}
+
+/// The substeps rely on the right phase of rotation; the paper's method has its own.
+fn settings_of(method: Method) -> PaperSettings {
+    let paper = PaperSettings::default();
+    match method {
+        Method::Paper => paper,
+        Method::FrameRate => PaperSettings { rotation: Rotation::Exact, ..paper },
     }
 }
 

@@ -29,6 +29,8 @@ pub enum Method {
     /// The paper's own [Su09].
     #[default]
     Paper,
+    /// One detection and several substeps a frame.
+    FrameRate,
 }
 
 /// One body.

@@ -3,19 +3,23 @@
 use crate::World;
 use crate::books::{Totals, gravity_impulse};
 use crate::break_bodies::break_bodies;
+use crate::desc::Method;
 use crate::quarantine::quarantine_non_finite;
 use crate::report::{Fracture, Impulses, StepReport};
 use frangible_dynamics::broad_phase::find_pairs;
-use frangible_dynamics::collisions::Collisions;
+use frangible_dynamics::collisions::{Collisions, Response};
 use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::Opening;
+use frangible_dynamics::manifold::find_manifolds;
 use frangible_dynamics::pair::placed;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
-use frangible_dynamics::{Bodies, Frame, Tally};
+use frangible_dynamics::substeps::{Solved, WarmStart, solve};
+use frangible_dynamics::{Bodies, Frame, Pose, Tally};
+use glam::DVec3;
 use std::time::Instant;
 
 /// Advances a world by one frame with the paper's method: the Newmark scheme of [SSF08], clamped as in [Su09 sec. 3].
@@ -31,41 +35,22 @@ pub fn step(world: &mut World) -> StepReport {
     // (x^n, v^n). Fragments meet their striker in the frame that made them.
     let mut collisions = Collisions::new(&world.bodies, &frame);
     let fractures = collide_and_break(world, &mut collisions, &frame, &mut clock);
-    let bodies = &mut world.bodies;
 
-    // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
-    let candidates = find_pairs(bodies, &collisions.predicted, reach(&frame));
-    let graph = contact_graph(bodies, &candidates, &frame);
-    clock.lap("contact_graph");
-    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, &frame);
-    let mut contact = Contact::new(bodies, half, Phase::Position, &frame);
-    let flight = contact.proposed.clone();
-    let touching = contact.resolve(&graph);
-    clock.lap("position_contact");
-    propagate_shock(&mut contact, &graph);
-    clock.lap("shock_propagation");
-    let Contact { mut proposed, mut displacements, .. } = contact;
-    push_out(bodies, &mut proposed, &graph, &mut displacements, &frame);
-    bodies.poses = proposed;
-    clock.lap("push_out");
-
-    // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
-    // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
-    let gravity = gravity_impulse(bodies, &frame);
-    displacements.restore_angular_momentum(bodies, &mut collisions.tally);
-    clock.lap("restore_momentum");
-    bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, &frame);
-    let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, &frame);
-    contact.resolve(&touching);
-    let Contact { velocities, tally: velocity_tally, .. } = contact;
-    bodies.velocities = velocities;
-    clock.lap("velocity_contact");
+    // Move: contact, position and velocity.
+    let moved = match world.method {
+        Method::Paper => move_by_newmark(&mut world.bodies, &collisions.predicted, &frame, &mut clock),
+        Method::FrameRate => {
+            let World { bodies, warm, .. } = world;
+            move_by_substeps(bodies, &collisions.predicted, warm, &frame, &mut clock)
+        }
+    };
+    let Moved { flight, gravity, tally: moved_tally } = moved;
 
     // Balance the energy of every island.
     let mut tally = collisions.tally;
-    tally.add(velocity_tally);
+    tally.add(moved_tally);
     tally.links.extend(fractures.iter().flat_map(Fracture::links));
-    let balance = world.ledger.balance(bodies, &opening, &flight, &frame, &mut tally);
+    let balance = world.ledger.balance(&mut world.bodies, &opening, &flight, &frame, &mut tally);
     clock.lap("balance_energy");
 
     // Close the books.
@@ -97,6 +82,72 @@ pub fn step(world: &mut World) -> StepReport {
     }
 }
 
+/// What moving the bodies came to.
+struct Moved {
+    /// Where they would be without position contact.
+    flight: Vec<Pose>,
+    /// Impulse and angular impulse about the world's origin that gravity gave.
+    gravity: (DVec3, DVec3),
+    /// What static and kinematic bodies contributed.
+    tally: Tally,
+}
+
+/// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: two updates, each with contact [SSF08].
+fn move_by_newmark(bodies: &mut Bodies, predicted: &[Pose], frame: &Frame, clock: &mut StageClock) -> Moved {
+    // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
+    let candidates = find_pairs(bodies, predicted, reach(frame));
+    let graph = contact_graph(bodies, &candidates, frame);
+    clock.lap("contact_graph");
+    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
+    let mut contact = Contact::new(bodies, half, Phase::Position, frame);
+    let flight = contact.proposed.clone();
+    let touching = contact.resolve(&graph);
+    clock.lap("position_contact");
+    propagate_shock(&mut contact, &graph);
+    clock.lap("shock_propagation");
+    let Contact { mut proposed, mut displacements, .. } = contact;
+    push_out(bodies, &mut proposed, &graph, &mut displacements, frame);
+    bodies.poses = proposed;
+    clock.lap("push_out");
+
+    // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
+    // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
+    let gravity = gravity_impulse(bodies, frame);
+    let mut tally = Tally::default();
+    displacements.restore_angular_momentum(bodies, &mut tally);
+    clock.lap("restore_momentum");
+    bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
+    let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, frame);
+    contact.resolve(&touching);
+    let Contact { velocities, tally: velocity_tally, .. } = contact;
+    bodies.velocities = velocities;
+    tally.add(velocity_tally);
+    clock.lap("velocity_contact");
+    Moved { flight, gravity, tally }
+}
+
+/// One detection at x^n, then substeps of sequential impulses.
+fn move_by_substeps(
+    bodies: &mut Bodies,
+    predicted: &[Pose],
+    warm: &mut WarmStart,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> Moved {
+    // What is near at the start or at the predicted end of the frame may touch on the way.
+    let mut pairs = find_pairs(bodies, &bodies.poses, 2.0 * reach(frame));
+    pairs.extend(find_pairs(bodies, predicted, reach(frame)));
+    pairs.sort_unstable();
+    pairs.dedup();
+    clock.lap("find_pairs");
+    let manifolds = find_manifolds(bodies, &pairs, warm, frame);
+    clock.lap("find_manifolds");
+    let flight = predicted.to_vec();
+    let Solved { tally, gravity } = solve(bodies, &manifolds, warm, frame);
+    clock.lap("solve");
+    Moved { flight, gravity, tally }
+}
+
 /// Passes over all colliding pairs; what a pass broke is replaced by its fragments before the next one.
 fn collide_and_break(
     world: &mut World,
@@ -109,7 +160,13 @@ fn collide_and_break(
     let mut passes = 0;
     while passes < frame.settings.collision_passes {
         let may_break = breaking_passes < frame.settings.breaking_passes;
-        let pass = collisions.pass(&mut world.bodies, may_break, frame);
+        let response = match (world.method, may_break) {
+            (Method::Paper, true) => Response::BounceAndBreak,
+            (Method::Paper, false) => Response::Bounce,
+            (Method::FrameRate, true) => Response::Break,
+            (Method::FrameRate, false) => break,
+        };
+        let pass = collisions.pass(&mut world.bodies, response, frame);
         clock.lap("collisions");
         if !pass.blows.is_empty() {
             let (broken, new_index) = break_bodies(world, &pass.blows);

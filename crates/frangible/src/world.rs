@@ -1,8 +1,10 @@
 //! The world: bodies, how they break, and the books.
 
 use crate::books::{Books, Totals};
+use crate::desc::Method;
 use crate::report::id_number;
 use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::substeps::WarmStart;
 use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, PaperSettings};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;
@@ -21,6 +23,9 @@ pub struct World {
     pub(crate) settings: PaperSettings,
     pub(crate) books: Books,
     pub(crate) ledger: Ledger,
+    pub(crate) method: Method,
+    /// The last frame's contact impulses.
+    pub(crate) warm: WarmStart,
 }
 
 /// What the engine knows of a body and dynamics need not.

@@ -3,15 +3,16 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::dynamics::Rotation;
-use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World, step};
+use frangible::{BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// Bodies of all proportions thrown at each other, at the ground and at a moving kinematic one.
-fn random_scene(seed: u64) -> SceneDesc {
+fn random_scene(seed: u64, method: Method) -> SceneDesc {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
     let mut scene = SceneDesc::new("random");
+    scene.method = method;
     scene.bodies.push(BodyDesc { friction: 1.5, ..BodyDesc::ground(0.0) });
     let plate = ShapeDesc::Box { size: [4.0, 0.2, 4.0], resolution: Resolution::default() };
     scene.bodies.push(BodyDesc {
@@ -74,9 +75,11 @@ fn worst_gain(
 
 #[test]
 fn no_frame_of_any_random_scene_gains_energy() {
-    for seed in 0..200 {
-        let gain = worst_gain(&random_scene(seed), 60, |_| {});
-        assert!(gain < 1e-9, "seed {seed}: {gain}");
+    for method in [Method::Paper, Method::FrameRate] {
+        for seed in 0..200 {
+            let gain = worst_gain(&random_scene(seed, method), 60, |_| {});
+            assert!(gain < 1e-9, "{method:?}, seed {seed}: {gain}");
+        }
     }
 }
 
@@ -84,7 +87,9 @@ fn no_frame_of_any_random_scene_gains_energy() {
 #[test]
 fn without_the_safeguards_energy_is_made() {
     let worst = |change: fn(&mut frangible::dynamics::PaperSettings)| {
-        (0..6).map(|seed| worst_gain(&random_scene(seed), 60, change)).fold(f64::NEG_INFINITY, f64::max)
+        (0..6)
+            .map(|seed| worst_gain(&random_scene(seed, Method::Paper), 60, change))
+            .fold(f64::NEG_INFINITY, f64::max)
     };
     let no_ledger = worst(|settings| settings.ledger = false);
     let no_clamp = worst(|settings| (settings.ledger, settings.impulse_clamp) = (false, false));

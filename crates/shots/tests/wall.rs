@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::geometry::Geometry;
-use frangible::{Fracture, World, step};
+use frangible::{Fracture, Method, World, step};
 use frangible_shots::{Shot, ShotOptions};
 use glam::DVec3;
 
@@ -82,8 +82,13 @@ fn the_pieces_that_are_struck_fly_with_the_ball() {
 
 #[test]
 fn the_break_and_the_aftermath_conserve() {
-    for name in ["wall", "wall-ball"] {
-        let mut world = world(name);
+    let methods = [Method::Paper, Method::FrameRate];
+    for (name, method) in
+        ["wall", "wall-ball"].into_iter().flat_map(|name| methods.map(|method| (name, method)))
+    {
+        let options = ShotOptions { method, ..ShotOptions::default() };
+        let mut world = World::build(&Shot::find(name).unwrap().scene(&options).unwrap()).unwrap();
+        let mut pieces = 0;
         let mut first_mass = None;
         for _ in 0..60 {
             let report = step(&mut world);
@@ -93,11 +98,22 @@ fn the_break_and_the_aftermath_conserve() {
             assert!(report.momentum.angular_error < 1e-9, "{name}: {}", report.momentum.angular_error);
             assert!(report.quarantined.is_empty());
             for fracture in &report.fractures {
+                pieces += fracture.fragments.len();
                 let error = fracture.imbalance;
                 assert!(error.mass < 1e-9 && error.momentum < 1e-9, "{name}: {error:?}");
                 assert!(error.angular_momentum < 1e-9 && error.kinetic_energy < 1e-9, "{name}: {error:?}");
             }
+            assert!(
+                report.energy.gain < 1e-9 * report.energy.kinetic.max(1.0),
+                "{name}: {} J",
+                report.energy.gain
+            );
         }
+        assert!(pieces >= 10, "{name}, {method:?}: {pieces} pieces");
+        assert!(
+            world.bodies().poses.iter().all(|pose| pose.position.y > -2.1),
+            "{name}: none is under the ground"
+        );
     }
 }
 

@@ -1,0 +1,221 @@
+//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start.
+
+use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::pair::{Pair, placed};
+use crate::substeps::{WarmStart, sample_key};
+use crate::{Bodies, Frame};
+use frangible_geometry::{ClosedForm, Geometry, Shape};
+use glam::DVec3;
+
+/// One point of contact: an anchor on each body, that coincide when the gap is closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifoldPoint {
+    /// In the first body's frame [m].
+    pub anchor_first: DVec3,
+    /// In the second body's frame [m].
+    pub anchor_second: DVec3,
+    /// Unit, world frame, from the second body to the first.
+    pub normal: DVec3,
+    /// Which sample this is, to find it again in the next frame.
+    pub sample: (bool, u32),
+    /// At which the surfaces will meet, if nothing stops them before [m/s]; zero if they separate or touch already.
+    pub approach: f64,
+}
+
+/// The points of a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifold {
+    /// Who.
+    pub pair: Pair,
+    /// At most [`MOST_POINTS`].
+    pub points: Vec<ManifoldPoint>,
+}
+
+/// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
+const MOST_POINTS: usize = 8;
+
+/// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
+/// in the last frame.
+pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Vec<Manifold> {
+    let manifold = |&pair: &Pair| {
+        let points = find_points(bodies, pair, warm, frame);
+        (!points.is_empty()).then_some(Manifold { pair, points })
+    };
+    pairs.iter().filter_map(manifold).collect()
+}
+
+fn find_points(bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> Vec<ManifoldPoint> {
+    // A ball needs no samples.
+    let (first, second) = placed(bodies, pair, &bodies.poses);
+    if let Some(radius) = ball_radius(first.shape) {
+        return ball_point(bodies, pair, true, radius, frame).into_iter().collect();
+    }
+    if let Some(radius) = ball_radius(second.shape) {
+        return ball_point(bodies, pair, false, radius, frame).into_iter().collect();
+    }
+    let candidates = find_candidates(bodies, pair, frame);
+    choose(bodies, pair, &candidates, warm)
+        .into_iter()
+        .map(|index| candidates[index].point(bodies, pair))
+        .collect()
+}
+
+/// A sample that may touch within the frame.
+struct Candidate {
+    sample: (bool, u32),
+    contact: ContactPoint,
+    /// Signed distance from the other body at the frame's start [m].
+    phi: f64,
+    /// See [`ManifoldPoint::approach`].
+    approach: f64,
+}
+
+/// All samples of a pair that may touch within the frame.
+fn find_candidates(bodies: &Bodies, pair: Pair, frame: &Frame) -> Vec<Candidate> {
+    let (first, second) = placed(bodies, pair, &bodies.poses);
+    let reach = reach(bodies, pair, frame) as f32;
+    let mut penetrations = Vec::new();
+    NearSamples::gather(first, second, reach).find_penetrations(first, second, reach, &mut penetrations);
+    let candidate = |penetration: &Penetration| {
+        let contact = contact_point(first, second, penetration);
+        let phi = f64::from(penetration.phi);
+        let closing = -approach_speed(bodies, pair, contact.point, contact.normal);
+        let approach = surface_speed(bodies, pair, contact.normal, closing, phi, frame);
+        let sample = (penetration.sample_of_first, penetration.sample);
+        // What separates, or is too far to get there, is left out.
+        let touches = phi <= 0.0 || phi < frame.dt * closing + sag(frame);
+        touches.then_some(Candidate { sample, contact, phi, approach })
+    };
+    penetrations.iter().filter_map(candidate).collect()
+}
+
+/// Indices of the candidates that are kept: the deepest, those that carried in the last frame, and then always the one that is
+/// furthest from those that are kept.
+fn choose(bodies: &Bodies, pair: Pair, candidates: &[Candidate], warm: &WarmStart) -> Vec<usize> {
+    let distance =
+        |a: usize, b: usize| candidates[a].contact.point.distance_squared(candidates[b].contact.point);
+    let deepest = (0..candidates.len()).min_by(|&a, &b| candidates[a].phi.total_cmp(&candidates[b].phi));
+    let Some(deepest) = deepest else { return Vec::new() };
+    let mut chosen = vec![deepest];
+    let mut away: Vec<f64> = (0..candidates.len()).map(|index| distance(index, deepest)).collect();
+    let mut keep = |next: usize, away: &mut Vec<f64>| {
+        for (index, away) in away.iter_mut().enumerate() {
+            *away = away.min(distance(index, next));
+        }
+        chosen.push(next);
+        chosen.len() < MOST_POINTS
+    };
+
+    let mut room = true;
+    for (index, candidate) in candidates.iter().enumerate() {
+        if room && away[index] > 0.0 && warm.contains_key(&sample_key(bodies, pair, candidate.sample)) {
+            room = keep(index, &mut away);
+        }
+    }
+    while room {
+        let furthest = (0..away.len()).max_by(|&a, &b| away[a].total_cmp(&away[b]).then(b.cmp(&a)));
+        room = furthest.is_some_and(|next| away[next] > 0.0 && keep(next, &mut away));
+    }
+    chosen
+}
+
+impl Candidate {
+    /// Its anchors: the sample, and the foot of its distance on the other body.
+    fn point(&self, bodies: &Bodies, pair: Pair) -> ManifoldPoint {
+        let ContactPoint { point, normal } = self.contact;
+        let [on_first, on_second] = if self.sample.0 {
+            [point, point - self.phi * normal]
+        } else {
+            [point + self.phi * normal, point]
+        };
+        ManifoldPoint {
+            anchor_first: into_body(bodies, pair.first, on_first),
+            anchor_second: into_body(bodies, pair.second, on_second),
+            normal,
+            sample: self.sample,
+            approach: self.approach,
+        }
+    }
+}
+
+fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 {
+    bodies.poses[i].world_from_body().inverse().point(point_world)
+}
+
+/// Of a ball in closed form [m].
+fn ball_radius(shape: &Shape) -> Option<f64> {
+    match shape.geometry {
+        Geometry::ClosedForm(ClosedForm::Sphere { radius }) => Some(radius),
+        Geometry::ClosedForm(_) | Geometry::Grid(_) => None,
+    }
+}
+
+/// A ball's point of contact: where the other's distance from its centre says.
+fn ball_point(
+    bodies: &Bodies,
+    pair: Pair,
+    ball_is_first: bool,
+    radius: f64,
+    frame: &Frame,
+) -> Option<ManifoldPoint> {
+    let (ball, other) = if ball_is_first { (pair.first, pair.second) } else { (pair.second, pair.first) };
+    let (center, other_from_world) =
+        (bodies.poses[ball].position, bodies.poses[other].world_from_body().inverse());
+    let (distance, gradient) = bodies.shapes[other].distance_and_gradient(other_from_world.point(center));
+    let phi = distance - radius;
+    if phi > reach(bodies, pair, frame) {
+        return None;
+    }
+
+    // The nearest points of the two surfaces lie on the line along the gradient.
+    let outward = bodies.poses[other].orientation * gradient;
+    let on_ball = center - radius * outward;
+    let on_other = on_ball - phi * outward;
+    let (normal, on_first, on_second) =
+        if ball_is_first { (outward, on_ball, on_other) } else { (-outward, on_other, on_ball) };
+    let closing = -approach_speed(bodies, pair, on_ball, normal);
+    Some(ManifoldPoint {
+        anchor_first: into_body(bodies, pair.first, on_first),
+        anchor_second: into_body(bodies, pair.second, on_second),
+        normal,
+        sample: (ball_is_first, u32::MAX),
+        approach: surface_speed(bodies, pair, normal, closing, phi, frame),
+    })
+}
+
+/// Relative normal velocity of the pair's material at a point [m/s]; negative if they approach.
+fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f64 {
+    let velocity = |i: usize| {
+        let lever = point - bodies.poses[i].position;
+        bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever)
+    };
+    (velocity(pair.first) - velocity(pair.second)).dot(normal)
+}
+
+/// Speed at which a gap `phi` [m] that closes at `closing` [m/s] will be closed, gravity included [m/s].
+fn surface_speed(bodies: &Bodies, pair: Pair, normal: DVec3, closing: f64, phi: f64, frame: &Frame) -> f64 {
+    let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
+    let acceleration = -(falls(pair.first) - falls(pair.second)).dot(normal);
+    let squared = closing * closing + 2.0 * acceleration * phi;
+    if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
+}
+
+/// How far apart two surfaces may be and still meet within the frame [m].
+fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
+    let speed = |i: usize| {
+        let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
+        let (low, high) = bodies.shapes[i].bounds;
+        let radius = low.abs().max(high.abs()).length();
+        let angular =
+            bodies.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum).length();
+        let spin = if angular > 0.0 { angular * radius } else { 0.0 };
+        (bodies.point_velocity(i, pose, velocity, DVec3::ZERO), spin)
+    };
+    let ((first, spin_first), (second, spin_second)) = (speed(pair.first), speed(pair.second));
+    frame.dt * ((first - second).length() + spin_first + spin_second) + sag(frame)
+}
+
+/// How far a body falls in one frame from rest, twice over [m].
+fn sag(frame: &Frame) -> f64 {
+    frame.gravity.length() * frame.dt * frame.dt
+}
