@@ -120,7 +120,7 @@ fn build_breaking(
     let pattern = at.field("pattern");
     let made = match desc.pattern {
         PatternDesc::Radial { spokes, rings, jitter, seed } => {
-            pattern.field("spokes").count(spokes, 2, MOST_CELLS)?;
+            pattern.field("spokes").count(spokes, 3, MOST_CELLS)?;
             pattern.field("rings").count(rings, 0, MOST_CELLS / spokes)?;
             Pattern::radial(&Radial { spokes, rings, jitter, seed })
         }

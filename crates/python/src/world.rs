@@ -11,6 +11,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// Vertices [m], triangles, and whether a crack made each.
 type SurfaceArrays<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<bool>>);
 
+/// More threads than any machine has processors only take memory.
+const MOST_THREADS: usize = 4096;
+
 /// Bodies, and the engine that moves and breaks them.
 #[pyclass(module = "frangible._frangible")]
 pub(crate) struct World {
@@ -26,6 +29,9 @@ impl World {
     fn build(py: Python<'_>, scene_json: &str, threads: usize) -> PyResult<Self> {
         let scene: SceneDesc =
             serde_json::from_str(scene_json).map_err(|error| build_error(format!("scene: {error}")))?;
+        if threads > MOST_THREADS {
+            return Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")));
+        }
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(build_error)?;
         let world = py.detach(|| pool.install(|| frangible::World::build(&scene))).map_err(build_error)?;
         Ok(Self { world, pool })

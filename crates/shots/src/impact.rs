@@ -28,8 +28,11 @@ const SPEED: f64 = 15.0;
 /// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly falls.
 const RUN_UP: f64 = 2.0;
 
-/// What the mesh bears [N s]: more than its own weight in a frame, less than the collision of the ball.
-const STRENGTH: f64 = 2500.0;
+/// What the mesh bears [N s] for each kilogram of it: three times what gravity gives it in a frame, so that it stands.
+const STRENGTH_PER_MASS: f64 = 1.0;
+
+/// What it bears at most [N s]: less than the collision of the ball.
+const MOST_STRENGTH: f64 = 2500.0;
 
 fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     // The mesh stands on the ground, in the middle.
@@ -42,11 +45,10 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let shape =
         ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution: Resolution::default() };
     let pattern = PatternDesc::Voronoi { cells: 200, clustering: 1.5, seed: options.seed };
-    let body = BodyDesc {
-        position: [-middle.x, -low.y, -middle.z],
-        breaking: Some(BreakingDesc { strength: STRENGTH, pattern, generations: 1 }),
-        ..BodyDesc::new("mesh", shape)
-    };
+    let body = BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };
+    let mass = body.density * mesh.mass_properties().volume * scale * scale * scale;
+    let strength = (STRENGTH_PER_MASS * mass).min(MOST_STRENGTH);
+    let body = BodyDesc { breaking: Some(BreakingDesc { strength, pattern, generations: 1 }), ..body };
 
     // The ball flies at the centre of its mass.
     let center = scale * mesh.mass_properties().center - middle;
