@@ -37,6 +37,6 @@ pub use exact_rotation::rotate_exact;
 pub use impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 pub use impulse_clamp::{Clamp, ClampSide, clamp_impulse};
 pub use rotation::{advance, rotate_second_order};
-pub use settings::{Frame, PaperSettings, Rotation};
+pub use settings::{Frame, Rotation, StepSettings};
 pub use state::{Inertia, Pose, Velocity};
 pub use tally::Tally;

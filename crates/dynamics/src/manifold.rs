@@ -1,4 +1,5 @@
-//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start.
+//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start, from the samples
+//! of each body in the level set of the other [GBF03 sec. 3].
 
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
 use crate::pair::{Pair, placed};
@@ -18,7 +19,7 @@ pub struct ManifoldPoint {
     pub normal: DVec3,
     /// Which sample this is, to find it again in the next frame.
     pub sample: (bool, u32),
-    /// At which the surfaces will meet, if nothing stops them before [m/s]; zero if they separate or touch already.
+    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
     pub approach: f64,
 }
 

@@ -1,8 +1,8 @@
-//! The numbers of the paper's method, with their sources.
+//! The numbers of a step, with their sources.
 
-/// Iteration counts of `Method::Paper`, as its authors ran it.
+/// Iteration counts of `Method::Paper`, as its authors ran it, and the switches that both methods have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PaperSettings {
+pub struct StepSettings {
     /// Passes over all colliding pairs [GBF03 sec. 4].
     pub collision_passes: u32,
     /// Impulses on one pair in one pass.
@@ -45,7 +45,7 @@ pub enum Rotation {
     },
 }
 
-impl Default for PaperSettings {
+impl Default for StepSettings {
     fn default() -> Self {
         Self {
             collision_passes: 10,
@@ -74,5 +74,5 @@ pub struct Frame {
     /// [m/s^2]
     pub gravity: glam::DVec3,
     /// Iteration counts and switches.
-    pub settings: PaperSettings,
+    pub settings: StepSettings,
 }

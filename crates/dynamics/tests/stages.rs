@@ -8,7 +8,7 @@ use frangible_dynamics::detection::{Placed, deepest};
 use frangible_dynamics::displacements::Displacements;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
-use frangible_dynamics::{Bodies, Contactant, Frame, Motion, NewBody, PaperSettings, Pose, Velocity};
+use frangible_dynamics::{Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, Shape};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 const FRAME_LENGTH: f64 = 1.0 / 30.0;
 
 fn frame(gravity: DVec3) -> Frame {
-    Frame { dt: FRAME_LENGTH, gravity, settings: PaperSettings::default() }
+    Frame { dt: FRAME_LENGTH, gravity, settings: StepSettings::default() }
 }
 
 fn body(form: ClosedForm, motion: Motion, position: DVec3, linear: DVec3, strength: f64) -> NewBody {

@@ -9,7 +9,7 @@ use crate::world::{Breaking, Label};
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::substeps::WarmStart;
-use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, PaperSettings, Pose, Velocity};
+use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use glam::DVec3;
@@ -50,11 +50,11 @@ impl World {
 }
 
 /// The substeps rely on the right phase of rotation; the paper's method has its own.
-fn settings_of(method: Method) -> PaperSettings {
-    let paper = PaperSettings::default();
+fn settings_of(method: Method) -> StepSettings {
+    let paper = StepSettings::default();
     match method {
         Method::Paper => paper,
-        Method::FrameRate => PaperSettings { rotation: Rotation::Exact, ..paper },
+        Method::FrameRate => StepSettings { rotation: Rotation::Exact, ..paper },
     }
 }
 

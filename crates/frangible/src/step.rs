@@ -22,8 +22,8 @@ use frangible_dynamics::{Bodies, Frame, Pose, Tally};
 use glam::DVec3;
 use std::time::Instant;
 
-/// Advances a world by one frame with the paper's method: the Newmark scheme of [SSF08], clamped as in [Su09 sec. 3].
-/// n is the frame's start. Cannot fail: what goes bad is quarantined and reported.
+/// Advances a world by one frame: collide and break, move by the scene's method, balance, report (docs/the_step.md). n is
+/// the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
     let before = Totals::of(&world.bodies, &frame);
@@ -31,8 +31,8 @@ pub fn step(world: &mut World) -> StepReport {
     let bank = world.ledger.bank();
     let mut clock = StageClock::new();
 
-    // Collide and break: impulses come from the split state (x^{n+1}, v^n), change v^n, and are clamped against
-    // (x^n, v^n). Fragments meet their striker in the frame that made them.
+    // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n), change v^n, and are
+    // clamped against (x^n, v^n). Fragments meet their striker in the frame that made them.
     let mut collisions = Collisions::new(&world.bodies, &frame);
     let fractures = collide_and_break(world, &mut collisions, &frame, &mut clock);
 

@@ -5,7 +5,7 @@ use crate::desc::Method;
 use crate::report::id_number;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::substeps::WarmStart;
-use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, PaperSettings};
+use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, StepSettings};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
@@ -20,7 +20,7 @@ pub struct World {
     pub(crate) frame: u64,
     pub(crate) dt: f64,
     pub(crate) gravity: DVec3,
-    pub(crate) settings: PaperSettings,
+    pub(crate) settings: StepSettings,
     pub(crate) books: Books,
     pub(crate) ledger: Ledger,
     pub(crate) method: Method,
@@ -77,7 +77,7 @@ impl World {
     }
 
     /// Iteration counts and switches of the method; for experiments and negative controls.
-    pub fn settings_mut(&mut self) -> &mut PaperSettings {
+    pub fn settings_mut(&mut self) -> &mut StepSettings {
         &mut self.settings
     }
 

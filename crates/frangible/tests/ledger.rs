@@ -55,7 +55,7 @@ fn random_scene(seed: u64, method: Method) -> SceneDesc {
 fn worst_gain(
     scene: &SceneDesc,
     frames: u32,
-    change: impl Fn(&mut frangible::dynamics::PaperSettings),
+    change: impl Fn(&mut frangible::dynamics::StepSettings),
 ) -> f64 {
     let mut world = World::build(scene).unwrap();
     change(world.settings_mut());
@@ -86,7 +86,7 @@ fn no_frame_of_any_random_scene_gains_energy() {
 /// Each safeguard off makes energy in these scenes: so they have something to do.
 #[test]
 fn without_the_safeguards_energy_is_made() {
-    let worst = |change: fn(&mut frangible::dynamics::PaperSettings)| {
+    let worst = |change: fn(&mut frangible::dynamics::StepSettings)| {
         (0..6)
             .map(|seed| worst_gain(&random_scene(seed, Method::Paper), 60, change))
             .fold(f64::NEG_INFINITY, f64::max)
