@@ -1,5 +1,6 @@
 //! Scenes that are a demo, a test and a benchmark at once: one file each, one registry.
 
+pub mod claims;
 mod impact;
 mod incline;
 mod stack;
