@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use std::fmt::Debug;
 use thiserror::Error;
 
-/// Why a scene cannot be built.
+/// Why a scene cannot be built, or a world changed.
 #[derive(Debug, Error)]
 pub enum BuildError {
     /// A field breaks a rule.
@@ -20,13 +20,13 @@ pub enum BuildError {
         /// What it must be.
         rule: String,
     },
-    /// A mesh file cannot be used.
+    /// A mesh cannot be used.
     #[error("{0}")]
     Mesh(#[from] MeshError),
     /// A mesh cannot be sampled on its grid.
     #[error("{path}: {error}")]
     Sampling {
-        /// Of the file.
+        /// Of the file, or of the field.
         path: String,
         /// Why.
         error: MeshToLevelSetError,
@@ -49,6 +49,11 @@ impl Checker {
     pub(crate) fn field(&self, name: &str) -> Self {
         let path = if self.path.is_empty() { name.into() } else { format!("{}.{name}", self.path) };
         Self { path }
+    }
+
+    /// Where it is, as in `bodies[3].shape`.
+    pub(crate) fn path(&self) -> &str {
+        &self.path
     }
 
     /// The error that this place breaks a rule.

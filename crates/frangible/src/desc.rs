@@ -127,6 +127,16 @@ pub enum ShapeDesc {
         #[serde(default)]
         resolution: Resolution,
     },
+    /// A mesh that is given here.
+    Triangles {
+        /// Vertices [m].
+        positions: Vec<[f64; 3]>,
+        /// Three vertices each, counted from 0, counter-clockwise seen from outside.
+        triangles: Vec<[u32; 3]>,
+        /// A mesh is always sampled.
+        #[serde(default)]
+        resolution: Resolution,
+    },
 }
 
 /// How finely a shape is sampled.
@@ -222,7 +232,8 @@ impl ShapeDesc {
             Self::Sphere { resolution, .. }
             | Self::Box { resolution, .. }
             | Self::Cylinder { resolution, .. }
-            | Self::Mesh { resolution, .. } => resolution,
+            | Self::Mesh { resolution, .. }
+            | Self::Triangles { resolution, .. } => resolution,
         }
     }
 }

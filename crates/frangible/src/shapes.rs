@@ -5,7 +5,7 @@ use crate::desc::{Resolution, ShapeDesc};
 use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
-use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Shape};
+use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Shape, TriMesh};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -69,7 +69,15 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
         }
         ShapeDesc::Mesh { path, scale, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
-            from_mesh(Path::new(path), scale, resolution, at)
+            let mut mesh = mesh_io::load(Path::new(path))?;
+            mesh.positions.iter_mut().for_each(|position| *position *= scale);
+            from_mesh(&mesh, path, resolution, at)
+        }
+        ShapeDesc::Triangles { positions, triangles, resolution } => {
+            let positions = positions.iter().copied().map(DVec3::from_array).collect();
+            let mesh = TriMesh { positions, triangles: triangles.clone() };
+            mesh.check(at.path())?;
+            from_mesh(&mesh, at.path(), resolution, at)
         }
     }
 }
@@ -92,14 +100,13 @@ fn from_form(
     sampled(solid, resolution, at)
 }
 
-fn from_mesh(path: &Path, scale: f64, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
-    let mut mesh = mesh_io::load(path)?;
-    mesh.check_volume(&path.display().to_string())?;
-    mesh.positions.iter_mut().for_each(|position| *position *= scale);
+/// Samples a mesh that came from the file, or the field, `name`.
+fn from_mesh(mesh: &TriMesh, name: &str, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+    mesh.check_volume(name)?;
     let (low, high) = mesh.bounds();
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
-    let level_set = mesh_to_level_set(&mesh, grid)
-        .map_err(|error| BuildError::Sampling { path: path.display().to_string(), error })?;
+    let level_set =
+        mesh_to_level_set(mesh, grid).map_err(|error| BuildError::Sampling { path: name.into(), error })?;
     sampled(GridSolid::from_level_set(level_set), resolution, at)
 }
 

@@ -1,11 +1,12 @@
 //! The world: bodies, how they break, and the books.
 
 use crate::books::{Books, Totals};
+use crate::check::{BuildError, Checker};
 use crate::desc::Method;
 use crate::report::id_number;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::substeps::WarmStart;
-use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, StepSettings};
+use frangible_dynamics::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
@@ -79,6 +80,34 @@ impl World {
     /// Iteration counts and switches of the method; for experiments and negative controls.
     pub fn settings_mut(&mut self) -> &mut StepSettings {
         &mut self.settings
+    }
+
+    /// Gives a dynamic or kinematic body a velocity: `linear` of its centre of mass [m/s] and `angular` [rad/s], world frame. A
+    /// kinematic body keeps it until it gets another. What it changes of energy and momentum is no step's doing, and in no
+    /// report.
+    ///
+    /// # Errors
+    /// If the body lives no longer or is static, or a number is out of range.
+    pub fn set_velocity(&mut self, id: BodyId, linear: DVec3, angular: DVec3) -> Result<(), BuildError> {
+        let at = Checker::root();
+        let body = at.field("body");
+        let linear = at.field("linear").vector(linear.to_array(), "m/s")?;
+        let angular = at.field("angular").vector(angular.to_array(), "rad/s")?;
+        let dense = self
+            .bodies
+            .index_of(id)
+            .ok_or_else(|| body.broken(&id_number(id).to_string(), "the id of a living body"))?;
+        match self.bodies.motions[dense] {
+            Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
+            Motion::Kinematic { .. } => self.bodies.motions[dense] = Motion::Kinematic { linear, angular },
+            Motion::Dynamic => {
+                let orientation = self.bodies.poses[dense].orientation;
+                let (shape, density) = (&self.bodies.shapes[dense], self.bodies.densities[dense]);
+                self.bodies.velocities[dense] =
+                    Velocity::spinning(linear, angular, orientation, shape, density);
+            }
+        }
+        Ok(())
     }
 
     /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when asked for.

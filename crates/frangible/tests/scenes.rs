@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::{
-    BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+    BodyDesc, BreakingDesc, BuildError, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World,
+    id_from_number, step,
 };
+use glam::{DQuat, DVec3};
 
 fn ball() -> BodyDesc {
     BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() })
@@ -64,6 +66,35 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
     }
 }
 
+/// A mesh needs no file: an L of three cubes.
+#[test]
+fn triangles_are_a_body() {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let positions: Vec<[f64; 3]> =
+        [0.0, 1.0].into_iter().flat_map(|z| outline.map(|[x, y]| [x, y, z])).collect();
+    let side = |i: u32| [[i, (i + 1) % 6, (i + 1) % 6 + 6], [i, (i + 1) % 6 + 6, i + 6]];
+    let ends = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+    let mut triangles: Vec<[u32; 3]> = (0..6).flat_map(side).collect();
+    triangles.extend(ends.map(|[a, b, c]| [a, c, b]));
+    triangles.extend(ends.map(|corners| corners.map(|corner| corner + 6)));
+    let shape = |triangles: &[[u32; 3]]| ShapeDesc::Triangles {
+        positions: positions.clone(),
+        triangles: triangles.to_vec(),
+        resolution: Resolution { voxels: Some([24; 3]), sample_spacing: None },
+    };
+
+    let mut scene = SceneDesc::new("test");
+    scene.bodies.push(BodyDesc { density: 1000.0, ..BodyDesc::new("L", shape(&triangles)) });
+    let world = World::build(&scene).unwrap();
+    assert!((world.bodies().masses[0] - 3000.0).abs() < 30.0);
+    assert!((world.bodies().poses[0].position - DVec3::new(5.0 / 6.0, 5.0 / 6.0, 0.5)).length() < 0.01);
+
+    assert_eq!(
+        sentence(BodyDesc::new("L", shape(&[[0, 1, 12]]))),
+        "bodies[1].shape: triangle 0 refers to vertex 12, must be 0 to 11"
+    );
+}
+
 #[test]
 fn a_grid_that_misses_the_shape_is_refused() {
     let resolution = Resolution { voxels: Some([64, 2, 64]), sample_spacing: None };
@@ -74,6 +105,40 @@ fn a_grid_that_misses_the_shape_is_refused() {
     let resolution = Resolution { voxels: Some([100_000; 3]), sample_spacing: None };
     let text = sentence(BodyDesc::new("huge", ShapeDesc::Sphere { radius: 1.0, resolution }));
     assert!(text.contains("to fit in memory"), "{text}");
+}
+
+/// What is given a velocity moves with it; what cannot have one says why.
+#[test]
+fn a_body_moves_as_it_is_told() {
+    let mut scene = SceneDesc::new("test");
+    scene.gravity = [0.0; 3];
+    let at = |x: f64, motion: MotionDesc| BodyDesc { position: [x, 0.0, 0.0], motion, ..ball() };
+    let motions = [MotionDesc::Dynamic, MotionDesc::Kinematic, MotionDesc::Static];
+    scene.bodies = [0.0, 3.0, 6.0].into_iter().zip(motions).map(|(x, motion)| at(x, motion)).collect();
+    let mut world = World::build(&scene).unwrap();
+    let [ball, lift, rock] = [0, 1, 2].map(|i| world.bodies().ids[i]);
+    for id in [ball, lift] {
+        world.set_velocity(id, DVec3::Y, 2.0 * DVec3::Z).unwrap();
+    }
+    (0..30).for_each(|_| drop(step(&mut world)));
+    let expected = DQuat::from_rotation_z(2.0);
+    for pose in &world.bodies().poses[..2] {
+        assert!((pose.position.y - 1.0).abs() < 1e-12 && pose.orientation.dot(expected).abs() > 1.0 - 1e-12);
+    }
+
+    let sentence = |result: Result<(), BuildError>| result.unwrap_err().to_string();
+    assert_eq!(
+        sentence(world.set_velocity(rock, DVec3::Y, DVec3::ZERO)),
+        "body: static, must be dynamic or kinematic"
+    );
+    assert_eq!(
+        sentence(world.set_velocity(id_from_number(7), DVec3::Y, DVec3::ZERO)),
+        "body: 7, must be the id of a living body"
+    );
+    assert_eq!(
+        sentence(world.set_velocity(ball, DVec3::Y, DVec3::splat(f64::NAN))),
+        "angular: [NaN, NaN, NaN], must be three numbers from -1e9 to 1e9 rad/s"
+    );
 }
 
 /// A pattern of one cell cannot split the ball: it bounces as if it were unbreakable.
