@@ -31,6 +31,16 @@ impl Bounds {
         Self { low: center - reach, high: center + reach }
     }
 
+    /// The box around this and another.
+    pub fn around(&self, other: &Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// Larger by `margin` [m] on every side.
+    pub fn grown(&self, margin: f64) -> Self {
+        Self { low: self.low - margin, high: self.high + margin }
+    }
+
     /// Whether the boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
@@ -40,12 +50,25 @@ impl Bounds {
 /// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of which at least one is dynamic, in increasing
 /// order.
 pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
-    let enlarged = |(shape, pose): (&Arc<Shape>, &Pose)| {
-        let bounds = Bounds::of(shape, pose);
-        Bounds { low: bounds.low - 0.5 * margin, high: bounds.high + 0.5 * margin }
-    };
-    let bounds: Vec<Bounds> = bodies.shapes.iter().zip(poses).map(enlarged).collect();
+    let bounds: Vec<Bounds> = bodies
+        .shapes
+        .iter()
+        .zip(poses)
+        .map(|(shape, pose)| Bounds::of(shape, pose).grown(0.5 * margin))
+        .collect();
+    overlapping_pairs(bodies, &bounds)
+}
 
+/// The same for bounds around the poses of `bodies` and those at the end of their way.
+pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64) -> Vec<Pair> {
+    let swept = |((shape, start), end): ((&Arc<Shape>, &Pose), &Pose)| {
+        Bounds::of(shape, start).around(&Bounds::of(shape, end)).grown(0.5 * margin)
+    };
+    let bounds: Vec<Bounds> = bodies.shapes.iter().zip(&bodies.poses).zip(ends).map(swept).collect();
+    overlapping_pairs(bodies, &bounds)
+}
+
+fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds]) -> Vec<Pair> {
     // Sort along x; equal keys fall back on the index, so the order is one only.
     let mut order: Vec<usize> = (0..bodies.len()).collect();
     order.sort_by(|&a, &b| bounds[a].low.x.total_cmp(&bounds[b].low.x).then(a.cmp(&b)));

@@ -4,33 +4,14 @@
 //! v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision Clamping"]. A blow above a body's strength is
 //! reported, for the engine to break the body [Su09 sec. 4.2].
 
+use crate::blows::{Blow, blows_of};
 use crate::broad_phase::find_pairs;
 use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
 use crate::first_contact::first_contact;
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
-use glam::DVec3;
 use std::collections::HashMap;
-
-/// A collision that a body does not bear.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blow {
-    /// Who breaks.
-    pub body: BodyId,
-    /// Who struck.
-    pub striker: BodyId,
-    /// Where, in the body's frame [m].
-    pub point_body: DVec3,
-    /// Unit, out of the body and towards the striker, in the body's frame.
-    pub normal_body: DVec3,
-    /// Where they first touched on their way to x^{n+1}, in the world frame [m].
-    pub point_world: DVec3,
-    /// The impulse that would have stopped the collision [N s].
-    pub impulse: f64,
-    /// The part that the body bore and passed on before it broke [N s].
-    pub borne: f64,
-}
 
 /// What one pass over all pairs came to.
 #[derive(Clone, Debug, Default)]
@@ -48,8 +29,6 @@ pub enum Response {
     BounceAndBreak,
     /// Bodies bounce, whatever they bear.
     Bounce,
-    /// Bodies break if they do not bear it; what they bear is left to contact.
-    Break,
 }
 
 /// The collisions of one frame, pass by pass.
@@ -106,14 +85,10 @@ impl Collisions {
                 }
                 let next = self.next_impulse(bodies, pair, &mut near, frame);
                 let Some((approach, impulse)) = next else { break };
-                let blows = if response != Response::Bounce {
-                    blows_of(bodies, pair, &approach, &impulse, &self.predicted)
-                } else {
-                    [None; 2]
+                let blows = match response {
+                    Response::BounceAndBreak => self.blows(bodies, pair, &approach, &impulse),
+                    Response::Bounce => [None; 2],
                 };
-                if response == Response::Break && blows == [None; 2] {
-                    break;
-                }
                 let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
                 self.apply(bodies, pair, &approach, &impulse.scaled(borne), frame);
                 pass.any = true;
@@ -128,6 +103,21 @@ impl Collisions {
             }
         }
         pass
+    }
+
+    /// The blow to each body of the pair; it lands where they first touched, or, if they did before, where the impulse acts.
+    fn blows(
+        &self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        impulse: &PairImpulse,
+    ) -> [Option<Blow>; 2] {
+        let predicted = &self.predicted;
+        blows_of(bodies, pair, impulse.at_contact.length(), || {
+            first_contact(bodies, pair, predicted)
+                .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]))
+        })
     }
 
     /// The clamped impulse at the deepest approaching point of a pair, if there is one.
@@ -183,48 +173,11 @@ impl Collisions {
 }
 
 /// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels [SSF08].
-fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
+pub fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
     evolve_all(bodies, &bodies.poses, &half, frame)
 }
 
 fn half_fallen(velocity: Velocity, frame: &Frame) -> Velocity {
     Velocity { linear: velocity.linear + 0.5 * frame.dt * frame.gravity, ..velocity }
-}
-
-/// For each body of the pair, the blow if the impulse is more than it bears [Su09 sec. 4.2]. The weaker one breaks; the
-/// stronger feels no more than the weaker can pass on, so it breaks only if they are equally strong.
-fn blows_of(
-    bodies: &Bodies,
-    pair: Pair,
-    approach: &Approach,
-    impulse: &PairImpulse,
-    predicted: &[Pose],
-) -> [Option<Blow>; 2] {
-    let size = impulse.at_contact.length();
-    let strength = |i: usize| {
-        if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
-    };
-    let borne = strength(pair.first).min(strength(pair.second));
-    if size <= borne {
-        return [None; 2];
-    }
-
-    // The blow lands where they first touched; bodies that touched before it land it where the impulse acts.
-    let (contact, [pose_first, pose_second]) = first_contact(bodies, pair, predicted)
-        .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]));
-    let blow = |body: usize, striker: usize, pose: Pose, outward: DVec3| {
-        let body_from_world = pose.world_from_body().inverse();
-        (strength(body) == borne).then(|| Blow {
-            body: bodies.ids[body],
-            striker: bodies.ids[striker],
-            point_body: body_from_world.point(contact.point),
-            normal_body: body_from_world.direction(outward),
-            point_world: contact.point,
-            impulse: size,
-            borne,
-        })
-    };
-    let normal = contact.normal;
-    [blow(pair.first, pair.second, pose_first, -normal), blow(pair.second, pair.first, pose_second, normal)]
 }

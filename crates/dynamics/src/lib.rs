@@ -3,6 +3,8 @@
 //! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
 //! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
 
+mod ball_contact;
+pub mod blows;
 pub mod bodies;
 pub mod broad_phase;
 pub mod collisions;

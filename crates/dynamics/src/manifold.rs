@@ -1,6 +1,7 @@
 //! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start, from the samples
 //! of each body in the level set of the other [GBF03 sec. 3].
 
+use crate::ball_contact::ball_point;
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
 use crate::pair::{Pair, placed};
 use crate::substeps::{WarmStart, sample_key};
@@ -21,6 +22,16 @@ pub struct ManifoldPoint {
     pub sample: (bool, u32),
     /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
     pub approach: f64,
+}
+
+impl ManifoldPoint {
+    /// Its anchors in the world [m].
+    pub fn anchors_world(&self, bodies: &Bodies, pair: Pair) -> [DVec3; 2] {
+        [
+            bodies.poses[pair.first].world_from_body().point(self.anchor_first),
+            bodies.poses[pair.second].world_from_body().point(self.anchor_second),
+        ]
+    }
 }
 
 /// The points of a pair.
@@ -139,7 +150,7 @@ impl Candidate {
     }
 }
 
-fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 {
+pub(crate) fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 {
     bodies.poses[i].world_from_body().inverse().point(point_world)
 }
 
@@ -151,41 +162,8 @@ fn ball_radius(shape: &Shape) -> Option<f64> {
     }
 }
 
-/// A ball's point of contact: where the other's distance from its centre says.
-fn ball_point(
-    bodies: &Bodies,
-    pair: Pair,
-    ball_is_first: bool,
-    radius: f64,
-    frame: &Frame,
-) -> Option<ManifoldPoint> {
-    let (ball, other) = if ball_is_first { (pair.first, pair.second) } else { (pair.second, pair.first) };
-    let (center, other_from_world) =
-        (bodies.poses[ball].position, bodies.poses[other].world_from_body().inverse());
-    let (distance, gradient) = bodies.shapes[other].distance_and_gradient(other_from_world.point(center));
-    let phi = distance - radius;
-    if phi > reach(bodies, pair, frame) {
-        return None;
-    }
-
-    // The nearest points of the two surfaces lie on the line along the gradient.
-    let outward = bodies.poses[other].orientation * gradient;
-    let on_ball = center - radius * outward;
-    let on_other = on_ball - phi * outward;
-    let (normal, on_first, on_second) =
-        if ball_is_first { (outward, on_ball, on_other) } else { (-outward, on_other, on_ball) };
-    let closing = -approach_speed(bodies, pair, on_ball, normal);
-    Some(ManifoldPoint {
-        anchor_first: into_body(bodies, pair.first, on_first),
-        anchor_second: into_body(bodies, pair.second, on_second),
-        normal,
-        sample: (ball_is_first, u32::MAX),
-        approach: surface_speed(bodies, pair, normal, closing, phi, frame),
-    })
-}
-
 /// Relative normal velocity of the pair's material at a point [m/s]; negative if they approach.
-fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f64 {
+pub(crate) fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f64 {
     let velocity = |i: usize| {
         let lever = point - bodies.poses[i].position;
         bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever)
@@ -194,7 +172,14 @@ fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f
 }
 
 /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] will be closed, gravity included [m/s].
-fn surface_speed(bodies: &Bodies, pair: Pair, normal: DVec3, closing: f64, phi: f64, frame: &Frame) -> f64 {
+pub(crate) fn surface_speed(
+    bodies: &Bodies,
+    pair: Pair,
+    normal: DVec3,
+    closing: f64,
+    phi: f64,
+    frame: &Frame,
+) -> f64 {
     let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
     let acceleration = -(falls(pair.first) - falls(pair.second)).dot(normal);
     let squared = closing * closing + 2.0 * acceleration * phi;
@@ -202,7 +187,7 @@ fn surface_speed(bodies: &Bodies, pair: Pair, normal: DVec3, closing: f64, phi: 
 }
 
 /// How far apart two surfaces may be and still meet within the frame [m].
-fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
+pub(crate) fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
     let speed = |i: usize| {
         let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
         let (low, high) = bodies.shapes[i].bounds;
@@ -217,6 +202,6 @@ fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
 }
 
 /// How far a body falls in one frame from rest, twice over [m].
-fn sag(frame: &Frame) -> f64 {
+pub(crate) fn sag(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
 }

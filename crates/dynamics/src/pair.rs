@@ -63,7 +63,7 @@ fn by_depth(a: &Penetration, b: &Penetration) -> std::cmp::Ordering {
 }
 
 /// Levers and relative velocity at a contact point.
-fn approach_at(
+pub(crate) fn approach_at(
     bodies: &Bodies,
     pair: Pair,
     contact: ContactPoint,

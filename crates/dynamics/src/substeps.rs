@@ -183,17 +183,9 @@ fn moving_bodies(bodies: &Bodies) -> Vec<Moving> {
     (0..bodies.len()).map(of).collect()
 }
 
-/// The anchors of a row in the world [m].
-fn anchors(bodies: &Bodies, row: &Row) -> [DVec3; 2] {
-    [
-        bodies.poses[row.pair.first].world_from_body().point(row.point.anchor_first),
-        bodies.poses[row.pair.second].world_from_body().point(row.point.anchor_second),
-    ]
-}
-
 /// Levers from the centres of mass to the middle of a row's anchors, and the gap between the anchors [m].
 fn levers(bodies: &Bodies, row: &Row) -> ([DVec3; 2], f64) {
-    let [on_first, on_second] = anchors(bodies, row);
+    let [on_first, on_second] = row.point.anchors_world(bodies, row.pair);
     let middle = 0.5 * (on_first + on_second);
     let Pair { first, second } = row.pair;
     let levers = [middle - bodies.poses[first].position, middle - bodies.poses[second].position];
@@ -267,7 +259,7 @@ fn apply(bodies: &mut Bodies, moving: &mut [Moving], row: &mut Row, impulse: DVe
         return;
     }
     row.touched = true;
-    let [on_first, on_second] = anchors(bodies, row);
+    let [on_first, on_second] = row.point.anchors_world(bodies, row.pair);
     let middle = 0.5 * (on_first + on_second);
     tally.impulses += 1;
     for (i, other, j) in

@@ -3,7 +3,7 @@
 use crate::World;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::world::{Breaking, Label};
-use frangible_dynamics::collisions::Blow;
+use frangible_dynamics::blows::Blow;
 use frangible_dynamics::{Bodies, BodyId, Contactant, Inertia, Motion, NewBody, Pose, Velocity};
 use frangible_fracture::{Fragment, Impact, fragment_velocity, shatter};
 use glam::DVec3;

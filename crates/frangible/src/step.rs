@@ -6,18 +6,19 @@ use crate::break_bodies::break_bodies;
 use crate::desc::Method;
 use crate::quarantine::quarantine_non_finite;
 use crate::report::{Fracture, Impulses, StepReport};
-use frangible_dynamics::broad_phase::find_pairs;
-use frangible_dynamics::collisions::{Collisions, Response};
+use frangible_dynamics::blows::strike;
+use frangible_dynamics::broad_phase::{find_pairs, find_swept_pairs};
+use frangible_dynamics::collisions::{Collisions, Response, predict};
 use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::Opening;
 use frangible_dynamics::manifold::find_manifolds;
-use frangible_dynamics::pair::placed;
+use frangible_dynamics::pair::{Pair, placed};
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
-use frangible_dynamics::substeps::{Solved, WarmStart, solve};
+use frangible_dynamics::substeps::{Solved, solve};
 use frangible_dynamics::{Bodies, Frame, Pose, Tally};
 use glam::DVec3;
 use std::time::Instant;
@@ -31,24 +32,15 @@ pub fn step(world: &mut World) -> StepReport {
     let bank = world.ledger.bank();
     let mut clock = StageClock::new();
 
-    // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n), change v^n, and are
-    // clamped against (x^n, v^n). Fragments meet their striker in the frame that made them.
-    let mut collisions = Collisions::new(&world.bodies, &frame);
-    let fractures = collide_and_break(world, &mut collisions, &frame, &mut clock);
-
-    // Move: contact, position and velocity.
+    // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet their striker in the
+    // frame that made them.
     let moved = match world.method {
-        Method::Paper => move_by_newmark(&mut world.bodies, &collisions.predicted, &frame, &mut clock),
-        Method::FrameRate => {
-            let World { bodies, warm, .. } = world;
-            move_by_substeps(bodies, &collisions.predicted, warm, &frame, &mut clock)
-        }
+        Method::Paper => move_by_newmark(world, &frame, &mut clock),
+        Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
-    let Moved { flight, gravity, tally: moved_tally } = moved;
+    let Moved { fractures, flight, gravity, mut tally } = moved;
 
     // Balance the energy of every island.
-    let mut tally = collisions.tally;
-    tally.add(moved_tally);
     tally.links.extend(fractures.iter().flat_map(Fracture::links));
     let balance = world.ledger.balance(&mut world.bodies, &opening, &flight, &frame, &mut tally);
     clock.lap("balance_energy");
@@ -82,9 +74,11 @@ pub fn step(world: &mut World) -> StepReport {
     }
 }
 
-/// What moving the bodies came to.
+/// What a frame came to before its energy is balanced.
 struct Moved {
-    /// Where they would be without position contact.
+    /// What broke.
+    fractures: Vec<Fracture>,
+    /// Where the bodies would be without position contact.
     flight: Vec<Pose>,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     gravity: (DVec3, DVec3),
@@ -92,10 +86,17 @@ struct Moved {
     tally: Tally,
 }
 
-/// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: two updates, each with contact [SSF08].
-fn move_by_newmark(bodies: &mut Bodies, predicted: &[Pose], frame: &Frame, clock: &mut StageClock) -> Moved {
+/// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with contact [SSF08].
+fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
+    // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n), change v^n, and are
+    // clamped against (x^n, v^n).
+    let mut collisions = Collisions::new(&world.bodies, frame);
+    let fractures = collide_and_break(world, &mut collisions, frame, clock);
+    let Collisions { predicted, mut tally, .. } = collisions;
+
     // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
-    let candidates = find_pairs(bodies, predicted, reach(frame));
+    let bodies = &mut world.bodies;
+    let candidates = find_pairs(bodies, &predicted, reach(frame));
     let graph = contact_graph(bodies, &candidates, frame);
     clock.lap("contact_graph");
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
@@ -113,7 +114,6 @@ fn move_by_newmark(bodies: &mut Bodies, predicted: &[Pose], frame: &Frame, clock
     // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
     // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
     let gravity = gravity_impulse(bodies, frame);
-    let mut tally = Tally::default();
     displacements.restore_angular_momentum(bodies, &mut tally);
     clock.lap("restore_momentum");
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
@@ -123,29 +123,50 @@ fn move_by_newmark(bodies: &mut Bodies, predicted: &[Pose], frame: &Frame, clock
     bodies.velocities = velocities;
     tally.add(velocity_tally);
     clock.lap("velocity_contact");
-    Moved { flight, gravity, tally }
+    Moved { fractures, flight, gravity, tally }
 }
 
 /// One detection at x^n, then substeps of sequential impulses.
-fn move_by_substeps(
-    bodies: &mut Bodies,
-    predicted: &[Pose],
-    warm: &mut WarmStart,
-    frame: &Frame,
-    clock: &mut StageClock,
-) -> Moved {
-    // What is near at the start or at the predicted end of the frame may touch on the way.
-    let mut pairs = find_pairs(bodies, &bodies.poses, 2.0 * reach(frame));
-    pairs.extend(find_pairs(bodies, predicted, reach(frame)));
-    pairs.sort_unstable();
-    pairs.dedup();
-    clock.lap("find_pairs");
+fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
+    // Break what is struck too hard, fragments included, before anything moves.
+    let mut tally = Tally::default();
+    let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
+
+    // What is near on the way may touch; contact takes it from there.
+    let World { bodies, warm, .. } = world;
     let manifolds = find_manifolds(bodies, &pairs, warm, frame);
     clock.lap("find_manifolds");
-    let flight = predicted.to_vec();
-    let Solved { tally, gravity } = solve(bodies, &manifolds, warm, frame);
+    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
+    tally.add(solved_tally);
     clock.lap("solve");
-    Moved { flight, gravity, tally }
+    Moved { fractures, flight: predicted, gravity, tally }
+}
+
+/// Strikes until nothing breaks. Returns what broke, the ballistic poses at the frame's end, and the pairs that come near each
+/// other on the way there.
+fn strike_and_break(
+    world: &mut World,
+    tally: &mut Tally,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> (Vec<Fracture>, Vec<Pose>, Vec<Pair>) {
+    let mut fractures = Vec::new();
+    let mut passes = 0;
+    loop {
+        let predicted = predict(&world.bodies, frame);
+        let pairs = find_swept_pairs(&world.bodies, &predicted, 2.0 * reach(frame));
+        clock.lap("find_pairs");
+        let may_break = passes < frame.settings.breaking_passes;
+        let blows =
+            if may_break { strike(&mut world.bodies, &pairs, &predicted, frame, tally) } else { Vec::new() };
+        clock.lap("strike");
+        if blows.is_empty() {
+            return (fractures, predicted, pairs);
+        }
+        fractures.extend(break_bodies(world, &blows).0);
+        passes += 1;
+        clock.lap("break_bodies");
+    }
 }
 
 /// Passes over all colliding pairs; what a pass broke is replaced by its fragments before the next one.
@@ -160,12 +181,7 @@ fn collide_and_break(
     let mut passes = 0;
     while passes < frame.settings.collision_passes {
         let may_break = breaking_passes < frame.settings.breaking_passes;
-        let response = match (world.method, may_break) {
-            (Method::Paper, true) => Response::BounceAndBreak,
-            (Method::Paper, false) => Response::Bounce,
-            (Method::FrameRate, true) => Response::Break,
-            (Method::FrameRate, false) => break,
-        };
+        let response = if may_break { Response::BounceAndBreak } else { Response::Bounce };
         let pass = collisions.pass(&mut world.bodies, response, frame);
         clock.lap("collisions");
         if !pass.blows.is_empty() {

@@ -1,0 +1,153 @@
+//! Blows: what a body does not bear [Su09 sec. 4.2].
+
+use crate::detection::{ContactPoint, NearSamples};
+use crate::first_contact::first_contact;
+use crate::manifold::{ManifoldPoint, find_manifolds};
+use crate::pair::{Approach, Pair, approach_at, deepest_approach, impulse_for, placed};
+use crate::substeps::WarmStart;
+use crate::{Bodies, BodyId, Frame, Pose, Tally};
+use glam::DVec3;
+
+/// A collision that a body does not bear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blow {
+    /// Who breaks.
+    pub body: BodyId,
+    /// Who struck.
+    pub striker: BodyId,
+    /// Where, in the body's frame [m].
+    pub point_body: DVec3,
+    /// Unit, out of the body and towards the striker, in the body's frame.
+    pub normal_body: DVec3,
+    /// Where they first touched on their way to x^{n+1}, in the world frame [m].
+    pub point_world: DVec3,
+    /// The impulse that would have stopped the collision [N s].
+    pub impulse: f64,
+    /// The part that the body bore and passed on before it broke [N s].
+    pub borne: f64,
+}
+
+/// Where a pair first touches, with the poses of its bodies then.
+pub(crate) type Touch = (ContactPoint, [Pose; 2]);
+
+/// For each body of the pair, the blow if an impulse of `size` [N s] is more than it bears [Su09 sec. 4.2]. The weaker one breaks;
+/// the stronger feels no more than the weaker can pass on, so it breaks only if they are equally strong.
+pub(crate) fn blows_of(
+    bodies: &Bodies,
+    pair: Pair,
+    size: f64,
+    first_touch: impl FnOnce() -> Touch,
+) -> [Option<Blow>; 2] {
+    let borne = borne_by(bodies, pair);
+    if size <= borne {
+        return [None; 2];
+    }
+    let (contact, [pose_first, pose_second]) = first_touch();
+    let blow = |body: usize, striker: usize, pose: Pose, outward: DVec3| {
+        let body_from_world = pose.world_from_body().inverse();
+        (strength(bodies, body) == borne).then(|| Blow {
+            body: bodies.ids[body],
+            striker: bodies.ids[striker],
+            point_body: body_from_world.point(contact.point),
+            normal_body: body_from_world.direction(outward),
+            point_world: contact.point,
+            impulse: size,
+            borne,
+        })
+    };
+    let normal = contact.normal;
+    [blow(pair.first, pair.second, pose_first, -normal), blow(pair.second, pair.first, pose_second, normal)]
+}
+
+/// What a body bears [N s].
+fn strength(bodies: &Bodies, i: usize) -> f64 {
+    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
+}
+
+/// What the weaker one of a pair bears, and so the most that passes through their contact [N s].
+fn borne_by(bodies: &Bodies, pair: Pair) -> f64 {
+    strength(bodies, pair.first).min(strength(bodies, pair.second))
+}
+
+/// The blows of a frame before anything has moved: for each pair, the impulse that would stop it where it first touches on its way
+/// to `predicted`. Both bodies receive at once what the weaker one bears. A body that breaks is left alone from then on.
+pub fn strike(
+    bodies: &mut Bodies,
+    pairs: &[Pair],
+    predicted: &[Pose],
+    frame: &Frame,
+    tally: &mut Tally,
+) -> Vec<Blow> {
+    let mut blows = Vec::new();
+    let mut broken = vec![false; bodies.len()];
+    for &pair in pairs {
+        if broken[pair.first] || broken[pair.second] || borne_by(bodies, pair).is_infinite() {
+            continue;
+        }
+        let Some((approach, touch)) = next_touch(bodies, pair, predicted, frame) else { continue };
+        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
+        let size = impulse.at_contact.length();
+        let of_pair =
+            blows_of(bodies, pair, size, || first_contact(bodies, pair, predicted).unwrap_or(touch));
+        let Some(borne) = of_pair.iter().flatten().map(|blow| blow.borne / blow.impulse).reduce(f64::min)
+        else {
+            continue;
+        };
+
+        // What is borne acts, and is no more than the energy allows.
+        let mut impulse = impulse.scaled(borne);
+        if frame.settings.impulse_clamp {
+            impulse = impulse.clamped_to_energy(bodies, pair, &approach, &bodies.velocities, tally);
+        }
+        tally.book_impulse(bodies, pair, &approach, &impulse);
+        impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
+        for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
+            broken[i] |= blow.is_some();
+            blows.extend(blow);
+        }
+    }
+    blows
+}
+
+/// How a pair approaches where it will touch first within the frame, seen at its start, and the touch itself.
+fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<(Approach, Touch)> {
+    // Of the points of its manifold, the one whose gap closes first.
+    let manifold = find_manifolds(bodies, &[pair], &WarmStart::default(), frame).into_iter().next();
+    let due = |point: &ManifoldPoint| {
+        let [on_first, on_second] = point.anchors_world(bodies, pair);
+        let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
+        (point.approach > 0.0 && time <= frame.dt).then_some(time)
+    };
+    let points = manifold.iter().flat_map(|manifold| &manifold.points);
+    let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((time, point)) = first {
+        let [on_first, on_second] = point.anchors_world(bodies, pair);
+        let contact = ContactPoint { point: 0.5 * (on_first + on_second), normal: point.normal };
+        let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
+        // Gravity adds to the speed on the way.
+        let speed = approach.relative_velocity.dot(point.normal);
+        approach.relative_velocity -= (speed + point.approach) * point.normal;
+        let poses =
+            [pair.first, pair.second].map(|i| between(&bodies.poses[i], &predicted[i], time / frame.dt));
+        let point_world = poses[0].world_from_body().point(point.anchor_first);
+        return Some((approach, (ContactPoint { point: point_world, normal: point.normal }, poses)));
+    }
+
+    // What turns fast may touch though no point of it approaches now: look at the frame's end.
+    let (first, second) = placed(bodies, pair, predicted);
+    let mut penetrations = Vec::new();
+    NearSamples::gather(first, second, 0.0).find_penetrations(first, second, 0.0, &mut penetrations);
+    let seen = deepest_approach(bodies, pair, &mut penetrations, predicted, &bodies.velocities)?;
+    let approach = approach_at(bodies, pair, seen.contact, &bodies.poses, &bodies.velocities);
+    let approaches = approach.relative_velocity.dot(seen.contact.normal) < 0.0;
+    approaches.then_some((approach, (seen.contact, [predicted[pair.first], predicted[pair.second]])))
+}
+
+/// A part of the way from one pose to another.
+fn between(from: &Pose, to: &Pose, part: f64) -> Pose {
+    Pose {
+        position: from.position.lerp(to.position, part),
+        orientation: from.orientation.slerp(to.orientation, part),
+    }
+}
