@@ -44,15 +44,18 @@ $(VENV)/.tools: pyproject.toml
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("usd", "render", "dev") \
+	  print(*extras["dependencies"], *(line for extra in ("usd", "render", "plot", "dev") \
 	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
 	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
 	touch $@
 
-# The tests use the wheel that a user gets, not the source tree.
+# The tests use the wheel that a user gets, not the source tree. Where its panics come from is told without the folders of the
+# machine that built it.
 $(VENV)/.installed: $(VENV)/.tools $(RUST_SOURCES) $(PYTHON_SOURCES)
 	rm -rf target/wheels
-	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out target/wheels
+	cargo fetch --locked --quiet --target "$$(rustc --print host-tuple)"
+	RUSTFLAGS="$$RUSTFLAGS $$(printf -- '--remap-path-prefix=%s=crates.io ' "$${CARGO_HOME:-$$HOME/.cargo}"/registry/src/*)" \
+	  $(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out target/wheels
 	$(BIN)/python -m pip install --quiet --no-deps --no-index --force-reinstall target/wheels/frangible-*.whl
 	touch $@
 

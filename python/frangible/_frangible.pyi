@@ -67,6 +67,10 @@ class World:
         """Length of a frame [s]."""
 
     @property
+    def method(self) -> str:
+        """Which step advances a frame."""
+
+    @property
     def energy(self) -> tuple[float, float]:
         """Kinetic and potential energy of all dynamic bodies now [J]."""
 

@@ -3,8 +3,9 @@
 ===================== ================== =====================================================================
 key                   shape and type     meaning
 ===================== ================== =====================================================================
-``format``            () int64           version of this table, 1
+``format``            () int64           version of this table, 2
 ``shot``              () str             name of the shot
+``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
 ``frames``            () int64           last frame; frame 0 is the state before the first step
 ``ids``               (b,) uint64        body ids, ascending
@@ -27,6 +28,7 @@ key                   shape and type     meaning
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from typing import Any
 from zipfile import BadZipFile, is_zipfile
@@ -36,7 +38,7 @@ import numpy.typing as npt
 
 from .recording import Body, Recording
 
-FORMAT = 1
+FORMAT = 2
 
 
 class CacheError(ValueError):
@@ -49,6 +51,7 @@ def write_npz(recording: Recording, path: str) -> None:
     arrays: dict[str, npt.NDArray[Any]] = {
         "format": np.array(FORMAT),
         "shot": np.array(recording.shot),
+        "method": np.array(recording.method),
         "fps": np.array(recording.fps, np.float64),
         "frames": np.array(recording.frames),
         "ids": np.array([body.id for body in bodies], np.uint64),
@@ -74,6 +77,7 @@ def write_npz(recording: Recording, path: str) -> None:
 
 def read_npz(path: str) -> Recording:
     """Read a recording back; `CacheError` if the file is not one of ours."""
+    check_is_file(path)
     if not is_zipfile(path):
         raise CacheError(f"{path}: is not a .npz file")
     try:
@@ -87,6 +91,14 @@ def read_npz(path: str) -> Recording:
         if isinstance(error, CacheError):
             raise
         raise CacheError(f"{path}: is not a readable .npz cache ({error})") from error
+
+
+def check_is_file(path: str) -> None:
+    """`CacheError` if there is nothing to read."""
+    if os.path.isdir(path):
+        raise CacheError(f"{path}: is a folder, must be a file")
+    if not os.path.isfile(path):
+        raise CacheError(f"{path}: no such file")
 
 
 def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
@@ -113,6 +125,7 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
         )
     return Recording(
         shot=str(arrays["shot"]),
+        method=str(arrays["method"]),
         fps=float(arrays["fps"]),
         frames=int(arrays["frames"]),
         bodies=bodies,

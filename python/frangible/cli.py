@@ -15,9 +15,9 @@ import numpy as np
 
 from . import _frangible
 from .cache import CacheError
-from .output import Output, OutputError, open_output
+from .output import Output, OutputError, open_output, open_plot
 from .progress import report_progress
-from .recording import Recorder, step_frames
+from .recording import Recorder, Recording, step_frames
 from .report import StepReport
 from .summary import describe, summarise
 
@@ -89,6 +89,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--frame", type=_natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
+
+    plot = commands.add_parser("plot", help="draw energy by cause and momentum over time")
+    plot.set_defaults(command=_plot)
+    plot.add_argument("file", metavar="FILE", help="what `frangible run --out FILE` wrote, .npz")
+    plot.add_argument(
+        "--out", action="append", required=True, metavar="FILE", help=".png, .svg or .pdf; may be repeated"
+    )
 
     shots = commands.add_parser("shots", help="list the shots")
     shots.set_defaults(command=_shots)
@@ -170,11 +177,16 @@ def _mass(world: _frangible.World) -> float:
     return math.fsum(masses[np.isfinite(masses)])
 
 
-def _write(outputs: list[Output], recording: Any) -> None:
+def _write(outputs: list[Output], recording: Recording) -> None:
     for output in outputs:
         output.write(recording)
         size = os.path.getsize(output.path)
         print(f"wrote {output.path}, {size / 2**20:.3g} MiB", file=sys.stderr)
+
+
+def _plot(options: argparse.Namespace) -> None:
+    outputs = [open_plot(path) for path in options.out]
+    _write(outputs, Recording.load(options.file))
 
 
 def _shots(_: argparse.Namespace) -> None:

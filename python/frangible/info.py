@@ -7,7 +7,7 @@ import os
 import numpy as np
 
 from ._frangible import mesh_info
-from .cache import CacheError
+from .cache import CacheError, check_is_file
 from .gltf import describe_glb
 from .output import missing_packages
 from .recording import Recording
@@ -16,12 +16,11 @@ from .recording import Recording
 def describe_file(path: str) -> dict[str, object]:
     """Facts to print, in order; `CacheError` or `BuildError` if the file is neither a mesh nor a cache."""
     ending = os.path.splitext(path)[1].lower()
-    if not os.path.isfile(path):
-        raise CacheError(f"{path}: no such file")
+    check_is_file(path)
     if ending == ".npz":
         return _describe_npz(path)
     if ending in (".usda", ".usdc"):
-        if hint := missing_packages(ending):
+        if hint := missing_packages("usd"):
             raise CacheError(f"{path}: {hint}")
         from .usd import describe_usd
 
@@ -36,6 +35,7 @@ def _describe_npz(path: str) -> dict[str, object]:
     masses = np.array([body.mass for body in recording.alive(recording.frames)])
     return {
         "shot": recording.shot,
+        "method": recording.method,
         "frames": recording.frames,
         "fps": recording.fps,
         "bodies": f"{len(recording.alive(0))} at first, {len(masses)} at last, {len(recording.bodies)} in all",

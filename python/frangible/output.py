@@ -39,9 +39,8 @@ class Output:
 @dataclass(frozen=True, slots=True)
 class _Format:
     writer: Callable[[Recording, str, int | None], None]
-    #: Modules beyond the base installation, and the extra that brings them.
-    modules: tuple[str, ...] = ()
-    extra: str = ""
+    #: What has to be installed besides.
+    extra: str | None = None
 
 
 def _write_npz(recording: Recording, path: str, frame: int | None) -> None:
@@ -68,21 +67,41 @@ def _write_png(recording: Recording, path: str, frame: int | None) -> None:
     write_png(recording, path, recording.frames if frame is None else frame)
 
 
+def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
+    from .plot import write_plot
+
+    write_plot(recording, path)
+
+
+#: Modules that each extra of the installation brings.
+_EXTRAS = {"plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
+
 _FORMATS = {
     ".glb": _Format(_write_glb),
     ".npz": _Format(_write_npz),
-    ".png": _Format(_write_png, ("embreex", "PIL"), "render"),
-    ".usda": _Format(_write_usd, ("pxr",), "usd"),
-    ".usdc": _Format(_write_usd, ("pxr",), "usd"),
+    ".png": _Format(_write_png, "render"),
+    ".usda": _Format(_write_usd, "usd"),
+    ".usdc": _Format(_write_usd, "usd"),
 }
+
+_PLOTS = {ending: _Format(_write_plot, "plot") for ending in (".pdf", ".png", ".svg")}
 
 
 def open_output(path: str, frame: int | None = None) -> Output:
     """Check that a file can be written there, before anything is simulated; `OutputError` if not."""
+    return _open(path, _FORMATS, frame)
+
+
+def open_plot(path: str) -> Output:
+    """The same for a plot of the books."""
+    return _open(path, _PLOTS, None)
+
+
+def _open(path: str, formats: dict[str, _Format], frame: int | None) -> Output:
     folder = os.path.dirname(path) or "."
     ending = os.path.splitext(path)[1].lower()
-    if ending not in _FORMATS:
-        known = ", ".join(sorted(_FORMATS))
+    if ending not in formats:
+        known = ", ".join(sorted(formats))
         raise OutputError(f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}")
     if not os.path.isdir(folder):
         raise OutputError(f"{path}: the folder {folder!r} does not exist, create it first")
@@ -90,17 +109,17 @@ def open_output(path: str, frame: int | None = None) -> Output:
         raise OutputError(f"{path}: is a folder, must be a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{path}: the folder {folder!r} cannot be written to")
-    if hint := missing_packages(ending):
+    form = formats[ending]
+    if form.extra is not None and (hint := missing_packages(form.extra)):
         raise OutputError(f"{path}: {hint}")
-    return Output(path, _FORMATS[ending].writer, frame)
+    return Output(path, form.writer, frame)
 
 
-def missing_packages(ending: str) -> str | None:
-    """How to install what a format needs; `None` if all of it is there."""
-    form = _FORMATS[ending]
-    if all(find_spec(module) is not None for module in form.modules):
+def missing_packages(extra: str) -> str | None:
+    """How to install what an extra brings; `None` if all of it is there."""
+    if all(find_spec(module) is not None for module in _EXTRAS[extra]):
         return None
-    return f"needs an optional package, install it with: pip install 'frangible[{form.extra}]'"
+    return f"needs an optional package, install it with: pip install 'frangible[{extra}]'"
 
 
 @contextmanager

@@ -29,7 +29,7 @@ ProgressCallback = Callable[[int, int], None]
 StepCallback = Callable[[StepReport], None]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Body:
     """One body from its birth to its death, with its surface and its path.
 
@@ -59,6 +59,10 @@ class Body:
     #: (k, 4) ``world_from_body`` as unit quaternions x, y, z, w; neighbours never flip sign.
     orientations: Float64
 
+    def __repr__(self) -> str:
+        last = "" if self.death_frame is None else f" to {self.death_frame - 1}"
+        return f"<Body {self.id} {self.name!r}, frames {self.birth_frame}{last or ' on'}, {len(self.triangles)} triangles>"
+
     @property
     def moves(self) -> bool:
         """Whether it can move, or is seen to."""
@@ -79,11 +83,13 @@ class Body:
         return self.vertices.astype(np.float64) @ rotation_matrix(orientation).T + position
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Recording:
     """A run from frame 0, the state before the first step, to frame ``frames``."""
 
     shot: str
+    #: Which step advanced a frame.
+    method: str
     fps: float
     #: Number of steps, and the last frame.
     frames: int
@@ -92,11 +98,15 @@ class Recording:
     #: One report for every step, as `World.step` gave it.
     reports: list[StepReport] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        return f"<Recording of {self.shot!r}, {self.frames} frames at {self.fps:g} per second, {len(self.bodies)} bodies>"
+
     @staticmethod
     def record(
         world: World, frames: int, *, shot: str = "", fps: float | None = None, progress: ProgressCallback | None = None
     ) -> Recording:
-        """Step a world and keep everything it shows."""
+        """Step a world and keep everything it shows; `ValueError` without a frame to record."""
+        check_frames(frames)
         recorder = Recorder(world)
         step_frames(world, frames, on_step=recorder.capture, progress=progress)
         return recorder.finish(shot, fps if fps is not None else 1.0 / world.dt)
@@ -118,12 +128,24 @@ class Recording:
 
         open_output(os.fspath(path)).write(self)
 
+    def plot(self, path: str | os.PathLike[str]) -> None:
+        """Draw energy by cause and momentum over time, as .png, .svg or .pdf."""
+        from .output import open_plot
+
+        open_plot(os.fspath(path)).write(self)
+
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Recording:
         """Read a recording back from a ``.npz`` cache."""
         from .cache import read_npz
 
         return read_npz(os.fspath(path))
+
+
+def check_frames(frames: int) -> None:
+    """`ValueError` for a number of frames that shows nothing."""
+    if frames <= 0:
+        raise ValueError(f"frames: {frames}, must be > 0")
 
 
 def step_frames(
@@ -159,7 +181,7 @@ class Recorder:
 
     def finish(self, shot: str, fps: float) -> Recording:
         """Everything kept so far."""
-        return Recording(shot, fps, len(self.reports), self._bodies(), self.reports)
+        return Recording(shot, self.world.method, fps, len(self.reports), self._bodies(), self.reports)
 
     def capture(self, report: StepReport) -> None:
         """Keep the state that a step led to, and its report."""

@@ -35,9 +35,15 @@ class Balance(TypedDict):
 
 
 class Momentum(TypedDict):
-    """What neither gravity nor a static or kinematic body explains, relative to all momenta, since the world began."""
+    """Of all dynamic bodies at the end of the frame, world frame."""
 
+    #: [N s]
+    linear: list[float]
+    #: About the world's origin [N m s].
+    angular: list[float]
+    #: What neither gravity nor a static or kinematic body explains, relative to all momenta, since the world began.
     linear_error: float
+    #: The same of angular momentum.
     angular_error: float
 
 

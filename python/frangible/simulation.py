@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from ._frangible import World, shot_frames, shot_scene
-from .recording import ProgressCallback, Recording
+from .recording import ProgressCallback, Recording, check_frames
 
 
 def run(
@@ -23,10 +23,12 @@ def run(
 
     ``mesh`` is a file for shots that break one; without ``frames`` the shot takes as long as it is meant to; what
     stands for `None` in ``fps``, ``method`` and ``seed``, `shot_defaults` says; 0 ``threads`` means one for every
-    processor. `BuildError` if the scene cannot be built.
+    processor. `BuildError` if the scene cannot be built, `ValueError` without a frame to step.
     """
-    path = None if mesh is None else os.fspath(mesh)
-    world = World.build(shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed), threads)
+    # Before anything is built, which can take a while.
     if frames is None:
         frames = shot_frames(shot, fps)
+    check_frames(frames)
+    path = None if mesh is None else os.fspath(mesh)
+    world = World.build(shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed), threads)
     return Recording.record(world, frames, shot=shot, fps=fps, progress=progress)

@@ -27,6 +27,7 @@ class ScriptedWorld:
     """
 
     dt = 1 / 24
+    method = "paper"
 
     def __init__(self) -> None:
         self.frame = 0

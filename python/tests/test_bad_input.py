@@ -1,12 +1,17 @@
 """Bad input is answered with one sentence that names what is wrong, before anything is simulated."""
 
-import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
+import frangible
+import numpy as np
 import pytest
-from frangible import BuildError, World, mesh_info, shot_scene
+from frangible import BuildError, Recording, World, shot_frames, shot_scene
 from frangible.cli import main
+
+
+HERE = Path(__file__).parent
 
 
 @pytest.fixture
@@ -50,6 +55,13 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         ([], ["COMMAND"]),
         (["run", "wall", "--unknown"], ["--unknown"]),
         (["info", "no/such.obj"], ["no/such.obj", "no such file"]),
+        (["info", str(HERE)], [str(HERE), "is a folder"]),
+        (["plot", "no/such.npz", "--out", "energy.png"], ["no/such.npz", "no such file"]),
+        (["plot", str(HERE), "--out", "energy.png"], [str(HERE), "is a folder"]),
+        (["plot", __file__, "--out", "energy.png"], [__file__, "is not a .npz file"]),
+        (["plot", __file__, "--out", "energy.glb"], ["energy.glb", ".pdf, .png, .svg"]),
+        (["plot", __file__, "--out", "no/such/energy.png"], ["no/such/energy.png", "does not exist"]),
+        (["plot", __file__], ["--out"]),
     ],
 )
 def test_arguments(arguments: list[str], words: list[str], complain: Callable[..., str]) -> None:
@@ -79,6 +91,26 @@ def test_meshes(name: str, complain: Callable[..., str], tmp_path: Path) -> None
     # A flat mesh can still be described.
     if name != "flat.obj":
         assert complain("info", path) == line
+
+
+def test_other_arrays_are_no_cache(complain: Callable[..., str], tmp_path: Path) -> None:
+    np.savez(tmp_path / "arrays.npz", positions=np.zeros((3, 3)))
+    assert "is not a Frangible cache" in complain("plot", tmp_path / "arrays.npz", "--out", tmp_path / "energy.png")
+
+
+@pytest.mark.parametrize("frames", [0, -1])
+def test_a_run_without_frames_says_so(frames: int) -> None:
+    with pytest.raises(ValueError, match=f"^frames: {frames}, must be > 0$"):
+        frangible.run("wall", frames=frames)
+    with pytest.raises(ValueError, match=f"^frames: {frames}, must be > 0$"):
+        Recording.record(World.build(shot_scene("incline")), frames)
+
+
+@pytest.mark.parametrize("fps", [math.nan, math.inf, 0.0, -30.0])
+def test_a_frame_rate_that_is_none_says_so(fps: float) -> None:
+    for ask in (shot_scene, shot_frames):
+        with pytest.raises(BuildError, match=r"^fps: .*, must be a number > 0$"):
+            ask("wall", fps=fps)
 
 
 @pytest.mark.parametrize("name", ["cache.npz", "cache.usda", "cache.usdc"])

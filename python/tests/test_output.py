@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from frangible import OutputError, Recording
+from frangible import OutputError, Recording, _frangible
 from frangible.output import open_output, whole_file
 
 
@@ -119,3 +119,10 @@ def test_a_full_disk_is_a_sentence_that_names_the_file(ending: str, tmp_path: Pa
     assert done.stderr.splitlines()[-1].startswith(f"frangible: wall.{ending}: ")
     assert "Traceback" not in done.stderr
     assert os.listdir(tmp_path) == []
+
+
+def test_the_compiled_module_names_no_folder_of_the_machine_that_built_it() -> None:
+    module = Path(_frangible.__file__).read_bytes()
+    assert b"crates/geometry/src/" in module, "panics must say where they come from"
+    for folder in (b"/registry/src/", bytes(Path.home()) + b"/"):
+        assert folder not in module

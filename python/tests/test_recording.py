@@ -46,13 +46,20 @@ def test_a_cache_reads_back_as_the_same_recording(scripted: Recording, tmp_path:
     path = tmp_path / "slab.npz"
     scripted.save(path)
     loaded = Recording.load(path)
-    assert (loaded.shot, loaded.fps, loaded.frames, loaded.reports) == ("slab", 24.0, 6, scripted.reports)
+    assert (loaded.shot, loaded.method, loaded.fps, loaded.frames) == ("slab", "paper", 24.0, 6)
+    assert loaded.reports == scripted.reports
     assert len(loaded.bodies) == len(scripted.bodies)
     for ours, theirs in zip(scripted.bodies, loaded.bodies, strict=True):
         for field in ours.__slots__:
             expected, actual = getattr(ours, field), getattr(theirs, field)
             assert np.array_equal(expected, actual), field
             assert getattr(expected, "dtype", None) == getattr(actual, "dtype", None), field
+
+
+def test_recordings_and_bodies_print_in_a_line(scripted: Recording) -> None:
+    assert repr(scripted) == "<Recording of 'slab', 6 frames at 24 per second, 5 bodies>"
+    assert repr(scripted.body(1)) == "<Body 1 'slab', frames 0 to 2, 12 triangles>"
+    assert repr(scripted.body(2)) == "<Body 2 'slab.2', frames 3 on, 12 triangles>"
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x05\x06" + bytes(18)])

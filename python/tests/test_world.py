@@ -20,13 +20,18 @@ def test_a_free_body_flies_as_newton_says() -> None:
     spin = [0.0, 2.0, 0.0]
     world = build(GROUND, {**BALL, "linear_velocity": [3, 0, 0], "angular_velocity": spin}, gravity=[0, -10, 0])
     for _ in range(6):
-        world.step()
+        report = world.step()
     t = 6 / 30
     assert (world.frame, world.dt, world.time) == (6, pytest.approx(1 / 30), pytest.approx(t))
     assert world.positions[1] == pytest.approx([1 + 3 * t, 2 - 5 * t * t, 3])
     assert world.velocities[1] == pytest.approx([3, -10 * t, 0])
     assert world.angular_velocities[1] == pytest.approx(spin)
     assert world.orientations[1] == pytest.approx([0, np.sin(t), 0, np.cos(t)])
+    # Its momentum, and its angular momentum about the origin.
+    mass = world.masses[1]
+    assert report["momentum"]["linear"] == pytest.approx(mass * world.velocities[1])
+    orbital, own = mass * np.cross(world.positions[1], world.velocities[1]), 0.4 * mass * 0.5**2 * np.array(spin)
+    assert report["momentum"]["angular"] == pytest.approx(orbital + own)
 
 
 def test_arrays_have_a_row_for_each_body() -> None:
@@ -141,4 +146,6 @@ def test_what_is_not_asked_for_is_the_engines_default() -> None:
     assert shot_frames("wall-ball") == shot_frames("wall-ball", defaults["fps"])
     scene = json.loads(shot_scene("wall-ball"))
     assert (scene["frames_per_second"], scene["method"]) == (defaults["fps"], defaults["method"])
+    for method in ("paper", "frame-rate"):
+        assert World.build(shot_scene("incline", method=method)).method == method
     assert shot_scene("wall-ball", seed=defaults["seed"] + 1) != shot_scene("wall-ball")

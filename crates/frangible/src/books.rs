@@ -109,6 +109,8 @@ impl Books {
         self.angular_scale = self.angular_scale.max(before.angular_scale).max(after.angular_scale);
         let relative = |error: DVec3, scale: f64| if scale > 0.0 { error.length() / scale } else { 0.0 };
         let momentum = Momentum {
+            linear: after.momentum.to_array(),
+            angular: after.angular_momentum.to_array(),
             linear_error: relative(self.unexplained, self.momentum_scale),
             angular_error: relative(self.unexplained_angular, self.angular_scale),
         };

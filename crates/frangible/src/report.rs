@@ -70,10 +70,14 @@ impl From<ledger::Balance> for Balance {
     }
 }
 
-/// The momentum books since the world began, relative to the largest sum so far of the bodies' momenta and of what gravity
-/// gives them in a frame.
+/// The momentum books. Errors are those since the world began, relative to the largest sum so far of the bodies' momenta and
+/// of what gravity gives them in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Momentum {
+    /// Of all dynamic bodies at the end of the frame, in the world frame [N s].
+    pub linear: [f64; 3],
+    /// The same about the world's origin [N m s].
+    pub angular: [f64; 3],
     /// Change of linear momentum that neither gravity nor a static or kinematic body explains.
     pub linear_error: f64,
     /// The same of angular momentum about the world's origin.

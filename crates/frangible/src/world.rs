@@ -77,6 +77,11 @@ impl World {
         self.dt
     }
 
+    /// Which step advances a frame.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
     /// Iteration counts and switches of the method; for experiments and negative controls.
     pub fn settings_mut(&mut self) -> &mut StepSettings {
         &mut self.settings

@@ -50,7 +50,16 @@ fn shot_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 #[pyo3(signature = (name, fps=None))]
 fn shot_frames(name: &str, fps: Option<f64>) -> PyResult<u32> {
     let shot = Shot::find(name).map_err(build_error)?;
-    Ok(shot.frames_at(fps.unwrap_or(ShotOptions::default().frames_per_second)))
+    Ok(shot.frames_at(frame_rate(fps)?))
+}
+
+/// As given, or the default.
+fn frame_rate(fps: Option<f64>) -> PyResult<f64> {
+    match fps {
+        None => Ok(ShotOptions::default().frames_per_second),
+        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
+        Some(fps) => Err(build_error(format!("fps: {fps}, must be a number > 0"))),
+    }
 }
 
 /// The scene of a shot, as JSON.
@@ -71,7 +80,7 @@ fn shot_scene(
     };
     let options = ShotOptions {
         mesh,
-        frames_per_second: fps.unwrap_or(defaults.frames_per_second),
+        frames_per_second: frame_rate(fps)?,
         method,
         seed: seed.unwrap_or(defaults.seed),
     };

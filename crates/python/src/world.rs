@@ -61,6 +61,11 @@ impl World {
     }
 
     #[getter]
+    fn method<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        convert::json(py, &serde_json::to_value(self.world.method()).map_err(build_error)?)
+    }
+
+    #[getter]
     fn energy(&self) -> (f64, f64) {
         self.world.energy()
     }

@@ -1,0 +1,88 @@
+"""The energy and momentum books of a run, as series over its frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from .cache import CacheError
+from .recording import Float64, Recording
+from .report import Energy
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Books:
+    """Of all dynamic bodies, with a row for each of n steps: the state at its end."""
+
+    #: (n,) [s].
+    times: Float64
+    #: (n,) [J].
+    kinetic: Float64
+    #: (n,) relative to its lowest value [J].
+    potential: Float64
+    #: (n,) what there was before the first step, and the work that has entered since [J]; the zero is that of ``total``.
+    available: Float64
+    #: (n,) dissipated energy that the ledger's banks hold, to be spent again [J].
+    bank: Float64
+    #: For each cause (n,) what it has changed the total by since the first step began [J].
+    causes: dict[str, Float64]
+    #: (n, 3) world frame [N s].
+    linear: Float64
+    #: (n, 3) about the world's origin [N m s].
+    angular: Float64
+    #: (n,) linear momentum that nothing explains, relative to all momenta.
+    linear_error: Float64
+    #: (n,) the same of angular momentum.
+    angular_error: Float64
+    #: (k,) when something broke [s].
+    breaks: Float64
+
+    @property
+    def total(self) -> Float64:
+        """(n,) kinetic and potential energy [J]."""
+        return self.kinetic + self.potential
+
+
+def read_books(recording: Recording) -> Books:
+    """The books in a recording's reports; `CacheError` if it has none."""
+    reports = recording.reports
+    if not reports:
+        raise CacheError(f"the recording of {recording.shot!r} has no frames, so there is nothing to plot")
+    energies, momenta = [report["energy"] for report in reports], [report["momentum"] for report in reports]
+    kinetic, potential, work, banked, gain = (
+        np.array([energy[key] for energy in energies]) for key in ("kinetic", "potential", "work", "banked", "gain")
+    )
+    changes = _changes(energies)
+
+    # Before the first step there was what its books say has changed since.
+    total = kinetic + potential
+    start = total[0] - (gain - banked + work)[0]
+    # Bodies that were taken out of the world took energy along, which the books do not count as a change.
+    if any(report["quarantined"] for report in reports):
+        changes["taken out"] = np.diff(total, prepend=start) - np.sum(list(changes.values()), axis=0)
+    lowest = potential.min()
+    return Books(
+        times=np.array([report["time"] for report in reports]),
+        kinetic=kinetic,
+        potential=potential - lowest,
+        available=start - lowest + np.cumsum(work),
+        bank=np.cumsum(banked),
+        causes={cause: np.cumsum(change) for cause, change in changes.items()},
+        linear=np.array([momentum["linear"] for momentum in momenta]),
+        angular=np.array([momentum["angular"] for momentum in momenta]),
+        linear_error=np.array([momentum["linear_error"] for momentum in momenta]),
+        angular_error=np.array([momentum["angular_error"] for momentum in momenta]),
+        breaks=np.array([report["time"] for report in reports if report["fractures"]]),
+    )
+
+
+def _changes(energies: list[Energy]) -> dict[str, Float64]:
+    """For each cause (n,) what it changed the total by in a step [J]."""
+    causes: list[dict[str, float]] = [
+        cast(dict[str, Any], energy).get("causes")
+        or {"work": energy["work"], "dissipation": energy["gain"] - energy["banked"]}
+        for energy in energies
+    ]
+    return {cause: np.array([changes[cause] for changes in causes]) for cause in causes[0]}
