@@ -1,7 +1,7 @@
 //! Surface samples of one body inside the level set of another, in both directions [GBF03 sec. 3].
 
 use crate::Pose;
-use frangible_geometry::{ClosedForm, Geometry, LevelSet, RigidTransform, Shape};
+use frangible_geometry::{Geometry, LevelSet, RigidTransform, Shape};
 use glam::{DVec3, Mat3, Vec3};
 
 /// A sample of one body inside the other.
@@ -164,7 +164,14 @@ fn visit_inside(
         Geometry::Grid(solid) => {
             visit_inside_grid(body, &solid.level_set, &grid_from_body, contour, near, visit);
         }
-        Geometry::ClosedForm(form) => visit_inside_form(body, form, &grid_from_body, contour, near, visit),
+        Geometry::ClosedForm(form) => {
+            let distance = |point: DVec3, _: f64| form.distance(point);
+            visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);
+        }
+        Geometry::Hull(hull) => {
+            let distance = |point: DVec3, most: f64| hull.distance_up_to(point, most);
+            visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);
+        }
     }
 }
 
@@ -227,10 +234,10 @@ fn apart(shape: &Shape, lattice_from_body: Mat3, shift: Vec3, low: Vec3, high: V
     (center + reach).cmplt(low).any() || (center - reach).cmpgt(high).any()
 }
 
-/// The same loop over a formula.
-fn visit_inside_form(
+/// The same loop over an exact distance; what is above its second argument need only be known to be so.
+fn visit_inside_exact(
     body: &Shape,
-    form: &ClosedForm,
+    distance: impl Fn(DVec3, f64) -> f64,
     form_from_body: &RigidTransform,
     contour: f32,
     near: Option<&[(f32, u32)]>,
@@ -239,7 +246,7 @@ fn visit_inside_form(
     let matrix = form_from_body.matrix();
     let mut test = |index: u32| {
         let sample = body.samples[index as usize].as_dvec3();
-        let phi = form.distance(matrix * sample + form_from_body.translation) as f32;
+        let phi = distance(matrix * sample + form_from_body.translation, f64::from(contour)) as f32;
         if phi <= contour {
             visit(index, phi);
         }
@@ -250,7 +257,8 @@ fn visit_inside_form(
     }
     for cluster in &body.sample_clusters {
         let center = form_from_body.point(cluster.center.as_dvec3());
-        if form.distance(center) <= f64::from(contour + cluster.radius) {
+        let reach = f64::from(contour + cluster.radius);
+        if distance(center, reach) <= reach {
             (cluster.first..cluster.first + cluster.count).for_each(&mut test);
         }
     }
@@ -270,17 +278,19 @@ pub fn contact_point(first: Placed, second: Placed, penetration: &Penetration) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_geometry::HalfSpace;
+    use frangible_geometry::{ClosedForm, HalfSpace, Hull};
     use glam::DQuat;
     use proptest::prelude::*;
 
-    fn shapes() -> [Shape; 3] {
+    fn shapes() -> [Shape; 4] {
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let brick = ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.3) };
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.6, 0.5, 0.4)];
         [
             Shape::closed_form(ground, 1.0),
             Shape::closed_form(brick, 0.1),
             Shape::closed_form(ClosedForm::Sphere { radius: 0.4 }, 0.1),
+            Shape::convex(Hull::of_points(&corners).unwrap(), 0.1).unwrap(),
         ]
     }
 
@@ -300,7 +310,7 @@ mod tests {
         /// However the pair moves, and whichever of the two is the ground, near samples miss nothing.
         #[test]
         fn near_samples_miss_nothing(
-            pair in prop::sample::select(vec![(0, 1), (1, 0), (0, 2), (1, 2), (2, 1)]),
+            pair in prop::sample::select(vec![(0, 1), (1, 0), (0, 2), (1, 2), (2, 1), (0, 3), (3, 1), (2, 3)]),
             start in pose(),
             moves in prop::collection::vec((pose(), -4..0_i32), 1..6),
         ) {

@@ -158,7 +158,7 @@ pub(crate) fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 
 fn ball_radius(shape: &Shape) -> Option<f64> {
     match shape.geometry {
         Geometry::ClosedForm(ClosedForm::Sphere { radius }) => Some(radius),
-        Geometry::ClosedForm(_) | Geometry::Grid(_) => None,
+        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Grid(_) => None,
     }
 }
 

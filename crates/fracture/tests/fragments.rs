@@ -78,6 +78,7 @@ fn outline_distance(fragment: &Fragment, point: DVec3) -> f64 {
     let outline = &solid(&fragment.shape).outline;
     let root = match &outline.root {
         Root::ClosedForm(form) => form.distance_and_gradient(point).0,
+        Root::Hull(hull) => hull.distance_and_gradient(point).0,
         Root::Sampled(level_set) => f64::from(level_set.value(point)),
     };
     outline.cuts.iter().map(|cut| cut.distance(point)).fold(root, f64::max)

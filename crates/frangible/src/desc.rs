@@ -45,7 +45,7 @@ pub struct BodyDesc {
     /// What decides where it goes.
     #[serde(default)]
     pub motion: MotionDesc,
-    /// Of the origin of the shape's own frame (a mesh's coordinates, the centre of a closed form) [m].
+    /// Of the origin of the shape's own frame (a mesh's or points' coordinates, the centre of a closed form) [m].
     #[serde(default)]
     pub position: [f64; 3],
     /// Quaternion x, y, z, w that takes the shape's frame to the world's; need not be of unit length.
@@ -116,6 +116,14 @@ pub enum ShapeDesc {
         #[serde(default)]
         resolution: Resolution,
     },
+    /// The convex hull of points.
+    Hull {
+        /// At least four [m]; those inside of the hull of the others make no difference.
+        points: Vec<[f64; 3]>,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
     /// A mesh file: OBJ, PLY, STL or glTF.
     Mesh {
         /// Path.
@@ -144,10 +152,10 @@ pub enum ShapeDesc {
 #[serde(deny_unknown_fields)]
 pub struct Resolution {
     /// Level-set voxels across the bounding box along x, y, z; they are cubes, so the largest need decides. Without it,
-    /// closed forms stay formulas, and what must be sampled has 64 voxels along its longest side.
+    /// closed forms stay formulas, hulls polyhedra, and what must be sampled has 64 voxels along its longest side.
     #[serde(default)]
     pub voxels: Option<[usize; 3]>,
-    /// Distance between surface samples [m]. Without it, two voxels, or a tenth of a closed form's longest side.
+    /// Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side of what is not on a grid.
     #[serde(default)]
     pub sample_spacing: Option<f64>,
 }
@@ -232,6 +240,7 @@ impl ShapeDesc {
             Self::Sphere { resolution, .. }
             | Self::Box { resolution, .. }
             | Self::Cylinder { resolution, .. }
+            | Self::Hull { resolution, .. }
             | Self::Mesh { resolution, .. }
             | Self::Triangles { resolution, .. } => resolution,
         }

@@ -5,7 +5,7 @@ use crate::desc::{Resolution, ShapeDesc};
 use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
-use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Shape, TriMesh};
+use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Hull, Shape, TriMesh};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -67,6 +67,7 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
             let half_height = 0.5 * at.field("height").length(*height)?;
             from_form(ClosedForm::Cylinder { radius, half_height }, resolution, breaks, at)
         }
+        ShapeDesc::Hull { points, resolution } => from_points(points, resolution, breaks, at),
         ShapeDesc::Mesh { path, scale, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let mut mesh = mesh_io::load(Path::new(path))?;
@@ -91,13 +92,36 @@ fn from_form(
 ) -> Result<Shape, BuildError> {
     let (low, high) = form.bounds();
     if !breaks && resolution.voxels.is_none() {
-        let spacing = resolution.sample_spacing.unwrap_or(0.1 * (high - low).max_element());
-        return Ok(Shape::closed_form(form, check_spacing(spacing, high - low, at)?));
+        return Ok(Shape::closed_form(form, spacing_of_exact(resolution, high - low, at)?));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
     let solid = GridSolid::from_closed_form(form, voxels, MARGIN)
         .map_err(|_| at.broken("a half-space", "a shape with a volume to be sampled"))?;
     sampled(solid, resolution, at)
+}
+
+/// The convex hull of points, or its samples if it breaks or a number of voxels is given.
+fn from_points(
+    points: &[[f64; 3]],
+    resolution: &Resolution,
+    breaks: bool,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
+    let at_points = at.field("points");
+    let mut checked = Vec::with_capacity(points.len());
+    for (index, &point) in points.iter().enumerate() {
+        checked.push(at.field(&format!("points[{index}]")).vector(point, "m")?);
+    }
+    let given = format!("{} points", points.len());
+    let hull = Hull::of_points(&checked).map_err(|error| at_points.broken(&given, &error.to_string()))?;
+    let (low, high) = hull.bounds();
+    at_points.length((high - low).max_element())?;
+    if !breaks && resolution.voxels.is_none() {
+        let spacing = spacing_of_exact(resolution, high - low, at)?;
+        return Shape::convex(hull, spacing).map_err(|error| at_points.broken(&given, &error.to_string()));
+    }
+    let voxels = voxels_for(low, high, resolution, at)?;
+    sampled(GridSolid::from_hull(hull, voxels, MARGIN), resolution, at)
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.
@@ -108,6 +132,11 @@ fn from_mesh(mesh: &TriMesh, name: &str, resolution: &Resolution, at: &Checker) 
     let level_set =
         mesh_to_level_set(mesh, grid).map_err(|error| BuildError::Sampling { path: name.into(), error })?;
     sampled(GridSolid::from_level_set(level_set), resolution, at)
+}
+
+/// Distance between surface samples of what is not on a grid [m].
+fn spacing_of_exact(resolution: &Resolution, extent: DVec3, at: &Checker) -> Result<f64, BuildError> {
+    check_spacing(resolution.sample_spacing.unwrap_or(0.1 * extent.max_element()), extent, at)
 }
 
 /// Distance between surface samples [m]: what is sampled a thousand times along a side has millions of samples.

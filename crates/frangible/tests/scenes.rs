@@ -12,6 +12,10 @@ fn ball() -> BodyDesc {
     BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() })
 }
 
+fn hull(points: Vec<[f64; 3]>) -> BodyDesc {
+    BodyDesc::new("hull", ShapeDesc::Hull { points, resolution: Resolution::default() })
+}
+
 fn voronoi(cells: usize) -> BreakingDesc {
     let pattern = PatternDesc::Voronoi { cells, clustering: 0.0, seed: 1 };
     BreakingDesc { strength: 10.0, pattern, generations: 1 }
@@ -55,6 +59,18 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
                 ..ball()
             },
             "bodies[1].shape.radius: 1e-200, must be between 1e-6 and 1e6 m",
+        ),
+        (
+            hull(vec![[0.0; 3]; 3]),
+            "bodies[1].shape.points: 3 points, must be at least 4 points that span a volume",
+        ),
+        (
+            hull(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [2.0, 1.0, 0.0]]),
+            "bodies[1].shape.points: 5 points, must be points that do not all lie on a plane",
+        ),
+        (
+            hull(vec![[0.0; 3], [0.0, 0.0, f64::INFINITY], [1.0; 3], [2.0; 3]]),
+            "bodies[1].shape.points[1]: [0.0, 0.0, inf], must be three numbers from -1e9 to 1e9 m",
         ),
         (
             BodyDesc { shape: ShapeDesc::HalfSpace, ..ball() },

@@ -1,7 +1,7 @@
 //! How much of each voxel is material, and the sums over it.
 
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use crate::{ClosedForm, Grid, LevelSet, MassProperties};
+use crate::{Grid, LevelSet, MassProperties};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -15,22 +15,22 @@ pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
     })
 }
 
-/// [`voxel_coverage`] from a formula: exact up to the curvature within a quarter of a voxel.
-pub fn closed_form_coverage(form: &ClosedForm, grid: &Grid) -> Vec<f32> {
+/// [`voxel_coverage`] from an exact signed distance [m] and its gradient: exact up to the curvature within a quarter of a voxel.
+pub fn exact_coverage(grid: &Grid, distance_and_gradient: impl Fn(DVec3) -> (f64, DVec3) + Sync) -> Vec<f32> {
     const PARTS: i32 = 4;
     let part = grid.spacing / f64::from(PARTS);
     let half_diagonal = 0.5 * 3.0f64.sqrt() * grid.spacing;
     let offset = |n: i32| (f64::from(n) + 0.5) * part - 0.5 * grid.spacing;
     for_each_voxel(grid, |[i, j, k]| {
         let node = grid.node(i, j, k);
-        let distance = form.distance(node);
+        let (distance, _) = distance_and_gradient(node);
         if distance.abs() >= half_diagonal {
             return if distance < 0.0 { 1.0 } else { 0.0 };
         }
         let mut sum = 0.0;
         for n in 0..PARTS * PARTS * PARTS {
             let shift = DVec3::new(offset(n % PARTS), offset(n / PARTS % PARTS), offset(n / (PARTS * PARTS)));
-            let (distance, gradient) = form.distance_and_gradient(node + shift);
+            let (distance, gradient) = distance_and_gradient(node + shift);
             sum += cube_below_plane(distance, gradient * part);
         }
         sum / f64::from(PARTS * PARTS * PARTS)
@@ -190,6 +190,7 @@ pub fn mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ClosedForm;
     use crate::RigidTransform;
     use glam::DQuat;
     use proptest::prelude::*;
@@ -307,7 +308,7 @@ mod tests {
         let half = DVec3::new(0.3, 0.1, 0.2);
         let grid = Grid::around_box(-half, half, [15, 5, 10], 2);
         let form = ClosedForm::Box { half };
-        let coverage = closed_form_coverage(&form, &grid);
+        let coverage = exact_coverage(&grid, |point| form.distance_and_gradient(point));
         assert!(coverage.iter().all(|&fraction| fraction == 0.0 || fraction == 1.0));
         let (found, exact) = (mass_properties(&grid, &coverage), form.mass_properties().unwrap());
         assert!((found.volume / exact.volume - 1.0).abs() < 1e-12);
@@ -316,7 +317,8 @@ mod tests {
         // From a formula a ball is fuller known than from its samples, by the square of the finer step.
         let ball = ClosedForm::Sphere { radius: 0.9 };
         let grid = Grid::around_box(DVec3::NEG_ONE, DVec3::ONE, [16; 3], 2);
-        let volume = mass_properties(&grid, &closed_form_coverage(&ball, &grid)).volume;
+        let volume =
+            mass_properties(&grid, &exact_coverage(&grid, |point| ball.distance_and_gradient(point))).volume;
         assert!((volume / ball.mass_properties().unwrap().volume - 1.0).abs() < 4e-4);
     }
 

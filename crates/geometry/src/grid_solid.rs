@@ -1,6 +1,6 @@
 //! A solid on a grid: what can break.
 
-use crate::{ClosedForm, Grid, HalfSpace, LevelSet, MassProperties, coverage};
+use crate::{ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, coverage};
 use std::sync::Arc;
 
 /// A level set, how much of each voxel is material, and what its surface is made of.
@@ -29,6 +29,8 @@ pub struct Outline {
 pub enum Root {
     /// A formula.
     ClosedForm(ClosedForm),
+    /// A convex polyhedron.
+    Hull(Arc<Hull>),
     /// Samples of a mesh's distance.
     Sampled(Arc<LevelSet>),
 }
@@ -51,8 +53,17 @@ impl GridSolid {
         let (low, high) = form.bounds();
         let grid = Grid::around_box(low, high, voxels, margin);
         let level_set = LevelSet::sample(grid, |point| form.distance(point));
-        let coverage = coverage::closed_form_coverage(&form, &grid);
+        let coverage = coverage::exact_coverage(&grid, |point| form.distance_and_gradient(point));
         Ok(Self { level_set, coverage, outline: Outline { root: Root::ClosedForm(form), cuts: Vec::new() } })
+    }
+
+    /// A convex polyhedron, sampled likewise.
+    pub fn from_hull(hull: Hull, voxels: [usize; 3], margin: usize) -> Self {
+        let (low, high) = hull.bounds();
+        let grid = Grid::around_box(low, high, voxels, margin);
+        let level_set = LevelSet::sample(grid, |point| hull.distance_and_gradient(point).0);
+        let coverage = coverage::exact_coverage(&grid, |point| hull.distance_and_gradient(point));
+        Self { level_set, coverage, outline: Outline { root: Root::Hull(Arc::new(hull)), cuts: Vec::new() } }
     }
 
     /// What the samples enclose; `level_set` is also the exact surface behind them.

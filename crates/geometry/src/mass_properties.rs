@@ -1,6 +1,7 @@
 //! Volume, centre of mass and inertia at unit density.
 
 use crate::symmetric::symmetric_eigen;
+use crate::{NoMass, RigidTransform};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Inertial properties at unit density; multiply by a density [kg/m^3] for a body's.
@@ -23,6 +24,18 @@ impl MassProperties {
     pub fn principal_axes(&self) -> (DVec3, DQuat) {
         let (moments, axes) = symmetric_eigen(&self.inertia);
         (moments, DQuat::from_mat3(&axes).normalize())
+    }
+
+    /// Principal moments [m^5], and the frame of the centre of mass and the principal axes: `body_from_frame`.
+    ///
+    /// # Errors
+    /// If the volume or a moment is not positive.
+    pub(crate) fn body_frame(&self) -> Result<(DVec3, RigidTransform), NoMass> {
+        let (unit_moments, frame_from_principal) = self.principal_axes();
+        if !(self.volume > 0.0 && unit_moments.min_element() > 0.0 && unit_moments.is_finite()) {
+            return Err(NoMass);
+        }
+        Ok((unit_moments, RigidTransform::new(frame_from_principal, self.center).inverse()))
     }
 }
 

@@ -1,11 +1,13 @@
 //! What a body is made of: immutable, shared by all bodies that look alike.
 
 use crate::closed_form_surface::closed_form_surface;
+use crate::hull::hull_samples;
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{SampleCluster, cluster_samples};
 use crate::surface_samples::closed_form_samples;
-use crate::{ClosedForm, GridSolid, NoMass, RigidTransform, Surface};
+use crate::{ClosedForm, GridSolid, Hull, NoMass, RigidTransform, Surface, TriMesh};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Geometry, surface samples and mass properties. The body frame has its origin at the centre of mass and its axes along
 /// the principal axes.
@@ -13,7 +15,7 @@ use glam::{DVec3, Vec3};
 pub struct Shape {
     /// Where inside and outside are.
     pub geometry: Geometry,
-    /// The grid frame, or the frame of the closed form, in the body frame.
+    /// The frame of the grid, the closed form or the hull in the body frame.
     pub body_from_grid: RigidTransform,
     /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets.
     pub samples: Vec<Vec3>,
@@ -25,6 +27,8 @@ pub struct Shape {
     pub volume: f64,
     /// Principal moments at unit density [m^5].
     pub unit_moments: DVec3,
+    /// What is a convex polyhedron, as such, in the body frame; `None` for all else.
+    pub hull: Option<Arc<Hull>>,
 }
 
 /// Where inside and outside are.
@@ -32,6 +36,8 @@ pub struct Shape {
 pub enum Geometry {
     /// A formula: exact, but cannot break.
     ClosedForm(ClosedForm),
+    /// A convex polyhedron: exact, but cannot break.
+    Hull(Arc<Hull>),
     /// Samples on a grid: can break.
     Grid(GridSolid),
 }
@@ -46,6 +52,10 @@ impl Shape {
         });
         let mut samples = closed_form_samples(&form, sample_spacing);
         let sample_clusters = cluster_samples(&mut samples);
+        let hull = match form {
+            ClosedForm::Box { half } => Some(Arc::new(Hull::cuboid(half))),
+            _ => None,
+        };
         Self {
             geometry: Geometry::ClosedForm(form),
             body_from_grid: RigidTransform::IDENTITY,
@@ -54,7 +64,29 @@ impl Shape {
             bounds: form.bounds(),
             volume,
             unit_moments,
+            hull,
         }
+    }
+
+    /// A convex polyhedron: exact, but cannot break. Samples lie about `sample_spacing` [m] apart.
+    ///
+    /// # Errors
+    /// If it is so thin that its volume or a moment vanishes.
+    pub fn convex(hull: Hull, sample_spacing: f64) -> Result<Self, NoMass> {
+        let mass = hull.mass_properties();
+        let (unit_moments, body_from_grid) = mass.body_frame()?;
+        let in_body = hull.transformed(&body_from_grid);
+        let mut samples = hull_samples(&in_body, sample_spacing);
+        Ok(Self {
+            geometry: Geometry::Hull(Arc::new(hull)),
+            body_from_grid,
+            sample_clusters: cluster_samples(&mut samples),
+            samples,
+            bounds: in_body.bounds(),
+            volume: mass.volume,
+            unit_moments,
+            hull: Some(Arc::new(in_body)),
+        })
     }
 
     /// A solid on a grid, with samples in its grid frame [m].
@@ -63,12 +95,7 @@ impl Shape {
     /// If the coverage sums to no volume.
     pub fn from_grid_solid(solid: GridSolid, samples_grid: Vec<Vec3>) -> Result<Self, NoMass> {
         let mass = solid.mass_properties();
-        let (unit_moments, grid_from_principal) = mass.principal_axes();
-        if !(mass.volume > 0.0 && unit_moments.min_element() > 0.0 && unit_moments.is_finite()) {
-            return Err(NoMass);
-        }
-        let grid_from_body = RigidTransform::new(grid_from_principal, mass.center);
-        let body_from_grid = grid_from_body.inverse();
+        let (unit_moments, body_from_grid) = mass.body_frame()?;
         let into_body = |sample: Vec3| body_from_grid.point(sample.as_dvec3()).as_vec3();
         let mut samples: Vec<Vec3> = samples_grid.into_iter().map(into_body).collect();
         let sample_clusters = cluster_samples(&mut samples);
@@ -82,6 +109,7 @@ impl Shape {
             bounds,
             volume: mass.volume,
             unit_moments,
+            hull: None,
         })
     }
 
@@ -90,6 +118,7 @@ impl Shape {
         let point_grid = self.body_from_grid.inverse().point(point_body);
         let (distance, gradient_grid) = match &self.geometry {
             Geometry::ClosedForm(form) => form.distance_and_gradient(point_grid),
+            Geometry::Hull(hull) => hull.distance_and_gradient(point_grid),
             Geometry::Grid(solid) => {
                 let (distance, gradient) = solid.level_set.value_and_gradient(point_grid);
                 // On a ridge the samples' gradient can vanish; any direction is as good there.
@@ -101,11 +130,10 @@ impl Shape {
 
     /// The closed surface in the body frame; empty for a half-space.
     pub fn surface(&self) -> Surface {
+        let without_cracks = |mesh: TriMesh| Surface { interior: vec![false; mesh.triangles.len()], mesh };
         let mut surface = match &self.geometry {
-            Geometry::ClosedForm(form) => {
-                let mesh = closed_form_surface(form);
-                Surface { interior: vec![false; mesh.triangles.len()], mesh }
-            }
+            Geometry::ClosedForm(form) => without_cracks(closed_form_surface(form)),
+            Geometry::Hull(hull) => without_cracks(hull.surface()),
             Geometry::Grid(solid) => polygonize(solid),
         };
         for position in &mut surface.mesh.positions {

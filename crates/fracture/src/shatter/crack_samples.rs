@@ -30,12 +30,13 @@ pub(crate) fn crack_samples(parent: &GridSolid, region: &Region, spacing: f64) -
 /// The flat pieces of the parent's surface, and the box of its grid.
 fn flat_walls(parent: &GridSolid) -> Vec<HalfSpace> {
     let mut walls = parent.outline.cuts.clone();
-    match parent.outline.root {
-        Root::ClosedForm(ClosedForm::Box { half }) => walls.extend(polygon::box_half_spaces(-half, half)),
+    match &parent.outline.root {
+        Root::ClosedForm(ClosedForm::Box { half }) => walls.extend(polygon::box_half_spaces(-half, *half)),
         Root::ClosedForm(ClosedForm::Cylinder { half_height, .. }) => {
-            walls.extend([DVec3::Y, DVec3::NEG_Y].map(|normal| HalfSpace { normal, offset: half_height }))
+            walls.extend([DVec3::Y, DVec3::NEG_Y].map(|normal| HalfSpace { normal, offset: *half_height }))
         }
-        Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => walls.push(half_space),
+        Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => walls.push(*half_space),
+        Root::Hull(hull) => walls.extend(hull.faces().iter().map(|face| face.plane)),
         Root::ClosedForm(ClosedForm::Sphere { .. }) | Root::Sampled(_) => {}
     }
     let (low, high) = parent.level_set.grid().bounds();
@@ -56,6 +57,7 @@ impl Sampler<'_> {
     fn distance(&self, point: DVec3) -> f64 {
         match self.root {
             Root::ClosedForm(form) => form.distance(point),
+            Root::Hull(hull) => hull.distance_and_gradient(point).0,
             Root::Sampled(level_set) => f64::from(level_set.value(point)),
         }
     }

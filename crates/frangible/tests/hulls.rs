@@ -1,0 +1,118 @@
+//! Scenes of convex polyhedra, in both methods.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+
+use frangible::{BodyDesc, BreakingDesc, Method, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// The hull of some points in a box of these edge lengths [m], its middle at the origin.
+fn rock(size: DVec3, count: usize, random: &mut Pcg64Mcg) -> ShapeDesc {
+    let coordinate = |edge: f64, random: &mut Pcg64Mcg| edge * (random.random::<f64>() - 0.5);
+    let points = (0..count).map(|_| size.to_array().map(|edge| coordinate(edge, random))).collect();
+    ShapeDesc::Hull { points, resolution: Resolution::default() }
+}
+
+fn falling_rocks(method: Method, count: usize) -> SceneDesc {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let mut scene = SceneDesc::new("rocks");
+    scene.method = method;
+    scene.bodies.push(BodyDesc::ground(0.0));
+    for n in 0..count {
+        let shape = rock(DVec3::new(0.8, 0.6, 0.5), 12, &mut random);
+        let [x, y, z] = [n % 2, n / 4, n / 2 % 2].map(|at| at as f64);
+        let position = [0.5 * x + 0.1 * y, 0.6 + 0.9 * y, 0.5 * z - 0.05 * y];
+        scene.bodies.push(BodyDesc { position, restitution: 0.2, ..BodyDesc::new("rock", shape) });
+    }
+    scene
+}
+
+/// Rocks fall into a heap: nothing sinks in, nothing gains energy, and in the end all lie still.
+#[test]
+fn rocks_fall_into_a_heap() {
+    for (method, most_depth) in [(Method::Paper, 0.05), (Method::FrameRate, 0.02)] {
+        let mut world = World::build(&falling_rocks(method, 8)).unwrap();
+        let (kinetic, potential) = world.energy();
+        let scale = kinetic + potential;
+        for frame in 0..150 {
+            let report = step(&mut world);
+            assert!(report.energy.gain <= 1e-9 * scale, "{method:?}: {} J", report.energy.gain);
+            assert!(report.quarantined.is_empty());
+            if frame > 60 {
+                let depth = deepest_below_ground(&world);
+                assert!(depth < most_depth, "{method:?}, frame {frame}: {depth} m in the ground");
+            }
+        }
+        let fastest = world.bodies().velocities.iter().map(|v| v.linear.length()).fold(0.0, f64::max);
+        assert!(fastest < 0.1, "{method:?}: {fastest} m/s");
+    }
+}
+
+/// How far the lowest vertex of all bodies is below the ground [m].
+fn deepest_below_ground(world: &World) -> f64 {
+    let bodies = world.bodies();
+    let mut depth = 0.0_f64;
+    for (shape, pose) in bodies.shapes.iter().zip(&bodies.poses) {
+        for &vertex in shape.hull.iter().flat_map(|hull| hull.vertices()) {
+            depth = depth.max(-pose.world_from_body().point(vertex).y);
+        }
+    }
+    depth
+}
+
+/// A body is where its points are, wherever its centre of mass and its principal axes lie.
+#[test]
+fn a_hull_stands_where_its_points_are() {
+    let points = vec![[1.0, 2.0, 3.0], [2.0, 2.0, 3.0], [1.0, 3.0, 3.0], [1.0, 2.0, 4.0], [1.2, 2.2, 3.2]];
+    let mut scene = SceneDesc::new("tetrahedron");
+    let shape = ShapeDesc::Hull { points: points.clone(), resolution: Resolution::default() };
+    let position = [10.0, 0.0, -5.0];
+    scene.bodies.push(BodyDesc { position, ..BodyDesc::new("tetrahedron", shape) });
+    let text = serde_json::to_string(&scene).unwrap();
+    assert_eq!(serde_json::from_str::<SceneDesc>(&text).unwrap(), scene);
+
+    let world = World::build(&scene).unwrap();
+    let (shape, pose) = (&world.bodies().shapes[0], &world.bodies().poses[0]);
+    assert!((shape.volume - 1.0 / 6.0).abs() < 1e-15);
+    assert!((pose.position - DVec3::new(11.25, 2.25, -1.75)).length() < 1e-14);
+    for point in &points[..4] {
+        let expected = DVec3::from_array(*point) + DVec3::from_array(position);
+        let hull = shape.hull.as_ref().unwrap();
+        let nearest = hull.vertices().iter().map(|&v| pose.world_from_body().point(v).distance(expected));
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-14);
+    }
+}
+
+/// What breaks is sampled on a grid, and its pieces are all of it.
+#[test]
+fn a_hull_breaks() {
+    for method in [Method::Paper, Method::FrameRate] {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let mut scene = SceneDesc::new("break");
+        scene.method = method;
+        scene.bodies.push(BodyDesc::ground(0.0));
+        let ShapeDesc::Hull { points, .. } = rock(DVec3::ONE, 20, &mut random) else { unreachable!() };
+        let resolution = Resolution { voxels: Some([24; 3]), sample_spacing: None };
+        let breaking = BreakingDesc {
+            strength: 100.0,
+            pattern: PatternDesc::Voronoi { cells: 60, clustering: 0.0, seed: 1 },
+            generations: 1,
+        };
+        scene.bodies.push(BodyDesc {
+            position: [0.0, 2.0, 0.0],
+            breaking: Some(breaking),
+            ..BodyDesc::new("rock", ShapeDesc::Hull { points, resolution })
+        });
+        let mut world = World::build(&scene).unwrap();
+        let mass = world.bodies().masses[1];
+        let mut fractures = 0;
+        for _ in 0..30 {
+            fractures += step(&mut world).fractures.len();
+        }
+        let pieces: f64 = world.bodies().masses[1..].iter().sum();
+        assert_eq!(fractures, 1, "{method:?}");
+        assert!(world.bodies().len() > 5, "{method:?}: {} bodies", world.bodies().len());
+        assert!((pieces / mass - 1.0).abs() < 1e-12, "{method:?}: {pieces} of {mass} kg");
+    }
+}

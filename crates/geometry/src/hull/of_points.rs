@@ -1,0 +1,272 @@
+//! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are flat but for the points' rounding
+//! are merged.
+
+use super::{Hull, HullFace, plane_of, sides};
+use glam::DVec3;
+use robust::{Coord3D, orient3d};
+use std::collections::BTreeMap;
+
+/// Points this close to a common plane, relative to their longest extent, make one face: coordinates that went through single
+/// precision or a text file still give the faces that were meant.
+const COPLANAR: f64 = 1e-6;
+
+/// A hull thinner than this, relative to its longest extent, has no inside that can be told from its faces.
+const FLAT: f64 = 1e-5;
+
+/// Why points have no convex hull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HullError {
+    /// Fewer than four.
+    #[error("at least 4 points that span a volume")]
+    TooFew,
+    /// One of them is infinite or not a number.
+    #[error("points of finite coordinates")]
+    NotFinite,
+    /// All of them lie on a plane, a line or a point.
+    #[error("points that do not all lie on a plane")]
+    Flat,
+}
+
+impl Hull {
+    /// The convex hull of points [m]. Its vertices are some of them, in their order; where a millionth of the points' extent makes
+    /// several faces one, they are moved onto it.
+    ///
+    /// # Errors
+    /// If the points span no volume.
+    pub fn of_points(points: &[DVec3]) -> Result<Self, HullError> {
+        if points.iter().any(|point| !point.is_finite()) {
+            return Err(HullError::NotFinite);
+        }
+        if points.len() < 4 {
+            return Err(HullError::TooFew);
+        }
+        let triangles = Quickhull::run(points)?;
+        let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
+        let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
+        let close = COPLANAR * (high - low).max_element();
+        // Should merging leave anything but a sphere's topology, the triangles are the hull.
+        [close, 0.0]
+            .into_iter()
+            .find_map(|close| Self::from_faces(points, merged(points, &triangles, close)?))
+            .map(Self::flattened)
+            .ok_or(HullError::Flat)
+    }
+
+    /// Moves vertices onto the planes of their faces, so that volumes do not depend on how a face is cut into triangles.
+    fn flattened(mut self) -> Self {
+        // A direction that the planes before have nearly used up would carry the vertex far away.
+        const LEAST_FREEDOM: f64 = 0.01;
+        let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
+        for face in self.faces.iter().filter(|face| face.vertices.len() > 3) {
+            for &vertex in &face.vertices {
+                // Along this the vertex leaves none of the planes that it is on already.
+                let taken = &mut freedom[vertex as usize];
+                let normal = face.plane.normal;
+                let across = taken.iter().fold(normal, |across, &other| across - across.dot(other) * other);
+                if across.length() > LEAST_FREEDOM {
+                    let across = across.normalize();
+                    let position = &mut self.vertices[vertex as usize];
+                    *position -= across * (face.plane.distance(*position) / normal.dot(across));
+                    taken.push(across);
+                }
+            }
+        }
+        for face in self.faces.iter_mut().filter(|face| face.vertices.len() == 3) {
+            let corners = face.vertices.iter().map(|&vertex| self.vertices[vertex as usize]);
+            face.plane = plane_of(corners).unwrap_or(face.plane);
+        }
+        self
+    }
+}
+
+/// Triangles that grow around the points.
+struct Quickhull<'a> {
+    points: &'a [DVec3],
+    triangles: Vec<Triangle>,
+    /// Which triangle runs along a directed edge.
+    triangle_along: BTreeMap<[u32; 2], usize>,
+}
+
+struct Triangle {
+    /// Counter-clockwise seen from outside.
+    corners: [u32; 3],
+    /// Points outside of its plane that no other triangle has.
+    outside: Vec<u32>,
+    alive: bool,
+}
+
+impl<'a> Quickhull<'a> {
+    fn run(points: &'a [DVec3]) -> Result<Vec<[u32; 3]>, HullError> {
+        let [a, b, c, d] = first_tetrahedron(points)?;
+        let mut hull = Self { points, triangles: Vec::new(), triangle_along: BTreeMap::new() };
+        let all: Vec<u32> = (0..points.len() as u32).collect();
+        let new = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(|corners| hull.insert(corners));
+        hull.share_out(&new, all);
+
+        // Add the furthest point of each triangle until nothing is outside.
+        let mut next = 0;
+        while next < hull.triangles.len() {
+            if let Some(apex) = hull.furthest(next) {
+                hull.grow(next, apex);
+            } else {
+                next += 1;
+            }
+        }
+        Ok(hull.triangles.iter().filter(|triangle| triangle.alive).map(|triangle| triangle.corners).collect())
+    }
+
+    /// Whether a point lies strictly outside of a triangle's plane, without rounding.
+    fn sees(&self, point: u32, triangle: usize) -> bool {
+        let coord = |index: u32| {
+            let DVec3 { x, y, z } = self.points[index as usize];
+            Coord3D { x, y, z }
+        };
+        let [a, b, c] = self.triangles[triangle].corners.map(coord);
+        orient3d(a, b, c, coord(point)) < 0.0
+    }
+
+    fn insert(&mut self, corners: [u32; 3]) -> usize {
+        let index = self.triangles.len();
+        for side in sides(&corners) {
+            self.triangle_along.insert(side, index);
+        }
+        self.triangles.push(Triangle { corners, outside: Vec::new(), alive: true });
+        index
+    }
+
+    /// Gives each point to the first of the new triangles that it is outside of.
+    fn share_out(&mut self, new: &[usize], points: Vec<u32>) {
+        for point in points {
+            if let Some(&triangle) = new.iter().find(|&&triangle| self.sees(point, triangle)) {
+                self.triangles[triangle].outside.push(point);
+            }
+        }
+    }
+
+    /// The point outside of a triangle that is furthest from its plane; `None` if there is none.
+    fn furthest(&self, triangle: usize) -> Option<u32> {
+        let Triangle { corners: [a, b, c], ref outside, .. } = self.triangles[triangle];
+        let [a, b, c] = [a, b, c].map(|corner| self.points[corner as usize]);
+        let normal = (b - a).cross(c - a);
+        let height = |point: &u32| normal.dot(self.points[*point as usize] - a);
+        outside.iter().copied().max_by(|p, q| height(p).total_cmp(&height(q)).then(q.cmp(p)))
+    }
+
+    /// Replaces all triangles that can be seen from `apex`, of which `seen` is one, by a cone to their rim.
+    fn grow(&mut self, seen: usize, apex: u32) {
+        // Walk over what is seen, and collect its rim.
+        let mut rim = Vec::new();
+        let mut orphans = Vec::new();
+        let mut open = vec![seen];
+        self.triangles[seen].alive = false;
+        while let Some(triangle) = open.pop() {
+            orphans.append(&mut self.triangles[triangle].outside);
+            let corners = self.triangles[triangle].corners;
+            for [a, b] in sides(&corners) {
+                let beside = self.triangle_along[&[b, a]];
+                if !self.triangles[beside].alive {
+                    continue;
+                }
+                if self.sees(apex, beside) {
+                    self.triangles[beside].alive = false;
+                    open.push(beside);
+                } else {
+                    rim.push([a, b]);
+                }
+            }
+        }
+        let new: Vec<usize> = rim.into_iter().map(|[a, b]| self.insert([a, b, apex])).collect();
+        orphans.retain(|&point| point != apex);
+        self.share_out(&new, orphans);
+    }
+}
+
+/// Four points far apart, the last below the plane of the others.
+fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
+    let furthest = |from: &dyn Fn(DVec3) -> f64| {
+        let distance = |index: &usize| from(points[*index]);
+        (0..points.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)).then(b.cmp(a))).unwrap_or(0)
+    };
+    // The two ends along the longest axis, what is furthest from the line through them, and from the plane.
+    let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
+    let axis = (high - low).max_position();
+    let (a, b) = (furthest(&|point| -point[axis]), furthest(&|point| point[axis]));
+    let along = points[b] - points[a];
+    let from_line = |point: DVec3| along.cross(point - points[a]).length();
+    let c = furthest(&from_line);
+    let normal = along.cross(points[c] - points[a]);
+    let height = |point: DVec3| normal.dot(point - points[a]);
+    let d = furthest(&|point| height(point).abs());
+
+    let thin = FLAT * (high - low).max_element();
+    let is_flat =
+        from_line(points[c]) <= thin * along.length() || height(points[d]).abs() <= thin * normal.length();
+    if is_flat {
+        return Err(HullError::Flat);
+    }
+    let [a, b, c, d] = [a, b, c, d].map(|index| index as u32);
+    Ok(if height(points[d as usize]) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
+}
+
+/// The faces that triangles make together: around each, beginning with the largest, all that are within `close` [m] of its
+/// plane. `None` if one of them has a hole.
+fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<HullFace>> {
+    let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for (index, triangle) in triangles.iter().enumerate() {
+        triangle_along.extend(sides(triangle).map(|side| (side, index)));
+    }
+    let areas: Vec<DVec3> = triangles
+        .iter()
+        .map(|triangle| triangle.map(|corner| points[corner as usize]))
+        .map(|[a, b, c]| (b - a).cross(c - a))
+        .collect();
+    let mut largest_first: Vec<usize> = (0..triangles.len()).collect();
+    largest_first
+        .sort_by(|&a, &b| areas[b].length_squared().total_cmp(&areas[a].length_squared()).then(a.cmp(&b)));
+
+    // Grow the faces.
+    let mut face_of: Vec<Option<usize>> = vec![None; triangles.len()];
+    let mut seeds = Vec::new();
+    for seed in largest_first {
+        if face_of[seed].is_some() {
+            continue;
+        }
+        let normal = areas[seed].normalize_or_zero();
+        let middle = points[triangles[seed][0] as usize];
+        let mut open = vec![seed];
+        face_of[seed] = Some(seeds.len());
+        while let Some(triangle) = open.pop() {
+            for [a, b] in sides(&triangles[triangle]) {
+                let beside = *triangle_along.get(&[b, a])?;
+                let is_near = |&corner: &u32| normal.dot(points[corner as usize] - middle).abs() <= close;
+                if face_of[beside].is_none() && triangles[beside].iter().all(is_near) {
+                    face_of[beside] = Some(seeds.len());
+                    open.push(beside);
+                }
+            }
+        }
+        seeds.push(seed);
+    }
+
+    // Walk around them.
+    let mut rims: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); seeds.len()];
+    for (&[a, b], &triangle) in &triangle_along {
+        let face = face_of[triangle]?;
+        if face_of[*triangle_along.get(&[b, a])?] != Some(face) && rims[face].insert(a, b).is_some() {
+            return None;
+        }
+    }
+    let face = |rim: &BTreeMap<u32, u32>| {
+        let start = *rim.keys().next()?;
+        let mut vertices = vec![start];
+        let mut at = *rim.get(&start)?;
+        while at != start {
+            vertices.push(at);
+            at = *rim.get(&at)?;
+        }
+        let plane = plane_of(vertices.iter().map(|&vertex| points[vertex as usize]))?;
+        (vertices.len() == rim.len()).then_some(HullFace { plane, vertices })
+    };
+    rims.iter().map(face).collect()
+}
