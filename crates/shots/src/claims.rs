@@ -3,8 +3,11 @@
 //! A claim builds its own small scenes, runs them and says what it found. A finding without bounds stands beside the others.
 
 mod bounce;
+mod carried;
 mod energy;
+mod flight;
 mod incline;
+mod rotation;
 mod scenes;
 mod settled;
 mod stacks;
@@ -43,13 +46,20 @@ pub struct Finding {
 
 /// All claims.
 pub const CLAIMS: &[Claim] = &[
+    rotation::EXACT,
+    rotation::MILLION,
+    rotation::FLIP,
+    rotation::COST,
+    flight::FREE_BOX,
     energy::RANDOM_SCENES,
     energy::SAFEGUARDS,
     incline::INCLINE,
     bounce::BOUNCES,
     stacks::STACK,
     stacks::ZIGZAG,
-    stacks::ELEVATOR,
+    carried::ELEVATOR,
+    carried::TURNTABLE,
+    carried::CONVEYOR,
     swarm::SWARM,
     settled::SETTLED_PILE,
 ];
@@ -121,4 +131,11 @@ impl Finding {
     fn beside(quantity: impl Into<String>, unit: &'static str, measured: f64) -> Self {
         Self::between(quantity, unit, measured, f64::NEG_INFINITY, f64::INFINITY)
     }
+}
+
+/// The largest of some values; not a number if one of them is none.
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values
+        .into_iter()
+        .fold(f64::NEG_INFINITY, |most, value| if most.is_nan() || value <= most { most } else { value })
 }

@@ -14,6 +14,31 @@ fn holds(name: &str) {
 }
 
 #[test]
+fn exact_rotation() {
+    holds("exact-rotation");
+}
+
+#[test]
+fn million_rotations() {
+    holds("million-rotations");
+}
+
+#[test]
+fn flip_period() {
+    holds("flip-period");
+}
+
+#[test]
+fn rotation_cost() {
+    holds("rotation-cost");
+}
+
+#[test]
+fn free_box() {
+    holds("free-box");
+}
+
+#[test]
 fn random_scenes() {
     holds("random-scenes");
 }
@@ -46,6 +71,16 @@ fn zigzag_stack() {
 #[test]
 fn elevator() {
     holds("elevator");
+}
+
+#[test]
+fn turntable() {
+    holds("turntable");
+}
+
+#[test]
+fn conveyor() {
+    holds("conveyor");
 }
 
 #[test]

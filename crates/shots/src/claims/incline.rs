@@ -1,7 +1,7 @@
 //! A cube slides down slopes and stops by friction [Su09 fig. 3].
 
 use super::scenes::{GRAVITY, METHODS, cube, position, run, world};
-use super::{Claim, Finding, Obstacle};
+use super::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, BuildError, Method};
 use glam::{DQuat, DVec3};
 
@@ -32,7 +32,7 @@ fn incline() -> Result<Vec<Finding>, Obstacle> {
             let quantity =
                 format!("slide on {degrees} degrees with friction {friction} per the analytic, {name}");
             findings.push(Finding::between(quantity, "1", slid / expected, 0.99, 1.01));
-            most_crept = most_crept.max(crept);
+            most_crept = largest([most_crept, crept]);
         }
         findings.push(Finding::at_most(format!("largest creep in 10 s, {name}"), "m", most_crept, 1e-4));
     }

@@ -1,7 +1,7 @@
 //! Bodies that collide in free space.
 
 use super::scenes::{METHODS, cuboid, free_world};
-use super::{Claim, Finding, Obstacle};
+use super::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, step};
 
 /// Two hundred of them.
@@ -32,8 +32,8 @@ fn swarm() -> Result<Vec<Finding>, Obstacle> {
         for _ in 0..300 {
             let report = step(&mut world);
             impulses += report.impulses.applied;
-            linear = linear.max(report.momentum.linear_error);
-            angular = angular.max(report.momentum.angular_error);
+            linear = largest([linear, report.momentum.linear_error]);
+            angular = largest([angular, report.momentum.angular_error]);
         }
         findings.push(Finding::at_most(format!("change of linear momentum, {name}"), "1", linear, 1e-10));
         findings.push(Finding::at_most(format!("change of angular momentum, {name}"), "1", angular, 1e-10));

@@ -1,6 +1,6 @@
-"""Torque-free rotations to 40 digits, for tests/exact_rotation.rs. Needs mpmath; takes some minutes:
+"""Torque-free rotations to 40 digits, for the claim exact-rotation. Needs mpmath; takes some minutes:
 
-    python3 exact_rotation_reference.py > ../data/exact_rotation.csv
+    python3 exact_rotation_reference.py > exact_rotation.csv
 
 Nothing of the closed form is used: Euler's equations and the quaternion's,
 
