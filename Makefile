@@ -11,7 +11,7 @@ DEMO_FRAME := 14
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
 
-.PHONY: help build demo test test-rust test-python clean
+.PHONY: help build demo verify claims test test-rust test-python clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -21,6 +21,15 @@ build: $(VENV)/.installed ## Build the Python package into .venv
 demo: build ## Simulate the wall and write it to out/ as USD, glTF and a picture
 	@mkdir -p $(OUT)
 	$(BIN)/frangible run wall --out $(OUT)/wall.usdc --out $(OUT)/wall.glb --out $(OUT)/wall.png --frame $(DEMO_FRAME)
+
+verify: build ## Measure what the paper and we promise, on this machine
+	$(BIN)/frangible verify
+
+claims: build ## Measure it and write the table of docs/claims.md anew
+	@mkdir -p $(OUT)
+	$(BIN)/frangible verify > $(OUT)/claims.txt
+	grep -v '^|' docs/claims.md > $(OUT)/claims.md
+	cat $(OUT)/claims.md $(OUT)/claims.txt > docs/claims.md
 
 test: test-rust test-python ## Check everything, as continuous integration does
 

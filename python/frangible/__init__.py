@@ -7,26 +7,32 @@
 Quantities are SI, y is up, quaternions are x, y, z, w.
 """
 
-from ._frangible import BuildError, World, mesh_info, shot_defaults, shot_frames, shot_scene, shots
+from ._frangible import BuildError, World, claims, mesh_info, shot_defaults, shot_frames, shot_scene, shots
 from .cache import CacheError
 from .output import OutputError
 from .recording import Body, Recorder, Recording
 from .report import StepReport
 from .simulation import run
+from .verification import ClaimError, Finding, Verdict, verify
 
 __all__ = [
     "Body",
     "BuildError",
     "CacheError",
+    "ClaimError",
+    "Finding",
     "OutputError",
     "Recorder",
     "Recording",
     "StepReport",
+    "Verdict",
     "World",
+    "claims",
     "mesh_info",
     "run",
     "shot_defaults",
     "shot_frames",
     "shot_scene",
     "shots",
+    "verify",
 ]

@@ -6,8 +6,19 @@ import numpy as np
 import numpy.typing as npt
 
 from .report import StepReport
+from .verification import Finding
 
-__all__ = ["BuildError", "World", "mesh_info", "shot_defaults", "shot_frames", "shot_scene", "shots"]
+__all__ = [
+    "BuildError",
+    "World",
+    "check_claim",
+    "claims",
+    "mesh_info",
+    "shot_defaults",
+    "shot_frames",
+    "shot_scene",
+    "shots",
+]
 
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
@@ -33,6 +44,12 @@ def shot_scene(
 
     `shot_defaults` says what stands for `None`.
     """
+
+def claims() -> list[tuple[str, str, str]]:
+    """Name, what is promised and who says so, for every claim."""
+
+def check_claim(name: str) -> list[Finding]:
+    """Measure a claim, on one thread and without the interpreter lock; `KeyError` for an unknown name."""
 
 def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read.

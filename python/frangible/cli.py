@@ -20,6 +20,7 @@ from .progress import report_progress
 from .recording import Recorder, Recording, step_frames
 from .report import StepReport
 from .summary import describe, summarise
+from .verification import ClaimError, Verdict, as_json, table_head, table_rows, verify
 
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
@@ -41,9 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, terminate)
     options = _parser().parse_args(arguments)
     try:
-        options.command(options)
+        status: int = options.command(options) or 0
         sys.stdout.flush()
-    except (_frangible.BuildError, CacheError, OutputError) as error:
+        return status
+    except (_frangible.BuildError, CacheError, ClaimError, OutputError) as error:
         print(f"frangible: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except BrokenPipeError:
@@ -57,7 +59,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("frangible: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
-    return 0
 
 
 class _Parser(argparse.ArgumentParser):
@@ -96,6 +97,11 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument(
         "--out", action="append", required=True, metavar="FILE", help=".png, .svg or .pdf; may be repeated"
     )
+
+    verify = commands.add_parser("verify", help="measure what the paper and we promise; status 1 if something does not hold")
+    verify.set_defaults(command=_verify)
+    verify.add_argument("claims", nargs="*", metavar="CLAIM", help="names from the table's first column [all]")
+    verify.add_argument("--json", action="store_true", help="one JSON object instead of the table")
 
     shots = commands.add_parser("shots", help="list the shots")
     shots.set_defaults(command=_shots)
@@ -187,6 +193,26 @@ def _write(outputs: list[Output], recording: Recording) -> None:
 def _plot(options: argparse.Namespace) -> None:
     outputs = [open_plot(path) for path in options.out]
     _write(outputs, Recording.load(options.file))
+
+
+def _verify(options: argparse.Namespace) -> int:
+    def say(*lines: str) -> None:
+        if not options.json:
+            print("\n".join(lines), flush=True)
+
+    # The table grows as claims are measured.
+    verdicts: list[Verdict] = []
+    for verdict in verify(*options.claims, on_done=_tell):
+        say(*([] if verdicts else table_head()), *table_rows(verdict))
+        verdicts.append(verdict)
+    if options.json:
+        print(json.dumps(as_json(verdicts), allow_nan=False))
+    return 0 if all(verdict.holds for verdict in verdicts) else EXIT_FAILED
+
+
+def _tell(verdict: Verdict) -> None:
+    result = "holds" if verdict.holds else "does not hold"
+    print(f"{verdict.claim} {result}, measured in {verdict.seconds:.3g} s", file=sys.stderr, flush=True)
 
 
 def _shots(_: argparse.Namespace) -> None:

@@ -5,11 +5,13 @@ mod world;
 
 use frangible::Method;
 use frangible::geometry::mesh_io;
+use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::ThreadPoolBuilder;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -88,6 +90,32 @@ fn shot_scene(
     serde_json::to_string(&scene).map_err(build_error)
 }
 
+/// Name, what is promised and who says so, for every claim.
+#[pyfunction]
+fn claims() -> Vec<(&'static str, &'static str, &'static str)> {
+    CLAIMS.iter().map(|claim| (claim.name, claim.says, claim.source)).collect()
+}
+
+/// Measures a claim, on one thread.
+#[pyfunction]
+fn check_claim<'py>(py: Python<'py>, name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let claim = Claim::find(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(build_error)?;
+    let findings = py.detach(|| pool.install(|| claim.check()));
+    let as_dict = |finding: &Finding| {
+        let facts = PyDict::new(py);
+        facts.set_item("quantity", &finding.quantity)?;
+        facts.set_item("unit", finding.unit)?;
+        facts.set_item("measured", finding.measured)?;
+        facts.set_item("low", finding.low)?;
+        facts.set_item("high", finding.high)?;
+        facts.set_item("holds", finding.holds())?;
+        facts.set_item("bounded", finding.is_bounded())?;
+        Ok(facts)
+    };
+    findings.iter().map(as_dict).collect()
+}
+
 /// What a mesh file holds.
 #[pyfunction]
 fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>> {
@@ -115,5 +143,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(shot_defaults, module)?)?;
     module.add_function(wrap_pyfunction!(shot_frames, module)?)?;
     module.add_function(wrap_pyfunction!(shot_scene, module)?)?;
+    module.add_function(wrap_pyfunction!(claims, module)?)?;
+    module.add_function(wrap_pyfunction!(check_claim, module)?)?;
     module.add_function(wrap_pyfunction!(mesh_info, module)?)
 }
