@@ -3,6 +3,8 @@
 pub mod claims;
 mod impact;
 mod incline;
+mod pillar;
+mod random;
 mod stack;
 mod wall;
 
@@ -67,8 +69,16 @@ pub enum ShotError {
 }
 
 /// All shots.
-pub const SHOTS: &[Shot] =
-    &[wall::UPPER, wall::MIDDLE, wall::LOWER, wall::BALL, impact::IMPACT, stack::STACK, incline::INCLINE];
+pub const SHOTS: &[Shot] = &[
+    wall::UPPER,
+    wall::MIDDLE,
+    wall::LOWER,
+    wall::BALL,
+    impact::IMPACT,
+    pillar::PILLAR,
+    stack::STACK,
+    incline::INCLINE,
+];
 
 impl Shot {
     /// The shot of a name.

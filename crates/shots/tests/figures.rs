@@ -14,6 +14,36 @@ fn position(world: &World, body: usize) -> DVec3 {
     world.bodies().poses[body].position
 }
 
+/// "a prescored pillar being dropped onto the ground" [Su09 fig. 1]: 94 pieces fill it, thin plates and small shards among them, of
+/// another cut for each seed. How they fall is the claim `pillar-shards`.
+#[test]
+fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
+    for seed in 0..20 {
+        let options = ShotOptions { seed, ..ShotOptions::default() };
+        let world = World::build(&Shot::find("pillar").unwrap().scene(&options).unwrap()).unwrap();
+        let pieces = &world.bodies().shapes[1..];
+        assert_eq!(pieces.len(), 94);
+        let volume: f64 = pieces.iter().map(|shape| shape.volume).sum();
+        assert!((volume - 6.0).abs() < 1e-6, "seed {seed}: {volume} m^3");
+        let lowest = world.bodies().poses[1..].iter().map(|pose| pose.position.y).fold(9.0, f64::min);
+        assert!(lowest > 0.5, "seed {seed}: above the ground");
+
+        // Plates are the thinnest along their least principal axis; chips are small.
+        let named =
+            |name: &str| -> Vec<usize> { (0..94).filter(|&i| world.labels()[1 + i].name == name).collect() };
+        let thickness = |i: usize| (pieces[i].bounds.1 - pieces[i].bounds.0).min_element();
+        for (layer, plates) in named("plate").chunks(6).enumerate() {
+            let expected = [0.08, 0.04, 0.02][layer];
+            assert!(
+                plates.iter().any(|&i| (thickness(i) - expected).abs() < 0.01),
+                "seed {seed}: layer {layer}"
+            );
+        }
+        assert!(named("chip").iter().all(|&i| pieces[i].volume < 0.005), "seed {seed}");
+        assert_eq!((named("plate").len(), named("chip").len()), (18, 12));
+    }
+}
+
 /// "Collisions and contact behave correctly using our energy clamping. In this example, we drop several boxes to form a stack.
 /// A larger box then disrupts this stack and scatters the objects." [Su09 fig. 2]
 #[test]

@@ -1,10 +1,9 @@
 //! Rotation without torque in closed form, against numbers to 40 digits (docs/adr/008).
 
 use super::{Claim, Finding, Obstacle, largest};
+use crate::random::Random;
 use frangible::dynamics::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
 use glam::{DQuat, DVec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 use std::time::Instant;
@@ -122,30 +121,8 @@ fn exact_rotation() -> Result<Vec<Finding>, Obstacle> {
     ])
 }
 
-/// Source of random bodies.
-struct Random(Pcg64Mcg);
-
-impl Random {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0.random_range(low..high)
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let vector = DVec3::from_array([0; 3].map(|_| self.between(-1.0, 1.0)));
-            if (0.01..1.0).contains(&vector.length_squared()) {
-                return vector.normalize();
-            }
-        }
-    }
-
-    fn orientation(&mut self) -> DQuat {
-        DQuat::from_axis_angle(self.direction(), self.between(0.0, std::f64::consts::PI))
-    }
-}
-
 fn million_rotations() -> Result<Vec<Finding>, Obstacle> {
-    let mut random = Random(Pcg64Mcg::seed_from_u64(9));
+    let mut random = Random::new(9);
     // A thin body magnifies the rounding of its orientation.
     let bodies = [
         ("brick", DVec3::new(2.5, 1.0, 2.0), 1e-12),
@@ -227,7 +204,7 @@ fn period_of_polhode(moments: DVec3, momentum: DVec3) -> f64 {
 
 fn rotation_cost() -> Result<Vec<Finding>, Obstacle> {
     // Boxes with edges within a factor of ten that turn by up to 1 rad in a frame.
-    let mut random = Random(Pcg64Mcg::seed_from_u64(1));
+    let mut random = Random::new(1);
     let body = |_| {
         let edges = DVec3::from_array([0; 3].map(|_| libm::pow(10.0, random.between(-1.0, 0.0))));
         let squares = edges * edges;
