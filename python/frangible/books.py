@@ -79,10 +79,10 @@ def read_books(recording: Recording) -> Books:
 
 
 def _changes(energies: list[Energy]) -> dict[str, Float64]:
-    """For each cause (n,) what it changed the total by in a step [J]."""
+    """For each cause (n,) what it changed the total by in a step [J]; what enters comes first."""
     causes: list[dict[str, float]] = [
         cast(dict[str, Any], energy).get("causes")
         or {"work": energy["work"], "dissipation": energy["gain"] - energy["banked"]}
         for energy in energies
     ]
-    return {cause: np.array([changes[cause] for changes in causes]) for cause in causes[0]}
+    return {cause: np.array([changes[cause] for changes in causes]) for cause in sorted(causes[0], key=lambda cause: cause != "work")}

@@ -17,6 +17,7 @@ WIDTH, HEIGHT, RESOLUTION = 10.0, 12.0, 150
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 BLUE, VERMILION, GREEN, *_, BLACK = COLOURS
 GREY = "0.55"
+STYLES = ("-", "--", "-.", ":")
 #: A cause that has never changed more than this part of the energy in play is not drawn.
 FAINT = 1e-6
 #: Nothing less than double precision's rounding can be told from 0.
@@ -68,11 +69,10 @@ def _causes(axis: Axes, books: Books) -> None:
     axis.set_title("What has changed the total since the first step", loc="left")
     scale = FAINT * max(np.ptp(books.available), np.ptp(books.total), books.kinetic.max(), books.potential.max())
     drawn = {cause: change for cause, change in books.causes.items() if np.abs(change).max() > scale}
-    # A colour belongs to a cause, whichever of them are drawn; past the colours, lines are dashed.
+    # A colour and a style belong to a cause, whichever of them are drawn; no two causes share both.
     for i, (cause, change) in enumerate(books.causes.items()):
         if cause in drawn:
-            style = "-" if i < len(COLOURS) else "--"
-            axis.plot(books.times, change, color=COLOURS[i % len(COLOURS)], linestyle=style, label=cause)
+            axis.plot(books.times, change, color=COLOURS[i % len(COLOURS)], linestyle=STYLES[i % len(STYLES)], label=cause)
     faint = [cause for cause in books.causes if cause not in drawn]
     if faint:
         axis.plot([], [], " ", label="next to nothing:\n" + "\n".join(faint))

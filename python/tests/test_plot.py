@@ -25,9 +25,9 @@ def report(frame: int, **energy: Any) -> Any:
 def told(scripted: Recording) -> Recording:
     """Ten joules at first; six of work enter, of nine that are lost friction takes eight, and a body of two is taken out."""
     reports = [
-        report(1, kinetic=14.0, potential=-2.0, work=6.0, gain=-4.0, causes={"work": 6.0, "friction": -4.0, "contact": 0.0}),
-        report(2, kinetic=8.0, potential=-1.0, gain=-4.0, banked=1.0, causes={"work": 0.0, "friction": -4.0, "contact": -1.0}),
-        report(3, kinetic=8.0, potential=-3.0, causes={"work": 0.0, "friction": 0.0, "contact": 0.0}),
+        report(1, kinetic=14.0, potential=-2.0, work=6.0, gain=-4.0, causes={"friction": -4.0, "work": 6.0, "contact": 0.0}),
+        report(2, kinetic=8.0, potential=-1.0, gain=-4.0, banked=1.0, causes={"friction": -4.0, "work": 0.0, "contact": -1.0}),
+        report(3, kinetic=8.0, potential=-3.0, causes={"friction": 0.0, "work": 0.0, "contact": 0.0}),
     ]
     reports[2]["quarantined"] = [1]
     reports[1]["fractures"] = [{}]
@@ -47,6 +47,7 @@ def test_books_are_sums_over_the_frames(told: Recording) -> None:
         "contact": [0.0, -1.0, -1.0],
         "taken out": [0.0, 0.0, -2.0],
     }
+    assert next(iter(books.causes)) == "work"
     assert books.linear.tolist() == [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]]
     assert books.angular[:, 2].tolist() == [2.0, 4.0, 6.0]
     assert books.breaks.tolist() == [1.0]
