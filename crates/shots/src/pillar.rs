@@ -83,9 +83,9 @@ fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     }
     blocks.push(above);
 
-    // The rest is cut up mostly across, and loses corners.
+    // The rest is cut up, mostly along the pillar, so that it does not stay a column; and it loses corners.
     let count = PIECES - CHIPS - plates.len();
-    cut_up(&mut blocks, count, &mut random, |direction| direction * DVec3::new(1.0, 2.0, 1.0));
+    cut_up(&mut blocks, count, &mut random, |direction| direction * DVec3::new(1.0, 0.5, 1.0));
     let mut chips = Vec::new();
     while chips.len() < CHIPS {
         let block = random.index(blocks.len());
