@@ -4,6 +4,7 @@ pub mod claims;
 mod impact;
 mod incline;
 mod pillar;
+mod plank;
 mod random;
 mod stack;
 mod wall;
@@ -76,6 +77,7 @@ pub const SHOTS: &[Shot] = &[
     wall::BALL,
     impact::IMPACT,
     pillar::PILLAR,
+    plank::PLANK,
     stack::STACK,
     incline::INCLINE,
 ];

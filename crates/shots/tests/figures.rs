@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
-use frangible::{StepReport, World, step};
+use frangible::{Method, StepReport, World, step};
 use frangible_shots::{Shot, ShotOptions};
 use glam::DVec3;
 
@@ -64,6 +64,37 @@ fn figure_2_boxes_form_a_stack_and_a_larger_box_scatters_it() {
     let scattered = (1..6).filter(|&i| position(&world, i).with_y(0.0).length() > 0.5).count();
     assert!(scattered >= 3, "{scattered} boxes are scattered");
     assert!((1..6).all(|i| position(&world, i).y > 0.2), "none sank into the ground");
+}
+
+/// The same on a plank, with both methods: seven boxes form a stack, and the larger one throws each of them off.
+#[test]
+fn figure_2_a_larger_box_on_a_plank_scatters_the_stack_on_its_other_end() {
+    for method in [Method::Paper, Method::FrameRate] {
+        let options = ShotOptions { method, ..ShotOptions::default() };
+        let mut world = World::build(&Shot::find("plank").unwrap().scene(&options).unwrap()).unwrap();
+        let boxes = 3..10;
+        let mut gain = f64::NEG_INFINITY;
+        for _ in 0..110 {
+            gain = gain.max(step(&mut world).energy.gain);
+        }
+        for (body, height) in boxes.clone().zip([5.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]) {
+            let at = position(&world, body);
+            assert!(
+                (at.y - height).abs() < 0.05 && at.with_y(0.0).length() < 1.0,
+                "{method:?}: box {body} at {at}"
+            );
+        }
+        let stack = world.bodies().poses.clone();
+        for _ in 110..180 {
+            gain = gain.max(step(&mut world).energy.gain);
+        }
+        for body in boxes {
+            let thrown = position(&world, body).distance(stack[body].position);
+            assert!(thrown > 2.0, "{method:?}: box {body} is thrown {thrown} m");
+        }
+        // The larger box brings 69 kJ.
+        assert!(gain < 1e-9 * 7e4, "{method:?}: {gain} J");
+    }
 }
 
 /// "A rigid cube sliding down an inclined plane and eventually stopping with friction, where the half sphere represents the

@@ -129,7 +129,7 @@ fn what_cannot_be_run_says_why() {
     let error = Shot::find("wall-e").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "unknown shot 'wall-e', must be one of: wall, wall-middle, wall-corner, wall-ball, impact, pillar, stack, incline"
+        "unknown shot 'wall-e', must be one of: wall, wall-middle, wall-corner, wall-ball, impact, pillar, plank, stack, incline"
     );
     let impact = Shot::find("impact").unwrap();
     assert!(matches!(impact.scene(&ShotOptions::default()), Err(ShotError::NeedsMesh("impact"))));
