@@ -1,6 +1,6 @@
 //! Where a ball touches another body within a frame: the other's signed distance from its centre says, without samples.
 
-use crate::manifold::{ManifoldPoint, reach, sag};
+use crate::manifold::{ManifoldPoint, reach};
 use crate::pair::Pair;
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Motion, Pose};
@@ -16,7 +16,7 @@ const TOUCH: f64 = 1e-4;
 const CAUTION: f64 = 0.9;
 
 /// A ball's point of contact with the pair's other body: where they first touch on their ballistic ways through the frame
-/// (conservative advancement [Mir96]), or the nearest point if they are nearly touching at its start.
+/// (conservative advancement [Mir96]), or the nearest point at its start if they do not.
 pub(crate) fn ball_point(
     bodies: &Bodies,
     pair: Pair,
@@ -30,22 +30,21 @@ pub(crate) fn ball_point(
     if start.phi > reach {
         return None;
     }
-    let gap = first_touch(bodies, ball, other, radius, reach, frame)
-        .or_else(|| (start.phi <= sag(frame)).then_some(start))?;
+    let gap = first_touch(bodies, ball, other, radius, reach, frame).unwrap_or(start);
 
-    // Material points that coincide when they touch.
+    // The ball's centre, and the material point of the other that it touches or will touch.
     let on_ball = gap.pose_ball.position - radius * gap.outward;
     let on_other = on_ball - gap.phi * gap.outward;
-    let anchor_ball = gap.pose_ball.world_from_body().inverse().point(on_ball);
     let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
     let closing = -gap.outward.dot(gap.velocity(bodies, ball, other, on_ball, frame));
-    let (normal, anchor_first, anchor_second) = if ball_is_first {
-        (gap.outward, anchor_ball, anchor_other)
+    let (normal, anchor_first, anchor_second, rounding) = if ball_is_first {
+        (gap.outward, DVec3::ZERO, anchor_other, [radius, 0.0])
     } else {
-        (-gap.outward, anchor_other, anchor_ball)
+        (-gap.outward, anchor_other, DVec3::ZERO, [0.0, radius])
     };
     let sample = (ball_is_first, u32::MAX);
-    Some(ManifoldPoint { anchor_first, anchor_second, normal, sample, approach: closing.max(0.0) })
+    let approach = closing.max(0.0);
+    Some(ManifoldPoint { anchor_first, anchor_second, rounding, normal, sample, approach })
 }
 
 /// A ball and another body at an instant of the frame, on their ballistic ways.

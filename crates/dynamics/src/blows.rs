@@ -5,6 +5,7 @@ use crate::first_contact::first_contact;
 use crate::manifold::{ManifoldPoint, find_manifolds};
 use crate::pair::{Approach, Pair, approach_at, deepest_approach, impulse_for, placed};
 use crate::substeps::WarmStart;
+use crate::tally::Cause;
 use crate::{Bodies, BodyId, Frame, Pose, Tally};
 use glam::DVec3;
 
@@ -100,7 +101,7 @@ pub fn strike(
         if frame.settings.impulse_clamp {
             impulse = impulse.clamped_to_energy(bodies, pair, &approach, &bodies.velocities, tally);
         }
-        tally.book_impulse(bodies, pair, &approach, &impulse);
+        tally.book_impulse(bodies, pair, &approach, &impulse, &bodies.velocities, Cause::Collision);
         impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
         for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
             broken[i] |= blow.is_some();
@@ -115,14 +116,14 @@ fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) ->
     // Of the points of its manifold, the one whose gap closes first.
     let manifold = find_manifolds(bodies, &[pair], &WarmStart::default(), frame).into_iter().next();
     let due = |point: &ManifoldPoint| {
-        let [on_first, on_second] = point.anchors_world(bodies, pair);
+        let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
         (point.approach > 0.0 && time <= frame.dt).then_some(time)
     };
     let points = manifold.iter().flat_map(|manifold| &manifold.points);
     let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((time, point)) = first {
-        let [on_first, on_second] = point.anchors_world(bodies, pair);
+        let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let contact = ContactPoint { point: 0.5 * (on_first + on_second), normal: point.normal };
         let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
         // Gravity adds to the speed on the way.

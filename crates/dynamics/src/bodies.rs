@@ -30,12 +30,16 @@ pub enum Motion {
     Dynamic,
 }
 
-/// How a body's surface meets others. A pair has the smaller value of its two.
+/// How a body's surface meets others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contactant {
-    /// Coulomb's coefficient.
+    /// Coulomb's coefficient; a pair has the smaller of its two.
     pub friction: f64,
-    /// Ratio of normal speeds after and before a collision, in [0, 1].
+    /// Largest torque against rolling per normal force [m]; a pair has the larger of its two.
+    pub rolling_friction: f64,
+    /// Largest torque against spinning about the normal per normal force [m]; a pair has the larger of its two.
+    pub spinning_friction: f64,
+    /// Ratio of normal speeds after and before a collision, in [0, 1]; a pair has the smaller of its two.
     pub restitution: f64,
     /// The largest impulse that the body bears in one collision [N s]; infinite if it cannot break.
     pub strength: f64,
@@ -48,6 +52,25 @@ pub struct PairContactant {
     pub restitution: f64,
     /// Coulomb's coefficient.
     pub friction: f64,
+    /// See [`Contactant::rolling_friction`]; felt by the frame-rate method.
+    pub rolling_friction: f64,
+    /// See [`Contactant::spinning_friction`]; felt by the frame-rate method.
+    pub spinning_friction: f64,
+}
+
+impl PairContactant {
+    /// Without rolling and spinning friction.
+    pub fn new(restitution: f64, friction: f64) -> Self {
+        Self { restitution, friction, rolling_friction: 0.0, spinning_friction: 0.0 }
+    }
+}
+
+impl Contactant {
+    /// Of a body that cannot break, without rolling and spinning friction.
+    pub fn new(restitution: f64, friction: f64) -> Self {
+        let strength = f64::INFINITY;
+        Self { friction, rolling_friction: 0.0, spinning_friction: 0.0, restitution, strength }
+    }
 }
 
 /// A body about to enter a world.
@@ -191,10 +214,15 @@ impl Bodies {
         }
     }
 
-    /// How the surfaces of a pair meet: the smaller value of the two.
+    /// How the surfaces of a pair meet.
     pub fn pair_contactant(&self, a: usize, b: usize) -> PairContactant {
         let (a, b) = (&self.contactants[a], &self.contactants[b]);
-        PairContactant { restitution: a.restitution.min(b.restitution), friction: a.friction.min(b.friction) }
+        PairContactant {
+            restitution: a.restitution.min(b.restitution),
+            friction: a.friction.min(b.friction),
+            rolling_friction: a.rolling_friction.max(b.rolling_friction),
+            spinning_friction: a.spinning_friction.max(b.spinning_friction),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
 use crate::first_contact::first_contact;
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
+use crate::tally::Cause;
 use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
 use std::collections::HashMap;
 
@@ -150,8 +151,8 @@ impl Collisions {
         impulse: &PairImpulse,
         frame: &Frame,
     ) {
+        self.tally.book_impulse(bodies, pair, approach, impulse, &bodies.velocities, Cause::Collision);
         impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
-        self.tally.book_impulse(bodies, pair, approach, impulse);
         for i in [pair.first, pair.second] {
             if !bodies.inertias[i].is_infinite() {
                 let falling = half_fallen(bodies.velocities[i], frame);

@@ -8,6 +8,7 @@ use crate::detection::{NearSamples, Penetration};
 use crate::displacements::Displacements;
 use crate::evolve::{evolve, evolve_all};
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
+use crate::tally::Cause;
 use crate::{Bodies, Frame, Inertia, PairContactant, Pose, Tally, Velocity};
 use std::collections::HashMap;
 
@@ -129,18 +130,21 @@ impl<'a> Contact<'a> {
 
     /// Applies an impulse, re-evolves both bodies and books what came from outside.
     fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
+        match self.phase {
+            Phase::Velocity => {
+                let (bodies, velocities) = (self.bodies, &self.velocities);
+                self.tally.book_impulse(bodies, pair, approach, impulse, velocities, Cause::Contact);
+            }
+            Phase::Position => {
+                let push = self.frame.dt * impulse.at_contact;
+                self.displacements.book(self.bodies, pair, push, &self.inertias);
+            }
+        }
         impulse.apply(pair, &self.inertias, &mut self.velocities);
         for i in [pair.first, pair.second] {
             if !self.inertias[i].is_infinite() {
                 self.proposed[i] =
                     evolve(self.bodies, i, &self.bodies.poses[i], &self.velocities[i], self.frame);
-            }
-        }
-        match self.phase {
-            Phase::Velocity => self.tally.book_impulse(self.bodies, pair, approach, impulse),
-            Phase::Position => {
-                let push = self.frame.dt * impulse.at_contact;
-                self.displacements.book(self.bodies, pair, push, &self.inertias);
             }
         }
     }

@@ -83,7 +83,7 @@ impl NearSamples {
         found: &mut Vec<Penetration>,
     ) {
         let relative = second_from_first(first, second);
-        let mut moved = self.moved(&relative, first.shape, second.shape);
+        let mut moved = moved_since(&self.gathered_at, first, second, STEEPEST * self.margin);
         if moved > self.margin {
             *self = Self::gather(first, second, contour);
             moved = 0.0;
@@ -101,21 +101,22 @@ impl NearSamples {
             found.push(Penetration { sample_of_first: false, sample, phi });
         });
     }
+}
 
-    /// The furthest that a point near the smaller body can have moved, of either body relative to the other, since the
-    /// gathering [m].
-    fn moved(&self, relative: &RigidTransform, first: &Shape, second: &Shape) -> f64 {
-        let (now, then, reach) = if radius(first) <= radius(second) {
-            (*relative, self.gathered_at, radius(first))
-        } else {
-            (relative.inverse(), self.gathered_at.inverse(), radius(second))
-        };
-        let shift = (now.translation - then.translation).length();
-        // Of unit quaternions, |R - R'| <= 2 |q - q'|, up to the sign of q.
-        let [q, p] = [now.rotation, then.rotation].map(glam::DVec4::from);
-        let turn = 2.0 * (q - p).length().min((q + p).length());
-        shift + turn * (reach + STEEPEST * self.margin)
-    }
+/// The furthest that a point of the smaller body, or within `beyond` [m] of it, can have moved relative to the other one since
+/// `second_from_first` was `then` [m].
+pub fn moved_since(then: &RigidTransform, first: Placed, second: Placed, beyond: f64) -> f64 {
+    let now = second_from_first(first, second);
+    let (now, then, reach) = if radius(first.shape) <= radius(second.shape) {
+        (now, *then, radius(first.shape))
+    } else {
+        (now.inverse(), then.inverse(), radius(second.shape))
+    };
+    let shift = (now.translation - then.translation).length();
+    // Of unit quaternions, |R - R'| <= 2 |q - q'|, up to the sign of q.
+    let [q, p] = [now.rotation, then.rotation].map(glam::DVec4::from);
+    let turn = 2.0 * (q - p).length().min((q + p).length());
+    shift + turn * (reach + beyond)
 }
 
 /// The samples that were not further than `reach` [m].
@@ -137,12 +138,13 @@ pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
     (least <= 0.0).then_some(least)
 }
 
-fn second_from_first(first: Placed, second: Placed) -> RigidTransform {
+/// Takes the first body's frame to the second's.
+pub fn second_from_first(first: Placed, second: Placed) -> RigidTransform {
     second.pose.world_from_body().inverse().after(&first.pose.world_from_body())
 }
 
 /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
-fn radius(shape: &Shape) -> f64 {
+pub fn radius(shape: &Shape) -> f64 {
     shape.bounds.0.abs().max(shape.bounds.1.abs()).length()
 }
 

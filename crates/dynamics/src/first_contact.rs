@@ -106,7 +106,7 @@ mod tests {
             motion: Motion::Dynamic,
             pose,
             velocity: Velocity::default(),
-            contactant: Contactant { friction: 0.5, restitution: 0.5, strength: f64::INFINITY },
+            contactant: Contactant::new(0.5, 0.5),
         });
     }
 

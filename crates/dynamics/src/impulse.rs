@@ -35,7 +35,7 @@ pub fn collision_impulse(
     normal: DVec3,
     surfaces: PairContactant,
 ) -> DVec3 {
-    let PairContactant { restitution, friction } = surfaces;
+    let PairContactant { restitution, friction, .. } = surfaces;
 
     // Only an approach is resisted.
     let normal_velocity = normal.dot(relative_velocity);
@@ -156,7 +156,7 @@ mod tests {
     const UP: DVec3 = DVec3::Y;
 
     fn surfaces(restitution: f64, friction: f64) -> PairContactant {
-        PairContactant { restitution, friction }
+        PairContactant::new(restitution, friction)
     }
 
     /// A solid ball of 2 kg and 0.5 m that touches the ground.

@@ -54,14 +54,7 @@ const WHOLE: f64 = 1.0 - 1e-13;
 /// Against a kinematic body the energy is that in the frame that moves with the body's point, so that a lift can lift.
 /// Nothing is to be scaled between two prescribed bodies: `Whole`.
 pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
-    // The change of the energy is  slope eps + curvature eps^2 / 2.
-    let frame_velocity = |other: &ClampSide| match other {
-        ClampSide::Dynamic { .. } => DVec3::ZERO,
-        ClampSide::Prescribed { point_velocity } => *point_velocity,
-    };
-    let (slope_a, curvature_a) = energy_change(a, frame_velocity(b));
-    let (slope_b, curvature_b) = energy_change(b, frame_velocity(a));
-    let (slope, curvature) = (slope_a + slope_b, curvature_a + curvature_b);
+    let (slope, curvature) = pair_energy_change(a, b);
     if curvature == 0.0 {
         return Clamp::Whole;
     }
@@ -75,6 +68,23 @@ pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
     } else {
         Clamp::Blocked
     }
+}
+
+/// What both impulses in full add to the same energy [J].
+pub fn energy_given(a: &ClampSide, b: &ClampSide) -> f64 {
+    let (slope, curvature) = pair_energy_change(a, b);
+    slope + 0.5 * curvature
+}
+
+/// The change of the pair's energy is  slope eps + curvature eps^2 / 2  if a fraction eps of its impulses acts [J].
+fn pair_energy_change(a: &ClampSide, b: &ClampSide) -> (f64, f64) {
+    let frame_velocity = |other: &ClampSide| match other {
+        ClampSide::Dynamic { .. } => DVec3::ZERO,
+        ClampSide::Prescribed { point_velocity } => *point_velocity,
+    };
+    let (slope_a, curvature_a) = energy_change(a, frame_velocity(b));
+    let (slope_b, curvature_b) = energy_change(b, frame_velocity(a));
+    (slope_a + slope_b, curvature_a + curvature_b)
 }
 
 /// First and second derivative of a body's kinetic energy with respect to the fraction of the impulse that acts, at

@@ -7,13 +7,18 @@
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
 use crate::islands::Islands;
+use crate::payment::pay;
 use crate::rigid_part::Twist;
+use crate::tally::Debt;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Halvings of the interval in which the displacements' part is sought: 2^-30 of a displacement is no displacement.
 const HALVINGS: u32 = 30;
+
+/// Relative to an island's energy: less is rounding.
+const ROUNDING: f64 = 1e-14;
 
 /// The banks of all bodies, kept over the frames.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +31,8 @@ pub struct Ledger {
 pub struct Balance {
     /// Islands of touching bodies.
     pub islands: u64,
+    /// Islands in which the contacts that gave energy could pay it back.
+    pub paid: u64,
     /// Islands whose relative velocities were scaled down.
     pub scaled: u64,
     /// Islands whose displacements were shortened.
@@ -64,10 +71,12 @@ struct Island {
     anchor: Anchor,
     /// The energy that it may have at the end of the frame, without the bank [J].
     allowance: f64,
-    /// The part of it that kinematic bodies did as work [J].
-    work: f64,
+    /// What kinematic bodies took out of it on balance, each by itself [J].
+    taken: f64,
     /// [J]
     bank: f64,
+    /// Of its contacts, by their place in the tally.
+    debts: Vec<usize>,
 }
 
 /// What an island touches besides itself.
@@ -105,15 +114,28 @@ impl Ledger {
                     .sum()
             };
             let before = total(bodies);
-            let excess = before - island.allowance - island.bank;
+            let mut excess = before - island.allowance - island.bank;
             balance.islands += 1;
-            if frame.settings.ledger && excess > 0.0 {
-                let (shortened, work) = take_out(bodies, &island, flight, excess, frame, tally);
-                island.allowance += work;
-                balance.scaled += 1;
-                balance.shortened += u64::from(shortened);
-                balance.removed += before + work - total(bodies);
+
+            // The contacts that gave the energy pay first; what they have not, the island pays.
+            if frame.settings.ledger && excess > ROUNDING * before.abs() {
+                let work_before = tally.causes.work;
+                let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
+                pay(bodies, &debts, excess, tally);
+                island.allowance += tally.causes.work - work_before;
+                excess = total(bodies) - island.allowance - island.bank;
+                if excess > ROUNDING * before.abs() {
+                    let (shortened, work) = take_out(bodies, &island, flight, excess, frame, tally);
+                    island.allowance += work;
+                    balance.scaled += 1;
+                    balance.shortened += u64::from(shortened);
+                } else {
+                    balance.paid += 1;
+                }
+                balance.removed += before + (tally.causes.work - work_before) - total(bodies);
             }
+
+            tally.causes.balance = -balance.removed;
 
             // What is left goes into the bank, up to its cap, and is the members' by mass.
             let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
@@ -149,21 +171,38 @@ impl Ledger {
             islands.link(id, id);
         }
 
+        // A debt is its mobile bodies' island's.
+        let mut debts: BTreeMap<BodyId, Vec<usize>> = BTreeMap::new();
+        for (index, debt) in tally.debts.iter().enumerate() {
+            if let Some(&id) = debt.ids.iter().find(|&&id| !immobile(id)) {
+                debts.entry(id).or_default().push(index);
+            }
+        }
+
         let island = |ids: Vec<BodyId>| {
             let touched: BTreeSet<BodyId> =
                 ids.iter().filter_map(|id| anchors.get(id)).flatten().copied().collect();
             let sum =
                 |amounts: &BTreeMap<BodyId, f64>| ids.iter().filter_map(|id| amounts.get(id)).sum::<f64>();
+            let works = || ids.iter().flat_map(|&id| work_on(tally, id));
             Island {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, &touched),
-                allowance: sum(&opening.0) + sum(&tally.work),
-                work: sum(&tally.work),
+                allowance: sum(&opening.0) + works().sum::<f64>(),
+                taken: works().map(|work| (-work).max(0.0)).sum(),
                 bank: sum(&self.bank),
+                debts: ids.iter().filter_map(|id| debts.get(id)).flatten().copied().collect(),
             }
         };
         islands.members().into_iter().map(island).filter(|island| !island.members.is_empty()).collect()
     }
+}
+
+/// The work on a body by each kinematic body [J].
+fn work_on(tally: &Tally, id: BodyId) -> impl Iterator<Item = f64> {
+    const FIRST: BodyId = BodyId { index: 0, generation: 0 };
+    const LAST: BodyId = BodyId { index: u32::MAX, generation: u32::MAX };
+    tally.work.range([id, FIRST]..=[id, LAST]).map(|(_, &work)| work)
 }
 
 /// One kinematic body moves an island along; anything else holds it.
@@ -229,9 +268,9 @@ fn take_out(
     if shortened {
         let of = |&i: &usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
         let missing = members.iter().map(of).sum::<f64>() - island.allowance - island.bank - work;
-        work += missing.clamp(0.0, (-island.work).max(0.0));
+        work += missing.clamp(0.0, island.taken);
     }
-    tally.kinematic_work += work;
+    tally.causes.work += work;
     (shortened, work)
 }
 

@@ -9,13 +9,15 @@ use crate::{Bodies, Frame};
 use frangible_geometry::{ClosedForm, Geometry, Shape};
 use glam::DVec3;
 
-/// One point of contact: an anchor on each body, that coincide when the gap is closed.
+/// One point of contact: a point on each body's surface, that coincide when the gap is closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// In the first body's frame [m].
     pub anchor_first: DVec3,
     /// In the second body's frame [m].
     pub anchor_second: DVec3,
+    /// Distances from the anchors to the surfaces along the normal [m]: a ball's anchor is its centre, so that it need not turn with it.
+    pub rounding: [f64; 2],
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
     /// Which sample this is, to find it again in the next frame.
@@ -25,12 +27,11 @@ pub struct ManifoldPoint {
 }
 
 impl ManifoldPoint {
-    /// Its anchors in the world [m].
-    pub fn anchors_world(&self, bodies: &Bodies, pair: Pair) -> [DVec3; 2] {
-        [
-            bodies.poses[pair.first].world_from_body().point(self.anchor_first),
-            bodies.poses[pair.second].world_from_body().point(self.anchor_second),
-        ]
+    /// Where it is on the two surfaces, in the world [m].
+    pub fn on_surfaces(&self, bodies: &Bodies, pair: Pair) -> [DVec3; 2] {
+        let [first, second] = [(pair.first, self.anchor_first), (pair.second, self.anchor_second)]
+            .map(|(i, anchor)| bodies.poses[i].world_from_body().point(anchor));
+        [first - self.rounding[0] * self.normal, second + self.rounding[1] * self.normal]
     }
 }
 
@@ -143,6 +144,7 @@ impl Candidate {
         ManifoldPoint {
             anchor_first: into_body(bodies, pair.first, on_first),
             anchor_second: into_body(bodies, pair.second, on_second),
+            rounding: [0.0; 2],
             normal,
             sample: self.sample,
             approach: self.approach,

@@ -2,7 +2,7 @@
 
 use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
-use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse};
+use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
 use crate::pair_rotation::turn_pair;
 use crate::{Bodies, Inertia, PairContactant, Pose, Tally, Velocity};
 use glam::{DMat3, DVec3};
@@ -157,6 +157,54 @@ impl PairImpulse {
         velocities: &[Velocity],
         tally: &mut Tally,
     ) -> Self {
+        let [first, second] = self.clamp_sides(bodies, pair, approach, velocities);
+        let clamp = clamp_impulse(&first, &second);
+        tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
+        tally.discarded += u64::from(clamp == Clamp::Blocked);
+        self.scaled(clamp.scale())
+    }
+
+    /// What it adds to the kinetic energy of the pair at the poses of `bodies` and `velocities`, beyond a kinematic body's work [J].
+    pub fn energy_given(
+        &self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        velocities: &[Velocity],
+    ) -> f64 {
+        let [first, second] = self.clamp_sides(bodies, pair, approach, velocities);
+        energy_given(&first, &second)
+    }
+
+    /// The part of it by friction: the tangential impulse times the mean of the slip before and after [J].
+    pub fn energy_of_friction(
+        &self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        velocities: &[Velocity],
+    ) -> f64 {
+        let normal = approach.contact.normal;
+        let tangential = self.at_contact - self.at_contact.dot(normal) * normal;
+        let point_velocity = |side: usize, velocity: &Velocity| {
+            let i = [pair.first, pair.second][side];
+            bodies.point_velocity(i, &bodies.poses[i], velocity, approach.levers[side])
+        };
+        let twice_mean = |side: usize| {
+            let i = [pair.first, pair.second][side];
+            let after = apply_impulse(&velocities[i], bodies.inertias[i].inverse_mass, &self.on[side]);
+            point_velocity(side, &velocities[i]) + point_velocity(side, &after)
+        };
+        0.5 * tangential.dot(twice_mean(0) - twice_mean(1))
+    }
+
+    fn clamp_sides(
+        &self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        velocities: &[Velocity],
+    ) -> [ClampSide; 2] {
         let side = |i: usize, impulse: Impulse| {
             let (inertia, pose) = (&bodies.inertias[i], &bodies.poses[i]);
             if inertia.is_infinite() {
@@ -169,9 +217,6 @@ impl PairImpulse {
                 ClampSide::Dynamic { inertia: *inertia, orientation, velocity, impulse }
             }
         };
-        let clamp = clamp_impulse(&side(pair.first, self.on[0]), &side(pair.second, self.on[1]));
-        tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
-        tally.discarded += u64::from(clamp == Clamp::Blocked);
-        self.scaled(clamp.scale())
+        [side(pair.first, self.on[0]), side(pair.second, self.on[1])]
     }
 }

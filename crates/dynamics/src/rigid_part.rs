@@ -118,7 +118,7 @@ mod tests {
                     linear: DVec3::new(3.0 - x, x * x - 4.0, 1.0),
                     angular_momentum: DVec3::new(x, -3.0, 2.0 * x),
                 },
-                contactant: Contactant { friction: 0.5, restitution: 0.5, strength: f64::INFINITY },
+                contactant: Contactant::new(0.5, 0.5),
             });
         }
         let members: Vec<usize> = (0..5).collect();

@@ -1,10 +1,12 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
+use crate::contact_rows::{Arm, Moving, Patch, Row, moving_bodies};
 use crate::evolve::evolve;
-use crate::manifold::{Manifold, ManifoldPoint};
+use crate::manifold::Manifold;
 use crate::pair::Pair;
-use crate::{Bodies, BodyId, Frame, Motion, Tally};
-use glam::{DMat3, DVec3};
+use crate::tally::Cause;
+use crate::{Bodies, BodyId, Frame, PairContactant, Tally};
+use glam::DVec3;
 use std::collections::HashMap;
 
 /// Substeps of a frame.
@@ -22,7 +24,7 @@ const PUSH_SPEED: f64 = 3.0;
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
-/// Passes over the contacts that bounce.
+/// Passes over the points that bounce together.
 const BOUNCE_PASSES: u32 = 4;
 
 /// A sample of a pair, over the frames: which bodies, whether it is the first one's, and which.
@@ -31,24 +33,15 @@ pub type SampleKey = (BodyId, BodyId, bool, u32);
 /// The last substep's impulses of each contact point, before and after its drift.
 pub type WarmStart = HashMap<SampleKey, [PointImpulse; 2]>;
 
-/// What acts at one contact point [N s].
+/// What acts at one contact point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointImpulse {
-    /// Along the normal, not negative.
+    /// Along the normal, not negative [N s].
     pub normal: f64,
-    /// Across it, world frame.
+    /// Across it, world frame [N s].
     pub tangent: DVec3,
-}
-
-/// A contact point while the substeps run.
-struct Row {
-    point: ManifoldPoint,
-    pair: Pair,
-    friction: f64,
-    restitution: f64,
-    /// Of this substep, before and after the drift.
-    impulses: [PointImpulse; 2],
-    touched: bool,
+    /// Of rolling and spinning friction, world frame [N m s].
+    pub twist: DVec3,
 }
 
 /// The two times in a substep at which contact acts.
@@ -60,42 +53,41 @@ enum Stage {
     AfterDrift,
 }
 
-/// A body while the substeps run.
-#[derive(Clone, Copy)]
-struct Moving {
-    inverse_mass: f64,
-    inverse_tensor: DMat3,
-    linear: DVec3,
-    angular: DVec3,
-}
-
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
-    /// What static and kinematic bodies contributed.
+    /// What static and kinematic bodies contributed, and where energy went.
     pub tally: Tally,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     pub gravity: (DVec3, DVec3),
 }
 
-/// Moves all bodies through one frame: half kick, impulses, drift, half kick, relax in each substep.
+/// Moves all bodies through one frame: half kick, impulses, drift, half kick, relax, bounce in each substep.
 pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
     let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
-    let mut rows = rows_of(bodies, manifolds, warm);
+    let mut patches: Vec<Patch> =
+        manifolds.iter().map(|manifold| Patch::new(bodies, manifold, warm)).collect();
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
-    for _ in 0..SUBSTEPS {
+    for done in 0..SUBSTEPS {
+        let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..*frame };
+        patches.iter_mut().for_each(|patch| patch.refresh(bodies, &rest));
         kick(bodies, &step, &mut solved.gravity);
-        contact(bodies, &mut rows, Stage::BeforeDrift, &step, &mut solved.tally);
+        meet(bodies, &mut patches, frame, &step);
+        contact(bodies, &mut patches, Stage::BeforeDrift, &step, &mut solved.tally);
         drift(bodies, &step);
         kick(bodies, &step, &mut solved.gravity);
-        contact(bodies, &mut rows, Stage::AfterDrift, &step, &mut solved.tally);
+        contact(bodies, &mut patches, Stage::AfterDrift, &step, &mut solved.tally);
+        bounce(bodies, &mut patches, &step, &mut solved.tally);
     }
-    bounce(bodies, &mut rows, frame, &mut solved.tally);
 
-    // Keep the impulses for the next frame, and note who touched.
+    // Keep the impulses for the next frame; note who touched, and who owes energy.
     warm.clear();
-    for row in rows.iter().filter(|row| row.touched) {
-        warm.insert(sample_key(bodies, row.pair, row.point.sample), row.impulses);
-        solved.tally.link(bodies, row.pair);
+    for patch in &patches {
+        let touched = patch.rows.iter().filter(|row| row.touched);
+        warm.extend(touched.map(|row| (sample_key(bodies, patch.pair, row.point.sample), row.impulses)));
+        if patch.touched || patch.rows.iter().any(|row| row.touched) {
+            solved.tally.link(bodies, patch.pair);
+        }
+        solved.tally.debts.extend(patch.debt(bodies));
     }
     solved
 }
@@ -103,51 +95,6 @@ pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, 
 /// What a contact point is known by.
 pub fn sample_key(bodies: &Bodies, pair: Pair, sample: (bool, u32)) -> SampleKey {
     (bodies.ids[pair.first], bodies.ids[pair.second], sample.0, sample.1)
-}
-
-fn rows_of(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for manifold in manifolds {
-        let pair = manifold.pair;
-        let contactant = bodies.pair_contactant(pair.first, pair.second);
-        for &point in &manifold.points {
-            let mut impulses = warm.get(&sample_key(bodies, pair, point.sample)).copied().unwrap_or_default();
-            for impulse in &mut impulses {
-                impulse.tangent -= impulse.tangent.dot(point.normal) * point.normal;
-            }
-            let (friction, restitution) = (contactant.friction, contactant.restitution);
-            rows.push(Row { point, pair, friction, restitution, impulses, touched: false });
-        }
-    }
-    rows
-}
-
-/// Contact at one stage of a substep: what acted at this stage of the last one, then one pass over all rows.
-fn contact(bodies: &mut Bodies, rows: &mut [Row], stage: Stage, step: &Frame, tally: &mut Tally) {
-    let mut moving = moving_bodies(bodies);
-    for row in rows.iter_mut() {
-        let PointImpulse { normal, tangent } = row.impulses[stage as usize];
-        apply(bodies, &mut moving, row, normal * row.point.normal + tangent, tally);
-    }
-    sweep(bodies, &mut moving, rows, stage, step, tally);
-}
-
-/// What came fast enough leaves with its share of the speed that it had at the surface.
-fn bounce(bodies: &mut Bodies, rows: &mut [Row], frame: &Frame, tally: &mut Tally) {
-    let threshold = BOUNCE * frame.gravity.length() * frame.dt;
-    let mut moving = moving_bodies(bodies);
-    for _ in 0..BOUNCE_PASSES {
-        for row in rows.iter_mut().filter(|row| row.touched && row.point.approach > threshold) {
-            let (levers, _) = levers(bodies, row);
-            let normal = row.point.normal;
-            let wanted = row.restitution * row.point.approach;
-            let speed = relative_velocity(&moving, row.pair, levers).dot(normal);
-            if speed < wanted {
-                let change = (wanted - speed) / softness(&moving, row.pair, levers, normal);
-                apply(bodies, &mut moving, row, change * normal, tally);
-            }
-        }
-    }
 }
 
 /// Half a substep of gravity.
@@ -169,118 +116,179 @@ fn drift(bodies: &mut Bodies, step: &Frame) {
     }
 }
 
-fn moving_bodies(bodies: &Bodies) -> Vec<Moving> {
-    let of = |i: usize| {
-        let (inertia, pose, velocity) = (&bodies.inertias[i], &bodies.poses[i], &bodies.velocities[i]);
-        let inverse_tensor = inertia.inverse_tensor(pose.orientation);
-        let (linear, angular) = match bodies.motions[i] {
-            Motion::Static => (DVec3::ZERO, DVec3::ZERO),
-            Motion::Kinematic { linear, angular } => (linear, angular),
-            Motion::Dynamic => (velocity.linear, inverse_tensor * velocity.angular_momentum),
-        };
-        Moving { inverse_mass: inertia.inverse_mass, inverse_tensor, linear, angular }
-    };
-    (0..bodies.len()).map(of).collect()
+/// All rows, in the order of the pairs.
+fn rows_of(patches: &mut [Patch]) -> impl Iterator<Item = &mut Row> {
+    patches.iter_mut().flat_map(|patch| &mut patch.rows)
 }
 
-/// Levers from the centres of mass to the middle of a row's anchors, and the gap between the anchors [m].
-fn levers(bodies: &Bodies, row: &Row) -> ([DVec3; 2], f64) {
-    let [on_first, on_second] = row.point.anchors_world(bodies, row.pair);
-    let middle = 0.5 * (on_first + on_second);
-    let Pair { first, second } = row.pair;
-    let levers = [middle - bodies.poses[first].position, middle - bodies.poses[second].position];
-    (levers, (on_first - on_second).dot(row.point.normal))
-}
-
-/// Velocity of the first body's material at the levers' end less the second's [m/s].
-fn relative_velocity(moving: &[Moving], pair: Pair, levers: [DVec3; 2]) -> DVec3 {
-    let at = |body: &Moving, lever: DVec3| body.linear + body.angular.cross(lever);
-    at(&moving[pair.first], levers[0]) - at(&moving[pair.second], levers[1])
-}
-
-/// Change of the relative velocity along an axis per impulse along it [1/kg].
-fn softness(moving: &[Moving], pair: Pair, levers: [DVec3; 2], axis: DVec3) -> f64 {
-    let of = |body: &Moving, lever: DVec3| {
-        let turn = lever.cross(axis);
-        body.inverse_mass + turn.dot(body.inverse_tensor * turn)
-    };
-    of(&moving[pair.first], levers[0]) + of(&moving[pair.second], levers[1])
-}
-
-/// One pass over all rows. Before the drift overlaps are closed softly; after it their closing speed is taken out again.
-fn sweep(
-    bodies: &mut Bodies,
-    moving: &mut [Moving],
-    rows: &mut [Row],
-    stage: Stage,
-    step: &Frame,
-    tally: &mut Tally,
-) {
-    // Soft contact: a spring and a damper that no step size makes unstable [Cat24].
-    let omega = std::f64::consts::TAU * CONTACT_HERTZ.min(0.25 / step.dt);
-    let a = 2.0 * CONTACT_DAMPING + step.dt * omega;
-    let b = step.dt * omega * a;
-    let (bias_rate, soft_mass, soft_impulse) = (omega / a, b / (1.0 + b), 1.0 / (1.0 + b));
-    for row in rows {
-        let (levers, gap) = levers(bodies, row);
-        let normal = row.point.normal;
-        let PointImpulse { normal: normal_impulse, tangent } = row.impulses[stage as usize];
-
-        // Normal: no approach beyond the gap; an overlap closes at the soft rate.
-        let speed = relative_velocity(moving, row.pair, levers).dot(normal);
-        let (target, mass_scale, impulse_scale) = match stage {
-            _ if gap > 0.0 => (gap / step.dt, 1.0, 0.0),
-            Stage::BeforeDrift => ((bias_rate * gap).max(-PUSH_SPEED), soft_mass, soft_impulse),
-            Stage::AfterDrift => (0.0, 1.0, 0.0),
-        };
-        let mass = 1.0 / softness(moving, row.pair, levers, normal);
-        let change = -mass * mass_scale * (speed + target) - impulse_scale * normal_impulse;
-        let total = (normal_impulse + change).max(0.0);
-        row.impulses[stage as usize].normal = total;
-        apply(bodies, moving, row, (total - normal_impulse) * normal, tally);
-
-        // Friction: against the slip, inside Coulomb's cone.
-        let slip = relative_velocity(moving, row.pair, levers);
-        let slip = slip - slip.dot(normal) * normal;
-        let length = slip.length();
-        if length > 0.0 {
-            let wanted = tangent - slip / softness(moving, row.pair, levers, slip / length);
-            let most = row.friction * total;
-            let held = if wanted.length() > most { wanted * (most / wanted.length()) } else { wanted };
-            row.impulses[stage as usize].tangent = held;
-            apply(bodies, moving, row, held - tangent, tally);
-        }
-    }
-}
-
-/// Applies an impulse at the middle of a row's anchors, one point for both bodies, and books what the outside gave.
-fn apply(bodies: &mut Bodies, moving: &mut [Moving], row: &mut Row, impulse: DVec3, tally: &mut Tally) {
-    if impulse == DVec3::ZERO {
-        return;
-    }
-    row.touched = true;
-    let [on_first, on_second] = row.point.anchors_world(bodies, row.pair);
-    let middle = 0.5 * (on_first + on_second);
-    tally.impulses += 1;
-    for (i, other, j) in
-        [(row.pair.first, row.pair.second, impulse), (row.pair.second, row.pair.first, -impulse)]
-    {
-        if bodies.inertias[i].is_infinite() {
+/// Rows whose gap closes in this substep: at which speed, and whether they will bounce.
+fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
+    let moving = moving_bodies(bodies, step, true);
+    let threshold = BOUNCE * frame.gravity.length() * frame.dt;
+    for row in rows_of(patches).filter(|row| row.met_at.is_none()) {
+        let arm = row.arm(bodies);
+        let closing = -row.relative_velocity(&moving, &arm).dot(row.point.normal);
+        if arm.gap > closing * step.dt {
             continue;
         }
-        let moment = (middle - bodies.poses[i].position).cross(j);
-        bodies.velocities[i].linear += moving[i].inverse_mass * j;
-        bodies.velocities[i].angular_momentum += moment;
-        moving[i].linear += moving[i].inverse_mass * j;
-        moving[i].angular += moving[i].inverse_tensor * moment;
-        if bodies.inertias[other].is_infinite() {
-            tally.outside_impulse += j;
-            tally.outside_angular_impulse += middle.cross(j);
-            if let Motion::Kinematic { linear, angular } = bodies.motions[other] {
-                let work = j.dot(linear + angular.cross(middle - bodies.poses[other].position));
-                tally.kinematic_work += work;
-                *tally.work.entry(bodies.ids[i]).or_insert(0.0) += work;
+        // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
+        let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
+        let acceleration = -(falls(row.pair.first) - falls(row.pair.second)).dot(row.point.normal);
+        let start = closing - 0.5 * step.dt * acceleration;
+        let squared = start * start + 2.0 * acceleration * arm.gap.max(0.0);
+        let speed = if closing > 0.0 { squared.max(0.0).sqrt() } else { 0.0 };
+        row.met_at = Some(speed);
+        row.bounces = speed > threshold;
+    }
+}
+
+/// Contact at one stage of a substep: what acted at this stage of the last one, then one pass over all rows.
+fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Frame, tally: &mut Tally) {
+    let mut moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
+    for row in rows_of(patches) {
+        let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
+        let arm = row.arm(bodies);
+        let cause = row.cause();
+        row.apply(bodies, &mut moving, &arm, normal * row.point.normal, cause, tally);
+        row.apply(bodies, &mut moving, &arm, tangent, Cause::Friction, tally);
+        row.twist(bodies, &mut moving, twist, tally);
+    }
+
+    let softness = Softness::new(stage, step);
+    // What has not met yet is stopped before the next drift, where it meets.
+    let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
+    for row in rows_of(patches).filter(acts) {
+        let arm = row.arm(bodies);
+        let mut impulse = row.impulses[stage as usize];
+        stop_approach(bodies, &mut moving, row, &arm, &mut impulse, &softness, tally);
+        stop_slip(bodies, &mut moving, row, &arm, &mut impulse, tally);
+        stop_roll(bodies, &mut moving, row, &mut impulse, tally);
+        row.impulses[stage as usize] = impulse;
+    }
+}
+
+/// How a row's normal impulse answers at one stage: soft contact is a spring and a damper that no step size makes unstable [Cat24].
+struct Softness {
+    stage: Stage,
+    dt: f64,
+    /// Closing speed of an overlap per depth [1/s].
+    rate: f64,
+    mass: f64,
+    impulse: f64,
+}
+
+impl Softness {
+    fn new(stage: Stage, step: &Frame) -> Self {
+        let omega = std::f64::consts::TAU * CONTACT_HERTZ.min(0.25 / step.dt);
+        let a = 2.0 * CONTACT_DAMPING + step.dt * omega;
+        let b = step.dt * omega * a;
+        Self { stage, dt: step.dt, rate: omega / a, mass: b / (1.0 + b), impulse: 1.0 / (1.0 + b) }
+    }
+}
+
+/// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate.
+fn stop_approach(
+    bodies: &mut Bodies,
+    moving: &mut [Moving],
+    row: &mut Row,
+    arm: &Arm,
+    impulse: &mut PointImpulse,
+    soft: &Softness,
+    tally: &mut Tally,
+) {
+    let normal = row.point.normal;
+    let speed = row.relative_velocity(moving, arm).dot(normal);
+    let (target, mass_scale, impulse_scale) = match soft.stage {
+        _ if arm.gap > 0.0 => (-arm.gap / soft.dt, 1.0, 0.0),
+        Stage::BeforeDrift => ((-soft.rate * arm.gap).min(PUSH_SPEED), soft.mass, soft.impulse),
+        Stage::AfterDrift => (0.0, 1.0, 0.0),
+    };
+    let mass = 1.0 / row.softness(moving, arm, normal);
+    let change = mass * mass_scale * (target - speed) - impulse_scale * impulse.normal;
+    let total = (impulse.normal + change).max(0.0);
+    let cause = row.cause();
+    row.apply(bodies, moving, arm, (total - impulse.normal) * normal, cause, tally);
+    impulse.normal = total;
+    // What closes an overlap does work, as a wedge between the two would.
+    if target > 0.0 {
+        let work = total * target;
+        tally.causes.add(Cause::Projection, work);
+        tally.causes.add(cause, -work);
+    }
+}
+
+/// Friction: against the slip, inside Coulomb's cone.
+fn stop_slip(
+    bodies: &mut Bodies,
+    moving: &mut [Moving],
+    row: &mut Row,
+    arm: &Arm,
+    impulse: &mut PointImpulse,
+    tally: &mut Tally,
+) {
+    let normal = row.point.normal;
+    let velocity = row.relative_velocity(moving, arm);
+    let slip = velocity - velocity.dot(normal) * normal;
+    let length = slip.length();
+    if length > 0.0 {
+        let wanted = impulse.tangent - slip / row.softness(moving, arm, slip / length);
+        let held = wanted.clamp_length_max(row.surfaces.friction * impulse.normal);
+        row.apply(bodies, moving, arm, held - impulse.tangent, Cause::Friction, tally);
+        impulse.tangent = held;
+    }
+}
+
+/// Rolling and spinning friction: against the relative spin, no more than their lengths times the normal impulse.
+fn stop_roll(
+    bodies: &mut Bodies,
+    moving: &mut [Moving],
+    row: &mut Row,
+    impulse: &mut PointImpulse,
+    tally: &mut Tally,
+) {
+    let PairContactant { rolling_friction: rolling, spinning_friction: spinning, .. } = row.surfaces;
+    if rolling == 0.0 && spinning == 0.0 {
+        return;
+    }
+    let normal = row.point.normal;
+    let spin = row.relative_spin(moving);
+    let about = spin.dot(normal) * normal;
+    let held = |part: DVec3, before: DVec3, most: f64| {
+        let length = part.length();
+        if length == 0.0 {
+            return before;
+        }
+        (before - part / row.spin_softness(moving, part / length)).clamp_length_max(most)
+    };
+    let twist_about = impulse.twist.dot(normal) * normal;
+    let next = held(about, twist_about, spinning * impulse.normal)
+        + held(spin - about, impulse.twist - twist_about, rolling * impulse.normal);
+    row.twist(bodies, moving, next - impulse.twist, tally);
+    impulse.twist = next;
+}
+
+/// What met fast enough leaves with its share of the speed at which it met; what stopped it is no guide to the next substep.
+fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut Tally) {
+    if !rows_of(patches).any(|row| row.bounces) {
+        return;
+    }
+    let mut moving = moving_bodies(bodies, step, false);
+    for _ in 0..BOUNCE_PASSES {
+        for row in rows_of(patches).filter(|row| row.bounces) {
+            let arm = row.arm(bodies);
+            let normal = row.point.normal;
+            let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
+            let speed = row.relative_velocity(&moving, &arm).dot(normal);
+            if speed < wanted {
+                let change = (wanted - speed) / row.softness(&moving, &arm, normal);
+                row.apply(bodies, &mut moving, &arm, change * normal, Cause::Collision, tally);
+                let mut of_bounce = PointImpulse { normal: change, ..Default::default() };
+                stop_slip(bodies, &mut moving, row, &arm, &mut of_bounce, tally);
             }
         }
+    }
+    for row in rows_of(patches).filter(|row| row.bounces) {
+        row.bounces = false;
+        row.impulses = Default::default();
     }
 }

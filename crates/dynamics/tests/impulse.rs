@@ -20,7 +20,7 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             let (restitution, friction) = (random.uniform(-1.0, 1.0), random.uniform(0.0, 2.0));
 
             let impulse =
-                collision_impulse(matrix, relative, normal, PairContactant { restitution, friction });
+                collision_impulse(matrix, relative, normal, PairContactant::new(restitution, friction));
             let approach = normal.dot(relative);
             if approach >= 0.0 {
                 assert_eq!(impulse, DVec3::ZERO, "separating points are left alone");

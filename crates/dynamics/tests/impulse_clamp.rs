@@ -57,7 +57,7 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             matrix += contact_matrix(b.inertia.inverse_mass, b.inverse_tensor(), b.lever);
             relative -= b.point_velocity(&b.velocity);
         }
-        let surfaces = PairContactant { restitution, friction: 0.5 };
+        let surfaces = PairContactant::new(restitution, 0.5);
         let impulse = collision_impulse(matrix, relative, random.direction(), surfaces);
         if impulse == DVec3::ZERO {
             continue;

@@ -26,7 +26,7 @@ fn body(form: ClosedForm, motion: Motion, position: DVec3, linear: DVec3, streng
         motion,
         pose: Pose { position, orientation: DQuat::IDENTITY },
         velocity: Velocity { linear, angular_momentum: DVec3::ZERO },
-        contactant: Contactant { friction: 0.5, restitution: 0.5, strength },
+        contactant: Contactant { strength, ..Contactant::new(0.5, 0.5) },
     }
 }
 

@@ -1,7 +1,7 @@
 //! Energy and momentum of all dynamic bodies, and what the outside has to do with their change.
 
-use crate::report::{Energy, Momentum};
-use frangible_dynamics::{Bodies, Frame, Tally};
+use crate::report::{Causes, Energy, Momentum};
+use frangible_dynamics::{Bodies, Frame, Pose, Tally};
 use glam::DVec3;
 
 /// Sums over all dynamic bodies at one instant.
@@ -26,9 +26,14 @@ pub(crate) struct Totals {
 impl Totals {
     /// Of the bodies as they are.
     pub(crate) fn of(bodies: &Bodies, frame: &Frame) -> Self {
+        Self::at(bodies, &bodies.poses, frame)
+    }
+
+    /// Of the bodies as they move, elsewhere.
+    pub(crate) fn at(bodies: &Bodies, poses: &[Pose], frame: &Frame) -> Self {
         let mut sum = Self::default();
         for i in 0..bodies.len() {
-            let (inertia, pose, velocity) = (&bodies.inertias[i], &bodies.poses[i], &bodies.velocities[i]);
+            let (inertia, pose, velocity) = (&bodies.inertias[i], &poses[i], &bodies.velocities[i]);
             if inertia.is_infinite() {
                 continue;
             }
@@ -92,13 +97,15 @@ impl Books {
         banked: f64,
         tally: &Tally,
     ) -> (Energy, Momentum) {
+        let change = after.energy() - before.energy();
         let energy = Energy {
             kinetic: after.kinetic,
             potential: after.potential,
             total: after.energy(),
-            work: tally.kinematic_work,
+            work: tally.causes.work,
             banked,
-            gain: after.energy() - before.energy() + banked - tally.kinematic_work,
+            gain: change + banked - tally.causes.work,
+            causes: Causes::of(&tally.causes, change),
         };
 
         // What neither gravity nor the outside explains.

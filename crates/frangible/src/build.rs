@@ -66,6 +66,8 @@ fn build_body(
     // Check the plain numbers before any work is done.
     let density = at.field("density").positive(desc.density, "kg/m^3")?;
     let friction = at.field("friction").not_negative(desc.friction)?;
+    let rolling_friction = at.field("rolling_friction").not_negative(desc.rolling_friction)?;
+    let spinning_friction = at.field("spinning_friction").not_negative(desc.spinning_friction)?;
     let restitution = at.field("restitution").within(desc.restitution, 0.0, 1.0)?;
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
@@ -104,7 +106,7 @@ fn build_body(
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
-    let contactant = Contactant { friction, restitution, strength };
+    let contactant = Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
     let label = Label { name: desc.name.clone(), parent: None, breaking };
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
 }

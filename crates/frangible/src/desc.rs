@@ -63,6 +63,12 @@ pub struct BodyDesc {
     /// Coulomb's coefficient; a pair has the smaller of its two.
     #[serde(default = "defaults::half")]
     pub friction: f64,
+    /// Largest torque against rolling per normal force [m], in the frame-rate method; a pair has the larger of its two.
+    #[serde(default)]
+    pub rolling_friction: f64,
+    /// Largest torque against spinning about the contact's normal per normal force [m], likewise.
+    #[serde(default)]
+    pub spinning_friction: f64,
     /// In [0, 1]; a pair has the smaller of its two.
     #[serde(default = "defaults::half")]
     pub restitution: f64,
@@ -273,6 +279,8 @@ impl BodyDesc {
             angular_velocity: [0.0; 3],
             density: defaults::density(),
             friction: defaults::half(),
+            rolling_friction: 0.0,
+            spinning_friction: 0.0,
             restitution: defaults::half(),
             breaking: None,
         }

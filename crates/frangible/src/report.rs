@@ -1,6 +1,6 @@
 //! What one frame did, with the books open.
 
-use frangible_dynamics::{BodyId, ledger};
+use frangible_dynamics::{BodyId, ledger, tally};
 use serde::Serialize;
 
 /// One frame.
@@ -48,6 +48,38 @@ pub struct Energy {
     /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
     /// negative, was dissipated.
     pub gain: f64,
+    /// What E(n+1) - E(n) consists of.
+    pub causes: Causes,
+}
+
+/// What changed the energy of the dynamic bodies in one frame [J]; the sum is E(n+1) - E(n).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Causes {
+    /// Kinematic bodies.
+    pub work: f64,
+    /// What stops an approach, and what comes back of it by restitution.
+    pub collision: f64,
+    /// What keeps touching bodies from approaching.
+    pub contact: f64,
+    /// Coulomb's, rolling and spinning friction.
+    pub friction: f64,
+    /// Moving bodies out of each other.
+    pub projection: f64,
+    /// Breaking, which conserves: rounding.
+    pub fracture: f64,
+    /// What the ledger took out.
+    pub balance: f64,
+    /// What is left: flight and rotation, which conserve but for the rule by which bodies turn, and rounding.
+    pub flight: f64,
+}
+
+impl Causes {
+    /// What the stages booked, and the rest of a frame's change of energy [J].
+    pub(crate) fn of(booked: &tally::Causes, change: f64) -> Self {
+        let tally::Causes { work, collision, contact, friction, projection, fracture, balance } = *booked;
+        let flight = change - booked.sum();
+        Self { work, collision, contact, friction, projection, fracture, balance, flight }
+    }
 }
 
 /// What the ledger had to do in one frame.
@@ -55,6 +87,8 @@ pub struct Energy {
 pub struct Balance {
     /// Islands of touching bodies.
     pub islands: u64,
+    /// Islands in which the contacts that gave energy could pay it back.
+    pub paid: u64,
     /// Islands whose relative velocities were scaled down.
     pub scaled: u64,
     /// Islands whose displacements were shortened.
@@ -65,8 +99,8 @@ pub struct Balance {
 
 impl From<ledger::Balance> for Balance {
     fn from(balance: ledger::Balance) -> Self {
-        let ledger::Balance { islands, scaled, shortened, removed } = balance;
-        Self { islands, scaled, shortened, removed }
+        let ledger::Balance { islands, paid, scaled, shortened, removed } = balance;
+        Self { islands, paid, scaled, shortened, removed }
     }
 }
 

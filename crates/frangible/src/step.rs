@@ -6,7 +6,7 @@ use crate::break_bodies::break_bodies;
 use crate::desc::Method;
 use crate::quarantine::quarantine_non_finite;
 use crate::report::{Fracture, Impulses, StepReport};
-use frangible_dynamics::blows::strike;
+use frangible_dynamics::blows::{Blow, strike};
 use frangible_dynamics::broad_phase::{find_pairs, find_swept_pairs};
 use frangible_dynamics::collisions::{Collisions, Response, predict};
 use frangible_dynamics::contact::{Contact, Phase};
@@ -108,6 +108,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     clock.lap("shock_propagation");
     let Contact { mut proposed, mut displacements, .. } = contact;
     push_out(bodies, &mut proposed, &graph, &mut displacements, frame);
+    let flown = Totals::at(bodies, &flight, frame).energy();
     bodies.poses = proposed;
     clock.lap("push_out");
 
@@ -115,6 +116,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
     let gravity = gravity_impulse(bodies, frame);
     displacements.restore_angular_momentum(bodies, &mut tally);
+    tally.causes.projection += Totals::of(bodies, frame).energy() - flown;
     clock.lap("restore_momentum");
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
     let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, frame);
@@ -163,7 +165,7 @@ fn strike_and_break(
         if blows.is_empty() {
             return (fractures, predicted, pairs);
         }
-        fractures.extend(break_bodies(world, &blows).0);
+        fractures.extend(break_and_book(world, &blows, tally, frame).0);
         passes += 1;
         clock.lap("break_bodies");
     }
@@ -185,7 +187,7 @@ fn collide_and_break(
         let pass = collisions.pass(&mut world.bodies, response, frame);
         clock.lap("collisions");
         if !pass.blows.is_empty() {
-            let (broken, new_index) = break_bodies(world, &pass.blows);
+            let (broken, new_index) = break_and_book(world, &pass.blows, &mut collisions.tally, frame);
             collisions.rebase(&world.bodies, &new_index, frame);
             fractures.extend(broken);
             breaking_passes += 1;
@@ -198,6 +200,19 @@ fn collide_and_break(
         passes += 1;
     }
     fractures
+}
+
+/// Breaks bodies and books what it does to the energy.
+fn break_and_book(
+    world: &mut World,
+    blows: &[Blow],
+    tally: &mut Tally,
+    frame: &Frame,
+) -> (Vec<Fracture>, Vec<Option<usize>>) {
+    let before = Totals::of(&world.bodies, frame).energy();
+    let broken = break_bodies(world, blows);
+    tally.causes.fracture += Totals::of(&world.bodies, frame).energy() - before;
+    broken
 }
 
 /// How far bodies sag in one frame [m]: bounds that come this close may belong to resting contacts.

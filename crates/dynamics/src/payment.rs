@@ -1,0 +1,46 @@
+//! Local payment: a contact that gave energy to its bodies pays it back out of their relative velocity, before the island has to.
+
+use crate::detection::ContactPoint;
+use crate::pair::{Approach, Pair, PairImpulse, pair_contact_matrix};
+use crate::tally::{Debt, kinematic_work};
+use crate::{Bodies, Tally};
+use glam::DVec3;
+
+/// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its relative velocity has it. Impulses at the
+/// contact are mutual, so momentum and angular momentum stay.
+pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut Tally) {
+    let owed: f64 = debts.iter().map(|debt| debt.energy).sum();
+    if owed <= 0.0 {
+        return;
+    }
+    let part = (excess / owed).min(1.0);
+    for debt in debts {
+        let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
+        pay_at(bodies, Pair { first, second }, debt.point, part * debt.energy, tally);
+    }
+}
+
+/// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of u.K^-1 u / 2, by an impulse
+/// j = -alpha K^-1 u.
+fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
+    let levers = [pair.first, pair.second].map(|i| point - bodies.poses[i].position);
+    let velocity =
+        |i: usize, lever: DVec3| bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever);
+    let relative_velocity = velocity(pair.first, levers[0]) - velocity(pair.second, levers[1]);
+    let k = pair_contact_matrix(pair, levers, &bodies.poses, &bodies.inertias);
+    let stopping = -(k.inverse() * relative_velocity);
+    let available = -0.5 * stopping.dot(relative_velocity);
+    if !(available > 0.0 && stopping.is_finite()) {
+        return;
+    }
+    let alpha = if energy < available { 1.0 - (1.0 - energy / available).sqrt() } else { 1.0 };
+    let approach = Approach { contact: ContactPoint { point, normal: DVec3::Y }, levers, relative_velocity };
+    let impulse = PairImpulse::new(&approach, alpha * stopping);
+    impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
+    for (body, other, j) in
+        [(pair.first, pair.second, impulse.at_contact), (pair.second, pair.first, -impulse.at_contact)]
+    {
+        let moment = point.cross(j);
+        tally.book_outside(bodies, [body, other], (j, moment), kinematic_work(bodies, other, j, moment));
+    }
+}
