@@ -101,7 +101,7 @@ pub fn strike(
         if frame.settings.impulse_clamp {
             impulse = impulse.clamped_to_energy(bodies, pair, &approach, &bodies.velocities, tally);
         }
-        tally.book_impulse(bodies, pair, &approach, &impulse, &bodies.velocities, Cause::Collision);
+        tally.book_impulse(bodies, pair, &approach, &impulse, (&bodies.velocities, Cause::Collision));
         impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
         for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
             broken[i] |= blow.is_some();
@@ -131,7 +131,8 @@ fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) ->
         approach.relative_velocity -= (speed + point.approach) * point.normal;
         let poses =
             [pair.first, pair.second].map(|i| between(&bodies.poses[i], &predicted[i], time / frame.dt));
-        let point_world = poses[0].world_from_body().point(point.anchor_first);
+        let anchor_world = poses[0].world_from_body().point(point.anchor_first);
+        let point_world = anchor_world - point.rounding[0] * point.normal;
         return Some((approach, (ContactPoint { point: point_world, normal: point.normal }, poses)));
     }
 

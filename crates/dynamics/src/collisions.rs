@@ -151,7 +151,7 @@ impl Collisions {
         impulse: &PairImpulse,
         frame: &Frame,
     ) {
-        self.tally.book_impulse(bodies, pair, approach, impulse, &bodies.velocities, Cause::Collision);
+        self.tally.book_impulse(bodies, pair, approach, impulse, (&bodies.velocities, Cause::Collision));
         impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
         for i in [pair.first, pair.second] {
             if !bodies.inertias[i].is_infinite() {

@@ -132,8 +132,8 @@ impl<'a> Contact<'a> {
     fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
         match self.phase {
             Phase::Velocity => {
-                let (bodies, velocities) = (self.bodies, &self.velocities);
-                self.tally.book_impulse(bodies, pair, approach, impulse, velocities, Cause::Contact);
+                let before = (&self.velocities[..], Cause::Contact);
+                self.tally.book_impulse(self.bodies, pair, approach, impulse, before);
             }
             Phase::Position => {
                 let push = self.frame.dt * impulse.at_contact;

@@ -115,6 +115,13 @@ impl Moving {
     }
 }
 
+/// What rows act on at one stage of a substep.
+pub(crate) struct Solver<'a> {
+    pub(crate) bodies: &'a mut Bodies,
+    pub(crate) moving: Vec<Moving>,
+    pub(crate) tally: &'a mut Tally,
+}
+
 /// All bodies as they are, half a kick of gravity into a substep that is about to drift; or at its end, if `drifts` is false.
 pub(crate) fn moving_bodies(bodies: &Bodies, step: &Frame, drifts: bool) -> Vec<Moving> {
     let of = |i: usize| {
@@ -209,15 +216,8 @@ impl Row {
     }
 
     /// Applies an impulse at the arm's point to the first body and its opposite to the second, and books it.
-    pub(crate) fn apply(
-        &mut self,
-        bodies: &mut Bodies,
-        moving: &mut [Moving],
-        arm: &Arm,
-        impulse: DVec3,
-        cause: Cause,
-        tally: &mut Tally,
-    ) {
+    pub(crate) fn apply(&mut self, on: &mut Solver, arm: &Arm, impulse: DVec3, cause: Cause) {
+        let Solver { bodies, moving, tally } = on;
         if impulse == DVec3::ZERO {
             return;
         }
@@ -239,13 +239,8 @@ impl Row {
     }
 
     /// The same for an angular impulse.
-    pub(crate) fn twist(
-        &mut self,
-        bodies: &mut Bodies,
-        moving: &mut [Moving],
-        angular_impulse: DVec3,
-        tally: &mut Tally,
-    ) {
+    pub(crate) fn twist(&mut self, on: &mut Solver, angular_impulse: DVec3) {
+        let Solver { bodies, moving, tally } = on;
         if angular_impulse == DVec3::ZERO {
             return;
         }

@@ -1,6 +1,6 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
-use crate::contact_rows::{Arm, Moving, Patch, Row, moving_bodies};
+use crate::contact_rows::{Arm, Patch, Row, Solver, moving_bodies};
 use crate::evolve::evolve;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
@@ -144,25 +144,26 @@ fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
 
 /// Contact at one stage of a substep: what acted at this stage of the last one, then one pass over all rows.
 fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Frame, tally: &mut Tally) {
-    let mut moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
+    let moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
+    let on = &mut Solver { bodies, moving, tally };
     for row in rows_of(patches) {
         let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
-        let arm = row.arm(bodies);
+        let arm = row.arm(on.bodies);
         let cause = row.cause();
-        row.apply(bodies, &mut moving, &arm, normal * row.point.normal, cause, tally);
-        row.apply(bodies, &mut moving, &arm, tangent, Cause::Friction, tally);
-        row.twist(bodies, &mut moving, twist, tally);
+        row.apply(on, &arm, normal * row.point.normal, cause);
+        row.apply(on, &arm, tangent, Cause::Friction);
+        row.twist(on, twist);
     }
 
     let softness = Softness::new(stage, step);
     // What has not met yet is stopped before the next drift, where it meets.
     let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
     for row in rows_of(patches).filter(acts) {
-        let arm = row.arm(bodies);
+        let arm = row.arm(on.bodies);
         let mut impulse = row.impulses[stage as usize];
-        stop_approach(bodies, &mut moving, row, &arm, &mut impulse, &softness, tally);
-        stop_slip(bodies, &mut moving, row, &arm, &mut impulse, tally);
-        stop_roll(bodies, &mut moving, row, &mut impulse, tally);
+        stop_approach(on, row, &arm, &mut impulse, &softness);
+        stop_slip(on, row, &arm, &mut impulse);
+        stop_roll(on, row, &mut impulse);
         row.impulses[stage as usize] = impulse;
     }
 }
@@ -187,83 +188,62 @@ impl Softness {
 }
 
 /// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate.
-fn stop_approach(
-    bodies: &mut Bodies,
-    moving: &mut [Moving],
-    row: &mut Row,
-    arm: &Arm,
-    impulse: &mut PointImpulse,
-    soft: &Softness,
-    tally: &mut Tally,
-) {
+fn stop_approach(on: &mut Solver, row: &mut Row, arm: &Arm, impulse: &mut PointImpulse, soft: &Softness) {
     let normal = row.point.normal;
-    let speed = row.relative_velocity(moving, arm).dot(normal);
+    let speed = row.relative_velocity(&on.moving, arm).dot(normal);
     let (target, mass_scale, impulse_scale) = match soft.stage {
         _ if arm.gap > 0.0 => (-arm.gap / soft.dt, 1.0, 0.0),
         Stage::BeforeDrift => ((-soft.rate * arm.gap).min(PUSH_SPEED), soft.mass, soft.impulse),
         Stage::AfterDrift => (0.0, 1.0, 0.0),
     };
-    let mass = 1.0 / row.softness(moving, arm, normal);
+    let mass = 1.0 / row.softness(&on.moving, arm, normal);
     let change = mass * mass_scale * (target - speed) - impulse_scale * impulse.normal;
     let total = (impulse.normal + change).max(0.0);
     let cause = row.cause();
-    row.apply(bodies, moving, arm, (total - impulse.normal) * normal, cause, tally);
+    row.apply(on, arm, (total - impulse.normal) * normal, cause);
     impulse.normal = total;
     // What closes an overlap does work, as a wedge between the two would.
     if target > 0.0 {
         let work = total * target;
-        tally.causes.add(Cause::Projection, work);
-        tally.causes.add(cause, -work);
+        on.tally.causes.add(Cause::Projection, work);
+        on.tally.causes.add(cause, -work);
     }
 }
 
 /// Friction: against the slip, inside Coulomb's cone.
-fn stop_slip(
-    bodies: &mut Bodies,
-    moving: &mut [Moving],
-    row: &mut Row,
-    arm: &Arm,
-    impulse: &mut PointImpulse,
-    tally: &mut Tally,
-) {
+fn stop_slip(on: &mut Solver, row: &mut Row, arm: &Arm, impulse: &mut PointImpulse) {
     let normal = row.point.normal;
-    let velocity = row.relative_velocity(moving, arm);
+    let velocity = row.relative_velocity(&on.moving, arm);
     let slip = velocity - velocity.dot(normal) * normal;
     let length = slip.length();
     if length > 0.0 {
-        let wanted = impulse.tangent - slip / row.softness(moving, arm, slip / length);
+        let wanted = impulse.tangent - slip / row.softness(&on.moving, arm, slip / length);
         let held = wanted.clamp_length_max(row.surfaces.friction * impulse.normal);
-        row.apply(bodies, moving, arm, held - impulse.tangent, Cause::Friction, tally);
+        row.apply(on, arm, held - impulse.tangent, Cause::Friction);
         impulse.tangent = held;
     }
 }
 
 /// Rolling and spinning friction: against the relative spin, no more than their lengths times the normal impulse.
-fn stop_roll(
-    bodies: &mut Bodies,
-    moving: &mut [Moving],
-    row: &mut Row,
-    impulse: &mut PointImpulse,
-    tally: &mut Tally,
-) {
+fn stop_roll(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse) {
     let PairContactant { rolling_friction: rolling, spinning_friction: spinning, .. } = row.surfaces;
     if rolling == 0.0 && spinning == 0.0 {
         return;
     }
     let normal = row.point.normal;
-    let spin = row.relative_spin(moving);
+    let spin = row.relative_spin(&on.moving);
     let about = spin.dot(normal) * normal;
     let held = |part: DVec3, before: DVec3, most: f64| {
         let length = part.length();
         if length == 0.0 {
             return before;
         }
-        (before - part / row.spin_softness(moving, part / length)).clamp_length_max(most)
+        (before - part / row.spin_softness(&on.moving, part / length)).clamp_length_max(most)
     };
     let twist_about = impulse.twist.dot(normal) * normal;
     let next = held(about, twist_about, spinning * impulse.normal)
         + held(spin - about, impulse.twist - twist_about, rolling * impulse.normal);
-    row.twist(bodies, moving, next - impulse.twist, tally);
+    row.twist(on, next - impulse.twist);
     impulse.twist = next;
 }
 
@@ -272,18 +252,19 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
     if !rows_of(patches).any(|row| row.bounces) {
         return;
     }
-    let mut moving = moving_bodies(bodies, step, false);
+    let moving = moving_bodies(bodies, step, false);
+    let on = &mut Solver { bodies, moving, tally };
     for _ in 0..BOUNCE_PASSES {
         for row in rows_of(patches).filter(|row| row.bounces) {
-            let arm = row.arm(bodies);
+            let arm = row.arm(on.bodies);
             let normal = row.point.normal;
             let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
-            let speed = row.relative_velocity(&moving, &arm).dot(normal);
+            let speed = row.relative_velocity(&on.moving, &arm).dot(normal);
             if speed < wanted {
-                let change = (wanted - speed) / row.softness(&moving, &arm, normal);
-                row.apply(bodies, &mut moving, &arm, change * normal, Cause::Collision, tally);
+                let change = (wanted - speed) / row.softness(&on.moving, &arm, normal);
+                row.apply(on, &arm, change * normal, Cause::Collision);
                 let mut of_bounce = PointImpulse { normal: change, ..Default::default() };
-                stop_slip(bodies, &mut moving, row, &arm, &mut of_bounce, tally);
+                stop_slip(on, row, &arm, &mut of_bounce);
             }
         }
     }

@@ -109,8 +109,7 @@ impl Tally {
         pair: Pair,
         approach: &Approach,
         impulse: &PairImpulse,
-        velocities: &[Velocity],
-        cause: Cause,
+        (velocities, cause): (&[Velocity], Cause),
     ) {
         self.impulses += 1;
         self.link(bodies, pair);

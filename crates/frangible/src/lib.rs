@@ -36,7 +36,9 @@ pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
-pub use report::{Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number};
+pub use report::{
+    Causes, Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number,
+};
 pub use step::step;
 pub use world::{Breaking, Label, World};
 
