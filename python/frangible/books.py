@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
 from .cache import CacheError
 from .recording import Float64, Recording
-from .report import Energy
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +53,9 @@ def read_books(recording: Recording) -> Books:
     kinetic, potential, work, banked, gain = (
         np.array([energy[key] for energy in energies]) for key in ("kinetic", "potential", "work", "banked", "gain")
     )
-    changes = _changes(energies)
+    # What enters comes first.
+    causes = sorted(energies[0]["causes"], key=lambda cause: cause != "work")
+    changes = {cause: np.array([cast(dict[str, float], energy["causes"])[cause] for energy in energies]) for cause in causes}
 
     # Before the first step there was what its books say has changed since.
     total = kinetic + potential
@@ -76,13 +77,3 @@ def read_books(recording: Recording) -> Books:
         angular_error=np.array([momentum["angular_error"] for momentum in momenta]),
         breaks=np.array([report["time"] for report in reports if report["fractures"]]),
     )
-
-
-def _changes(energies: list[Energy]) -> dict[str, Float64]:
-    """For each cause (n,) what it changed the total by in a step [J]; what enters comes first."""
-    causes: list[dict[str, float]] = [
-        cast(dict[str, Any], energy).get("causes")
-        or {"work": energy["work"], "dissipation": energy["gain"] - energy["banked"]}
-        for energy in energies
-    ]
-    return {cause: np.array([changes[cause] for changes in causes]) for cause in sorted(causes[0], key=lambda cause: cause != "work")}

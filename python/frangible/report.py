@@ -5,6 +5,27 @@ from __future__ import annotations
 from typing import TypedDict
 
 
+class Causes(TypedDict):
+    """What changed the energy of all dynamic bodies in the frame [J]; the sum is E(n+1) - E(n)."""
+
+    #: Kinematic bodies.
+    work: float
+    #: What stops an approach, and what comes back of it by restitution.
+    collision: float
+    #: What keeps touching bodies from approaching.
+    contact: float
+    #: Coulomb's, rolling and spinning friction.
+    friction: float
+    #: Moving bodies out of each other.
+    projection: float
+    #: Breaking, which conserves: rounding.
+    fracture: float
+    #: What the ledger took out.
+    balance: float
+    #: What is left: flight and rotation, which conserve but for the rule by which bodies turn, and rounding.
+    flight: float
+
+
 class Energy(TypedDict):
     """Of all dynamic bodies at the end of the frame [J]."""
 
@@ -19,6 +40,8 @@ class Energy(TypedDict):
     #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
     #: negative, was dissipated.
     gain: float
+    #: What E(n+1) - E(n) consists of.
+    causes: Causes
 
 
 class Balance(TypedDict):
@@ -26,6 +49,8 @@ class Balance(TypedDict):
 
     #: Of touching bodies.
     islands: int
+    #: Islands in which the contacts that gave energy could pay it back.
+    paid: int
     #: Islands whose relative velocities were scaled down.
     scaled: int
     #: Islands whose displacements were shortened.
