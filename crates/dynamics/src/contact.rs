@@ -5,8 +5,9 @@
 
 use crate::contact_graph::{ContactGraph, Level};
 use crate::detection::{NearSamples, Penetration};
-use crate::displacements::Displacements;
+use crate::displacements::{Displacements, Push};
 use crate::evolve::{evolve, evolve_all};
+use crate::ledger::pair_energy;
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::tally::Cause;
 use crate::{Bodies, Frame, Inertia, PairContactant, Pose, Tally, Velocity};
@@ -130,16 +131,11 @@ impl<'a> Contact<'a> {
 
     /// Applies an impulse, re-evolves both bodies and books what came from outside.
     fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
-        match self.phase {
-            Phase::Velocity => {
-                let before = (&self.velocities[..], Cause::Contact);
-                self.tally.book_impulse(self.bodies, pair, approach, impulse, before);
-            }
-            Phase::Position => {
-                let push = self.frame.dt * impulse.at_contact;
-                self.displacements.book(self.bodies, pair, push, &self.inertias);
-            }
+        if self.phase == Phase::Velocity {
+            let before = (&self.velocities[..], Cause::Contact);
+            self.tally.book_impulse(self.bodies, pair, approach, impulse, before);
         }
+        let energy_before = self.pair_energy(pair);
         impulse.apply(pair, &self.inertias, &mut self.velocities);
         for i in [pair.first, pair.second] {
             if !self.inertias[i].is_infinite() {
@@ -147,6 +143,17 @@ impl<'a> Contact<'a> {
                     evolve(self.bodies, i, &self.bodies.poses[i], &self.velocities[i], self.frame);
             }
         }
+        if self.phase == Phase::Position {
+            let energy = self.pair_energy(pair) - energy_before;
+            let amount = self.frame.dt * impulse.at_contact;
+            let push = Push { point: approach.contact.point, amount, energy };
+            self.displacements.book(self.bodies, pair, &push, &self.inertias);
+        }
+    }
+
+    /// Of a pair at the proposed poses, with the velocities that it keeps [J].
+    fn pair_energy(&self, pair: Pair) -> f64 {
+        pair_energy(self.bodies, pair, &self.proposed, self.frame.gravity)
     }
 }
 

@@ -7,6 +7,7 @@
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
 use crate::islands::Islands;
+use crate::pair::Pair;
 use crate::payment::pay;
 use crate::rigid_part::Twist;
 use crate::tally::Debt;
@@ -44,6 +45,12 @@ pub struct Balance {
 /// Kinetic and potential energy of each dynamic body at the start of a frame [J].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Opening(BTreeMap<BodyId, f64>);
+
+/// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities that they have [J].
+pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: DVec3) -> f64 {
+    let dynamic = [pair.first, pair.second].into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
+    dynamic.map(|i| energy(bodies, i, &poses[i], &bodies.velocities[i], gravity)).sum()
+}
 
 /// Kinetic and potential energy of one dynamic body [J].
 fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, gravity: DVec3) -> f64 {

@@ -2,7 +2,8 @@
 
 use crate::contact_graph::ContactGraph;
 use crate::detection::{NearSamples, Penetration, contact_point};
-use crate::displacements::Displacements;
+use crate::displacements::{Displacements, Push};
+use crate::ledger::pair_energy;
 use crate::pair::{Pair, pair_contact_matrix, placed};
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Inertia, Pose};
@@ -33,8 +34,10 @@ pub fn push_out(
                     let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else {
                         break;
                     };
-                    let push = separate(bodies, poses, &inertias, pair, deepest, part);
-                    displacements.book(bodies, pair, push, &inertias);
+                    let before = pair_energy(bodies, pair, poses, frame.gravity);
+                    let (point, amount) = separate(bodies, poses, &inertias, pair, deepest, part);
+                    let energy = pair_energy(bodies, pair, poses, frame.gravity) - before;
+                    displacements.book(bodies, pair, &Push { point, amount, energy }, &inertias);
                 }
             }
         }
@@ -44,7 +47,7 @@ pub fn push_out(
     }
 }
 
-/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns
+/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns where, and
 /// the push on the first body [kg m].
 fn separate(
     bodies: &Bodies,
@@ -53,7 +56,7 @@ fn separate(
     pair: Pair,
     deepest: &Penetration,
     part: f64,
-) -> DVec3 {
+) -> (DVec3, DVec3) {
     let (first, second) = placed(bodies, pair, poses);
     let contact = contact_point(first, second, deepest);
     let depth = -f64::from(deepest.phi);
@@ -63,13 +66,13 @@ fn separate(
     let k = pair_contact_matrix(pair, levers, poses, inertias);
     let softness = contact.normal.dot(k * contact.normal);
     if softness <= 0.0 {
-        return DVec3::ZERO;
+        return (contact.point, DVec3::ZERO);
     }
     let push = (part * depth / softness) * contact.normal;
     for (i, lever, push) in [(pair.first, levers[0], push), (pair.second, levers[1], -push)] {
         move_by(&mut poses[i], &inertias[i], lever, push);
     }
-    push
+    (contact.point, push)
 }
 
 /// Displaces and turns one body by `push` [kg m] at `lever`.
