@@ -1,9 +1,9 @@
 //! Where a ball touches another body within a frame: the other's signed distance from its centre says, without samples.
 
+use crate::flight::Flight;
 use crate::manifold::{ManifoldPoint, reach};
 use crate::pair::Pair;
-use crate::rotation::rotation_by;
-use crate::{Bodies, Frame, Motion, Pose};
+use crate::{Bodies, Frame, Pose};
 use glam::DVec3;
 
 /// Steps along the ball's way through a frame; each goes as far as the distance allows.
@@ -61,7 +61,7 @@ struct Gap {
 
 impl Gap {
     fn at(bodies: &Bodies, ball: usize, other: usize, radius: f64, time: f64, frame: &Frame) -> Self {
-        let [pose_ball, pose_other] = [ball, other].map(|i| fly(bodies, i, time, frame));
+        let [pose_ball, pose_other] = [ball, other].map(|i| Flight::of(bodies, i, frame).pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
         let (distance, gradient) = bodies.shapes[other].distance_and_gradient(center_other);
         let outward = pose_other.orientation * gradient;
@@ -70,12 +70,8 @@ impl Gap {
 
     /// Of the ball's material at a point less the other's [m/s].
     fn velocity(&self, bodies: &Bodies, ball: usize, other: usize, point: DVec3, frame: &Frame) -> DVec3 {
-        let of = |i: usize, pose: &Pose| {
-            let fallen =
-                if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { self.time * frame.gravity };
-            bodies.point_velocity(i, pose, &bodies.velocities[i], point - pose.position) + fallen
-        };
-        of(ball, &self.pose_ball) - of(other, &self.pose_other)
+        let of = |i: usize| Flight::of(bodies, i, frame).velocity(point, self.time);
+        of(ball) - of(other)
     }
 }
 
@@ -102,21 +98,4 @@ fn first_touch(
         }
     }
     None
-}
-
-/// Where a body is after `time` [s] of the frame without contact; its spin is taken as constant.
-fn fly(bodies: &Bodies, i: usize, time: f64, frame: &Frame) -> Pose {
-    let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
-    let (linear, angular, fall) = match bodies.motions[i] {
-        Motion::Static => return *pose,
-        Motion::Kinematic { linear, angular } => (linear, angular, DVec3::ZERO),
-        Motion::Dynamic => {
-            let angular = bodies.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum);
-            (velocity.linear, angular, 0.5 * time * time * frame.gravity)
-        }
-    };
-    Pose {
-        position: pose.position + time * linear + fall,
-        orientation: (rotation_by(time * angular) * pose.orientation).normalize(),
-    }
 }

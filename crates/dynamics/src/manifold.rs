@@ -1,12 +1,15 @@
-//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start, from the samples
-//! of each body in the level set of the other [GBF03 sec. 3].
+//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start. Balls and convex polyhedra
+//! have ways of their own; everything else meets by the samples of each body in the level set of the other [GBF03 sec. 3].
 
 use crate::ball_contact::ball_point;
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::flight::Flight;
+use crate::hull_contact::hull_points;
 use crate::pair::{Pair, placed};
+use crate::plane_contact::plane_points;
 use crate::substeps::{WarmStart, sample_key};
 use crate::{Bodies, Frame};
-use frangible_geometry::{ClosedForm, Geometry, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Shape};
 use glam::DVec3;
 
 /// One point of contact: a point on each body's surface, that coincide when the gap is closed.
@@ -20,7 +23,7 @@ pub struct ManifoldPoint {
     pub rounding: [f64; 2],
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
-    /// Which sample this is, to find it again in the next frame.
+    /// Which sample or feature this is, and whether of the first body, to find it again in the next frame.
     pub sample: (bool, u32),
     /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
     pub approach: f64,
@@ -47,6 +50,9 @@ pub struct Manifold {
 /// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
 const MOST_POINTS: usize = 8;
 
+/// Pairs of edges of two hulls, above which samples are found faster than separating axes.
+const MOST_EDGE_PAIRS: usize = 1 << 16;
+
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
 pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Vec<Manifold> {
@@ -66,6 +72,24 @@ fn find_points(bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> 
     if let Some(radius) = ball_radius(second.shape) {
         return ball_point(bodies, pair, false, radius, frame).into_iter().collect();
     }
+    // Polyhedra have features.
+    match (&first.shape.hull, &second.shape.hull) {
+        (Some(a), Some(b)) if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
+            return hull_points(bodies, pair, [a, b], frame);
+        }
+        (Some(hull), None) => {
+            if let Some(ground) = half_space(second.shape) {
+                return plane_points(bodies, pair, hull, true, ground, frame);
+            }
+        }
+        (None, Some(hull)) => {
+            if let Some(ground) = half_space(first.shape) {
+                return plane_points(bodies, pair, hull, false, ground, frame);
+            }
+        }
+        _ => {}
+    }
+    // Everything else has samples.
     let candidates = find_candidates(bodies, pair, frame);
     choose(bodies, pair, &candidates, warm)
         .into_iter()
@@ -164,6 +188,13 @@ fn ball_radius(shape: &Shape) -> Option<f64> {
     }
 }
 
+fn half_space(shape: &Shape) -> Option<HalfSpace> {
+    match shape.geometry {
+        Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) => Some(half_space),
+        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Grid(_) => None,
+    }
+}
+
 /// Relative normal velocity of the pair's material at a point [m/s]; negative if they approach.
 pub(crate) fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f64 {
     let velocity = |i: usize| {
@@ -191,16 +222,19 @@ pub(crate) fn surface_speed(
 /// How far apart two surfaces may be and still meet within the frame [m].
 pub(crate) fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
     let speed = |i: usize| {
-        let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
-        let (low, high) = bodies.shapes[i].bounds;
-        let radius = low.abs().max(high.abs()).length();
-        let angular =
-            bodies.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum).length();
-        let spin = if angular > 0.0 { angular * radius } else { 0.0 };
-        (bodies.point_velocity(i, pose, velocity, DVec3::ZERO), spin)
+        let Flight { linear, angular, .. } = Flight::of(bodies, i, frame);
+        let spin = angular.length();
+        // What has no bounds does not spin.
+        (linear, if spin > 0.0 { spin * radius(bodies, i) } else { 0.0 })
     };
     let ((first, spin_first), (second, spin_second)) = (speed(pair.first), speed(pair.second));
     frame.dt * ((first - second).length() + spin_first + spin_second) + sag(frame)
+}
+
+/// Of a ball around a body's centre of mass that holds it [m]; infinite for a half-space.
+pub(crate) fn radius(bodies: &Bodies, i: usize) -> f64 {
+    let (low, high) = bodies.shapes[i].bounds;
+    low.abs().max(high.abs()).length()
 }
 
 /// How far a body falls in one frame from rest, twice over [m].

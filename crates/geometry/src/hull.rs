@@ -27,6 +27,14 @@ pub struct HullFace {
     pub plane: HalfSpace,
     /// Vertex indices, counter-clockwise seen from outside.
     pub vertices: Vec<u32>,
+    /// Edge indices: from each of the vertices to the next.
+    pub edges: Vec<u32>,
+}
+
+/// A face while a hull is made.
+struct Polygon {
+    plane: HalfSpace,
+    vertices: Vec<u32>,
 }
 
 /// An edge of a hull.
@@ -47,14 +55,14 @@ impl Hull {
         let mut faces = Vec::with_capacity(6);
         for axis in 0..3 {
             let (high, u, v) = (1 << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-            let face = |normal: DVec3, vertices: [u32; 4]| HullFace {
+            let face = |normal: DVec3, vertices: [u32; 4]| Polygon {
                 plane: HalfSpace { normal, offset: half[axis] },
                 vertices: vertices.to_vec(),
             };
             faces.push(face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]));
             faces.push(face(-DVec3::AXES[axis], [0, v, u + v, u]));
         }
-        let edges = edges_of(&faces).unwrap_or_default();
+        let (faces, edges) = connected(faces).unwrap_or_default();
         Self { vertices, faces, edges }
     }
 
@@ -90,7 +98,7 @@ impl Hull {
         let face = |face: &HullFace| {
             let normal = to_from_hull.direction(face.plane.normal);
             let offset = face.plane.offset + normal.dot(to_from_hull.translation);
-            HullFace { plane: HalfSpace { normal, offset }, vertices: face.vertices.clone() }
+            HullFace { plane: HalfSpace { normal, offset }, ..face.clone() }
         };
         Self {
             vertices: self.vertices.iter().map(|&vertex| to_from_hull.point(vertex)).collect(),
@@ -116,7 +124,7 @@ impl Hull {
 
     /// The polyhedron of these faces. Vertices that lie between two faces only, on a straight edge, are left out, and so are
     /// faces that have lost all but two. `None` if what is left is not closed.
-    fn from_faces(vertices: &[DVec3], mut faces: Vec<HullFace>) -> Option<Self> {
+    fn from_faces(vertices: &[DVec3], mut faces: Vec<Polygon>) -> Option<Self> {
         // Straighten the edges until every vertex is a corner.
         loop {
             let mut faces_at = vec![0_u32; vertices.len()];
@@ -152,33 +160,41 @@ impl Hull {
         }
 
         // Euler's formula tells a sphere from anything else that is closed.
-        let edges = edges_of(&faces)?;
+        let (faces, edges) = connected(faces)?;
         let is_sphere = faces.len() >= 4 && corners.len() + faces.len() == edges.len() + 2;
         is_sphere.then_some(Self { vertices: corners, faces, edges })
     }
 }
 
-/// The edges between faces, in the order of the faces; `None` if an edge does not have two that run along it in opposite
-/// directions.
-fn edges_of(faces: &[HullFace]) -> Option<Vec<HullEdge>> {
+/// Faces with the edges between them, in the order of the faces; `None` if an edge does not have two that run along it in
+/// opposite directions.
+fn connected(polygons: Vec<Polygon>) -> Option<(Vec<HullFace>, Vec<HullEdge>)> {
     let mut face_along: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    for (index, face) in faces.iter().enumerate() {
-        for edge in sides(&face.vertices) {
-            if face_along.insert(edge, index as u32).is_some() {
+    for (index, polygon) in polygons.iter().enumerate() {
+        for side in sides(&polygon.vertices) {
+            if face_along.insert(side, index as u32).is_some() {
                 return None;
             }
         }
     }
     let mut edges = Vec::with_capacity(face_along.len() / 2);
-    for (index, face) in faces.iter().enumerate() {
-        for [a, b] in sides(&face.vertices) {
+    let mut edge_along: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    let mut faces = Vec::with_capacity(polygons.len());
+    for (index, Polygon { plane, vertices }) in polygons.into_iter().enumerate() {
+        let mut around = Vec::with_capacity(vertices.len());
+        for [a, b] in sides(&vertices) {
             let beside = *face_along.get(&[b, a])?;
-            if index as u32 <= beside {
+            // The other face may have come before.
+            let edge = edge_along.get(&[b, a]).copied().unwrap_or_else(|| {
                 edges.push(HullEdge { vertices: [a, b], faces: [index as u32, beside] });
-            }
+                edges.len() as u32 - 1
+            });
+            edge_along.insert([a, b], edge);
+            around.push(edge);
         }
+        faces.push(HullFace { plane, vertices, edges: around });
     }
-    Some(edges)
+    Some((faces, edges))
 }
 
 /// The directed edges of a loop.

@@ -39,6 +39,15 @@ fn check(hull: &Hull, flat: f64) {
             assert!(turn.dot(face.plane.normal) > -flat, "{turn}");
         }
     }
+    for face in faces {
+        for (at, &edge) in face.edges.iter().enumerate() {
+            let mut ends = edges[edge as usize].vertices;
+            ends.sort_unstable();
+            let mut side = [face.vertices[at], face.vertices[(at + 1) % face.vertices.len()]];
+            side.sort_unstable();
+            assert_eq!(ends, side);
+        }
+    }
     for edge in edges {
         let runs = |face: u32, from: u32, to: u32| {
             let around = &faces[face as usize].vertices;

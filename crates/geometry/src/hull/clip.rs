@@ -1,6 +1,6 @@
 //! A hull cut by a plane.
 
-use super::{Hull, HullFace, sides};
+use super::{Hull, HullEdge, HullFace, Polygon, sides};
 use crate::HalfSpace;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ impl Hull {
         // New vertices where the plane crosses an edge: interpolated from its first end, whichever side is kept.
         let mut vertices = self.vertices.clone();
         let mut crossings: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-        for &super::HullEdge { vertices: [a, b], .. } in &self.edges {
+        for &HullEdge { vertices: [a, b], .. } in &self.edges {
             let (from, to) = (heights[a as usize], heights[b as usize]);
             if from * to < 0.0 {
                 let (start, end) = (self.vertices[a as usize], self.vertices[b as usize]);
@@ -43,10 +43,10 @@ impl Hull {
         }
 
         // Cut the faces, and close what is open.
-        let mut faces: Vec<HullFace> =
+        let mut faces: Vec<Polygon> =
             self.faces.iter().filter_map(|face| clip_face(face, &heights, &crossings)).collect();
         if let Some(cap) = open_loop(&faces) {
-            faces.push(HullFace { plane: *cut, vertices: cap });
+            faces.push(Polygon { plane: *cut, vertices: cap });
             if let Some(hull) = Self::from_faces(&vertices, faces) {
                 return Some(hull);
             }
@@ -61,7 +61,7 @@ impl Hull {
 }
 
 /// The part of a face at heights of at most 0.
-fn clip_face(face: &HullFace, heights: &[f64], crossings: &BTreeMap<[u32; 2], u32>) -> Option<HullFace> {
+fn clip_face(face: &HullFace, heights: &[f64], crossings: &BTreeMap<[u32; 2], u32>) -> Option<Polygon> {
     let mut kept = Vec::with_capacity(face.vertices.len() + 1);
     for side in sides(&face.vertices) {
         if heights[side[0] as usize] <= 0.0 {
@@ -72,11 +72,11 @@ fn clip_face(face: &HullFace, heights: &[f64], crossings: &BTreeMap<[u32; 2], u3
     // What only touches the cut vanishes, or is the cap's.
     let is_inside =
         kept.iter().any(|&vertex| heights.get(vertex as usize).is_some_and(|&height| height < 0.0));
-    (is_inside && kept.len() > 2).then_some(HullFace { plane: face.plane, vertices: kept })
+    (is_inside && kept.len() > 2).then_some(Polygon { plane: face.plane, vertices: kept })
 }
 
 /// The loop of edges that only one face has, the other way round; `None` if it is not one.
-fn open_loop(faces: &[HullFace]) -> Option<Vec<u32>> {
+fn open_loop(faces: &[Polygon]) -> Option<Vec<u32>> {
     let mut next: BTreeMap<u32, u32> = BTreeMap::new();
     let directed: BTreeMap<[u32; 2], ()> =
         faces.iter().flat_map(|face| sides(&face.vertices)).map(|side| (side, ())).collect();

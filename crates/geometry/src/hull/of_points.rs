@@ -1,7 +1,7 @@
 //! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are flat but for the points' rounding
 //! are merged.
 
-use super::{Hull, HullFace, plane_of, sides};
+use super::{Hull, Polygon, plane_of, sides};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;
@@ -211,7 +211,7 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
 
 /// The faces that triangles make together: around each, beginning with the largest, all that are within `close` [m] of its
 /// plane. `None` if one of them has a hole.
-fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<HullFace>> {
+fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<Polygon>> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
         triangle_along.extend(sides(triangle).map(|side| (side, index)));
@@ -266,7 +266,7 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<Hu
             at = *rim.get(&at)?;
         }
         let plane = plane_of(vertices.iter().map(|&vertex| points[vertex as usize]))?;
-        (vertices.len() == rim.len()).then_some(HullFace { plane, vertices })
+        (vertices.len() == rim.len()).then_some(Polygon { plane, vertices })
     };
     rims.iter().map(face).collect()
 }

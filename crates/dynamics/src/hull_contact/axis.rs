@@ -1,0 +1,120 @@
+//! The axis along which two hulls are furthest apart, or overlap least: separating axis test over faces and edges [Gregorius13].
+
+use frangible_geometry::{HalfSpace, Hull, RigidTransform};
+use glam::DVec3;
+
+/// A hull seen from the frame in which two of them meet.
+pub(crate) struct View<'a> {
+    pub(crate) hull: &'a Hull,
+    pub(crate) vertices: Vec<DVec3>,
+    pub(crate) planes: Vec<HalfSpace>,
+}
+
+impl<'a> View<'a> {
+    /// In its own frame.
+    pub(crate) fn own(hull: &'a Hull) -> Self {
+        let planes = hull.faces().iter().map(|face| face.plane).collect();
+        Self { hull, vertices: hull.vertices().to_vec(), planes }
+    }
+
+    pub(crate) fn from_elsewhere(hull: &'a Hull, here_from_hull: &RigidTransform) -> Self {
+        let (matrix, shift) = (here_from_hull.matrix(), here_from_hull.translation);
+        let plane = |plane: HalfSpace| {
+            let normal = matrix * plane.normal;
+            HalfSpace { normal, offset: plane.offset + normal.dot(shift) }
+        };
+        Self {
+            hull,
+            vertices: hull.vertices().iter().map(|&vertex| matrix * vertex + shift).collect(),
+            planes: hull.faces().iter().map(|face| plane(face.plane)).collect(),
+        }
+    }
+
+    /// The ends of an edge [m].
+    pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
+        self.hull.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
+    }
+}
+
+/// A face whose normal separates two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceAxis {
+    /// Of the hull that has the face.
+    pub(crate) face: usize,
+    /// The vertex of the other hull that is deepest below the face.
+    pub(crate) vertex: usize,
+    /// How far that is above the face's plane [m].
+    pub(crate) separation: f64,
+}
+
+/// The face of `hull` that `other` is furthest away from.
+pub(crate) fn face_axis(hull: &View, other: &View) -> FaceAxis {
+    let mut best = FaceAxis { face: 0, vertex: 0, separation: f64::NEG_INFINITY };
+    for (face, plane) in hull.planes.iter().enumerate() {
+        let (mut lowest, mut vertex) = (f64::INFINITY, 0);
+        for (index, &point) in other.vertices.iter().enumerate() {
+            let height = plane.normal.dot(point);
+            if height < lowest {
+                (lowest, vertex) = (height, index);
+            }
+        }
+        let separation = lowest - plane.offset;
+        if separation > best.separation {
+            best = FaceAxis { face, vertex, separation };
+        }
+    }
+    best
+}
+
+/// A pair of edges whose common perpendicular separates two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeAxis {
+    /// Of the first hull and of the second.
+    pub(crate) edges: [usize; 2],
+    /// Unit, from the second hull to the first.
+    pub(crate) normal: DVec3,
+    /// Along the normal [m].
+    pub(crate) separation: f64,
+}
+
+/// The pair of edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
+/// parallel.
+pub(crate) fn edge_axis(first: &View, second: &View) -> Option<EdgeAxis> {
+    // Sine of the angle below which edges count as parallel: then a face's normal does as well.
+    const PARALLEL: f64 = 1e-3;
+    let mut best: Option<EdgeAxis> = None;
+    for (b, edge_b) in second.hull.edges().iter().enumerate() {
+        let [start_b, end_b] = second.ends(b);
+        let along_b = end_b - start_b;
+        let [left_b, right_b] = edge_b.faces.map(|face| second.planes[face as usize].normal);
+        for (a, edge_a) in first.hull.edges().iter().enumerate() {
+            let [start_a, end_a] = first.ends(a);
+            let along_a = end_a - start_a;
+            let [left_a, right_a] = edge_a.faces.map(|face| first.planes[face as usize].normal);
+
+            // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
+            // cross, else other features are further apart.
+            let (c, d) = (left_b.dot(along_a), right_b.dot(along_a));
+            if c * d >= 0.0 {
+                continue;
+            }
+            let (u, v) = (-left_a.dot(along_b), -right_a.dot(along_b));
+            if u * v >= 0.0 || c * v <= 0.0 {
+                continue;
+            }
+            let across = along_a.cross(along_b);
+            let squared = across.length_squared();
+            if squared <= PARALLEL * PARALLEL * along_a.length_squared() * along_b.length_squared() {
+                continue;
+            }
+            // Outward of the second hull is between the normals of its edge.
+            let across = across / squared.sqrt();
+            let normal = if across.dot(left_b + right_b) < 0.0 { -across } else { across };
+            let separation = normal.dot(start_a - start_b);
+            if best.is_none_or(|best| separation > best.separation) {
+                best = Some(EdgeAxis { edges: [a, b], normal, separation });
+            }
+        }
+    }
+    best
+}
