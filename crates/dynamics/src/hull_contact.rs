@@ -5,8 +5,9 @@ mod clip;
 mod nearest;
 mod reduce;
 
+use crate::detection::radius;
 use crate::flight::Flight;
-use crate::manifold::{ManifoldPoint, radius, reach, surface_speed};
+use crate::manifold::{ManifoldPoint, reach, surface_speed};
 use crate::pair::Pair;
 use crate::{Bodies, Frame, Pose};
 use axis::{View, edge_axis, face_axis};
@@ -179,7 +180,7 @@ pub(crate) fn hull_points(
         hulls,
         flights: [first, second].map(|i| Flight::of(bodies, i, frame)),
         frame,
-        size: radius(bodies, first).min(radius(bodies, second)),
+        size: radius(&bodies.shapes[first]).min(radius(&bodies.shapes[second])),
         reach: reach(bodies, pair, frame),
     };
     let Some(mut instant) = approach.meeting() else { return Vec::new() };
@@ -220,7 +221,7 @@ impl Approach<'_> {
     fn fastest_closing(&self, instant: &Instant) -> f64 {
         let normal = instant.poses[0].orientation * instant.contact.normal;
         let towards = |flight: &Flight, i: usize, direction: DVec3| {
-            let turning = flight.angular.cross(normal).length() * radius(self.bodies, i);
+            let turning = flight.angular.cross(normal).length() * radius(&self.bodies.shapes[i]);
             let falling = self.frame.dt * flight.acceleration.dot(direction).max(0.0);
             let begun = instant.time * flight.acceleration.dot(direction).min(0.0);
             flight.linear.dot(direction) + begun + falling + turning

@@ -2,7 +2,7 @@
 //! have ways of their own; everything else meets by the samples of each body in the level set of the other [GBF03 sec. 3].
 
 use crate::ball_contact::ball_point;
-use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point, radius};
 use crate::flight::Flight;
 use crate::hull_contact::hull_points;
 use crate::pair::{Pair, placed};
@@ -225,16 +225,10 @@ pub(crate) fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
         let Flight { linear, angular, .. } = Flight::of(bodies, i, frame);
         let spin = angular.length();
         // What has no bounds does not spin.
-        (linear, if spin > 0.0 { spin * radius(bodies, i) } else { 0.0 })
+        (linear, if spin > 0.0 { spin * radius(&bodies.shapes[i]) } else { 0.0 })
     };
     let ((first, spin_first), (second, spin_second)) = (speed(pair.first), speed(pair.second));
     frame.dt * ((first - second).length() + spin_first + spin_second) + sag(frame)
-}
-
-/// Of a ball around a body's centre of mass that holds it [m]; infinite for a half-space.
-pub(crate) fn radius(bodies: &Bodies, i: usize) -> f64 {
-    let (low, high) = bodies.shapes[i].bounds;
-    low.abs().max(high.abs()).length()
 }
 
 /// How far a body falls in one frame from rest, twice over [m].

@@ -1,8 +1,9 @@
 //! Where a convex polyhedron touches a half-space within a frame: its vertices say.
 
+use crate::detection::radius;
 use crate::flight::Flight;
 use crate::hull_contact::{Feature, HullPoint, PREFERENCE, reduce};
-use crate::manifold::{ManifoldPoint, into_body, radius, reach, sag, surface_speed};
+use crate::manifold::{ManifoldPoint, into_body, reach, sag, surface_speed};
 use crate::pair::Pair;
 use crate::{Bodies, Frame};
 use frangible_geometry::{HalfSpace, Hull};
@@ -63,6 +64,6 @@ pub(crate) fn plane_points(
             approach: surface_speed(bodies, pair, normal, closing(point), point.gap, frame),
         }
     };
-    let close = PREFERENCE * radius(bodies, body);
+    let close = PREFERENCE * radius(&bodies.shapes[body]);
     reduce(points, now.normal, close).iter().map(manifold_point).collect()
 }

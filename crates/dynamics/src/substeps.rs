@@ -13,7 +13,7 @@ use std::collections::HashMap;
 const SUBSTEPS: u32 = 8;
 
 /// Stiffness of contact: how fast an overlap closes [1/s], limited to a quarter of the substeps' rate.
-const CONTACT_HERTZ: f64 = 30.0;
+const CONTACT_HERTZ: f64 = 42.0;
 
 /// Damping of contact: overlaps close without bouncing back.
 const CONTACT_DAMPING: f64 = 10.0;
@@ -117,7 +117,7 @@ fn drift(bodies: &mut Bodies, step: &Frame) {
 }
 
 /// All rows, in the order of the pairs.
-fn rows_of(patches: &mut [Patch]) -> impl Iterator<Item = &mut Row> {
+fn rows_of(patches: &mut [Patch]) -> impl DoubleEndedIterator<Item = &mut Row> {
     patches.iter_mut().flat_map(|patch| &mut patch.rows)
 }
 
@@ -142,7 +142,8 @@ fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
     }
 }
 
-/// Contact at one stage of a substep: what acted at this stage of the last one, then one pass over all rows.
+/// Contact at one stage of a substep: what acted at this stage of the last one, then a pass over all rows to and one fro, so that none
+/// always has the last word and stacks do not lean.
 fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Frame, tally: &mut Tally) {
     let moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
     let on = &mut Solver { bodies, moving, tally };
@@ -158,14 +159,16 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
     let softness = Softness::new(stage, step);
     // What has not met yet is stopped before the next drift, where it meets.
     let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
-    for row in rows_of(patches).filter(acts) {
+    let mut act = |row: &mut Row| {
         let arm = row.arm(on.bodies);
         let mut impulse = row.impulses[stage as usize];
         stop_approach(on, row, &arm, &mut impulse, &softness);
         stop_slip(on, row, &arm, &mut impulse);
         stop_roll(on, row, &mut impulse);
         row.impulses[stage as usize] = impulse;
-    }
+    };
+    rows_of(patches).filter(acts).for_each(&mut act);
+    rows_of(patches).rev().filter(acts).for_each(&mut act);
 }
 
 /// How a row's normal impulse answers at one stage: soft contact is a spring and a damper that no step size makes unstable [Cat24].
