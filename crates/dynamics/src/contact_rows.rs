@@ -157,7 +157,7 @@ fn chord_of(angular: DVec3, dt: f64) -> DMat3 {
 /// Where a row acts at the poses of one stage.
 #[derive(Clone, Copy)]
 pub(crate) struct Arm {
-    /// The middle between the two surfaces, world frame [m]: one point for both bodies, so that angular momentum is exact.
+    /// World frame [m]: one point for both bodies, so that angular momentum is exact.
     pub(crate) point: DVec3,
     /// From the centres of mass to it [m].
     levers: [DVec3; 2],
@@ -185,9 +185,13 @@ impl Row {
 
     pub(crate) fn arm(&self, bodies: &Bodies) -> Arm {
         let [on_first, on_second] = self.point.on_surfaces(bodies, self.pair);
-        let point = 0.5 * (on_first + on_second);
+        let normal = self.point.normal;
+        let gap = (on_first - on_second).dot(normal);
+        // Between the surfaces, beside the corner that slides along the other body.
+        let point =
+            if self.point.sample.0 { on_first - 0.5 * gap * normal } else { on_second + 0.5 * gap * normal };
         let levers = [self.pair.first, self.pair.second].map(|i| point - bodies.poses[i].position);
-        Arm { point, levers, gap: (on_first - on_second).dot(self.point.normal) }
+        Arm { point, levers, gap }
     }
 
     /// Velocity of the first body's material at the arm's point less the second's [m/s].

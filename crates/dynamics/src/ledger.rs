@@ -6,17 +6,15 @@
 //! end of both lies the flight after collisions, whose energy is no more than it was by construction. The bank holds a little of what
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
+use crate::evolve::accelerate;
 use crate::islands::Islands;
 use crate::pair::Pair;
 use crate::payment::pay;
-use crate::rigid_part::Twist;
+use crate::take_out::take_out;
 use crate::tally::Debt;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Halvings of the interval in which the displacements' part is sought: 2^-30 of a displacement is no displacement.
-const HALVINGS: u32 = 30;
 
 /// Relative to an island's energy: less is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -53,7 +51,7 @@ pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: 
 }
 
 /// Kinetic and potential energy of one dynamic body [J].
-fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, gravity: DVec3) -> f64 {
+pub(crate) fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, gravity: DVec3) -> f64 {
     let mass = bodies.masses[i];
     let spin = bodies.inertias[i].rotational_energy(pose.orientation, velocity.angular_momentum);
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
@@ -70,25 +68,42 @@ impl Opening {
     }
 }
 
+/// The frame as it would be if bodies flew on after they were struck: its energy is no more than the opening's, plus the work until then.
+#[derive(Clone, Debug)]
+pub struct Ballistic {
+    /// At its end.
+    pub poses: Vec<Pose>,
+    /// At its end.
+    pub velocities: Vec<Velocity>,
+    /// Of each kinematic body on each dynamic body, until then [J].
+    pub work: BTreeMap<[BodyId; 2], f64>,
+}
+
+impl Ballistic {
+    /// To `poses`, with the velocities that the bodies have and the work so far.
+    pub fn new(bodies: &Bodies, poses: Vec<Pose>, tally: &Tally, frame: &Frame) -> Self {
+        let velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
+        Self { poses, velocities, work: tally.work.clone() }
+    }
+}
+
 /// An island of touching bodies.
-struct Island {
+pub(crate) struct Island {
     /// Dense indices of its living dynamic bodies.
-    members: Vec<usize>,
+    pub(crate) members: Vec<usize>,
     /// What moves it from outside, if anything does.
-    anchor: Anchor,
+    pub(crate) anchor: Anchor,
     /// The energy that it may have at the end of the frame, without the bank [J].
-    allowance: f64,
-    /// What kinematic bodies took out of it on balance, each by itself [J].
-    taken: f64,
+    pub(crate) allowance: f64,
     /// [J]
-    bank: f64,
+    pub(crate) bank: f64,
     /// Of its contacts, by their place in the tally.
     debts: Vec<usize>,
 }
 
 /// What an island touches besides itself.
 #[derive(Clone, Copy, PartialEq)]
-enum Anchor {
+pub(crate) enum Anchor {
     Free,
     Kinematic(usize),
     Fixed,
@@ -100,20 +115,19 @@ impl Ledger {
         self.bank.values().sum()
     }
 
-    /// Closes the books of a frame: balances every island. `flight` is where the bodies would be without position contact,
-    /// shock propagation and push-out. Bodies that broke are linked to their fragments in the tally.
+    /// Closes the books of a frame: balances every island. Bodies that broke are linked to their fragments in the tally.
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
         opening: &Opening,
-        flight: &[Pose],
+        flight: &Ballistic,
         frame: &Frame,
         tally: &mut Tally,
     ) -> Balance {
         let mut balance = Balance::default();
         let mut bank = BTreeMap::new();
         for mut island in self.islands(bodies, opening, tally) {
-            let members = &island.members;
+            let members = island.members.clone();
             let total = |bodies: &Bodies| -> f64 {
                 members
                     .iter()
@@ -121,28 +135,29 @@ impl Ledger {
                     .sum()
             };
             let before = total(bodies);
-            let mut excess = before - island.allowance - island.bank;
+            let too_much = |bodies: &Bodies, island: &Island| {
+                let excess = total(bodies) - island.allowance - island.bank;
+                (frame.settings.ledger && excess > ROUNDING * before.abs()).then_some(excess)
+            };
             balance.islands += 1;
 
             // The contacts that gave the energy pay first; what they have not, the island pays.
-            if frame.settings.ledger && excess > ROUNDING * before.abs() {
+            if let Some(excess) = too_much(bodies, &island) {
                 let work_before = tally.causes.work;
                 let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
                 pay(bodies, &debts, excess, tally);
                 island.allowance += tally.causes.work - work_before;
-                excess = total(bodies) - island.allowance - island.bank;
-                if excess > ROUNDING * before.abs() {
-                    let (shortened, work) = take_out(bodies, &island, flight, excess, frame, tally);
-                    island.allowance += work;
+                if let Some(excess) = too_much(bodies, &island) {
+                    let shortened = take_out(bodies, &mut island, flight, excess, frame, tally);
                     balance.scaled += 1;
                     balance.shortened += u64::from(shortened);
                 } else {
                     balance.paid += 1;
                 }
-                balance.removed += before + (tally.causes.work - work_before) - total(bodies);
+                let removed = before + (tally.causes.work - work_before) - total(bodies);
+                balance.removed += removed;
+                tally.causes.balance -= removed;
             }
-
-            tally.causes.balance = -balance.removed;
 
             // What is left goes into the bank, up to its cap, and is the members' by mass.
             let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
@@ -191,12 +206,10 @@ impl Ledger {
                 ids.iter().filter_map(|id| anchors.get(id)).flatten().copied().collect();
             let sum =
                 |amounts: &BTreeMap<BodyId, f64>| ids.iter().filter_map(|id| amounts.get(id)).sum::<f64>();
-            let works = || ids.iter().flat_map(|&id| work_on(tally, id));
             Island {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, &touched),
-                allowance: sum(&opening.0) + works().sum::<f64>(),
-                taken: works().map(|work| (-work).max(0.0)).sum(),
+                allowance: sum(&opening.0) + work_on(&tally.work, &ids),
                 bank: sum(&self.bank),
                 debts: ids.iter().filter_map(|id| debts.get(id)).flatten().copied().collect(),
             }
@@ -205,11 +218,11 @@ impl Ledger {
     }
 }
 
-/// The work on a body by each kinematic body [J].
-fn work_on(tally: &Tally, id: BodyId) -> impl Iterator<Item = f64> {
+/// The work of kinematic bodies on some bodies [J].
+pub(crate) fn work_on(work: &BTreeMap<[BodyId; 2], f64>, ids: &[BodyId]) -> f64 {
     const FIRST: BodyId = BodyId { index: 0, generation: 0 };
     const LAST: BodyId = BodyId { index: u32::MAX, generation: u32::MAX };
-    tally.work.range([id, FIRST]..=[id, LAST]).map(|(_, &work)| work)
+    ids.iter().flat_map(|&id| work.range([id, FIRST]..=[id, LAST])).map(|(_, work)| work).sum()
 }
 
 /// One kinematic body moves an island along; anything else holds it.
@@ -223,129 +236,4 @@ fn anchor_of(bodies: &Bodies, touched: &BTreeSet<BodyId>) -> Anchor {
         },
         (Some(_), Some(_)) => Anchor::Fixed,
     }
-}
-
-/// Linear and angular momentum, the latter about the world's origin.
-fn momenta(bodies: &Bodies, members: &[usize]) -> (DVec3, DVec3) {
-    let mut sums = (DVec3::ZERO, DVec3::ZERO);
-    for &i in members {
-        let momentum = bodies.masses[i] * bodies.velocities[i].linear;
-        sums.0 += momentum;
-        sums.1 += bodies.poses[i].position.cross(momentum) + bodies.velocities[i].angular_momentum;
-    }
-    sums
-}
-
-/// Takes `excess` [J] out of an island. Tells whether displacements had to be shortened, and the work that a kinematic anchor did.
-fn take_out(
-    bodies: &mut Bodies,
-    island: &Island,
-    flight: &[Pose],
-    excess: f64,
-    frame: &Frame,
-    tally: &mut Tally,
-) -> (bool, f64) {
-    let members = &island.members;
-    let before = momenta(bodies, members);
-    let rigid = rigid_part(bodies, island, &bodies.poses, before);
-    let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members);
-
-    // Scale the relative velocities so that the excess is gone, or stop them and shorten the displacements.
-    let shortened = excess > relative;
-    if shortened {
-        shorten(bodies, island, flight, before, frame);
-    } else {
-        let scale = (1.0 - excess / relative).sqrt();
-        let mut velocities = std::mem::take(&mut bodies.velocities);
-        rigid.scale_relative(bodies, &bodies.poses, &mut velocities, members, scale);
-        bodies.velocities = velocities;
-    }
-
-    // What holds or carries the island gave it the change of its momenta.
-    if island.anchor == Anchor::Free {
-        return (shortened, 0.0);
-    }
-    let after = momenta(bodies, members);
-    let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
-    tally.outside_impulse += impulse;
-    tally.outside_angular_impulse += moment;
-    let mut work = rigid.work(impulse, moment);
-
-    // What was stopped on its flight has no less energy left: kinematic bodies took out that much less than was booked.
-    if shortened {
-        let of = |&i: &usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
-        let missing = members.iter().map(of).sum::<f64>() - island.allowance - island.bank - work;
-        work += missing.clamp(0.0, island.taken);
-    }
-    tally.causes.work += work;
-    (shortened, work)
-}
-
-/// The rigid motion that an island keeps, with the bodies at `poses`.
-fn rigid_part(
-    bodies: &Bodies,
-    island: &Island,
-    poses: &[Pose],
-    (momentum, angular_momentum): (DVec3, DVec3),
-) -> Twist {
-    match island.anchor {
-        Anchor::Free => Twist::of_momentum(bodies, poses, &island.members, momentum, angular_momentum),
-        Anchor::Fixed => Twist::default(),
-        Anchor::Kinematic(i) => match bodies.motions[i] {
-            Motion::Kinematic { linear, angular } => Twist { origin: poses[i].position, linear, angular },
-            Motion::Static | Motion::Dynamic => Twist::default(),
-        },
-    }
-}
-
-/// Leaves the island its rigid motion only, and as much of its displacements as its energy allows.
-fn shorten(bodies: &mut Bodies, island: &Island, flight: &[Pose], momenta: (DVec3, DVec3), frame: &Frame) {
-    let reached = bodies.poses.clone();
-    let at = |part: f64| {
-        let mut poses = reached.clone();
-        for &i in &island.members {
-            poses[i] = Pose {
-                position: flight[i].position.lerp(reached[i].position, part),
-                orientation: flight[i].orientation.slerp(reached[i].orientation, part),
-            };
-        }
-        poses
-    };
-    // The energy of the rigid motion, less the work that its anchor does to bring it about.
-    let rigid_energy = |poses: &[Pose]| -> f64 {
-        let rigid = rigid_part(bodies, island, poses, momenta);
-        let along: Vec<Velocity> =
-            island.members.iter().map(|&i| rigid.velocity_of(bodies, poses, i)).collect();
-        let entries = || island.members.iter().copied().zip(&along);
-        let total: f64 =
-            entries().map(|(i, velocity)| energy(bodies, i, &poses[i], velocity, frame.gravity)).sum();
-        if island.anchor == Anchor::Free {
-            return total;
-        }
-        let (mut impulse, mut moment) = (-momenta.0, -momenta.1);
-        for (i, velocity) in entries() {
-            let momentum = bodies.masses[i] * velocity.linear;
-            impulse += momentum;
-            moment += poses[i].position.cross(momentum) + velocity.angular_momentum;
-        }
-        total - rigid.work(impulse, moment)
-    };
-
-    // The largest part that the allowance pays for, to the precision of the halvings.
-    let allowed = island.allowance + island.bank;
-    let (mut low, mut high) = (0.0, 1.0);
-    if rigid_energy(&reached) <= allowed {
-        low = 1.0;
-    } else {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if rigid_energy(&at(middle)) <= allowed { low = middle } else { high = middle }
-        }
-    }
-    let poses = at(low);
-    let rigid = rigid_part(bodies, island, &poses, momenta);
-    for &i in &island.members {
-        bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);
-    }
-    bodies.poses = poses;
 }

@@ -36,6 +36,7 @@ pub mod settings;
 pub mod shock_propagation;
 pub mod state;
 pub mod substeps;
+mod take_out;
 pub mod tally;
 
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant};

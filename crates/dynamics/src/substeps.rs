@@ -24,8 +24,8 @@ const PUSH_SPEED: f64 = 3.0;
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
-/// Passes over the points that bounce together.
-const BOUNCE_PASSES: u32 = 4;
+/// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
+const MEETING_PASSES: u32 = 4;
 
 /// A sample of a pair, over the frames: which bodies, whether it is the first one's, and which.
 pub type SampleKey = (BodyId, BodyId, bool, u32);
@@ -156,19 +156,25 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
         row.twist(on, twist);
     }
 
+    // What has not met yet is stopped before the next drift, where it meets. What meets now has no impulses to start from, and
+    // takes more passes.
     let softness = Softness::new(stage, step);
-    // What has not met yet is stopped before the next drift, where it meets.
     let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
-    let mut act = |row: &mut Row| {
-        let arm = row.arm(on.bodies);
-        let mut impulse = row.impulses[stage as usize];
-        stop_approach(on, row, &arm, &mut impulse, &softness);
-        stop_slip(on, row, &arm, &mut impulse);
-        stop_roll(on, row, &mut impulse);
-        row.impulses[stage as usize] = impulse;
-    };
-    rows_of(patches).filter(acts).for_each(&mut act);
-    rows_of(patches).rev().filter(acts).for_each(&mut act);
+    rows_of(patches).filter(acts).for_each(|row| sweep(on, row, &softness));
+    rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, &softness));
+    for _ in 1..MEETING_PASSES {
+        rows_of(patches).filter(|row| row.bounces).for_each(|row| sweep(on, row, &softness));
+    }
+}
+
+/// One pass of a row: normal, friction, rolling.
+fn sweep(on: &mut Solver, row: &mut Row, softness: &Softness) {
+    let arm = row.arm(on.bodies);
+    let mut impulse = row.impulses[softness.stage as usize];
+    stop_approach(on, row, &arm, &mut impulse, softness);
+    stop_slip(on, row, &arm, &mut impulse);
+    stop_roll(on, row, &mut impulse);
+    row.impulses[softness.stage as usize] = impulse;
 }
 
 /// How a row's normal impulse answers at one stage: soft contact is a spring and a damper that no step size makes unstable [Cat24].
@@ -257,7 +263,7 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
     }
     let moving = moving_bodies(bodies, step, false);
     let on = &mut Solver { bodies, moving, tally };
-    for _ in 0..BOUNCE_PASSES {
+    for _ in 0..MEETING_PASSES {
         for row in rows_of(patches).filter(|row| row.bounces) {
             let arm = row.arm(on.bodies);
             let normal = row.point.normal;

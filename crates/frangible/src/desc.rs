@@ -26,11 +26,11 @@ pub struct SceneDesc {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The paper's own [Su09].
+    /// One detection and several substeps a frame (docs/adr/010).
     #[default]
-    Paper,
-    /// One detection and several substeps a frame.
     FrameRate,
+    /// The paper's own [Su09].
+    Paper,
 }
 
 /// One body.

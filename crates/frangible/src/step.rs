@@ -13,7 +13,7 @@ use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
-use frangible_dynamics::ledger::Opening;
+use frangible_dynamics::ledger::{Ballistic, Opening};
 use frangible_dynamics::manifold::find_manifolds;
 use frangible_dynamics::pair::{Pair, placed};
 use frangible_dynamics::push_out::push_out;
@@ -78,8 +78,8 @@ pub fn step(world: &mut World) -> StepReport {
 struct Moved {
     /// What broke.
     fractures: Vec<Fracture>,
-    /// Where the bodies would be without position contact.
-    flight: Vec<Pose>,
+    /// How it would have come without contact.
+    flight: Ballistic,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     gravity: (DVec3, DVec3),
     /// What static and kinematic bodies contributed.
@@ -101,14 +101,14 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     clock.lap("contact_graph");
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
     let mut contact = Contact::new(bodies, half, Phase::Position, frame);
-    let flight = contact.proposed.clone();
+    let flight = Ballistic::new(bodies, contact.proposed.clone(), &tally, frame);
     let touching = contact.resolve(&graph);
     clock.lap("position_contact");
     propagate_shock(&mut contact, &graph);
     clock.lap("shock_propagation");
     let Contact { mut proposed, mut displacements, .. } = contact;
     push_out(bodies, &mut proposed, &graph, &mut displacements, frame);
-    let flown = Totals::at(bodies, &flight, frame).energy();
+    let flown = Totals::at(bodies, &flight.poses, frame).energy();
     bodies.poses = proposed;
     clock.lap("push_out");
 
@@ -138,10 +138,11 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let World { bodies, warm, .. } = world;
     let manifolds = find_manifolds(bodies, &pairs, warm, frame);
     clock.lap("find_manifolds");
+    let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
     tally.add(solved_tally);
     clock.lap("solve");
-    Moved { fractures, flight: predicted, gravity, tally }
+    Moved { fractures, flight, gravity, tally }
 }
 
 /// Strikes until nothing breaks. Returns what broke, the ballistic poses at the frame's end, and the pairs that come near each

@@ -1,0 +1,133 @@
+//! What an island pays: its relative velocities are scaled down, or stopped and its displacements shortened.
+
+use crate::ledger::{Anchor, Ballistic, Island, energy, work_on};
+use crate::rigid_part::Twist;
+use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
+use glam::DVec3;
+
+/// Halvings of the interval in which the displacements' part is sought: 2^-30 of a displacement is no displacement.
+const HALVINGS: u32 = 30;
+
+/// Takes `excess` [J] out of an island, and books what its anchor has to do with it. Tells whether displacements had to be shortened.
+pub(crate) fn take_out(
+    bodies: &mut Bodies,
+    island: &mut Island,
+    flight: &Ballistic,
+    excess: f64,
+    frame: &Frame,
+    tally: &mut Tally,
+) -> bool {
+    // Scale the relative velocities so that the excess is gone, or stop them and shorten the displacements.
+    let before = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
+    let rigid = rigid_part(bodies, island, &bodies.poses, before);
+    let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, &island.members);
+    let shortened = excess > relative;
+    if shortened {
+        // What came after the flight never happened, and the anchor did no work by it.
+        let ids: Vec<BodyId> = island.members.iter().map(|&i| bodies.ids[i]).collect();
+        let undone = work_on(&tally.work, &ids) - work_on(&flight.work, &ids);
+        island.allowance -= undone;
+        tally.causes.work -= undone;
+        shorten(bodies, island, flight, before, frame);
+    } else {
+        let scale = (1.0 - excess / relative).sqrt();
+        let mut velocities = std::mem::take(&mut bodies.velocities);
+        rigid.scale_relative(bodies, &bodies.poses, &mut velocities, &island.members, scale);
+        bodies.velocities = velocities;
+    }
+
+    // What holds or carries the island gave it the change of its momenta, and did work by it.
+    if island.anchor != Anchor::Free {
+        let after = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
+        let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
+        tally.outside_impulse += impulse;
+        tally.outside_angular_impulse += moment;
+        let work = if shortened {
+            let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+            rigid.work(after.0 - flown.0, after.1 - flown.1)
+        } else {
+            rigid.work(impulse, moment)
+        };
+        tally.causes.work += work;
+        island.allowance += work;
+    }
+    shortened
+}
+
+/// Linear and angular momentum, the latter about the world's origin.
+fn momenta(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], members: &[usize]) -> (DVec3, DVec3) {
+    let mut sums = (DVec3::ZERO, DVec3::ZERO);
+    for &i in members {
+        let momentum = bodies.masses[i] * velocities[i].linear;
+        sums.0 += momentum;
+        sums.1 += poses[i].position.cross(momentum) + velocities[i].angular_momentum;
+    }
+    sums
+}
+
+/// The rigid motion that an island keeps, with the bodies at `poses`.
+fn rigid_part(
+    bodies: &Bodies,
+    island: &Island,
+    poses: &[Pose],
+    (momentum, angular_momentum): (DVec3, DVec3),
+) -> Twist {
+    match island.anchor {
+        Anchor::Free => Twist::of_momentum(bodies, poses, &island.members, momentum, angular_momentum),
+        Anchor::Fixed => Twist::default(),
+        Anchor::Kinematic(i) => match bodies.motions[i] {
+            Motion::Kinematic { linear, angular } => Twist { origin: poses[i].position, linear, angular },
+            Motion::Static | Motion::Dynamic => Twist::default(),
+        },
+    }
+}
+
+/// Leaves the island its rigid motion only, and as much of its displacements off the flight as its energy allows.
+fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (DVec3, DVec3), frame: &Frame) {
+    let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+    let reached = bodies.poses.clone();
+    let at = |part: f64| {
+        let mut poses = reached.clone();
+        for &i in &island.members {
+            poses[i] = Pose {
+                position: flight.poses[i].position.lerp(reached[i].position, part),
+                orientation: flight.poses[i].orientation.slerp(reached[i].orientation, part),
+            };
+        }
+        poses
+    };
+    // The energy of the rigid motion, less the work that its anchor does to bring it about.
+    let rigid_energy = |poses: &[Pose]| -> f64 {
+        let rigid = rigid_part(bodies, island, poses, present);
+        let along: Vec<Velocity> =
+            island.members.iter().map(|&i| rigid.velocity_of(bodies, poses, i)).collect();
+        let entries = || island.members.iter().copied().zip(&along);
+        let total: f64 =
+            entries().map(|(i, velocity)| energy(bodies, i, &poses[i], velocity, frame.gravity)).sum();
+        if island.anchor == Anchor::Free {
+            return total;
+        }
+        let mut velocities = flight.velocities.clone();
+        entries().for_each(|(i, velocity)| velocities[i] = *velocity);
+        let after = momenta(bodies, poses, &velocities, &island.members);
+        total - rigid.work(after.0 - flown.0, after.1 - flown.1)
+    };
+
+    // The largest part that the allowance pays for, to the precision of the halvings.
+    let allowed = island.allowance + island.bank;
+    let (mut low, mut high) = (0.0, 1.0);
+    if rigid_energy(&reached) <= allowed {
+        low = 1.0;
+    } else {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if rigid_energy(&at(middle)) <= allowed { low = middle } else { high = middle }
+        }
+    }
+    let poses = at(low);
+    let rigid = rigid_part(bodies, island, &poses, present);
+    for &i in &island.members {
+        bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);
+    }
+    bodies.poses = poses;
+}
