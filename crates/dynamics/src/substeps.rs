@@ -24,6 +24,9 @@ const PUSH_SPEED: f64 = 3.0;
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
+/// Passes to and fro over the points of one pair that meet fast.
+const TOGETHER_PASSES: u32 = 8;
+
 /// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
 const MEETING_PASSES: u32 = 4;
 
@@ -163,8 +166,30 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
     rows_of(patches).filter(acts).for_each(|row| sweep(on, row, &softness));
     rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, &softness));
     for _ in 1..MEETING_PASSES {
-        rows_of(patches).filter(|row| row.bounces).for_each(|row| sweep(on, row, &softness));
+        for patch in patches.iter_mut() {
+            act_together(patch, |row| stop_normal(on, row, &softness));
+            patch.rows.iter_mut().filter(|row| row.bounces).for_each(|row| sweep(on, row, &softness));
+        }
     }
+}
+
+/// Lets the points of a patch that meet fast act together: to and fro until what one does to the others has settled. A face that
+/// lands flat must not turn by the order of its corners.
+fn act_together(patch: &mut Patch, mut act: impl FnMut(&mut Row)) {
+    if patch.rows.iter().filter(|row| row.bounces).count() < 2 {
+        return;
+    }
+    for _ in 0..TOGETHER_PASSES {
+        patch.rows.iter_mut().filter(|row| row.bounces).for_each(&mut act);
+        patch.rows.iter_mut().rev().filter(|row| row.bounces).for_each(&mut act);
+    }
+}
+
+fn stop_normal(on: &mut Solver, row: &mut Row, softness: &Softness) {
+    let arm = row.arm(on.bodies);
+    let mut impulse = row.impulses[softness.stage as usize];
+    stop_approach(on, row, &arm, &mut impulse, softness);
+    row.impulses[softness.stage as usize] = impulse;
 }
 
 /// One pass of a row: normal, friction, rolling.
@@ -263,17 +288,16 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
     }
     let moving = moving_bodies(bodies, step, false);
     let on = &mut Solver { bodies, moving, tally };
+    rows_of(patches).filter(|row| row.bounces).for_each(|row| row.impulses = Default::default());
     for _ in 0..MEETING_PASSES {
-        for row in rows_of(patches).filter(|row| row.bounces) {
-            let arm = row.arm(on.bodies);
-            let normal = row.point.normal;
-            let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
-            let speed = row.relative_velocity(&on.moving, &arm).dot(normal);
-            if speed < wanted {
-                let change = (wanted - speed) / row.softness(&on.moving, &arm, normal);
-                row.apply(on, &arm, change * normal, Cause::Collision);
-                let mut of_bounce = PointImpulse { normal: change, ..Default::default() };
-                stop_slip(on, row, &arm, &mut of_bounce);
+        for patch in patches.iter_mut() {
+            act_together(patch, |row| bounce_row(on, row));
+            for row in patch.rows.iter_mut().filter(|row| row.bounces) {
+                bounce_row(on, row);
+                let arm = row.arm(on.bodies);
+                let mut impulse = row.impulses[Stage::AfterDrift as usize];
+                stop_slip(on, row, &arm, &mut impulse);
+                row.impulses[Stage::AfterDrift as usize] = impulse;
             }
         }
     }
@@ -281,4 +305,16 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
         row.bounces = false;
         row.impulses = Default::default();
     }
+}
+
+/// Normal: leaves with its share of the speed at which it met.
+fn bounce_row(on: &mut Solver, row: &mut Row) {
+    let arm = row.arm(on.bodies);
+    let normal = row.point.normal;
+    let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
+    let speed = row.relative_velocity(&on.moving, &arm).dot(normal);
+    let before = row.impulses[Stage::AfterDrift as usize].normal;
+    let total = (before + (wanted - speed) / row.softness(&on.moving, &arm, normal)).max(0.0);
+    row.apply(on, &arm, (total - before) * normal, Cause::Collision);
+    row.impulses[Stage::AfterDrift as usize].normal = total;
 }
