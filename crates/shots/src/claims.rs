@@ -7,11 +7,14 @@ mod carried;
 mod energy;
 mod flight;
 mod incline;
+mod random_scene;
+mod rolling;
 mod rotation;
 mod scenes;
 mod settled;
 mod stacks;
 mod swarm;
+mod top;
 
 use crate::ShotError;
 use frangible::BuildError;
@@ -51,7 +54,9 @@ pub const CLAIMS: &[Claim] = &[
     rotation::FLIP,
     rotation::COST,
     flight::FREE_BOX,
+    top::TOP,
     energy::RANDOM_SCENES,
+    energy::ALL_SHOTS,
     energy::SAFEGUARDS,
     incline::INCLINE,
     bounce::BOUNCES,
@@ -62,6 +67,9 @@ pub const CLAIMS: &[Claim] = &[
     carried::CONVEYOR,
     swarm::SWARM,
     settled::SETTLED_PILE,
+    settled::LOSSLESS,
+    rolling::ROLLING,
+    rolling::ROLLING_FRICTION,
 ];
 
 /// No claim has that name.
@@ -76,9 +84,11 @@ pub struct UnknownClaim {
 
 /// Why a claim's scene could not be set up.
 #[derive(Debug, Error)]
-enum Obstacle {
+pub enum Obstacle {
+    /// It breaks a rule.
     #[error("{0}")]
     Build(#[from] BuildError),
+    /// No such shot, or it lacks a file.
     #[error("{0}")]
     Shot(#[from] ShotError),
 }

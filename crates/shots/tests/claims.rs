@@ -39,8 +39,18 @@ fn free_box() {
 }
 
 #[test]
+fn top() {
+    holds("top");
+}
+
+#[test]
 fn random_scenes() {
     holds("random-scenes");
+}
+
+#[test]
+fn all_shots() {
+    holds("all-shots");
 }
 
 #[test]
@@ -91,6 +101,21 @@ fn swarm() {
 #[test]
 fn settled_pile() {
     holds("settled-pile");
+}
+
+#[test]
+fn lossless() {
+    holds("lossless");
+}
+
+#[test]
+fn rolling() {
+    holds("rolling");
+}
+
+#[test]
+fn rolling_friction() {
+    holds("rolling-friction");
 }
 
 #[test]

@@ -43,6 +43,7 @@ fn breaks_well(mesh: PathBuf) {
         let mass = *first_mass.get_or_insert(report.mass);
         assert!((report.mass - mass).abs() < 1e-9 * mass);
         assert!(report.momentum.linear_error < 1e-9 && report.momentum.angular_error < 1e-9);
+        assert!(report.energy.gain < 1e-9 * report.energy.kinetic, "{} J", report.energy.gain);
         assert!(report.quarantined.is_empty());
         fractures.extend(report.fractures);
     }

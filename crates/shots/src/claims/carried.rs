@@ -111,7 +111,7 @@ const SEAT: f64 = 1.2;
 const TABLE_RADIUS: f64 = 2.0;
 
 /// What the cube may slip outward in ten seconds with the frame-rate method [m].
-const MOST_SLIP: f64 = 0.1;
+const MOST_SLIP: f64 = 0.01;
 
 fn turntable() -> Result<Vec<Finding>, Obstacle> {
     let mut findings = Vec::new();

@@ -1,8 +1,10 @@
-//! Where nothing is wrong, the ledger has nothing to do.
+//! Where nothing is wrong, the safeguards have nothing to do.
 
-use super::scenes::{METHODS, cube, run, world};
+use super::rolling::{RADIUS, ball_on_ground};
+use super::scenes::{METHODS, cube, cuboid, run, world};
 use super::{Claim, Finding, Obstacle};
-use frangible::{BodyDesc, step};
+use frangible::{BodyDesc, Method, step};
+use glam::DVec3;
 
 /// A heap at rest.
 pub(super) const SETTLED_PILE: Claim = Claim {
@@ -10,6 +12,14 @@ pub(super) const SETTLED_PILE: Claim = Claim {
     says: "in a settled pile fewer than 1 % of the islands have to be balanced",
     source: "docs/adr/009",
     measure: settled_pile,
+};
+
+/// Motions without friction's work.
+pub(super) const LOSSLESS: Claim = Claim {
+    name: "lossless",
+    says: "free flight, rolling and spinning lose nothing, and are never balanced",
+    source: "mechanics",
+    measure: lossless,
 };
 
 fn settled_pile() -> Result<Vec<Finding>, Obstacle> {
@@ -31,6 +41,40 @@ fn settled_pile() -> Result<Vec<Finding>, Obstacle> {
         }
         let share = scaled as f64 / islands as f64;
         findings.push(Finding::at_most(format!("share of islands balanced, {name}"), "1", share, 0.01));
+    }
+    Ok(findings)
+}
+
+fn lossless() -> Result<Vec<Finding>, Obstacle> {
+    let brick = BodyDesc {
+        linear_velocity: [1.0, 10.0, -0.5],
+        angular_velocity: [3.0, 20.0, -7.0],
+        ..BodyDesc::new("brick", cuboid([0.3, 0.1, 0.2]))
+    };
+    let mut findings = Vec::new();
+    for (method, name) in METHODS {
+        let most = |bound: f64| if method == Method::FrameRate { bound } else { f64::INFINITY };
+        let cases = [
+            ("flying brick", world(method, vec![brick.clone()])?, 1e-11),
+            ("rolling ball", ball_on_ground(method, 2.0 * DVec3::X, -2.0 / RADIUS * DVec3::Z)?, most(1e-6)),
+            ("ball spinning on the spot", ball_on_ground(method, DVec3::ZERO, 20.0 * DVec3::Y)?, most(1e-6)),
+        ];
+        for (motion, mut world, most) in cases {
+            let (kinetic, potential) = world.energy();
+            let mut removed = 0.0;
+            for _ in 0..300 {
+                removed += step(&mut world).balance.removed;
+            }
+            // What lies on the ground sags by a little: its weight's energy is not its motion's.
+            let (kinetic_now, potential_now) = world.energy();
+            let flies = world.bodies().len() == 1;
+            let fallen = if flies { potential - potential_now } else { 0.0 };
+            let change = (kinetic_now - fallen) / kinetic - 1.0;
+            let quantity = format!("energy of motion lost in 10 s, {motion}, {name}");
+            findings.push(Finding::at_most(quantity, "1", change.abs(), most));
+            let quantity = format!("energy that had to be balanced, {motion}, {name}");
+            findings.push(Finding::at_most(quantity, "1", removed / kinetic, 1e-9));
+        }
     }
     Ok(findings)
 }
