@@ -149,8 +149,15 @@ fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
 /// always has the last word and stacks do not lean.
 fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Frame, tally: &mut Tally) {
     let moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
+    let before = moving.clone();
     let on = &mut Solver { bodies, moving, tally };
     for row in rows_of(patches) {
+        // What no longer meets has nothing to go on from.
+        let arm = row.arm(on.bodies);
+        let closing = -row.relative_velocity(&before, &arm).dot(row.point.normal);
+        if arm.gap > closing.max(0.0) * step.dt {
+            row.impulses[stage as usize] = Default::default();
+        }
         let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
         let arm = row.arm(on.bodies);
         let cause = row.cause();
