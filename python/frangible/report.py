@@ -78,6 +78,8 @@ class Impulses(TypedDict):
     applied: int
     clamped: int
     discarded: int
+    #: Energy that those would have made and did not [J].
+    withheld: float
 
 
 class Imbalance(TypedDict):

@@ -161,6 +161,9 @@ impl PairImpulse {
         let clamp = clamp_impulse(&first, &second);
         tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
         tally.discarded += u64::from(clamp == Clamp::Blocked);
+        if clamp != Clamp::Whole {
+            tally.withheld += energy_given(&first, &second).max(0.0);
+        }
         self.scaled(clamp.scale())
     }
 

@@ -159,7 +159,6 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
             row.impulses[stage as usize] = Default::default();
         }
         let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
-        let arm = row.arm(on.bodies);
         let cause = row.cause();
         row.apply(on, &arm, normal * row.point.normal, cause);
         row.apply(on, &arm, tangent, Cause::Friction);

@@ -27,6 +27,8 @@ pub struct Tally {
     pub clamped: u64,
     /// Impulses dropped because no length of them would have kept the kinetic energy.
     pub discarded: u64,
+    /// Energy that those would have made and did not [J].
+    pub withheld: f64,
 }
 
 /// What changes the energy of dynamic bodies in a frame, from its start to its end [J].
@@ -172,6 +174,7 @@ impl Tally {
         self.impulses += other.impulses;
         self.clamped += other.clamped;
         self.discarded += other.discarded;
+        self.withheld += other.withheld;
     }
 }
 

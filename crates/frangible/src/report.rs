@@ -127,6 +127,8 @@ pub struct Impulses {
     pub clamped: u64,
     /// Dropped, for the same reason.
     pub discarded: u64,
+    /// Energy that those would have made and did not [J].
+    pub withheld: f64,
 }
 
 /// A body broke.

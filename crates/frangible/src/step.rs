@@ -66,7 +66,12 @@ pub fn step(world: &mut World) -> StepReport {
         energy,
         momentum,
         balance: balance.into(),
-        impulses: Impulses { applied: tally.impulses, clamped: tally.clamped, discarded: tally.discarded },
+        impulses: Impulses {
+            applied: tally.impulses,
+            clamped: tally.clamped,
+            discarded: tally.discarded,
+            withheld: tally.withheld,
+        },
         fractures,
         quarantined,
         penetrations,
