@@ -15,6 +15,8 @@ pub(crate) struct Row {
     pub(crate) point: ManifoldPoint,
     pub(crate) pair: Pair,
     pub(crate) surfaces: PairContactant,
+    /// Where it acts at the present poses.
+    pub(crate) arm: Arm,
     /// Of this substep, before and after the drift.
     pub(crate) impulses: [PointImpulse; 2],
     /// Speed at which the surfaces met [m/s]; `None` before.
@@ -47,10 +49,9 @@ impl Patch {
     /// The rows of a manifold, with the impulses that the same points had at the end of the last frame.
     pub(crate) fn new(bodies: &Bodies, manifold: &Manifold, warm: &WarmStart) -> Self {
         let pair = manifold.pair;
-        let surfaces = bodies.pair_contactant(pair.first, pair.second);
         let row = |&point: &ManifoldPoint| {
             let impulses = warm.get(&sample_key(bodies, pair, point.sample)).copied().unwrap_or_default();
-            Row::new(point, pair, surfaces, impulses)
+            Row::new(bodies, pair, point, impulses)
         };
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let rows = manifold.points.iter().map(row).collect();
@@ -72,13 +73,12 @@ impl Patch {
         let warm: WarmStart = old.iter().filter_map(carried).collect();
         self.given += old.iter().map(|row| row.given).sum::<f64>();
         self.touched |= old.iter().any(|row| row.touched);
-        let surfaces = bodies.pair_contactant(self.pair.first, self.pair.second);
         for point in
             find_manifolds(bodies, &[self.pair], &warm, rest).into_iter().flat_map(|manifold| manifold.points)
         {
             let same = old.iter().find(|row| row.point.sample == point.sample);
             let impulses = same.map(|row| row.impulses).unwrap_or_default();
-            let mut row = Row::new(point, self.pair, surfaces, impulses);
+            let mut row = Row::new(bodies, self.pair, point, impulses);
             if let Some(same) = same {
                 (row.met_at, row.touched) = (same.met_at, same.touched);
             }
@@ -90,7 +90,7 @@ impl Patch {
     pub(crate) fn debt(&self, bodies: &Bodies) -> Option<Debt> {
         let energy = self.given + self.rows.iter().map(|row| row.given).sum::<f64>();
         let ids = [self.pair.first, self.pair.second].map(|i| bodies.ids[i]);
-        let point = self.rows.first()?.arm(bodies).point;
+        let point = self.rows.first()?.arm.point;
         (energy > 0.0).then_some(Debt { ids, point, energy })
     }
 }
@@ -165,17 +165,41 @@ pub(crate) struct Arm {
     pub(crate) gap: f64,
 }
 
+impl Arm {
+    fn of(point: &ManifoldPoint, pair: Pair, bodies: &Bodies) -> Self {
+        let [on_first, on_second] = point.on_surfaces(bodies, pair);
+        let gap = (on_first - on_second).dot(point.normal);
+        // Between the surfaces, beside the corner that slides along the other body.
+        let half = 0.5 * gap * point.normal;
+        let middle = if point.sample.0 { on_first - half } else { on_second + half };
+        let levers = [pair.first, pair.second].map(|i| middle - bodies.poses[i].position);
+        Self { point: middle, levers, gap }
+    }
+}
+
 impl Row {
-    fn new(
-        point: ManifoldPoint,
-        pair: Pair,
-        surfaces: PairContactant,
-        mut impulses: [PointImpulse; 2],
-    ) -> Self {
+    fn new(bodies: &Bodies, pair: Pair, point: ManifoldPoint, mut impulses: [PointImpulse; 2]) -> Self {
         for impulse in &mut impulses {
             impulse.tangent -= impulse.tangent.dot(point.normal) * point.normal;
         }
-        Self { point, pair, surfaces, impulses, met_at: None, bounces: false, touched: false, given: 0.0 }
+        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let arm = Arm::of(&point, pair, bodies);
+        Self {
+            point,
+            pair,
+            surfaces,
+            arm,
+            impulses,
+            met_at: None,
+            bounces: false,
+            touched: false,
+            given: 0.0,
+        }
+    }
+
+    /// Follows the bodies to where they are now.
+    pub(crate) fn follow(&mut self, bodies: &Bodies) {
+        self.arm = Arm::of(&self.point, self.pair, bodies);
     }
 
     /// What its normal impulses are booked as.
@@ -183,20 +207,9 @@ impl Row {
         if self.bounces { Cause::Collision } else { Cause::Contact }
     }
 
-    pub(crate) fn arm(&self, bodies: &Bodies) -> Arm {
-        let [on_first, on_second] = self.point.on_surfaces(bodies, self.pair);
-        let normal = self.point.normal;
-        let gap = (on_first - on_second).dot(normal);
-        // Between the surfaces, beside the corner that slides along the other body.
-        let point =
-            if self.point.sample.0 { on_first - 0.5 * gap * normal } else { on_second + 0.5 * gap * normal };
-        let levers = [self.pair.first, self.pair.second].map(|i| point - bodies.poses[i].position);
-        Arm { point, levers, gap }
-    }
-
     /// Velocity of the first body's material at the arm's point less the second's [m/s].
-    pub(crate) fn relative_velocity(&self, moving: &[Moving], arm: &Arm) -> DVec3 {
-        moving[self.pair.first].at(arm.levers[0]) - moving[self.pair.second].at(arm.levers[1])
+    pub(crate) fn relative_velocity(&self, moving: &[Moving]) -> DVec3 {
+        moving[self.pair.first].at(self.arm.levers[0]) - moving[self.pair.second].at(self.arm.levers[1])
     }
 
     /// Angular velocity of the first body less the second's [rad/s].
@@ -205,12 +218,12 @@ impl Row {
     }
 
     /// Change of the relative velocity along a unit axis per impulse along it [1/kg].
-    pub(crate) fn softness(&self, moving: &[Moving], arm: &Arm, axis: DVec3) -> f64 {
+    pub(crate) fn softness(&self, moving: &[Moving], axis: DVec3) -> f64 {
         let of = |body: &Moving, lever: DVec3| {
             let turn = lever.cross(axis);
             body.inverse_mass + turn.dot(body.inverse_tensor * turn)
         };
-        of(&moving[self.pair.first], arm.levers[0]) + of(&moving[self.pair.second], arm.levers[1])
+        of(&moving[self.pair.first], self.arm.levers[0]) + of(&moving[self.pair.second], self.arm.levers[1])
     }
 
     /// Change of the relative angular velocity about a unit axis per angular impulse about it [1/(kg m^2)].
@@ -220,19 +233,19 @@ impl Row {
     }
 
     /// Applies an impulse at the arm's point to the first body and its opposite to the second, and books it.
-    pub(crate) fn apply(&mut self, on: &mut Solver, arm: &Arm, impulse: DVec3, cause: Cause) {
+    pub(crate) fn apply(&mut self, on: &mut Solver, impulse: DVec3, cause: Cause) {
         let Solver { bodies, moving, tally } = on;
         if impulse == DVec3::ZERO {
             return;
         }
-        let before = self.relative_velocity(moving, arm);
-        for ((body, other, j), lever) in self.sides(impulse).into_iter().zip(arm.levers) {
+        let before = self.relative_velocity(moving);
+        for ((body, other, j), lever) in self.sides(impulse).into_iter().zip(self.arm.levers) {
             turn(bodies, &mut moving[body], body, lever.cross(j));
             push(bodies, &mut moving[body], body, j);
-            let work = j.dot(moving[other].at(arm.point - bodies.poses[other].position));
-            tally.book_outside(bodies, [body, other], (j, arm.point.cross(j)), work);
+            let work = j.dot(moving[other].at(self.arm.point - bodies.poses[other].position));
+            tally.book_outside(bodies, [body, other], (j, self.arm.point.cross(j)), work);
         }
-        let after = self.relative_velocity(moving, arm);
+        let after = self.relative_velocity(moving);
         // An impulse in the middle of gravity's kick works against what gravity will do, too.
         let kick = moving[self.pair.first].kick - moving[self.pair.second].kick;
         let given = impulse.dot(0.5 * (before + after) - kick);

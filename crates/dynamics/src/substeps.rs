@@ -1,6 +1,6 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
-use crate::contact_rows::{Arm, Patch, Row, Solver, moving_bodies};
+use crate::contact_rows::{Patch, Row, Solver, moving_bodies};
 use crate::evolve::evolve;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
@@ -77,6 +77,7 @@ pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, 
         meet(bodies, &mut patches, frame, &step);
         contact(bodies, &mut patches, Stage::BeforeDrift, &step, &mut solved.tally);
         drift(bodies, &step);
+        rows_of(&mut patches).for_each(|row| row.follow(bodies));
         kick(bodies, &step, &mut solved.gravity);
         contact(bodies, &mut patches, Stage::AfterDrift, &step, &mut solved.tally);
         bounce(bodies, &mut patches, &step, &mut solved.tally);
@@ -129,16 +130,15 @@ fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
     let moving = moving_bodies(bodies, step, true);
     let threshold = BOUNCE * frame.gravity.length() * frame.dt;
     for row in rows_of(patches).filter(|row| row.met_at.is_none()) {
-        let arm = row.arm(bodies);
-        let closing = -row.relative_velocity(&moving, &arm).dot(row.point.normal);
-        if arm.gap > closing * step.dt {
+        let closing = -row.relative_velocity(&moving).dot(row.point.normal);
+        if row.arm.gap > closing * step.dt {
             continue;
         }
         // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
         let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
         let acceleration = -(falls(row.pair.first) - falls(row.pair.second)).dot(row.point.normal);
         let start = closing - 0.5 * step.dt * acceleration;
-        let squared = start * start + 2.0 * acceleration * arm.gap.max(0.0);
+        let squared = start * start + 2.0 * acceleration * row.arm.gap.max(0.0);
         let speed = if closing > 0.0 { squared.max(0.0).sqrt() } else { 0.0 };
         row.met_at = Some(speed);
         row.bounces = speed > threshold;
@@ -153,15 +153,14 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
     let on = &mut Solver { bodies, moving, tally };
     for row in rows_of(patches) {
         // What no longer meets has nothing to go on from.
-        let arm = row.arm(on.bodies);
-        let closing = -row.relative_velocity(&before, &arm).dot(row.point.normal);
-        if arm.gap > closing.max(0.0) * step.dt {
+        let closing = -row.relative_velocity(&before).dot(row.point.normal);
+        if row.arm.gap > closing.max(0.0) * step.dt {
             row.impulses[stage as usize] = Default::default();
         }
         let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
         let cause = row.cause();
-        row.apply(on, &arm, normal * row.point.normal, cause);
-        row.apply(on, &arm, tangent, Cause::Friction);
+        row.apply(on, normal * row.point.normal, cause);
+        row.apply(on, tangent, Cause::Friction);
         row.twist(on, twist);
     }
 
@@ -192,18 +191,16 @@ fn act_together(patch: &mut Patch, mut act: impl FnMut(&mut Row)) {
 }
 
 fn stop_normal(on: &mut Solver, row: &mut Row, softness: &Softness) {
-    let arm = row.arm(on.bodies);
     let mut impulse = row.impulses[softness.stage as usize];
-    stop_approach(on, row, &arm, &mut impulse, softness);
+    stop_approach(on, row, &mut impulse, softness);
     row.impulses[softness.stage as usize] = impulse;
 }
 
 /// One pass of a row: normal, friction, rolling.
 fn sweep(on: &mut Solver, row: &mut Row, softness: &Softness) {
-    let arm = row.arm(on.bodies);
     let mut impulse = row.impulses[softness.stage as usize];
-    stop_approach(on, row, &arm, &mut impulse, softness);
-    stop_slip(on, row, &arm, &mut impulse);
+    stop_approach(on, row, &mut impulse, softness);
+    stop_slip(on, row, &mut impulse);
     stop_roll(on, row, &mut impulse);
     row.impulses[softness.stage as usize] = impulse;
 }
@@ -228,19 +225,19 @@ impl Softness {
 }
 
 /// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate.
-fn stop_approach(on: &mut Solver, row: &mut Row, arm: &Arm, impulse: &mut PointImpulse, soft: &Softness) {
+fn stop_approach(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse, soft: &Softness) {
     let normal = row.point.normal;
-    let speed = row.relative_velocity(&on.moving, arm).dot(normal);
+    let speed = row.relative_velocity(&on.moving).dot(normal);
     let (target, mass_scale, impulse_scale) = match soft.stage {
-        _ if arm.gap > 0.0 => (-arm.gap / soft.dt, 1.0, 0.0),
-        Stage::BeforeDrift => ((-soft.rate * arm.gap).min(PUSH_SPEED), soft.mass, soft.impulse),
+        _ if row.arm.gap > 0.0 => (-row.arm.gap / soft.dt, 1.0, 0.0),
+        Stage::BeforeDrift => ((-soft.rate * row.arm.gap).min(PUSH_SPEED), soft.mass, soft.impulse),
         Stage::AfterDrift => (0.0, 1.0, 0.0),
     };
-    let mass = 1.0 / row.softness(&on.moving, arm, normal);
+    let mass = 1.0 / row.softness(&on.moving, normal);
     let change = mass * mass_scale * (target - speed) - impulse_scale * impulse.normal;
     let total = (impulse.normal + change).max(0.0);
     let cause = row.cause();
-    row.apply(on, arm, (total - impulse.normal) * normal, cause);
+    row.apply(on, (total - impulse.normal) * normal, cause);
     impulse.normal = total;
     // What closes an overlap does work, as a wedge between the two would.
     if target > 0.0 {
@@ -251,15 +248,15 @@ fn stop_approach(on: &mut Solver, row: &mut Row, arm: &Arm, impulse: &mut PointI
 }
 
 /// Friction: against the slip, inside Coulomb's cone.
-fn stop_slip(on: &mut Solver, row: &mut Row, arm: &Arm, impulse: &mut PointImpulse) {
+fn stop_slip(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse) {
     let normal = row.point.normal;
-    let velocity = row.relative_velocity(&on.moving, arm);
+    let velocity = row.relative_velocity(&on.moving);
     let slip = velocity - velocity.dot(normal) * normal;
     let length = slip.length();
     if length > 0.0 {
-        let wanted = impulse.tangent - slip / row.softness(&on.moving, arm, slip / length);
+        let wanted = impulse.tangent - slip / row.softness(&on.moving, slip / length);
         let held = wanted.clamp_length_max(row.surfaces.friction * impulse.normal);
-        row.apply(on, arm, held - impulse.tangent, Cause::Friction);
+        row.apply(on, held - impulse.tangent, Cause::Friction);
         impulse.tangent = held;
     }
 }
@@ -300,9 +297,8 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
             act_together(patch, |row| bounce_row(on, row));
             for row in patch.rows.iter_mut().filter(|row| row.bounces) {
                 bounce_row(on, row);
-                let arm = row.arm(on.bodies);
                 let mut impulse = row.impulses[Stage::AfterDrift as usize];
-                stop_slip(on, row, &arm, &mut impulse);
+                stop_slip(on, row, &mut impulse);
                 row.impulses[Stage::AfterDrift as usize] = impulse;
             }
         }
@@ -315,12 +311,11 @@ fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut 
 
 /// Normal: leaves with its share of the speed at which it met.
 fn bounce_row(on: &mut Solver, row: &mut Row) {
-    let arm = row.arm(on.bodies);
     let normal = row.point.normal;
     let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
-    let speed = row.relative_velocity(&on.moving, &arm).dot(normal);
+    let speed = row.relative_velocity(&on.moving).dot(normal);
     let before = row.impulses[Stage::AfterDrift as usize].normal;
-    let total = (before + (wanted - speed) / row.softness(&on.moving, &arm, normal)).max(0.0);
-    row.apply(on, &arm, (total - before) * normal, Cause::Collision);
+    let total = (before + (wanted - speed) / row.softness(&on.moving, normal)).max(0.0);
+    row.apply(on, (total - before) * normal, Cause::Collision);
     row.impulses[Stage::AfterDrift as usize].normal = total;
 }
