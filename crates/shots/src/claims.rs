@@ -7,6 +7,7 @@ mod carried;
 mod energy;
 mod flight;
 mod incline;
+mod pillar;
 mod random_scene;
 mod rolling;
 mod rotation;
@@ -15,6 +16,8 @@ mod settled;
 mod stacks;
 mod swarm;
 mod top;
+
+pub use pillar::{Spread, pillar_spread};
 
 use crate::ShotError;
 use frangible::BuildError;
@@ -58,6 +61,7 @@ pub const CLAIMS: &[Claim] = &[
     energy::RANDOM_SCENES,
     energy::ALL_SHOTS,
     energy::SAFEGUARDS,
+    pillar::SPREAD,
     incline::INCLINE,
     bounce::BOUNCES,
     stacks::STACK,

@@ -19,7 +19,7 @@ pub(crate) const PILLAR: Shot = Shot {
 const PIECES: usize = 94;
 
 /// Half of the pillar's edge lengths [m]: 1 m thick, 6 m high.
-const HALF: DVec3 = DVec3::new(0.5, 3.0, 0.5);
+pub(crate) const HALF: DVec3 = DVec3::new(0.5, 3.0, 0.5);
 
 /// How far it falls [m].
 const DROP: f64 = 0.5;

@@ -59,6 +59,11 @@ fn safeguards() {
 }
 
 #[test]
+fn pillar_spread() {
+    holds("pillar-spread");
+}
+
+#[test]
 fn incline() {
     holds("incline");
 }

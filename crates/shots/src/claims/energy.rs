@@ -46,6 +46,8 @@ pub(super) struct Run {
     pub(super) quarantined: usize,
     /// How far the centre of any body rose above where it was at first [m].
     pub(super) rise: f64,
+    /// At the end.
+    pub(super) world: World,
 }
 
 /// Runs a scene for `frames` with the settings changed.
@@ -77,7 +79,7 @@ pub(super) fn run_scene(
         rise = largest(risen.chain([rise]));
     }
     let scale = kinetics + high - low;
-    Ok(Run { gain: gain / scale, unexplained: unexplained / scale, momentum_error, quarantined, rise })
+    Ok(Run { gain: gain / scale, unexplained: unexplained / scale, momentum_error, quarantined, rise, world })
 }
 
 /// The findings of several runs.

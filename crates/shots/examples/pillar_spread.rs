@@ -1,0 +1,34 @@
+//! How ten pillars spread, at the frame rate and at a hundredth of its step; an hour of one core, less of several:
+//! `cargo run --release -p frangible-shots --example pillar_spread > crates/shots/data/pillar.csv`
+
+use frangible::Method;
+use frangible_shots::ShotOptions;
+use frangible_shots::claims::pillar_spread;
+use rayon::prelude::*;
+use std::error::Error;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("method,steps_per_second,safeguards,seed,mean_m,p95_m,highest_m,rise_m");
+    let cases = [
+        ("frame-rate", Method::FrameRate, 30.0, true),
+        ("paper", Method::Paper, 30.0, true),
+        ("paper", Method::Paper, 30.0, false),
+        ("frame-rate", Method::FrameRate, 3000.0, true),
+    ];
+    for (name, method, frames_per_second, safeguards) in cases {
+        let row = |seed: u64| {
+            let options = ShotOptions { seed, method, frames_per_second, ..ShotOptions::default() };
+            let spread = pillar_spread(&options, safeguards).map_err(|obstacle| obstacle.to_string())?;
+            let switch = if safeguards { "on" } else { "off" };
+            Ok(format!(
+                "{name},{frames_per_second},{switch},{seed},{:.4},{:.4},{:.4},{:.4}",
+                spread.mean, spread.p95, spread.highest, spread.rise
+            ))
+        };
+        let rows: Vec<Result<String, String>> = (0..10).into_par_iter().map(row).collect();
+        for row in rows {
+            println!("{}", row?);
+        }
+    }
+    Ok(())
+}
