@@ -262,3 +262,6 @@ impl Approach<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
