@@ -17,6 +17,8 @@ pub(crate) struct Row {
     pub(crate) surfaces: PairContactant,
     /// Where it acts at the present poses.
     pub(crate) arm: Arm,
+    /// Part of the stiffness of four points that is its own.
+    pub(crate) share: f64,
     /// Of this substep, before and after the drift.
     pub(crate) impulses: [PointImpulse; 2],
     /// Speed at which the surfaces met [m/s]; `None` before.
@@ -54,7 +56,8 @@ impl Patch {
             Row::new(bodies, pair, point, impulses)
         };
         let (first, second) = placed(bodies, pair, &bodies.poses);
-        let rows = manifold.points.iter().map(row).collect();
+        let mut rows: Vec<Row> = manifold.points.iter().map(row).collect();
+        share_stiffness(&mut rows);
         Self { pair, rows, given: 0.0, touched: false, found_at: second_from_first(first, second) }
     }
 
@@ -84,6 +87,7 @@ impl Patch {
             }
             self.rows.push(row);
         }
+        share_stiffness(&mut self.rows);
     }
 
     /// What its rows gave in all, if anything: to be paid back where its first row acts.
@@ -93,6 +97,12 @@ impl Patch {
         let point = self.rows.first()?.arm.point;
         (energy > 0.0).then_some(Debt { ids, point, energy })
     }
+}
+
+/// However many points a contact has, it is as stiff as with four.
+fn share_stiffness(rows: &mut [Row]) {
+    let share = (4.0 / rows.len() as f64).min(1.0);
+    rows.iter_mut().for_each(|row| row.share = share);
 }
 
 /// A body's velocities and how they answer impulses, at the poses of one stage.
@@ -189,6 +199,7 @@ impl Row {
             pair,
             surfaces,
             arm,
+            share: 1.0,
             impulses,
             met_at: None,
             bounces: false,

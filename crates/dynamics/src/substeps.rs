@@ -12,7 +12,8 @@ use std::collections::HashMap;
 /// Substeps of a frame.
 const SUBSTEPS: u32 = 8;
 
-/// Stiffness of contact: how fast an overlap closes [1/s], limited to a quarter of the substeps' rate.
+/// Stiffness of contact at up to four points: how fast an overlap closes [1/s], limited to a quarter of the substeps' rate. More points
+/// share it: stiffer contact makes stacks sway.
 const CONTACT_HERTZ: f64 = 42.0;
 
 /// Damping of contact: overlaps close without bouncing back.
@@ -166,14 +167,14 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
 
     // What has not met yet is stopped before the next drift, where it meets. What meets now has no impulses to start from, and
     // takes more passes.
-    let softness = Softness::new(stage, step);
+    let moment = Moment { stage, dt: step.dt };
     let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
-    rows_of(patches).filter(acts).for_each(|row| sweep(on, row, &softness));
-    rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, &softness));
+    rows_of(patches).filter(acts).for_each(|row| sweep(on, row, moment));
+    rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, moment));
     for _ in 1..MEETING_PASSES {
         for patch in patches.iter_mut() {
-            act_together(patch, |row| stop_normal(on, row, &softness));
-            patch.rows.iter_mut().filter(|row| row.bounces).for_each(|row| sweep(on, row, &softness));
+            act_together(patch, |row| stop_normal(on, row, moment));
+            patch.rows.iter_mut().filter(|row| row.bounces).for_each(|row| sweep(on, row, moment));
         }
     }
 }
@@ -190,25 +191,31 @@ fn act_together(patch: &mut Patch, mut act: impl FnMut(&mut Row)) {
     }
 }
 
-fn stop_normal(on: &mut Solver, row: &mut Row, softness: &Softness) {
-    let mut impulse = row.impulses[softness.stage as usize];
-    stop_approach(on, row, &mut impulse, softness);
-    row.impulses[softness.stage as usize] = impulse;
+fn stop_normal(on: &mut Solver, row: &mut Row, moment: Moment) {
+    let mut impulse = row.impulses[moment.stage as usize];
+    stop_approach(on, row, &mut impulse, moment);
+    row.impulses[moment.stage as usize] = impulse;
 }
 
 /// One pass of a row: normal, friction, rolling.
-fn sweep(on: &mut Solver, row: &mut Row, softness: &Softness) {
-    let mut impulse = row.impulses[softness.stage as usize];
-    stop_approach(on, row, &mut impulse, softness);
+fn sweep(on: &mut Solver, row: &mut Row, moment: Moment) {
+    let mut impulse = row.impulses[moment.stage as usize];
+    stop_approach(on, row, &mut impulse, moment);
     stop_slip(on, row, &mut impulse);
     stop_roll(on, row, &mut impulse);
-    row.impulses[softness.stage as usize] = impulse;
+    row.impulses[moment.stage as usize] = impulse;
 }
 
-/// How a row's normal impulse answers at one stage: soft contact is a spring and a damper that no step size makes unstable [Cat24].
-struct Softness {
+/// When rows act.
+#[derive(Clone, Copy)]
+struct Moment {
     stage: Stage,
+    /// Of the substep [s].
     dt: f64,
+}
+
+/// How a row's normal impulse answers: soft contact is a spring and a damper that no step size makes unstable [Cat24].
+struct Softness {
     /// Closing speed of an overlap per depth [1/s].
     rate: f64,
     mass: f64,
@@ -216,20 +223,23 @@ struct Softness {
 }
 
 impl Softness {
-    fn new(stage: Stage, step: &Frame) -> Self {
-        let omega = std::f64::consts::TAU * CONTACT_HERTZ.min(0.25 / step.dt);
-        let a = 2.0 * CONTACT_DAMPING + step.dt * omega;
-        let b = step.dt * omega * a;
-        Self { stage, dt: step.dt, rate: omega / a, mass: b / (1.0 + b), impulse: 1.0 / (1.0 + b) }
+    /// Of a point that has this share of the contact's stiffness.
+    fn new(share: f64, dt: f64) -> Self {
+        let hertz = share.sqrt() * CONTACT_HERTZ;
+        let omega = std::f64::consts::TAU * hertz.min(0.25 / dt);
+        let a = 2.0 * CONTACT_DAMPING + dt * omega;
+        let b = dt * omega * a;
+        Self { rate: omega / a, mass: b / (1.0 + b), impulse: 1.0 / (1.0 + b) }
     }
 }
 
 /// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate.
-fn stop_approach(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse, soft: &Softness) {
+fn stop_approach(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse, moment: Moment) {
+    let soft = Softness::new(row.share, moment.dt);
     let normal = row.point.normal;
     let speed = row.relative_velocity(&on.moving).dot(normal);
-    let (target, mass_scale, impulse_scale) = match soft.stage {
-        _ if row.arm.gap > 0.0 => (-row.arm.gap / soft.dt, 1.0, 0.0),
+    let (target, mass_scale, impulse_scale) = match moment.stage {
+        _ if row.arm.gap > 0.0 => (-row.arm.gap / moment.dt, 1.0, 0.0),
         Stage::BeforeDrift => ((-soft.rate * row.arm.gap).min(PUSH_SPEED), soft.mass, soft.impulse),
         Stage::AfterDrift => (0.0, 1.0, 0.0),
     };

@@ -61,6 +61,32 @@ fn deepest_below_ground(world: &World) -> f64 {
     depth
 }
 
+/// Whether cubes are polyhedra, with four points on each face, or sampled on grids, with eight, a stack of them stands, upright and
+/// shifted to alternating sides.
+#[test]
+fn stacks_stand_whatever_their_cubes_are_made_of() {
+    for voxels in [None, Some([16; 3])] {
+        for shift in [0.0, 0.125] {
+            let mut scene = SceneDesc::new("stack");
+            scene.method = Method::FrameRate;
+            scene.bodies.push(BodyDesc::ground(0.0));
+            for level in 0..8 {
+                let aside = if level % 2 == 0 { shift } else { -shift };
+                let resolution = Resolution { voxels, sample_spacing: Some(0.125) };
+                let shape = ShapeDesc::Box { size: [1.0; 3], resolution };
+                let position = [aside, 0.5 + f64::from(level), aside];
+                scene.bodies.push(BodyDesc { position, restitution: 0.0, ..BodyDesc::new("cube", shape) });
+            }
+            let mut world = World::build(&scene).unwrap();
+            let start = world.bodies().poses.clone();
+            (0..600).for_each(|_| drop(step(&mut world)));
+            let moved = world.bodies().poses.iter().zip(&start).map(|(a, b)| a.position.distance(b.position));
+            let drift = moved.fold(0.0, f64::max);
+            assert!(drift < 0.03, "{voxels:?}, {shift} m aside: {drift} m");
+        }
+    }
+}
+
 /// A body is where its points are, wherever its centre of mass and its principal axes lie.
 #[test]
 fn a_hull_stands_where_its_points_are() {

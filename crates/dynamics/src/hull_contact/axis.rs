@@ -1,6 +1,6 @@
 //! The axis along which two hulls are furthest apart, or overlap least: separating axis test over faces and edges [Gregorius13].
 
-use frangible_geometry::{HalfSpace, Hull, RigidTransform};
+use frangible_geometry::{HalfSpace, Hull, HullEdge, RigidTransform};
 use glam::DVec3;
 
 /// A hull seen from the frame in which two of them meet.
@@ -77,40 +77,52 @@ pub(crate) struct EdgeAxis {
     pub(crate) separation: f64,
 }
 
+/// An edge and the normals beside it.
+struct Ridge {
+    start: DVec3,
+    along: DVec3,
+    normals: [DVec3; 2],
+}
+
+fn ridges(view: &View) -> Vec<Ridge> {
+    let ridge = |(number, edge): (usize, &HullEdge)| {
+        let [start, end] = view.ends(number);
+        let normals = edge.faces.map(|face| view.planes[face as usize].normal);
+        Ridge { start, along: end - start, normals }
+    };
+    view.hull.edges().iter().enumerate().map(ridge).collect()
+}
+
 /// The pair of edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
 /// parallel.
 pub(crate) fn edge_axis(first: &View, second: &View) -> Option<EdgeAxis> {
     // Sine of the angle below which edges count as parallel: then a face's normal does as well.
     const PARALLEL: f64 = 1e-3;
     let mut best: Option<EdgeAxis> = None;
-    for (b, edge_b) in second.hull.edges().iter().enumerate() {
-        let [start_b, end_b] = second.ends(b);
-        let along_b = end_b - start_b;
-        let [left_b, right_b] = edge_b.faces.map(|face| second.planes[face as usize].normal);
-        for (a, edge_a) in first.hull.edges().iter().enumerate() {
-            let [start_a, end_a] = first.ends(a);
-            let along_a = end_a - start_a;
-            let [left_a, right_a] = edge_a.faces.map(|face| first.planes[face as usize].normal);
-
+    let (ridges_first, ridges_second) = (ridges(first), ridges(second));
+    for (a, of_first) in ridges_first.iter().enumerate() {
+        for (b, of_second) in ridges_second.iter().enumerate() {
             // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
             // cross, else other features are further apart.
-            let (c, d) = (left_b.dot(along_a), right_b.dot(along_a));
+            let [c, d] = of_second.normals.map(|normal| normal.dot(of_first.along));
             if c * d >= 0.0 {
                 continue;
             }
-            let (u, v) = (-left_a.dot(along_b), -right_a.dot(along_b));
+            let [u, v] = of_first.normals.map(|normal| -normal.dot(of_second.along));
             if u * v >= 0.0 || c * v <= 0.0 {
                 continue;
             }
-            let across = along_a.cross(along_b);
+            let across = of_first.along.cross(of_second.along);
             let squared = across.length_squared();
-            if squared <= PARALLEL * PARALLEL * along_a.length_squared() * along_b.length_squared() {
+            let lengths = of_first.along.length_squared() * of_second.along.length_squared();
+            if squared <= PARALLEL * PARALLEL * lengths {
                 continue;
             }
             // Outward of the second hull is between the normals of its edge.
             let across = across / squared.sqrt();
-            let normal = if across.dot(left_b + right_b) < 0.0 { -across } else { across };
-            let separation = normal.dot(start_a - start_b);
+            let outward = of_second.normals[0] + of_second.normals[1];
+            let normal = if across.dot(outward) < 0.0 { -across } else { across };
+            let separation = normal.dot(of_first.start - of_second.start);
             if best.is_none_or(|best| separation > best.separation) {
                 best = Some(EdgeAxis { edges: [a, b], normal, separation });
             }
