@@ -56,7 +56,7 @@ fn figure_2_boxes_form_a_stack_and_a_larger_box_scatters_it() {
     for level in 0..5 {
         let expected = DVec3::new(0.0, 0.25 + 0.5 * f64::from(level), 0.0);
         let at = position(&world, 1 + level as usize);
-        assert!((at - expected).length() < 0.1, "box {level} rests at {at}");
+        assert!((at - expected).length() < 0.03, "box {level} rests at {at}");
     }
     for _ in 85..180 {
         assert!(gain(&step(&mut world)) < 1e-9);
