@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    println!("# cargo run --release -p frangible-shots --example pillar_spread");
     println!("method,steps_per_second,safeguards,seed,mean_m,p95_m,highest_m,rise_m");
     let cases = [
         ("frame-rate", Method::FrameRate, 30.0, true),
