@@ -1,5 +1,5 @@
 //! How ten pillars spread, at the frame rate and at a hundredth of its step; an hour of one core, less of several:
-//! `cargo run --release -p frangible-shots --example pillar_spread > crates/shots/data/pillar.csv`
+//! `cargo run --release -p frangible-shots --example pillar_spread > bench/results/pillar.csv`
 
 use frangible::Method;
 use frangible_shots::ShotOptions;

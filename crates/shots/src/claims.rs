@@ -62,6 +62,7 @@ pub const CLAIMS: &[Claim] = &[
     energy::ALL_SHOTS,
     energy::SAFEGUARDS,
     pillar::SPREAD,
+    pillar::UNCORRECTED,
     incline::INCLINE,
     bounce::BOUNCES,
     stacks::STACK,
