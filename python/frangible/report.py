@@ -55,7 +55,7 @@ class Balance(TypedDict):
     scaled: int
     #: Islands whose displacements were shortened.
     shortened: int
-    #: Energy that was taken out by both [J].
+    #: Energy that was taken out, by payment, scaling or shortening [J].
     removed: float
 
 

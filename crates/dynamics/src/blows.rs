@@ -1,11 +1,12 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
+use crate::contact_rows::Arm;
 use crate::detection::{ContactPoint, NearSamples};
 use crate::first_contact::first_contact;
 use crate::manifold::{ManifoldPoint, find_manifolds};
 use crate::pair::{Approach, Pair, approach_at, deepest_approach, impulse_for, placed};
-use crate::substeps::WarmStart;
 use crate::tally::Cause;
+use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose, Tally};
 use glam::DVec3;
 
@@ -123,8 +124,7 @@ fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) ->
     let points = manifold.iter().flat_map(|manifold| &manifold.points);
     let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((time, point)) = first {
-        let [on_first, on_second] = point.on_surfaces(bodies, pair);
-        let contact = ContactPoint { point: 0.5 * (on_first + on_second), normal: point.normal };
+        let contact = ContactPoint { point: Arm::of(point, pair, bodies).point, normal: point.normal };
         let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
         // Gravity adds to the speed on the way.
         let speed = approach.relative_velocity.dot(point.normal);

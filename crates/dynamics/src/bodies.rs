@@ -95,9 +95,9 @@ pub struct NewBody {
 pub struct Bodies {
     /// Who.
     pub ids: Vec<BodyId>,
-    /// Where, at the start of the frame.
+    /// Where, at the time level of the stage that runs.
     pub poses: Vec<Pose>,
-    /// How fast, at the start of the frame.
+    /// How fast, at the time level of the stage that runs.
     pub velocities: Vec<Velocity>,
     /// Static, kinematic or dynamic.
     pub motions: Vec<Motion>,
@@ -211,6 +211,15 @@ impl Bodies {
                 let angular = self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum);
                 velocity.linear + angular.cross(lever)
             }
+        }
+    }
+
+    /// Angular velocity of body `i` in the world frame, at the given time levels [rad/s].
+    pub fn spin(&self, i: usize, pose: &Pose, velocity: &Velocity) -> DVec3 {
+        match self.motions[i] {
+            Motion::Static => DVec3::ZERO,
+            Motion::Kinematic { angular, .. } => angular,
+            Motion::Dynamic => self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum),
         }
     }
 

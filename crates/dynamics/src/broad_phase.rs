@@ -1,10 +1,10 @@
 //! Pairs of bodies whose bounds overlap: sweep and prune along one axis [Bar92].
 
+use crate::detection::radius;
 use crate::pair::Pair;
 use crate::{Bodies, Pose};
 use frangible_geometry::Shape;
 use glam::DVec3;
-use std::sync::Arc;
 
 /// An axis-aligned box in the world frame [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,12 @@ impl Bounds {
         let reach =
             half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
         Self { low: center - reach, high: center + reach }
+    }
+
+    /// Of a shape at a position, however it is turned.
+    fn of_any_turn(shape: &Shape, pose: &Pose) -> Self {
+        let reach = DVec3::splat(radius(shape));
+        Self { low: pose.position - reach, high: pose.position + reach }
     }
 
     /// The box around this and another.
@@ -59,12 +65,19 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
     overlapping_pairs(bodies, &bounds)
 }
 
-/// The same for bounds around the poses of `bodies` and those at the end of their way.
-pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64) -> Vec<Pair> {
-    let swept = |((shape, start), end): ((&Arc<Shape>, &Pose), &Pose)| {
-        Bounds::of(shape, start).around(&Bounds::of(shape, end)).grown(0.5 * margin)
+/// Turning by less than this [rad] within a frame, a body stays between its bounds at both ends to within 2 % of its size.
+const SMALL_TURN: f64 = 0.2;
+
+/// The same for bounds around all of the bodies' ways through a frame of `dt` [s], from their poses to `ends`.
+pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Pair> {
+    let swept = |i: usize| {
+        let (shape, start, end) = (&bodies.shapes[i], &bodies.poses[i], &ends[i]);
+        let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * dt > SMALL_TURN;
+        let bounds =
+            |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
+        bounds(start).around(&bounds(end)).grown(0.5 * margin)
     };
-    let bounds: Vec<Bounds> = bodies.shapes.iter().zip(&bodies.poses).zip(ends).map(swept).collect();
+    let bounds: Vec<Bounds> = (0..bodies.len()).map(swept).collect();
     overlapping_pairs(bodies, &bounds)
 }
 

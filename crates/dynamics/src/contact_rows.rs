@@ -1,11 +1,13 @@
 //! The points of contact as the substeps' solver sees them: one row for each, that acts on the velocities of two bodies.
+//!
+//! A pair's `Manifold` becomes a `Patch`, each of its points a `Row`; its `Arm` is where it acts at the poses of the present stage.
 
 use crate::detection::{moved_since, radius, second_from_first};
 use crate::manifold::{Manifold, ManifoldPoint, find_manifolds};
 use crate::pair::{Pair, placed};
 use crate::rotation::rotation_by;
-use crate::substeps::{PointImpulse, WarmStart, sample_key};
 use crate::tally::{Cause, Debt};
+use crate::warm_start::{PointImpulse, WarmStart, sample_key};
 use crate::{Bodies, Frame, Motion, PairContactant, Tally};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DVec3};
@@ -39,6 +41,8 @@ pub(crate) struct Patch {
     pub(crate) given: f64,
     /// Whether such rows acted.
     pub(crate) touched: bool,
+    /// Where one of its rows was last, in the world frame [m].
+    point: DVec3,
     /// `second_from_first` when its points were found.
     found_at: RigidTransform,
 }
@@ -58,7 +62,8 @@ impl Patch {
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let mut rows: Vec<Row> = manifold.points.iter().map(row).collect();
         share_stiffness(&mut rows);
-        Self { pair, rows, given: 0.0, touched: false, found_at: second_from_first(first, second) }
+        let point = rows.first().map(|row| row.arm.point).unwrap_or_default();
+        Self { pair, rows, given: 0.0, touched: false, point, found_at: second_from_first(first, second) }
     }
 
     /// Finds the pair's points anew if it has moved too far since they were found; those that are the same go on. `rest` is what is
@@ -76,6 +81,7 @@ impl Patch {
         let warm: WarmStart = old.iter().filter_map(carried).collect();
         self.given += old.iter().map(|row| row.given).sum::<f64>();
         self.touched |= old.iter().any(|row| row.touched);
+        self.point = old.first().map_or(self.point, |row| row.arm.point);
         for point in
             find_manifolds(bodies, &[self.pair], &warm, rest).into_iter().flat_map(|manifold| manifold.points)
         {
@@ -94,7 +100,7 @@ impl Patch {
     pub(crate) fn debt(&self, bodies: &Bodies) -> Option<Debt> {
         let energy = self.given + self.rows.iter().map(|row| row.given).sum::<f64>();
         let ids = [self.pair.first, self.pair.second].map(|i| bodies.ids[i]);
-        let point = self.rows.first()?.arm.point;
+        let point = self.rows.first().map_or(self.point, |row| row.arm.point);
         (energy > 0.0).then_some(Debt { ids, point, energy })
     }
 }
@@ -176,7 +182,7 @@ pub(crate) struct Arm {
 }
 
 impl Arm {
-    fn of(point: &ManifoldPoint, pair: Pair, bodies: &Bodies) -> Self {
+    pub(crate) fn of(point: &ManifoldPoint, pair: Pair, bodies: &Bodies) -> Self {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let gap = (on_first - on_second).dot(point.normal);
         // Between the surfaces, beside the corner that slides along the other body.
@@ -229,7 +235,7 @@ impl Row {
     }
 
     /// Change of the relative velocity along a unit axis per impulse along it [1/kg].
-    pub(crate) fn softness(&self, moving: &[Moving], axis: DVec3) -> f64 {
+    pub(crate) fn answer_along(&self, moving: &[Moving], axis: DVec3) -> f64 {
         let of = |body: &Moving, lever: DVec3| {
             let turn = lever.cross(axis);
             body.inverse_mass + turn.dot(body.inverse_tensor * turn)
@@ -238,7 +244,7 @@ impl Row {
     }
 
     /// Change of the relative angular velocity about a unit axis per angular impulse about it [1/(kg m^2)].
-    pub(crate) fn spin_softness(&self, moving: &[Moving], axis: DVec3) -> f64 {
+    pub(crate) fn answer_about(&self, moving: &[Moving], axis: DVec3) -> f64 {
         let of = |body: &Moving| axis.dot(body.inverse_tensor * axis);
         of(&moving[self.pair.first]) + of(&moving[self.pair.second])
     }

@@ -1,7 +1,8 @@
 //! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus the work done on it.
 //!
 //! Whatever contact, position correction and shock propagation did, the island's energy E' is compared with what it may have: its
-//! energy at the frame's start, the work of kinematic bodies, and what is left in its bank. Too much is taken from the velocities
+//! energy at the frame's start, the work of kinematic bodies, and what is left in its bank. Contacts that gave too much pay it back
+//! first; what is left is taken from the velocities
 //! relative to the island's rigid part, and, if that is not enough, from the displacements off the ballistic path; at the
 //! end of both lies the flight after collisions, whose energy is no more than it was by construction. The bank holds a little of what
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
@@ -16,7 +17,7 @@ use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Relative to an island's energy: less is rounding.
+/// Relative to the size of an island's energies: less is rounding.
 const ROUNDING: f64 = 1e-14;
 
 /// The banks of all bodies, kept over the frames.
@@ -36,7 +37,7 @@ pub struct Balance {
     pub scaled: u64,
     /// Islands whose displacements were shortened.
     pub shortened: u64,
-    /// Energy that was taken out by both [J].
+    /// Energy that was taken out, by payment, scaling or shortening [J].
     pub removed: f64,
 }
 
@@ -55,6 +56,12 @@ pub(crate) fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity
     let mass = bodies.masses[i];
     let spin = bodies.inertias[i].rotational_energy(pose.orientation, velocity.angular_momentum);
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
+}
+
+/// The sum of its kinetic and of the size of its potential energy: what rounding is relative to [J].
+fn magnitude(bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
+    let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
+    energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], gravity) - potential + potential.abs()
 }
 
 impl Opening {
@@ -135,9 +142,10 @@ impl Ledger {
                     .sum()
             };
             let before = total(bodies);
+            let scale: f64 = island.members.iter().map(|&i| magnitude(bodies, i, frame.gravity)).sum();
             let too_much = |bodies: &Bodies, island: &Island| {
                 let excess = total(bodies) - island.allowance - island.bank;
-                (frame.settings.ledger && excess > ROUNDING * before.abs()).then_some(excess)
+                (frame.settings.ledger && excess > ROUNDING * scale).then_some(excess)
             };
             balance.islands += 1;
 
@@ -162,7 +170,9 @@ impl Ledger {
             // What is left goes into the bank, up to its cap, and is the members' by mass.
             let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
             let left = island.allowance + island.bank - total(bodies);
-            let kept = left.clamp(0.0, frame.settings.bank_cap * mass);
+            let cap = frame.settings.bank_cap * mass;
+            // An island with a body whose numbers went bad has nothing to keep.
+            let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
             bank.extend(members.iter().map(|&i| (bodies.ids[i], kept * bodies.masses[i] / mass)));
         }
 

@@ -38,6 +38,7 @@ pub mod state;
 pub mod substeps;
 mod take_out;
 pub mod tally;
+pub mod warm_start;
 
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant};
 pub use energy_fix::{EnergyFix, fix_rotational_energy};

@@ -7,7 +7,7 @@ use crate::flight::Flight;
 use crate::hull_contact::hull_points;
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
-use crate::substeps::{WarmStart, sample_key};
+use crate::warm_start::{WarmStart, sample_key};
 use crate::{Bodies, Frame};
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Shape};
 use glam::DVec3;

@@ -69,7 +69,7 @@ impl Default for StepSettings {
 /// What all stages of one frame need and none changes.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Length of the frame [s].
+    /// Length of the frame, or of the part of it that is asked about [s].
     pub dt: f64,
     /// [m/s^2]
     pub gravity: glam::DVec3,

@@ -1,4 +1,4 @@
-//! What one frame did to the bodies from outside, and how often its safeguards were needed.
+//! What one frame did: momentum from outside, energy by cause, who owes it, and how often the safeguards were needed.
 
 use crate::pair::{Approach, Pair, PairImpulse};
 use crate::rigid_part::Twist;

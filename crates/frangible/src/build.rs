@@ -8,7 +8,7 @@ use crate::shapes::ShapeLibrary;
 use crate::world::{Breaking, Label};
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
-use frangible_dynamics::substeps::WarmStart;
+use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};

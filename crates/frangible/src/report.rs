@@ -93,7 +93,7 @@ pub struct Balance {
     pub scaled: u64,
     /// Islands whose displacements were shortened.
     pub shortened: u64,
-    /// Energy that was taken out by both [J].
+    /// Energy that was taken out, by payment, scaling or shortening [J].
     pub removed: f64,
 }
 
@@ -121,7 +121,7 @@ pub struct Momentum {
 /// Collision and contact impulses of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Impulses {
-    /// Applied to velocities that last.
+    /// Applied to velocities that last; by the frame-rate method, each correction of each pass.
     pub applied: u64,
     /// Shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
     pub clamped: u64,

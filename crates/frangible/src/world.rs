@@ -5,7 +5,7 @@ use crate::check::{BuildError, Checker};
 use crate::desc::Method;
 use crate::report::id_number;
 use frangible_dynamics::ledger::Ledger;
-use frangible_dynamics::substeps::WarmStart;
+use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
 use frangible_fracture::{Pattern, ShatterSettings};
 use frangible_geometry::Surface;

@@ -86,6 +86,7 @@ fn pillar_spreads_as_recorded() {
 }
 
 #[test]
+#[ignore = "minutes of one core: `frangible verify` measures it; the safeguards' claim has one of its pillars"]
 fn pillar_uncorrected() {
     holds("pillar-uncorrected");
 }

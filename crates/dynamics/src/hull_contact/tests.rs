@@ -1,6 +1,6 @@
 use super::*;
 use crate::manifold::find_manifolds;
-use crate::substeps::WarmStart;
+use crate::warm_start::WarmStart;
 use crate::{Contactant, Motion, NewBody, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::{DQuat, DVec3};

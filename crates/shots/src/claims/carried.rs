@@ -41,7 +41,7 @@ const SPEED: f64 = 2.0;
 /// Of the elevator [m/s^2]: a fifth of gravity, so that the stack stays on it.
 const ACCELERATION: f64 = 2.0;
 
-/// The elevator's velocity at a time [m/s]: up for 3 s, down for 4 s, and back at rest where it began after 8 s, in which its speed
+/// The elevator's velocity at a time [m/s]: up for 4 s, down for 4 s, and back at rest where it began after 8 s; its speed
 /// changes from 0 to 1 s, from 3 to 5 s and from 7 s on.
 fn elevator_velocity(time: f64) -> f64 {
     let clamped = |velocity: f64| velocity.clamp(-SPEED, SPEED);

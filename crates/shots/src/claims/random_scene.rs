@@ -64,7 +64,8 @@ pub(super) fn random_scene(seed: u64, method: Method) -> SceneDesc {
 fn random_shape(number: u32, random: &mut Random) -> (ShapeDesc, f64) {
     let length = random.between(0.3, 1.0);
     let sampled = Resolution { voxels: None, sample_spacing: Some(0.15 * length) };
-    match number % 6 {
+    match number % 7 {
+        6 => hull(length, random),
         0 => (ball(0.3 * length), 4.0 / 3.0 * std::f64::consts::PI * libm::pow(0.3 * length, 3.0)),
         1 => {
             let (radius, height) = (length * random.between(0.05, 0.5), length);
@@ -84,6 +85,21 @@ fn random_shape(number: u32, random: &mut Random) -> (ShapeDesc, f64) {
             (ShapeDesc::Box { size, resolution: sampled }, size.iter().product())
         }
     }
+}
+
+/// A tetrahedron with its corners about a box of a length [m], thin or not, and its volume [m^3].
+fn hull(length: f64, random: &mut Random) -> (ShapeDesc, f64) {
+    let thin = power_of_ten(random.between(-2.0, 0.0));
+    let mut corner = |x: f64, y: f64, z: f64| {
+        let shift = random.direction() * 0.2;
+        glam::DVec3::new(length * (x + shift.x), length * thin * (y + shift.y), length * (z + shift.z))
+    };
+    let corners =
+        [corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)];
+    let [a, b, c] = [1, 2, 3].map(|i: usize| corners[i] - corners[0]);
+    let resolution = Resolution { voxels: None, sample_spacing: Some(0.15 * length) };
+    let points = corners.map(|corner| corner.to_array()).to_vec();
+    (ShapeDesc::Hull { points, resolution }, a.cross(b).dot(c).abs() / 6.0)
 }
 
 /// An outline of cells of a width [m] as a body of a depth [m]. The walls between two cells of it are left out.

@@ -44,13 +44,13 @@ fn settled_pile() -> Result<Vec<Finding>, Obstacle> {
 /// Of all islands in 5 s, after 10 s in which the bodies come to rest.
 fn share_balanced(world: &mut World) -> f64 {
     run(world, 300);
-    let (mut islands, mut scaled) = (0, 0);
+    let (mut islands, mut balanced) = (0, 0);
     for _ in 0..150 {
         let balance = step(world).balance;
         islands += balance.islands;
-        scaled += balance.scaled;
+        balanced += balance.scaled + balance.paid;
     }
-    scaled as f64 / islands as f64
+    balanced as f64 / islands as f64
 }
 
 fn lossless() -> Result<Vec<Finding>, Obstacle> {
