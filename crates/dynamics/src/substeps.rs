@@ -110,7 +110,7 @@ fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
     let threshold = BOUNCE * frame.gravity.length() * frame.dt;
     for row in rows_of(patches) {
         let closing = -row.relative_velocity(&moving).dot(row.point.normal);
-        if row.arm.gap > (closing * step.dt).max(0.0) {
+        if row.arm.gap > closing.max(threshold) * step.dt {
             row.met_at = None;
         }
         if row.arm.gap > closing * step.dt || (row.met_at.is_some() && closing <= threshold) {
@@ -133,12 +133,10 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
     let moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
     let before = moving.clone();
     let on = &mut Solver { bodies, moving, tally };
-    // What has not met yet is stopped before the next drift, where it meets.
-    let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
     for row in rows_of(patches) {
         // What no longer meets has nothing to go on from.
         let closing = -row.relative_velocity(&before).dot(row.point.normal);
-        if row.arm.gap > closing.max(0.0) * step.dt || !acts(&row) {
+        if row.arm.gap > closing.max(0.0) * step.dt {
             row.impulses[stage as usize] = Default::default();
         }
         let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
@@ -148,8 +146,10 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
         row.twist(on, twist);
     }
 
-    // What meets now has no impulses to start from, and takes more passes.
+    // What has not met yet is stopped before the next drift, where it meets. What meets now has no impulses to start from, and takes
+    // more passes.
     let beat = Beat { stage, dt: step.dt };
+    let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
     rows_of(patches).filter(acts).for_each(|row| sweep(on, row, beat));
     rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, beat));
     for _ in 1..MEETING_PASSES {
