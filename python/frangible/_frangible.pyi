@@ -123,6 +123,14 @@ class World:
     def parents(self) -> list[int | None]:
         """(n) id of the body that each fragment broke off from, `None` for the bodies of the scene."""
 
+    def set_velocity(
+        self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike
+    ) -> None:
+        """Give a dynamic or kinematic body a velocity, (3) each [m/s, rad/s], in the world frame.
+
+        A kinematic body keeps it until it gets another. `BuildError` if the body lives no longer or is static, or a number is not finite.
+        """
+
     def surface(
         self, id: int
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]:

@@ -54,6 +54,24 @@ def test_a_kinematic_body_has_infinite_mass_and_its_own_velocity() -> None:
     assert world.positions[0] == pytest.approx([1, 2, 3 + 4 / 30])
 
 
+def test_bodies_can_be_told_a_velocity() -> None:
+    world = build({**BALL, "motion": "kinematic"}, BALL, GROUND, gravity=[0, 0, 0])
+    kinematic, dynamic, ground = world.ids.tolist()
+    world.set_velocity(kinematic, [0, 3, 0], np.array([0.0, 0.0, 1.0]))
+    world.set_velocity(dynamic, (1, 0, 0), (0, 2, 0))
+    assert world.velocities.tolist()[:2] == [[0, 3, 0], [1, 0, 0]]
+    assert world.angular_velocities[1] == pytest.approx([0, 2, 0])
+    for id, linear, words in [
+        (ground, [1, 0, 0], ["static"]),
+        (10**6, [1, 0, 0], ["1000000", "living"]),
+        (dynamic, [1, 0], ["linear", "2 numbers"]),
+        (dynamic, [float("nan"), 0, 0], ["linear", "NaN"]),
+    ]:
+        with pytest.raises(BuildError) as caught:
+            world.set_velocity(id, linear, [0, 0, 0])
+        assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
 def test_a_surface_lies_on_its_shape_and_faces_outward() -> None:
     world = build(GROUND, BALL)
     vertices, triangles, interior = world.surface(int(world.ids[1]))

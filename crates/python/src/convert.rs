@@ -1,6 +1,7 @@
-//! Values on their way to Python.
+//! Values on their way to Python and back.
 
-use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
+use crate::build_error;
+use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -43,4 +44,12 @@ pub(crate) fn rows<'py, T: Element + Copy, const N: usize>(
     let flat: Vec<T> = rows.flatten().collect();
     let count = flat.len() / N;
     PyArray1::from_vec(py, flat).reshape([count, N])
+}
+
+/// A vector of three numbers.
+pub(crate) fn vector(name: &str, array: &PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<[f64; 3]> {
+    match array.as_array().iter().copied().collect::<Vec<_>>().as_slice() {
+        &[x, y, z] => Ok([x, y, z]),
+        other => Err(build_error(format!("{name}: {} numbers, must be 3", other.len()))),
+    }
 }

@@ -3,7 +3,7 @@
 use crate::{build_error, convert};
 use frangible::dynamics::Motion;
 use frangible::{SceneDesc, id_from_number, id_number};
-use numpy::{PyArray1, PyArray2};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -119,6 +119,17 @@ impl World {
     #[getter]
     fn parents(&self) -> Vec<Option<u64>> {
         self.world.labels().iter().map(|label| label.parent.map(id_number)).collect()
+    }
+
+    /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.
+    fn set_velocity(
+        &mut self,
+        id: u64,
+        linear: PyArrayLike1<'_, f64, AllowTypeChange>,
+        angular: PyArrayLike1<'_, f64, AllowTypeChange>,
+    ) -> PyResult<()> {
+        let (linear, angular) = (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
+        self.world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
     }
 
     /// Vertices (v, 3) in the body frame [m], triangles (t, 3), and whether a crack made each (t,).
