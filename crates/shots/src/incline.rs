@@ -1,7 +1,7 @@
 //! A cube slides down an incline and stops by friction [Su09 fig. 3].
 
 use crate::{Shot, ShotError, ShotOptions};
-use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::{DQuat, DVec3};
 
 /// Figure 3.
@@ -22,6 +22,9 @@ const FRICTION: f64 = 0.2;
 /// Edge of the cube [m].
 const EDGE: f64 = 0.1;
 
+/// [m/s^2]
+const GRAVITY: f64 = 9.8;
+
 /// Of the cube at first, down the incline [m/s].
 const SPEED: f64 = 1.0;
 
@@ -29,7 +32,7 @@ fn incline(_: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let world_from_incline = DQuat::from_rotation_z(-SLOPE);
     let orientation = world_from_incline.to_array();
     let mut scene = SceneDesc::new("");
-    scene.gravity = [0.0, -9.8, 0.0];
+    scene.gravity = [0.0, -GRAVITY, 0.0];
     scene.bodies.push(BodyDesc { orientation, friction: FRICTION, ..BodyDesc::ground(0.0) });
     let shape = ShapeDesc::Box { size: [EDGE; 3], resolution: Resolution::default() };
     scene.bodies.push(BodyDesc {
@@ -39,6 +42,16 @@ fn incline(_: &ShotOptions) -> Result<SceneDesc, ShotError> {
         friction: FRICTION,
         restitution: 0.0,
         ..BodyDesc::new("cube", shape)
+    });
+
+    // A half sphere beside the place where the analytic solution stops.
+    let brake = GRAVITY * (FRICTION * libm::cos(SLOPE) - libm::sin(SLOPE));
+    let stop = DVec3::new(SPEED * SPEED / (2.0 * brake), 0.0, EDGE);
+    let marker = ShapeDesc::Sphere { radius: 0.3 * EDGE, resolution: Resolution::default() };
+    scene.bodies.push(BodyDesc {
+        motion: MotionDesc::Static,
+        position: (world_from_incline * stop).to_array(),
+        ..BodyDesc::new("analytic solution", marker)
     });
     Ok(scene)
 }
