@@ -10,6 +10,12 @@ use crate::jacobi::{Series, arithmetic_geometric_mean};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
+/// A turn [rad] that leaves a quaternion as it is.
+const NO_TURN: f64 = 1e-20;
+
+/// Angular momentum [kg m^2/s] whose square is too small for its length to be precise.
+const NO_MOMENTUM: f64 = 1e-140;
+
 /// Rotates `orientation` (`world_from_body`) over `dt` [s], of either sign, without torque. `angular_momentum` L is in
 /// the world frame [kg m^2/s]; it is an input only, and the kinetic energy is kept to round-off. The error in angle is
 /// round-off times the rotation angle, unless the spin is so near the intermediate axis that the motion itself
@@ -19,7 +25,7 @@ pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inert
     let magnitude = angular_momentum.length();
     let fastest = inertia.inverse_moments.max_element();
     let angle = dt * fastest * magnitude;
-    if angle == 0.0 {
+    if angle.abs() < NO_TURN || magnitude < NO_MOMENTUM {
         return orientation;
     }
     let rates = inertia.inverse_moments * (1.0 / fastest);

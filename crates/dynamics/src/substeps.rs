@@ -147,9 +147,10 @@ fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Fram
     }
 
     // What has not met yet is stopped before the next drift, where it meets. What meets now has no impulses to start from, and takes
-    // more passes.
+    // more passes, its normals first: a face that lands flat does not slip.
     let beat = Beat { stage, dt: step.dt };
     let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
+    patches.iter_mut().for_each(|patch| act_together(patch, |row| stop_normal(on, row, beat)));
     rows_of(patches).filter(acts).for_each(|row| sweep(on, row, beat));
     rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, beat));
     for _ in 1..MEETING_PASSES {

@@ -237,3 +237,17 @@ fn thin_box_keeps_energy_and_phase_for_ten_seconds() {
     assert!(fixed.1.abs() < 1e-9 && fixed.0 > 0.1, "{fixed:?}");
     assert!(bare.2 > 0.1, "{bare:?}");
 }
+
+/// Spin that friction has all but stopped, down to the smallest numbers there are, leaves a unit quaternion.
+#[test]
+fn vanishing_spin_keeps_the_orientation_of_unit_length() {
+    let start = DQuat::from_xyzw(0.1, -0.4, 0.3, 0.86).normalize();
+    for moments in [DVec3::ONE, DVec3::new(1.0, 2.0, 2.5), DVec3::new(1e-3, 5.0, 5.0)] {
+        let inertia = Inertia::new(1.0, moments);
+        for exponent in -323..0 {
+            let momentum = DVec3::new(1.0, -2.0, 0.5) * libm::pow(10.0, f64::from(exponent));
+            let end = rotate_exact(start, momentum, &inertia, 1.0 / 30.0);
+            assert!((end.length() - 1.0).abs() < 1e-14, "1e{exponent}: {}", end.length());
+        }
+    }
+}
