@@ -76,10 +76,10 @@ impl Placement {
     }
 }
 
-/// The regions of a pattern, laid onto the struck body: in its grid frame.
+/// The regions of a planar pattern, laid onto the struck body: in its grid frame.
 pub fn align_pattern(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Vec<Region> {
     let placement = Placement::new(pattern, impact, struck);
-    pattern.regions.iter().map(|region| placement.region(region)).collect()
+    pattern.planar().unwrap_or_default().iter().map(|region| placement.region(region)).collect()
 }
 
 /// The eight corners of a box.

@@ -1,6 +1,9 @@
 //! Patterns from a few numbers [Su09 sec. 4.3]. The same numbers give the same pattern on every machine.
 
-use crate::{Pattern, PatternError, pattern::Region};
+use crate::{
+    Pattern, PatternError,
+    pattern::{Cells, Region},
+};
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -114,7 +117,7 @@ impl Pattern {
                 regions.push(Region::from_half_spaces(&half_spaces, half_extent));
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, regions })
+        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
     }
 
     /// Voronoi cells of random points in a centred box.
@@ -137,7 +140,7 @@ impl Pattern {
         let regions = (0..sites.len())
             .map(|cell| Region::from_half_spaces(&bisectors(&sites, cell), half_extent))
             .collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, regions })
+        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
     }
 }
 

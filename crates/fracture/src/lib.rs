@@ -3,6 +3,7 @@
 //! There is no time here and no list of bodies. Lengths are metres, except in a pattern, which is scaled onto the body.
 
 pub mod align;
+mod cell_mesh;
 pub mod generators;
 pub mod pattern;
 mod polygon;
@@ -11,6 +12,6 @@ pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
 pub use generators::{Radial, Voronoi};
-pub use pattern::{Cut, Pattern, PatternError, Region};
+pub use pattern::{Cells, Cut, Pattern, PatternError, Region};
 pub use shatter::{Fragment, ShatterSettings, shatter};
 pub use velocities::fragment_velocity;

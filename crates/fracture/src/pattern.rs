@@ -1,35 +1,42 @@
 //! Fracture patterns: all of space, broken in advance [Su09 sec. 4.1].
 
-use crate::polygon;
-use frangible_geometry::HalfSpace;
+use crate::{cell_mesh::CellMesh, polygon};
+use frangible_geometry::{HalfSpace, Hull, TriMesh};
 use glam::DVec3;
 use thiserror::Error;
 
-/// A box broken into convex regions around one point.
+/// A box broken into cells around one point.
 ///
 /// The *pattern frame* has its origin in the middle of the box; +z is the direction of the collision normal, out of the
 /// broken body and towards the striker; x and y lie across. A break moves, turns and uniformly scales the pattern onto
 /// the body. Lengths are in the pattern's own unit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
     /// Half of the box's edge lengths.
     pub half_extent: DVec3,
     /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
-    /// They tile the box.
-    pub regions: Vec<Region>,
+    /// They tile the box, and go on beyond it.
+    pub cells: Cells,
+}
+
+/// What a pattern's cells are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cells {
+    /// Convex regions between planes.
+    Planar(Vec<Region>),
 }
 
 /// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because the pattern encloses
 /// what it breaks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// The cracks around it.
     pub cuts: Vec<Cut>,
 }
 
 /// A plane that bounds a region, and the face that it contributes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cut {
     /// The region lies inside.
     pub half_space: HalfSpace,
@@ -78,6 +85,12 @@ impl Region {
         Self { cuts }
     }
 
+    /// The polyhedron within the box of `half_extent` around the origin; `None` if it lies beyond.
+    pub fn hull(&self, half_extent: DVec3) -> Option<Hull> {
+        let whole = Hull::cuboid(half_extent);
+        self.cuts.iter().try_fold(whole, |hull, cut| hull.clipped(&cut.half_space))
+    }
+
     /// Largest signed distance to any of the cuts, negative inside; the distance to the region in the sense of
     /// [Su09 sec. 4.2]: right inside, a lower bound outside. Minus infinity for a region without cuts.
     pub fn distance(&self, point: DVec3) -> f64 {
@@ -99,9 +112,56 @@ pub(crate) fn nearest_region(regions: &[Region], point: DVec3) -> Option<usize> 
 }
 
 impl Pattern {
-    /// The region that holds a point: the one with the least distance, the first of equals.
+    /// The regions of a pattern of convex cells; `None` for one with other cells.
+    pub fn planar(&self) -> Option<&[Region]> {
+        match &self.cells {
+            Cells::Planar(regions) => Some(regions),
+        }
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        match &self.cells {
+            Cells::Planar(regions) => regions.len(),
+        }
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The cell that holds a point of the pattern frame, inside of the box or beyond: the one with the least distance,
+    /// the first of equals. `None` only without cells.
     pub fn region_at(&self, point: DVec3) -> Option<usize> {
-        nearest_region(&self.regions, point)
+        match &self.cells {
+            Cells::Planar(regions) => nearest_region(regions, point),
+        }
+    }
+
+    /// Signed distance from a point of the pattern frame to a cell, negative inside: of the right sign, and nowhere
+    /// larger than it is far. The walls of the box bound no cell.
+    pub fn distance(&self, cell: usize, point: DVec3) -> f64 {
+        match &self.cells {
+            Cells::Planar(regions) => regions[cell].distance(point),
+        }
+    }
+
+    /// The closed surface of a cell within the box, without an edge longer than `longest_edge` (infinite: each face as
+    /// large as it is). Cells that meet face to face share the vertices of the face bit for bit, and its triangles.
+    pub fn region_mesh(&self, cell: usize, longest_edge: f64) -> TriMesh {
+        self.cell_mesh(cell, longest_edge).mesh
+    }
+
+    /// Points of the cracks around a cell within the box, at most `spacing` apart along each edge of a triangulation.
+    pub fn crack_samples(&self, cell: usize, spacing: f64) -> Vec<DVec3> {
+        self.cell_mesh(cell, spacing).crack_vertices()
+    }
+
+    fn cell_mesh(&self, cell: usize, longest_edge: f64) -> CellMesh {
+        match &self.cells {
+            Cells::Planar(regions) => CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge),
+        }
     }
 
     /// Volume of a region within the box, by the divergence theorem.
@@ -124,7 +184,8 @@ impl Pattern {
     pub fn tiling_defect(&self) -> f64 {
         let e = self.half_extent;
         let whole = 8.0 * e.x * e.y * e.z;
-        let parts: f64 = self.regions.iter().map(|region| self.region_volume(region)).sum();
+        let regions = self.planar().unwrap_or_default();
+        let parts: f64 = regions.iter().map(|region| self.region_volume(region)).sum();
         (parts - whole).abs() / whole
     }
 }

@@ -58,7 +58,7 @@ fn planes_move_with_their_points() {
         let impact = common::random_impact(&body, &mut random);
         let placement = Placement::new(&pattern, &impact, &body);
         let aligned = align_pattern(&pattern, &impact, &body);
-        for (before, after) in pattern.regions.iter().zip(&aligned) {
+        for (before, after) in pattern.planar().unwrap().iter().zip(&aligned) {
             for _ in 0..10 {
                 let point = common::direction(&mut random);
                 let expected = placement.scale * before.distance(point);
