@@ -5,6 +5,7 @@
 pub mod align;
 mod cell_mesh;
 pub mod generators;
+pub mod interfaces;
 pub mod pattern;
 mod polygon;
 pub mod shatter;
@@ -12,6 +13,7 @@ pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
 pub use generators::{Radial, Voronoi};
+pub use interfaces::{Interface, interfaces};
 pub use pattern::{Cells, Cut, Pattern, PatternError, Region};
 pub use shatter::{Fragment, ShatterSettings, shatter};
 pub use velocities::fragment_velocity;

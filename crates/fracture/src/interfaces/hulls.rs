@@ -1,0 +1,88 @@
+//! Contacts of convex polyhedra: the overlap of faces that lie in one plane.
+
+use super::{Contacts, Interface};
+use crate::polygon;
+use frangible_geometry::{HalfSpace, Hull, HullFace};
+use glam::DVec3;
+
+/// Faces this close together, relative to the longest side of all the pieces' bounding boxes, lie in one plane: far above what
+/// clipping and turning round off, far below any gap that is meant.
+const SAME_PLANE: f64 = 1e-7;
+/// An overlap smaller than this part of the smaller face is where two faces touch along an edge.
+const SMALLEST_OVERLAP: f64 = 1e-9;
+
+/// The contacts of polyhedra in one frame.
+pub(super) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
+    let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
+    let longest = bounds.iter().map(|(low, high)| (high - low).max_element()).fold(0.0, f64::max);
+    let near = SAME_PLANE * longest;
+
+    // Sweep along x: a box can touch only those that begin before it ends.
+    let mut order: Vec<usize> = (0..hulls.len()).collect();
+    order.sort_by(|&a, &b| bounds[a].0.x.total_cmp(&bounds[b].0.x).then(a.cmp(&b)));
+    let mut contacts = Contacts::default();
+    for (at, &first) in order.iter().enumerate() {
+        let (low, high) = (bounds[first].0 - near, bounds[first].1 + near);
+        for &second in order[at + 1..].iter().take_while(|&&other| bounds[other].0.x <= high.x) {
+            let (other_low, other_high) = bounds[second];
+            if other_low.cmple(high).all() && other_high.cmpge(low).all() {
+                let (a, b) = (first.min(second), first.max(second));
+                add_contact(&mut contacts, (a, b), (&hulls[a], &hulls[b]), near);
+            }
+        }
+    }
+    contacts.into_interfaces()
+}
+
+/// Adds the overlaps of all faces of two polyhedra that lie in one plane.
+fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &Hull), near: f64) {
+    let corners = |hull: &Hull, face: &HullFace| -> Vec<DVec3> {
+        face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
+    };
+    for face in a.faces().iter().filter(|face| separates(&face.plane, b, near)) {
+        let polygon_a = corners(a, face);
+        for other in b.faces() {
+            let polygon_b = corners(b, other);
+            let in_plane = polygon_b.iter().all(|&corner| face.plane.distance(corner).abs() <= near);
+            if !in_plane || face.plane.normal.dot(other.plane.normal) > 0.0 {
+                continue;
+            }
+            let overlap = overlap(&polygon_a, &polygon_b, face.plane.normal);
+            let smaller = polygon::area(&polygon_a).min(polygon::area(&polygon_b));
+            let (area, centroid) = area_and_centroid(&overlap);
+            if area > SMALLEST_OVERLAP * smaller {
+                contacts.add(pair, area * face.plane.normal, centroid);
+            }
+        }
+    }
+}
+
+/// Whether all of a polyhedron lies in front of a plane or on it.
+fn separates(plane: &HalfSpace, hull: &Hull, near: f64) -> bool {
+    hull.vertices().iter().all(|&vertex| plane.distance(vertex) >= -near)
+}
+
+/// The common part of two convex polygons in the plane with this normal.
+fn overlap(polygon_a: &[DVec3], polygon_b: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    // Polygon b runs clockwise about the normal, so that its inside is on the right of each side.
+    let mut kept = polygon_a.to_vec();
+    for (at, &start) in polygon_b.iter().enumerate() {
+        let end = polygon_b[(at + 1) % polygon_b.len()];
+        if let Some(outward) = normal.cross(end - start).try_normalize() {
+            kept = polygon::clip(&kept, &HalfSpace { normal: outward, offset: outward.dot(start) });
+        }
+    }
+    kept
+}
+
+/// Area [m^2] and centroid [m] of a convex polygon.
+fn area_and_centroid(polygon: &[DVec3]) -> (f64, DVec3) {
+    let Some((&apex, others)) = polygon.split_first() else { return (0.0, DVec3::ZERO) };
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for pair in others.windows(2) {
+        let part = 0.5 * (pair[0] - apex).cross(pair[1] - apex).length();
+        area += part;
+        moment += part * ((pair[0] - apex) + (pair[1] - apex)) / 3.0;
+    }
+    if area > 0.0 { (area, apex + moment / area) } else { (0.0, apex) }
+}

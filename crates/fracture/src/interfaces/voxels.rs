@@ -1,0 +1,267 @@
+//! Contacts of pieces on one lattice: the faces between their voxels.
+
+use super::{Contacts, Interface};
+use frangible_geometry::{Grid, GridSolid, HalfSpace};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Two cracks are the two sides of one plane if they agree so far, in units of the spacing.
+const SAME_PLANE: f64 = 1e-6;
+/// A voxel face belongs to a crack plane that passes its centre this closely, in units of the spacing: half a voxel by
+/// construction, and as much again for where a break snaps to the lattice.
+const AT_PLANE: f64 = 1.0;
+/// Edge of the cubes in which a contact away from all shared planes counts as flat [voxels].
+const CUBE: usize = 4;
+/// No piece.
+const NONE: u32 = u32::MAX;
+
+/// The contacts of solids that share out the voxels of one lattice, in its grid frame.
+pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
+    // Sum up the faces of each flat part of each pair's contact.
+    let Some(lattice) = Lattice::new(solids) else { return Vec::new() };
+    let spacing = lattice.grid.spacing;
+    let mut planes: BTreeMap<(u32, u32), Vec<HalfSpace>> = BTreeMap::new();
+    let mut parts: BTreeMap<(u32, u32, Part), PartSum> = BTreeMap::new();
+    lattice.for_each_face(|face| {
+        let (a, b) = face.pieces;
+        let shared = planes
+            .entry(face.pieces)
+            .or_insert_with(|| shared_planes(solids[a as usize], solids[b as usize], spacing));
+        let sum = parts.entry((a, b, face.part(shared, spacing))).or_default();
+        sum.add(&face);
+    });
+
+    // A crack that leaves the material at a slant does so between the nodes.
+    let rims = Rims::new(solids, &planes);
+    lattice.for_each_rim(|face| {
+        for (other, plane) in rims.beyond(&face) {
+            let (a, b) = (face.pieces.0.min(other), face.pieces.0.max(other));
+            let direction = if a == other { -face.direction } else { face.direction };
+            if let Some(sum) = parts.get_mut(&(a, b, Part::OnPlane(plane))) {
+                sum.add(&Face { direction, ..face });
+            }
+        }
+    });
+
+    // A part on a plane has the plane's normal; what its staircase has across it comes from its rim.
+    let mut contacts = Contacts::default();
+    for ((a, b, part), sum) in parts {
+        let vector = match part {
+            Part::OnPlane(plane) => {
+                let normal = planes[&(a, b)][plane].normal;
+                normal * normal.dot(sum.vector).max(0.0)
+            }
+            Part::InCube(_) => sum.vector,
+        };
+        contacts.add((a as usize, b as usize), spacing * spacing * vector, sum.moment / sum.weight);
+    }
+    contacts.into_interfaces()
+}
+
+/// A part of a contact that counts as flat.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// On one of the planes that the two pieces share.
+    OnPlane(usize),
+    /// In a cube of [`CUBE`] voxels a side, at these places in the row of cubes along each axis.
+    InCube([usize; 3]),
+}
+
+/// The voxel faces of one part.
+#[derive(Clone, Copy, Default)]
+struct PartSum {
+    /// Number of faces, those that are filled in part counted in part.
+    weight: f64,
+    /// Sum of their directions.
+    vector: DVec3,
+    /// Sum of their centres, grid frame [m].
+    moment: DVec3,
+}
+
+impl PartSum {
+    fn add(&mut self, face: &Face) {
+        self.weight += face.filled;
+        self.vector += face.filled * face.direction;
+        self.moment += face.filled * face.center;
+    }
+}
+
+/// Two voxels side by side: of two pieces, or at the rim of one.
+#[derive(Clone, Copy)]
+struct Face {
+    /// The smaller number first; twice the same at the rim.
+    pieces: (u32, u32),
+    /// From the first piece to the second or out of the material, along an axis.
+    direction: DVec3,
+    /// Between the two nodes, grid frame [m].
+    center: DVec3,
+    /// The node at the lower end.
+    node: [usize; 3],
+    /// How much of the face is in the material, in (0, 1]: the mean of the two voxels.
+    filled: f64,
+}
+
+/// The pieces behind the crack planes of each piece.
+///
+/// Where a crack meets the body's surface at a slant, a wedge thinner than half a voxel has no voxel of its own, and the
+/// staircase stops short. On average it stops half a voxel before the surface. So it goes on by the faces between the last
+/// voxel and the empty one that lies on the other side of the crack, which count by half like all that are half empty.
+struct Rims<'a> {
+    solids: &'a [&'a GridSolid],
+    /// For each piece: another one, the plane between the two, whose inside is the first piece's, and its number.
+    behind: Vec<Vec<(u32, HalfSpace, usize)>>,
+}
+
+impl<'a> Rims<'a> {
+    fn new(solids: &'a [&'a GridSolid], planes: &BTreeMap<(u32, u32), Vec<HalfSpace>>) -> Self {
+        let mut behind = vec![Vec::new(); solids.len()];
+        for (&(a, b), shared) in planes {
+            for (number, &plane) in shared.iter().enumerate() {
+                behind[a as usize].push((b, plane, number));
+                let turned = HalfSpace { normal: -plane.normal, offset: -plane.offset };
+                behind[b as usize].push((a, turned, number));
+            }
+        }
+        Self { solids, behind }
+    }
+
+    /// The pieces, and the numbers of the planes, behind which the empty node of a face at the rim lies.
+    fn beyond(&self, face: &Face) -> impl Iterator<Item = (u32, usize)> {
+        let half = 0.5 * self.solids[0].level_set.grid().spacing;
+        let empty = face.center + half * face.direction;
+        let is_behind = move |(other, plane, _): &&(u32, HalfSpace, usize)| {
+            let cuts = &self.solids[*other as usize].outline.cuts;
+            plane.distance(empty) > 0.0 && cuts.iter().all(|cut| cut.distance(empty) <= 0.0)
+        };
+        self.behind[face.pieces.0 as usize]
+            .iter()
+            .filter(is_behind)
+            .map(|&(other, _, number)| (other, number))
+    }
+}
+
+impl Face {
+    fn part(&self, planes: &[HalfSpace], spacing: f64) -> Part {
+        let away = |plane: usize| planes[plane].distance(self.center).abs();
+        let nearest = (0..planes.len()).min_by(|&p, &q| away(p).total_cmp(&away(q)));
+        match nearest.filter(|&plane| away(plane) <= AT_PLANE * spacing) {
+            Some(plane) => Part::OnPlane(plane),
+            None => Part::InCube(self.node.map(|n| n / CUBE)),
+        }
+    }
+}
+
+/// The cracks of one piece that are the other side of one of the other's.
+fn shared_planes(a: &GridSolid, b: &GridSolid, spacing: f64) -> Vec<HalfSpace> {
+    // The lattice's middle is where the planes must agree; the origin may be far away.
+    let (low, high) = a.level_set.grid().bounds();
+    let (middle, reach) = (0.5 * (low + high), (high - low).length());
+    let other_side = |cut: &HalfSpace, other: &HalfSpace| {
+        let turned = (cut.normal + other.normal).length() * reach;
+        let moved = cut.distance(middle) + other.distance(middle);
+        turned <= SAME_PLANE * spacing && moved.abs() <= SAME_PLANE * spacing
+    };
+    let is_shared = |cut: &&HalfSpace| b.outline.cuts.iter().any(|other| other_side(cut, other));
+    a.outline.cuts.iter().filter(is_shared).copied().collect()
+}
+
+/// The part of the lattice that holds all pieces.
+struct Lattice {
+    grid: Grid,
+    /// Which piece each voxel belongs to.
+    owner: Vec<u32>,
+    /// How much of each voxel is material.
+    coverage: Vec<f32>,
+}
+
+impl Lattice {
+    fn new(solids: &[&GridSolid]) -> Option<Self> {
+        // Place each piece's grid on the first one's lattice.
+        let first = solids.first()?.level_set.grid();
+        let places: Vec<[i64; 3]> = solids
+            .iter()
+            .map(|solid| first.lattice_from_point(solid.level_set.grid().origin))
+            .map(|offset| offset.to_array().map(|n| (n + 0.5).floor() as i64))
+            .collect();
+        let mut low = [i64::MAX; 3];
+        let mut high = [i64::MIN; 3];
+        for (place, solid) in places.iter().zip(solids) {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(place[axis]);
+                high[axis] = high[axis].max(place[axis] + solid.level_set.grid().dims[axis] as i64);
+            }
+        }
+        let corner = DVec3::new(low[0] as f64, low[1] as f64, low[2] as f64);
+        let dims = std::array::from_fn(|axis| (high[axis] - low[axis]) as usize);
+        let grid = Grid { origin: first.origin + first.spacing * corner, spacing: first.spacing, dims };
+
+        // Enter its voxels, row by row.
+        let mut owner = vec![NONE; grid.len()];
+        let mut coverage = vec![0.0; grid.len()];
+        for ((place, solid), piece) in places.iter().zip(solids).zip(0_u32..) {
+            let own = solid.level_set.grid();
+            let [i, j, k]: [usize; 3] = std::array::from_fn(|axis| (place[axis] - low[axis]) as usize);
+            for row in 0..own.dims[1] * own.dims[2] {
+                let from = row * own.dims[0];
+                let to = grid.index(i, j + row % own.dims[1], k + row / own.dims[1]);
+                for n in 0..own.dims[0] {
+                    if solid.coverage[from + n] > 0.0 {
+                        owner[to + n] = piece;
+                        coverage[to + n] = solid.coverage[from + n];
+                    }
+                }
+            }
+        }
+        Some(Self { grid, owner, coverage })
+    }
+
+    /// Visits each pair of neighbouring voxels of two pieces.
+    fn for_each_face(&self, mut visit: impl FnMut(Face)) {
+        self.for_each_pair(|face, [low, high]| {
+            if low != NONE && high != NONE {
+                let direction = if low < high { face.direction } else { -face.direction };
+                visit(Face { pieces: (low.min(high), low.max(high)), direction, ..face });
+            }
+        });
+    }
+
+    /// Visits each voxel of a piece that has an empty one beside it.
+    fn for_each_rim(&self, mut visit: impl FnMut(Face)) {
+        self.for_each_pair(|face, [low, high]| {
+            if low == NONE {
+                visit(Face { pieces: (high, high), direction: -face.direction, ..face });
+            } else if high == NONE {
+                visit(Face { pieces: (low, low), ..face });
+            }
+        });
+    }
+
+    /// Visits each pair of neighbouring voxels that do not belong to the same piece, as a face whose direction is an axis,
+    /// with the two owners in its order.
+    fn for_each_pair(&self, mut visit: impl FnMut(Face, [u32; 2])) {
+        let [nx, ny, _] = self.grid.dims;
+        let half = 0.5 * self.grid.spacing;
+        for (axis, stride) in [1, nx, nx * ny].into_iter().enumerate() {
+            for node in 0..self.owner.len().saturating_sub(stride) {
+                let owners = [self.owner[node], self.owner[node + stride]];
+                if owners[0] == owners[1] {
+                    continue;
+                }
+                // The last voxel of a row is followed by another row's first.
+                let [i, j, k] = self.grid.coordinates(node);
+                if [i, j, k][axis] + 1 == self.grid.dims[axis] {
+                    continue;
+                }
+                let direction = DVec3::AXES[axis];
+                let face = Face {
+                    pieces: (NONE, NONE),
+                    direction,
+                    center: self.grid.node(i, j, k) + half * direction,
+                    node: [i, j, k],
+                    filled: 0.5 * f64::from(self.coverage[node] + self.coverage[node + stride]),
+                };
+                visit(face, owners);
+            }
+        }
+    }
+}
