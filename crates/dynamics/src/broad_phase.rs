@@ -3,10 +3,10 @@
 use crate::detection::radius;
 use crate::pair::Pair;
 use crate::{Bodies, Pose};
-use frangible_geometry::Shape;
+use frangible_geometry::{RigidTransform, Shape};
 use glam::DVec3;
 
-/// An axis-aligned box in the world frame [m].
+/// An axis-aligned box [m], in the world frame unless told otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lowest corner.
@@ -22,9 +22,14 @@ impl Bounds {
         if !low.is_finite() || !high.is_finite() {
             return Self { low: DVec3::NEG_INFINITY, high: DVec3::INFINITY };
         }
-        let transform = pose.world_from_body();
-        let center = transform.point(0.5 * (low + high));
-        let matrix = transform.matrix();
+        Self { low, high }.seen_from(&pose.world_from_body())
+    }
+
+    /// Around this box, which lies along another frame's axes.
+    pub fn seen_from(&self, to_from_other: &RigidTransform) -> Self {
+        let Self { low, high } = *self;
+        let center = to_from_other.point(0.5 * (low + high));
+        let matrix = to_from_other.matrix();
         let half = 0.5 * (high - low);
         let reach =
             half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();

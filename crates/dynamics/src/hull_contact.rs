@@ -36,12 +36,12 @@ impl Feature {
     }
 
     /// Its key among the pair's samples; `edges` is the number of the second hull's.
-    pub(crate) fn sample(self, edges: usize) -> (bool, u32) {
+    pub(crate) fn sample(self, edges: usize) -> (bool, u64) {
         const EDGES: u32 = 1 << 31;
         match self {
-            Self::VertexOfFirst(vertex) => (true, vertex),
-            Self::VertexOfSecond(vertex) => (false, vertex),
-            Self::Edges(a, b) => (true, EDGES | (a * edges as u32 + b)),
+            Self::VertexOfFirst(vertex) => (true, vertex.into()),
+            Self::VertexOfSecond(vertex) => (false, vertex.into()),
+            Self::Edges(a, b) => (true, (EDGES | (a * edges as u32 + b)).into()),
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod blows;
 pub mod bodies;
 pub mod broad_phase;
 pub mod collisions;
+mod compound_contact;
 pub mod contact;
 pub mod contact_graph;
 mod contact_rows;

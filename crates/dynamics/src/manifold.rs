@@ -1,7 +1,8 @@
 //! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start. Balls and convex polyhedra
 //! have ways of their own; everything else meets by the samples of each body in the level set of the other [GBF03 sec. 3].
 
-use crate::ball_contact::ball_point;
+use crate::ball_contact::BallContact;
+use crate::compound_contact::compound_points;
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point, radius};
 use crate::flight::Flight;
 use crate::hull_contact::hull_points;
@@ -9,7 +10,7 @@ use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
 use crate::warm_start::{WarmStart, sample_key};
 use crate::{Bodies, Frame};
-use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
 /// One point of contact: a point on each body's surface, that coincide when the gap is closed.
@@ -24,7 +25,7 @@ pub struct ManifoldPoint {
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
     /// Which sample or feature this is, and whether of the first body, to find it again in the next frame.
-    pub sample: (bool, u32),
+    pub sample: (bool, u64),
     /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
     pub approach: f64,
 }
@@ -64,30 +65,14 @@ pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: 
 }
 
 fn find_points(bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> Vec<ManifoldPoint> {
-    // A ball needs no samples.
+    // Balls, polyhedra and planes need no samples.
     let (first, second) = placed(bodies, pair, &bodies.poses);
-    if let Some(radius) = ball_radius(first.shape) {
-        return ball_point(bodies, pair, true, radius, frame).into_iter().collect();
+    if let Some(points) = compound_points(bodies, pair, frame) {
+        return points;
     }
-    if let Some(radius) = ball_radius(second.shape) {
-        return ball_point(bodies, pair, false, radius, frame).into_iter().collect();
-    }
-    // Polyhedra have features.
-    match (&first.shape.hull, &second.shape.hull) {
-        (Some(a), Some(b)) if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            return hull_points(bodies, pair, [a, b], frame);
-        }
-        (Some(hull), None) => {
-            if let Some(ground) = half_space(second.shape) {
-                return plane_points(bodies, pair, hull, true, ground, frame);
-            }
-        }
-        (None, Some(hull)) => {
-            if let Some(ground) = half_space(first.shape) {
-                return plane_points(bodies, pair, hull, false, ground, frame);
-            }
-        }
-        _ => {}
+    if let Some(points) = exact_points(bodies, pair, [Solid::of(first.shape), Solid::of(second.shape)], frame)
+    {
+        return points;
     }
     // Everything else has samples.
     let candidates = find_candidates(bodies, pair, frame);
@@ -97,9 +82,72 @@ fn find_points(bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> 
         .collect()
 }
 
+/// What a body, or a part of one, is to those it meets.
+#[derive(Clone, Copy)]
+pub(crate) enum Solid<'a> {
+    /// Of this radius [m].
+    Ball(f64),
+    /// In the body frame.
+    Hull(&'a Hull),
+    /// In the body frame.
+    Ground(HalfSpace),
+    /// Anything else.
+    Other(&'a Shape),
+}
+
+impl<'a> Solid<'a> {
+    pub(crate) fn of(shape: &'a Shape) -> Self {
+        match (&shape.geometry, &shape.hull) {
+            (Geometry::ClosedForm(ClosedForm::Sphere { radius }), _) => Self::Ball(*radius),
+            (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => Self::Ground(*half_space),
+            (_, Some(hull)) => Self::Hull(hull),
+            _ => Self::Other(shape),
+        }
+    }
+
+    /// Signed distance [m] and its unit gradient at a point in the body frame [m].
+    fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
+        match self {
+            Self::Ball(radius) => {
+                (point_body.length() - radius, point_body.try_normalize().unwrap_or(DVec3::Y))
+            }
+            Self::Hull(hull) => hull.distance_and_gradient(point_body),
+            Self::Ground(half_space) => (half_space.distance(point_body), half_space.normal),
+            Self::Other(shape) => shape.distance_and_gradient(point_body),
+        }
+    }
+}
+
+/// The points of a pair of which one is a ball, or that has features; `None` for others.
+pub(crate) fn exact_points(
+    bodies: &Bodies,
+    pair: Pair,
+    solids: [Solid; 2],
+    frame: &Frame,
+) -> Option<Vec<ManifoldPoint>> {
+    let ball = |ball_is_first: bool, radius: f64, other: Solid| {
+        let surface = &|point: DVec3| other.distance_and_gradient(point);
+        BallContact { bodies, pair, ball_is_first, radius, surface }.point(frame).into_iter().collect()
+    };
+    match solids {
+        [Solid::Ball(radius), other] => Some(ball(true, radius, other)),
+        [other, Solid::Ball(radius)] => Some(ball(false, radius, other)),
+        [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
+            Some(hull_points(bodies, pair, [a, b], frame))
+        }
+        [Solid::Hull(hull), Solid::Ground(ground)] => {
+            Some(plane_points(bodies, pair, hull, true, ground, frame))
+        }
+        [Solid::Ground(ground), Solid::Hull(hull)] => {
+            Some(plane_points(bodies, pair, hull, false, ground, frame))
+        }
+        _ => None,
+    }
+}
+
 /// A sample that may touch within the frame.
 struct Candidate {
-    sample: (bool, u32),
+    sample: (bool, u64),
     contact: ContactPoint,
     /// Signed distance from the other body at the frame's start [m].
     phi: f64,
@@ -118,7 +166,7 @@ fn find_candidates(bodies: &Bodies, pair: Pair, frame: &Frame) -> Vec<Candidate>
         let phi = f64::from(penetration.phi);
         let closing = -approach_speed(bodies, pair, contact.point, contact.normal);
         let approach = surface_speed(bodies, pair, contact.normal, closing, phi, frame);
-        let sample = (penetration.sample_of_first, penetration.sample);
+        let sample = (penetration.sample_of_first, penetration.sample.into());
         // What separates, or is too far to get there, is left out.
         let touches = phi <= 0.0 || phi < frame.dt * closing + sag(frame);
         touches.then_some(Candidate { sample, contact, phi, approach })
@@ -178,21 +226,6 @@ impl Candidate {
 
 pub(crate) fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 {
     bodies.poses[i].world_from_body().inverse().point(point_world)
-}
-
-/// Of a ball in closed form [m].
-fn ball_radius(shape: &Shape) -> Option<f64> {
-    match shape.geometry {
-        Geometry::ClosedForm(ClosedForm::Sphere { radius }) => Some(radius),
-        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Grid(_) => None,
-    }
-}
-
-fn half_space(shape: &Shape) -> Option<HalfSpace> {
-    match shape.geometry {
-        Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) => Some(half_space),
-        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Grid(_) => None,
-    }
 }
 
 /// Relative normal velocity of the pair's material at a point [m/s]; negative if they approach.

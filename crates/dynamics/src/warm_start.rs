@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 
 /// A sample of a pair, over the frames: which bodies, whether it is the first one's, and which.
-pub type SampleKey = (BodyId, BodyId, bool, u32);
+pub type SampleKey = (BodyId, BodyId, bool, u64);
 
 /// The last substep's impulses of each contact point, before and after its drift.
 pub type WarmStart = HashMap<SampleKey, [PointImpulse; 2]>;
@@ -23,6 +23,6 @@ pub struct PointImpulse {
 }
 
 /// What a contact point is known by.
-pub fn sample_key(bodies: &Bodies, pair: Pair, sample: (bool, u32)) -> SampleKey {
+pub fn sample_key(bodies: &Bodies, pair: Pair, sample: (bool, u64)) -> SampleKey {
     (bodies.ids[pair.first], bodies.ids[pair.second], sample.0, sample.1)
 }

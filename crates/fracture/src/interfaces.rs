@@ -52,7 +52,7 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
         .iter()
         .map(|fragment| match &fragment.shape.geometry {
             Geometry::Grid(solid) => Some(solid),
-            Geometry::ClosedForm(_) | Geometry::Hull(_) => None,
+            Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => None,
         })
         .collect();
     let place = |contact: Interface| Interface {

@@ -130,6 +130,14 @@ pub enum ShapeDesc {
         #[serde(default)]
         resolution: Resolution,
     },
+    /// Boxes and convex hulls that are one body: a convex decomposition. They may touch; where they overlap, their mass counts twice.
+    Compound {
+        /// At least one.
+        parts: Vec<PartDesc>,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
     /// A mesh file: OBJ, PLY, STL or glTF.
     Mesh {
         /// Path.
@@ -150,6 +158,34 @@ pub enum ShapeDesc {
         /// A mesh is always sampled.
         #[serde(default)]
         resolution: Resolution,
+    },
+}
+
+/// A part of a compound, in the compound's frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PartDesc {
+    /// A box.
+    Box {
+        /// Edge lengths [m].
+        size: [f64; 3],
+        /// Of its middle [m].
+        #[serde(default)]
+        position: [f64; 3],
+        /// Quaternion x, y, z, w that takes the part's frame to the compound's; need not be of unit length.
+        #[serde(default = "defaults::orientation")]
+        orientation: [f64; 4],
+    },
+    /// The convex hull of points.
+    Hull {
+        /// At least four [m].
+        points: Vec<[f64; 3]>,
+        /// Of the points' origin [m].
+        #[serde(default)]
+        position: [f64; 3],
+        /// Quaternion x, y, z, w that takes the points' frame to the compound's; need not be of unit length.
+        #[serde(default = "defaults::orientation")]
+        orientation: [f64; 4],
     },
 }
 
@@ -247,6 +283,7 @@ impl ShapeDesc {
             | Self::Box { resolution, .. }
             | Self::Cylinder { resolution, .. }
             | Self::Hull { resolution, .. }
+            | Self::Compound { resolution, .. }
             | Self::Mesh { resolution, .. }
             | Self::Triangles { resolution, .. } => resolution,
         }

@@ -31,7 +31,9 @@ mod step;
 mod world;
 
 pub use check::BuildError;
-pub use desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+pub use desc::{
+    BodyDesc, BreakingDesc, Method, MotionDesc, PartDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+};
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;

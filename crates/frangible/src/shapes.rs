@@ -1,11 +1,13 @@
 //! Shapes from their descriptions; equal descriptions share one shape.
 
 use crate::check::{BuildError, Checker};
-use crate::desc::{Resolution, ShapeDesc};
+use crate::desc::{PartDesc, Resolution, ShapeDesc};
 use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
-use frangible_geometry::{ClosedForm, Grid, GridSolid, HalfSpace, Hull, Shape, TriMesh};
+use frangible_geometry::{
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, RigidTransform, Shape, TriMesh,
+};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -21,6 +23,9 @@ const MARGIN: usize = 2;
 
 /// Surface samples along the longest side.
 const MOST_SAMPLES_ALONG: f64 = 1000.0;
+
+/// Parts of a compound: contact points know them by a 16-bit number.
+const MOST_PARTS: usize = 1 << 16;
 
 /// Every shape of a scene, once.
 #[derive(Default)]
@@ -68,6 +73,7 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
             from_form(ClosedForm::Cylinder { radius, half_height }, resolution, breaks, at)
         }
         ShapeDesc::Hull { points, resolution } => from_points(points, resolution, breaks, at),
+        ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, breaks, at),
         ShapeDesc::Mesh { path, scale, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let mut mesh = mesh_io::load(Path::new(path))?;
@@ -107,6 +113,18 @@ fn from_points(
     breaks: bool,
     at: &Checker,
 ) -> Result<Shape, BuildError> {
+    let (at_points, given) = (at.field("points"), format!("{} points", points.len()));
+    let hull = hull_of(points, at)?;
+    let (low, high) = hull.bounds();
+    if !breaks && resolution.voxels.is_none() {
+        let spacing = spacing_of_exact(resolution, high - low, at)?;
+        return Shape::convex(hull, spacing).map_err(|error| at_points.broken(&given, &error.to_string()));
+    }
+    let voxels = voxels_for(low, high, resolution, at)?;
+    sampled(GridSolid::from_hull(hull, voxels, MARGIN), resolution, at)
+}
+
+fn hull_of(points: &[[f64; 3]], at: &Checker) -> Result<Hull, BuildError> {
     let at_points = at.field("points");
     let mut checked = Vec::with_capacity(points.len());
     for (index, &point) in points.iter().enumerate() {
@@ -116,12 +134,47 @@ fn from_points(
     let hull = Hull::of_points(&checked).map_err(|error| at_points.broken(&given, &error.to_string()))?;
     let (low, high) = hull.bounds();
     at_points.length((high - low).max_element())?;
+    Ok(hull)
+}
+
+/// Convex parts that are one body, or their samples if it breaks or a number of voxels is given.
+fn from_parts(
+    parts: &[PartDesc],
+    resolution: &Resolution,
+    breaks: bool,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
+    let at_parts = at.field("parts");
+    at_parts.count(parts.len(), 1, MOST_PARTS)?;
+    let mut hulls = Vec::with_capacity(parts.len());
+    for (index, part) in parts.iter().enumerate() {
+        let at = at.field(&format!("parts[{index}]"));
+        let (hull, position, orientation) = match part {
+            PartDesc::Box { size, position, orientation } => {
+                for &edge in size {
+                    at.field("size").length(edge)?;
+                }
+                (Hull::cuboid(0.5 * DVec3::from_array(*size)), position, orientation)
+            }
+            PartDesc::Hull { points, position, orientation } => {
+                (hull_of(points, &at)?, position, orientation)
+            }
+        };
+        let rotation = at.field("orientation").rotation(*orientation)?;
+        let translation = at.field("position").vector(*position, "m")?;
+        hulls.push(hull.transformed(&RigidTransform::new(rotation, translation)));
+    }
+    let compound = Compound::new(hulls);
+    let (low, high) = compound.bounds();
     if !breaks && resolution.voxels.is_none() {
         let spacing = spacing_of_exact(resolution, high - low, at)?;
-        return Shape::convex(hull, spacing).map_err(|error| at_points.broken(&given, &error.to_string()));
+        let given = format!("{} parts", parts.len());
+        return Shape::compound(compound, spacing)
+            .map_err(|error| at_parts.broken(&given, &error.to_string()));
     }
-    let voxels = voxels_for(low, high, resolution, at)?;
-    sampled(GridSolid::from_hull(hull, voxels, MARGIN), resolution, at)
+    let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
+    let level_set = LevelSet::sample(grid, |point| compound.distance_and_gradient(point).0);
+    sampled(GridSolid::from_level_set(level_set), resolution, at)
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.

@@ -87,6 +87,30 @@ impl Bvh {
         }
     }
 
+    /// Sorts axis-aligned boxes, each from its lowest to its highest corner [m], into a tree for [`Bvh::visit`]: a box is the one
+    /// around its own diagonal.
+    pub fn of_boxes(boxes: &[(DVec3, DVec3)]) -> Self {
+        let diagonals: Vec<[DVec3; 3]> = boxes.iter().map(|&(low, high)| [low, high, high]).collect();
+        Self::new(&diagonals)
+    }
+
+    /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in a leaf that `enters` its box, given
+    /// by the lowest and the highest corner [m], and those of all the nodes above it. What is visited need not enter by itself.
+    pub fn visit(&self, mut enters: impl FnMut(DVec3, DVec3) -> bool, mut visit: impl FnMut(usize)) {
+        let mut waiting: Vec<usize> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(index) = waiting.pop() {
+            let node = &self.nodes[index];
+            if !enters(node.low, node.high) {
+                continue;
+            }
+            if node.is_leaf() {
+                node.range().for_each(|slot| visit(self.source[slot] as usize));
+            } else {
+                waiting.extend(node.children().into_iter().rev());
+            }
+        }
+    }
+
     pub(crate) fn nodes(&self) -> &[Node] {
         &self.nodes
     }

@@ -6,6 +6,7 @@
 pub mod bvh;
 pub mod closed_form;
 pub mod closed_form_surface;
+pub mod compound;
 pub mod coverage;
 mod crossings;
 pub mod disjoint_sets;
@@ -37,6 +38,7 @@ mod symmetric;
 pub mod winding_number;
 
 pub use closed_form::ClosedForm;
+pub use compound::{Compound, Part};
 pub use grid::Grid;
 pub use grid_solid::{GridSolid, NoMass, Outline, Root};
 pub use half_space::HalfSpace;

@@ -1,6 +1,7 @@
 //! What a body is made of: immutable, shared by all bodies that look alike.
 
 use crate::closed_form_surface::closed_form_surface;
+use crate::compound::Compound;
 use crate::hull::hull_samples;
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{SampleCluster, cluster_samples};
@@ -29,6 +30,8 @@ pub struct Shape {
     pub unit_moments: DVec3,
     /// What is a convex polyhedron, as such, in the body frame; `None` for all else.
     pub hull: Option<Arc<Hull>>,
+    /// What is made of several of them, as such, in the body frame; `None` for all else.
+    pub compound: Option<Arc<Compound>>,
 }
 
 /// Where inside and outside are.
@@ -38,6 +41,8 @@ pub enum Geometry {
     ClosedForm(ClosedForm),
     /// A convex polyhedron: exact, but cannot break.
     Hull(Arc<Hull>),
+    /// Convex polyhedra that are one body.
+    Compound(Arc<Compound>),
     /// Samples on a grid: can break.
     Grid(GridSolid),
 }
@@ -65,6 +70,7 @@ impl Shape {
             volume,
             unit_moments,
             hull,
+            compound: None,
         }
     }
 
@@ -86,6 +92,29 @@ impl Shape {
             volume: mass.volume,
             unit_moments,
             hull: Some(Arc::new(in_body)),
+            compound: None,
+        })
+    }
+
+    /// Convex polyhedra that are one body: its mass is the sum of theirs. Samples lie about `sample_spacing` [m] apart.
+    ///
+    /// # Errors
+    /// If they are so thin that the volume or a moment vanishes, or there are none.
+    pub fn compound(compound: Compound, sample_spacing: f64) -> Result<Self, NoMass> {
+        let mass = compound.mass_properties();
+        let (unit_moments, body_from_grid) = mass.body_frame()?;
+        let in_body = compound.transformed(&body_from_grid);
+        let mut samples = in_body.samples(sample_spacing);
+        Ok(Self {
+            geometry: Geometry::Compound(Arc::new(compound)),
+            body_from_grid,
+            sample_clusters: cluster_samples(&mut samples),
+            samples,
+            bounds: in_body.bounds(),
+            volume: mass.volume,
+            unit_moments,
+            hull: None,
+            compound: Some(Arc::new(in_body)),
         })
     }
 
@@ -110,6 +139,7 @@ impl Shape {
             volume: mass.volume,
             unit_moments,
             hull: None,
+            compound: None,
         })
     }
 
@@ -119,6 +149,7 @@ impl Shape {
         let (distance, gradient_grid) = match &self.geometry {
             Geometry::ClosedForm(form) => form.distance_and_gradient(point_grid),
             Geometry::Hull(hull) => hull.distance_and_gradient(point_grid),
+            Geometry::Compound(compound) => compound.distance_and_gradient(point_grid),
             Geometry::Grid(solid) => {
                 let (distance, gradient) = solid.level_set.value_and_gradient(point_grid);
                 // On a ridge the samples' gradient can vanish; any direction is as good there.
@@ -134,6 +165,7 @@ impl Shape {
         let mut surface = match &self.geometry {
             Geometry::ClosedForm(form) => without_cracks(closed_form_surface(form)),
             Geometry::Hull(hull) => without_cracks(hull.surface()),
+            Geometry::Compound(compound) => compound.surface(),
             Geometry::Grid(solid) => polygonize(solid),
         };
         for position in &mut surface.mesh.positions {

@@ -28,7 +28,7 @@ fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> H
     hull_contact(first, second, first_from_second, 1.0, 10.0).unwrap()
 }
 
-fn names(contact: &HullContact) -> BTreeSet<(bool, u32)> {
+fn names(contact: &HullContact) -> BTreeSet<(bool, u64)> {
     contact.points.iter().map(|point| point.feature.sample(100)).collect()
 }
 

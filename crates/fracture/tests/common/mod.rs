@@ -14,7 +14,9 @@ use rand_pcg::Pcg64Mcg;
 pub fn solid(shape: &Shape) -> &GridSolid {
     match &shape.geometry {
         Geometry::Grid(solid) => solid,
-        Geometry::ClosedForm(_) | Geometry::Hull(_) => panic!("a formula has no grid"),
+        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => {
+            panic!("a formula has no grid")
+        }
     }
 }
 

@@ -1,0 +1,138 @@
+//! Where a compound of convex polyhedra touches another body: part by part, without what glued parts hide of each other.
+
+use crate::broad_phase::Bounds;
+use crate::detection::radius;
+use crate::hull_contact::{Feature, HullPoint, PREFERENCE, reduce};
+use crate::manifold::{ManifoldPoint, Solid, exact_points, reach};
+use crate::pair::Pair;
+use crate::{Bodies, Frame};
+use frangible_geometry::{Compound, HalfSpace, Shape};
+use glam::DVec3;
+
+/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs four points however many parts it
+/// goes over.
+const FLAT: f64 = 0.9998;
+
+/// Gaps of one flat contact differ by less, relative to the smaller body's size.
+const LEVEL: f64 = 5e-3;
+
+/// The points of a pair of which one is a compound; `None` if none is, or they meet by their samples.
+pub(crate) fn compound_points(bodies: &Bodies, pair: Pair, frame: &Frame) -> Option<Vec<ManifoldPoint>> {
+    let shapes = [pair.first, pair.second].map(|i| &*bodies.shapes[i]);
+    let compounds = shapes.map(|shape| shape.compound.as_deref());
+    let meets_by_samples =
+        |side: usize| compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_));
+    if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {
+        return None;
+    }
+
+    let mut points = Vec::new();
+    for parts in near_parts(bodies, pair, compounds, frame) {
+        let solid = |side: usize| match (compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
+            _ => Solid::of(shapes[side]),
+        };
+        for point in exact_points(bodies, pair, [solid(0), solid(1)], frame)? {
+            let is_inner = |side: usize| {
+                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else { return false };
+                let (i, at) = if side == 0 {
+                    (pair.first, point.anchor_first)
+                } else {
+                    (pair.second, point.anchor_second)
+                };
+                let outward = if side == 0 { -point.normal } else { point.normal };
+                let body_from_world = bodies.poses[i].world_from_body().inverse();
+                compound.is_covered(part, at, body_from_world.direction(outward))
+            };
+            if !is_inner(0) && !is_inner(1) {
+                points.push(ManifoldPoint { sample: sample_of(point.sample, parts), ..point });
+            }
+        }
+    }
+    let size = radius(shapes[0]).min(radius(shapes[1]));
+    Some(few(bodies, pair, points, size))
+}
+
+/// The pairs of parts, of those that are compounds, that may meet within the frame.
+fn near_parts(
+    bodies: &Bodies,
+    pair: Pair,
+    compounds: [Option<&Compound>; 2],
+    frame: &Frame,
+) -> Vec<[Option<usize>; 2]> {
+    let reach = reach(bodies, pair, frame);
+    let frames = [pair.first, pair.second].map(|i| bodies.poses[i].world_from_body());
+    let second_from_first = frames[1].inverse().after(&frames[0]);
+    let near = |compound: &Compound, of: Bounds| {
+        let Bounds { low, high } = of.grown(reach);
+        compound.parts_near(low, high)
+    };
+    match compounds {
+        [Some(first), Some(second)] => {
+            let of_second = bounds_of(&bodies.shapes[pair.second]).seen_from(&second_from_first.inverse());
+            let with_second = |a: usize| {
+                let (low, high) = first.parts()[a].bounds;
+                let of_part = Bounds { low, high }.seen_from(&second_from_first);
+                near(second, of_part).into_iter().map(move |b| [Some(a), Some(b)])
+            };
+            near(first, of_second).into_iter().flat_map(with_second).collect()
+        }
+        [Some(compound), None] | [None, Some(compound)] => {
+            let is_first = compounds[0].is_some();
+            let (other, compound_from_other) = if is_first {
+                (&bodies.shapes[pair.second], second_from_first.inverse())
+            } else {
+                (&bodies.shapes[pair.first], second_from_first)
+            };
+            let parts = if let Solid::Ground(ground) = Solid::of(other) {
+                let normal = compound_from_other.direction(ground.normal);
+                let offset = ground.offset + normal.dot(compound_from_other.translation) + reach;
+                compound.parts_in(&HalfSpace { normal, offset })
+            } else {
+                near(compound, bounds_of(other).seen_from(&compound_from_other))
+            };
+            parts
+                .into_iter()
+                .map(|part| if is_first { [Some(part), None] } else { [None, Some(part)] })
+                .collect()
+        }
+        [None, None] => Vec::new(),
+    }
+}
+
+/// In the body frame.
+fn bounds_of(shape: &Shape) -> Bounds {
+    let (low, high) = shape.bounds;
+    Bounds { low, high }
+}
+
+/// What a point is known by: which parts, and which of their features.
+fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bool, u64) {
+    let [first, second] = parts.map(|part| part.unwrap_or_default() as u64 & 0xffff);
+    (of_first, feature | first << 48 | second << 32)
+}
+
+/// At most four points of each flat contact, from whichever parts.
+fn few(bodies: &Bodies, pair: Pair, points: Vec<ManifoldPoint>, size: f64) -> Vec<ManifoldPoint> {
+    let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let on = point.on_surfaces(bodies, pair);
+        let gap = (on[0] - on[1]).dot(point.normal);
+        let feature = Feature::VertexOfFirst(index as u32);
+        let candidate = HullPoint { on, normal: point.normal, gap, feature };
+        let same = |flat: &&mut (DVec3, f64, Vec<HullPoint>)| {
+            flat.0.dot(point.normal) > FLAT && (flat.1 - gap).abs() <= LEVEL * size
+        };
+        match flats.iter_mut().find(same) {
+            Some(flat) => flat.2.push(candidate),
+            None => flats.push((point.normal, gap, vec![candidate])),
+        }
+    }
+    let kept =
+        |(normal, _, candidates): (DVec3, f64, Vec<HullPoint>)| reduce(candidates, normal, PREFERENCE * size);
+    let index = |point: HullPoint| match point.feature {
+        Feature::VertexOfFirst(index) => Some(index as usize),
+        Feature::VertexOfSecond(_) | Feature::Edges(..) => None,
+    };
+    flats.into_iter().flat_map(kept).filter_map(index).map(|index| points[index]).collect()
+}

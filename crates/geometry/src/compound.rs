@@ -1,0 +1,313 @@
+//! Convex polyhedra that are one body.
+
+use crate::bvh::Bvh;
+use crate::hull::hull_samples;
+use crate::mass_properties::parallel_axis;
+use crate::{HalfSpace, Hull, MassProperties, RigidTransform, Surface, TriMesh};
+use glam::{DMat3, DVec3, Vec3};
+
+/// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*: what is between them is inside. Where
+/// they overlap, their mass counts twice.
+#[derive(Clone, Debug)]
+pub struct Compound {
+    parts: Vec<Part>,
+    tree: Bvh,
+}
+
+/// One polyhedron of a compound.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// In the compound's frame.
+    pub hull: Hull,
+    /// Lowest and highest corner [m].
+    pub bounds: (DVec3, DVec3),
+    /// For each face, whether other parts cover all of it.
+    pub glued: Vec<bool>,
+}
+
+/// What is closer than this, relative to the compound's longest side, touches: fragments' corners are rounded on their way from frame
+/// to frame, and decompositions are read from files in single precision.
+const TOUCHING: f64 = 1e-6;
+
+/// Part of a face that may stay uncovered for it to count as glued.
+const UNCOVERED: f64 = 1e-3;
+
+/// A normal leans this much towards a part that is beside it (sine of the angle) before it counts as one into that part.
+const LEANING: f64 = 0.02;
+
+impl Compound {
+    /// Of polyhedra in one frame.
+    pub fn new(hulls: Vec<Hull>) -> Self {
+        let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
+        let tree = Bvh::of_boxes(&bounds);
+        let part = |(hull, bounds): (Hull, (DVec3, DVec3))| Part {
+            glued: vec![false; hull.faces().len()],
+            hull,
+            bounds,
+        };
+        let parts = hulls.into_iter().zip(bounds).map(part).collect();
+        let mut compound = Self { parts, tree };
+        let glued: Vec<Vec<bool>> = (0..compound.parts.len()).map(|index| compound.glued(index)).collect();
+        for (part, glued) in compound.parts.iter_mut().zip(glued) {
+            part.glued = glued;
+        }
+        compound
+    }
+
+    /// In the order in which they were given.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Lowest and highest corner of the bounding box [m].
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.parts.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), part| {
+            (low.min(part.bounds.0), high.max(part.bounds.1))
+        })
+    }
+
+    /// The same parts in another frame.
+    pub fn transformed(&self, to_from_compound: &RigidTransform) -> Self {
+        let hulls: Vec<Hull> =
+            self.parts.iter().map(|part| part.hull.transformed(to_from_compound)).collect();
+        let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
+        let tree = Bvh::of_boxes(&bounds);
+        let part = |((hull, bounds), part): ((Hull, (DVec3, DVec3)), &Part)| Part {
+            hull,
+            bounds,
+            glued: part.glued.clone(),
+        };
+        let parts = hulls.into_iter().zip(bounds).zip(&self.parts).map(part).collect();
+        Self { parts, tree }
+    }
+
+    /// Volume, centre and inertia at unit density: the parts' together.
+    pub fn mass_properties(&self) -> MassProperties {
+        let of_parts: Vec<MassProperties> =
+            self.parts.iter().map(|part| part.hull.mass_properties()).collect();
+        let volume: f64 = of_parts.iter().map(|part| part.volume).sum();
+        let center = of_parts.iter().map(|part| part.volume * part.center).sum::<DVec3>() / volume;
+        let mut inertia = DMat3::ZERO;
+        for part in &of_parts {
+            inertia += part.inertia + parallel_axis(part.volume, part.center - center);
+        }
+        MassProperties { volume, center, inertia }
+    }
+
+    /// The parts whose bounds come into the box from `low` to `high` [m], in order.
+    pub fn parts_near(&self, low: DVec3, high: DVec3) -> Vec<usize> {
+        let mut near = Vec::new();
+        let meets = |(from, to): (DVec3, DVec3)| from.cmple(high).all() && low.cmple(to).all();
+        self.tree.visit(
+            |from, to| meets((from, to)),
+            |index| {
+                if meets(self.parts[index].bounds) {
+                    near.push(index);
+                }
+            },
+        );
+        near.sort_unstable();
+        near
+    }
+
+    /// The parts that come into a half-space, in order.
+    pub fn parts_in(&self, half_space: &HalfSpace) -> Vec<usize> {
+        let mut inside = Vec::new();
+        let lowest = |low: DVec3, high: DVec3| {
+            let corner = DVec3::select(half_space.normal.cmpgt(DVec3::ZERO), low, high);
+            half_space.distance(corner) <= 0.0
+        };
+        self.tree.visit(lowest, |index| {
+            let part = &self.parts[index];
+            if part.hull.vertices().iter().any(|&vertex| half_space.distance(vertex) <= 0.0) {
+                inside.push(index);
+            }
+        });
+        inside.sort_unstable();
+        inside
+    }
+
+    /// Signed distance [m] and its unit gradient: the least over the parts. Outside it is exact. Inside it is negative, and says how
+    /// deep the point lies under those faces of a part around it that are not glued, which is its depth in the compound unless another
+    /// part's face is nearer: exact for a single part, and near the surface.
+    pub fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        match self.least(point, f64::INFINITY) {
+            Some((_, index)) => self.parts[index].distance_and_gradient(point),
+            None => (f64::INFINITY, DVec3::Y),
+        }
+    }
+
+    /// Signed distance [m] alone; infinite if it is more than `most`.
+    pub fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
+        self.least(point, most).map_or(f64::INFINITY, |(distance, _)| distance)
+    }
+
+    /// The least distance that is not more than `most` [m], and the first part that has it.
+    fn least(&self, point: DVec3, most: f64) -> Option<(f64, usize)> {
+        // A box that is further away than the best part so far holds no better one.
+        let best = std::cell::Cell::new((most, usize::MAX));
+        let away = |low: DVec3, high: DVec3| (point - point.clamp(low, high)).length();
+        self.tree.visit(
+            |low, high| away(low, high) <= best.get().0.max(0.0),
+            |index| {
+                let part = &self.parts[index];
+                if away(part.bounds.0, part.bounds.1) <= best.get().0.max(0.0) {
+                    let distance = part.distance_up_to(point, best.get().0);
+                    if distance < best.get().0 || (distance == best.get().0 && index < best.get().1) {
+                        best.set((distance, index));
+                    }
+                }
+            },
+        );
+        let (distance, index) = best.get();
+        (index != usize::MAX).then_some((distance, index))
+    }
+
+    /// Points on the outer surface [m], about `spacing` apart.
+    pub fn samples(&self, spacing: f64) -> Vec<Vec3> {
+        let close = self.close();
+        let mut samples = Vec::new();
+        for (index, part) in self.parts.iter().enumerate() {
+            for sample in hull_samples(&part.hull, spacing) {
+                // What is in another part is none, and what two parts share counts once.
+                let point = sample.as_dvec3();
+                let mut faces = part.hull.faces().iter().zip(&part.glued);
+                let is_outer = faces.any(|(face, glued)| !glued && face.plane.distance(point) >= -close);
+                let hidden = |other: usize| {
+                    let most = if other < index { close } else { -close };
+                    self.parts[other].hull.distance_and_gradient(point).0 <= most
+                };
+                let others = self.parts_near(point - close, point + close);
+                if is_outer && !others.into_iter().any(|other| other != index && hidden(other)) {
+                    samples.push(sample);
+                }
+            }
+        }
+        samples
+    }
+
+    /// The parts' surfaces, each closed; glued faces count as interior.
+    pub fn surface(&self) -> Surface {
+        let mut surface = Surface { mesh: TriMesh::default(), interior: Vec::new() };
+        for part in &self.parts {
+            let TriMesh { positions, triangles } = part.hull.surface();
+            let first = surface.mesh.positions.len() as u32;
+            surface.mesh.positions.extend(positions);
+            surface.mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|c| first + c)));
+            for (face, &glued) in part.hull.faces().iter().zip(&part.glued) {
+                surface.interior.extend(std::iter::repeat_n(glued, face.vertices.len() - 2));
+            }
+        }
+        surface
+    }
+
+    /// Whether nothing outside can touch a point of a part's surface from where `normal` points to, because another part is beside it
+    /// and reaches further that way: the normal is not one of the compound's there.
+    pub fn is_covered(&self, part: usize, point: DVec3, normal: DVec3) -> bool {
+        let close = self.close();
+        let reaches_further = |other: usize| {
+            let hull = &self.parts[other].hull;
+            let beyond = |vertex: &DVec3| {
+                let way = *vertex - point;
+                normal.dot(way) > LEANING * way.length() + close
+            };
+            hull.distance_up_to(point, close) <= close && hull.vertices().iter().any(beyond)
+        };
+        let near = self.parts_near(point - close, point + close);
+        near.into_iter().any(|other| other != part && reaches_further(other))
+    }
+
+    /// What touches [m].
+    fn close(&self) -> f64 {
+        let (low, high) = self.bounds();
+        TOUCHING * (high - low).max_element()
+    }
+
+    /// For each face of a part, whether others cover it.
+    fn glued(&self, index: usize) -> Vec<bool> {
+        let (part, close) = (&self.parts[index], self.close());
+        let near = self.parts_near(part.bounds.0 - close, part.bounds.1 + close);
+        let covered = |face: usize| {
+            let corners = corners_of(&part.hull, face);
+            let plane = part.hull.faces()[face].plane;
+            let faces_it = |other: &HalfSpace| {
+                other.normal.dot(plane.normal) < TOUCHING - 1.0
+                    && (other.offset + plane.offset).abs() <= close
+            };
+            let mut area = 0.0;
+            for other in near.iter().filter(|&&other| other != index).map(|&other| &self.parts[other].hull) {
+                let opposite = (0..other.faces().len()).filter(|&at| faces_it(&other.faces()[at].plane));
+                area += opposite
+                    .map(|at| overlap_area(&corners, &corners_of(other, at), plane.normal))
+                    .sum::<f64>();
+            }
+            area >= (1.0 - UNCOVERED) * polygon_area(&corners, plane.normal)
+        };
+        (0..part.hull.faces().len()).map(covered).collect()
+    }
+}
+
+impl Part {
+    /// Signed distance [m] and its unit gradient: inside, to the faces that are not glued.
+    fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        let (distance, gradient) = self.hull.distance_and_gradient(point);
+        self.under_outer_faces(point, distance).unwrap_or((distance, gradient))
+    }
+
+    /// The distance alone; what is more than `most` [m] may come out smaller, but not less than that.
+    fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
+        let distance = self.hull.distance_up_to(point, most);
+        self.under_outer_faces(point, distance).map_or(distance, |(depth, _)| depth)
+    }
+
+    /// The highest plane of a face that is not glued over a point at `distance` [m] from the hull: how deep the point lies under it, as a
+    /// negative height [m], with its normal. `None` for a point that lies outside, and if all faces are glued.
+    fn under_outer_faces(&self, point: DVec3, distance: f64) -> Option<(f64, DVec3)> {
+        // On a seam rounding may put it outside of both parts.
+        let (low, high) = self.bounds;
+        if distance > TOUCHING * (high - low).max_element() {
+            return None;
+        }
+        let outer = self.hull.faces().iter().zip(&self.glued).filter(|&(_, &glued)| !glued);
+        outer
+            .map(|(face, _)| (face.plane.distance(point), face.plane.normal))
+            .fold(None, |best: Option<(f64, DVec3)>, next| {
+                best.filter(|best| best.0 >= next.0).or(Some(next))
+            })
+            .filter(|&(height, _)| height <= 0.0)
+    }
+}
+
+fn corners_of(hull: &Hull, face: usize) -> Vec<DVec3> {
+    hull.faces()[face].vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
+}
+
+/// Area of a polygon with this unit normal [m^2]; negative if it runs clockwise.
+fn polygon_area(corners: &[DVec3], normal: DVec3) -> f64 {
+    let Some(&origin) = corners.first() else { return 0.0 };
+    let doubled: DVec3 = corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum();
+    0.5 * doubled.dot(normal)
+}
+
+/// Area that two convex polygons in one plane share [m^2]: the first, counter-clockwise about `normal`, cut along the sides of the
+/// second, which runs the other way.
+fn overlap_area(first: &[DVec3], second: &[DVec3], normal: DVec3) -> f64 {
+    let mut left = first.to_vec();
+    for at in 0..second.len() {
+        let (start, end) = (second[at], second[(at + 1) % second.len()]);
+        let outward = (end - start).cross(-normal);
+        let height = |point: DVec3| outward.dot(point - start);
+        let whole = std::mem::take(&mut left);
+        for (from, &a) in whole.iter().enumerate() {
+            let b = whole[(from + 1) % whole.len()];
+            let (height_a, height_b) = (height(a), height(b));
+            if height_a <= 0.0 {
+                left.push(a);
+            }
+            if height_a * height_b < 0.0 {
+                left.push(a + (b - a) * (height_a / (height_a - height_b)));
+            }
+        }
+    }
+    polygon_area(&left, normal)
+}
