@@ -1,57 +1,33 @@
 //! Patterns from a few numbers [Su09 sec. 4.3]. The same numbers give the same pattern on every machine.
 
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
-use frangible_geometry::HalfSpace;
-use glam::{DVec2, DVec3};
-use rand::{RngExt, SeedableRng};
+mod bricks;
+mod concrete;
+mod natural;
+mod radial;
+mod slices;
+mod splinters;
+mod voronoi;
+
+pub use bricks::Bricks;
+pub use concrete::Concrete;
+pub use natural::Natural;
+pub use radial::Radial;
+pub use slices::Slices;
+pub use splinters::Splinters;
+pub use voronoi::Voronoi;
+
+use crate::PatternError;
+use glam::DVec3;
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::f64::consts::TAU;
-
-/// Cracks that run from the centre like spokes, crossed by rings: struck glass. Every crack contains the direction of
-/// the collision normal.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Radial {
-    /// Number of wedges around the centre, at least 3; the paper's pattern has 12.
-    pub spokes: usize,
-    /// Number of rings around the centre, denser towards it; 0 is the paper's pattern.
-    pub rings: usize,
-    /// How irregular, from 0 (regular) to 1.
-    pub jitter: f64,
-    /// Of the random numbers.
-    pub seed: u64,
-}
-
-impl Default for Radial {
-    fn default() -> Self {
-        Self { spokes: 12, rings: 0, jitter: 0.5, seed: 1 }
-    }
-}
-
-/// Cells of random points: stone, concrete.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Voronoi {
-    /// Number of cells, at least 1.
-    pub cells: usize,
-    /// From 0 to 30. 0 spreads the points evenly over the box; any other number gathers them around the centre, in a
-    /// Gaussian whose standard deviation is `half_extent / clustering`.
-    pub clustering: f64,
-    /// Of the random numbers.
-    pub seed: u64,
-    /// Shape of the pattern's box; only its proportions matter. A flat one suits walls that are struck on their face.
-    pub half_extent: DVec3,
-}
-
-impl Default for Voronoi {
-    fn default() -> Self {
-        Self { cells: 25, clustering: 0.0, seed: 1, half_extent: DVec3::ONE }
-    }
-}
 
 /// Checks that a parameter is within its range; also false for NaN.
-fn require(holds: bool, parameter: &'static str, value: f64, rule: &'static str) -> Result<(), PatternError> {
+pub(crate) fn require(
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    rule: &'static str,
+) -> Result<(), PatternError> {
     if holds { Ok(()) } else { Err(PatternError::Parameter { parameter, value, rule }) }
 }
 
@@ -60,115 +36,30 @@ fn deviation(random: &mut Pcg64Mcg) -> f64 {
     random.random::<f64>() - 0.5
 }
 
-/// Half-space around the z axis' side of the vertical plane through `from` and `to`; both counter-clockwise about the
-/// axis.
-fn chord(from: DVec2, to: DVec2) -> HalfSpace {
-    let along = (to - from).normalize();
-    let normal = DVec3::new(along.y, -along.x, 0.0);
-    HalfSpace { normal, offset: normal.dot(from.extend(0.0)) }
+/// Checks the shape of a pattern's box.
+fn require_box(half_extent: DVec3) -> Result<(), PatternError> {
+    let positive = half_extent.is_finite() && half_extent.min_element() > 0.0;
+    require(positive, "half_extent", half_extent.min_element(), "positive and finite")?;
+    // Flatter or longer than this, faces get lost in rounding.
+    let ratio = half_extent.max_element() / half_extent.min_element();
+    require(ratio <= 1000.0, "half_extent", ratio, "at most 1000 times as long as it is wide")
 }
 
-impl Pattern {
-    /// Spokes and rings in the cube from -1 to 1, centred.
-    ///
-    /// # Errors
-    /// If a parameter is out of its range.
-    pub fn radial(radial: &Radial) -> Result<Self, PatternError> {
-        require(radial.spokes >= 3, "spokes", radial.spokes as f64, "at least 3")?;
-        require((0.0..=1.0).contains(&radial.jitter), "jitter", radial.jitter, "from 0 to 1")?;
-        let mut random = Pcg64Mcg::seed_from_u64(radial.seed);
-
-        // Angles of the spokes. No step exceeds 1.4 times the regular one, which is less than half a turn.
-        let step = TAU / radial.spokes as f64;
-        let directions: Vec<DVec2> = (0..radial.spokes)
-            .map(|spoke| step * (spoke as f64 + 0.4 * radial.jitter * deviation(&mut random)))
-            .map(|angle| DVec2::new(libm::cos(angle), libm::sin(angle)))
-            .collect();
-
-        // Corners of the cobweb, ring by ring outwards. They stay in order along each spoke, so chords never cross.
-        let corners: Vec<Vec<DVec2>> = (0..radial.rings)
-            .map(|ring| {
-                let corner = |&direction: &DVec2| {
-                    let place = (ring as f64 + 1.0 + 0.6 * radial.jitter * deviation(&mut random))
-                        / (radial.rings as f64 + 0.5);
-                    // Radii grow as the power 3/2 of the ring's number, from a small middle to nearly the rim.
-                    direction * (place * place.sqrt())
-                };
-                directions.iter().map(corner).collect()
-            })
-            .collect();
-
-        // Each sector between two spokes and two chords is one region.
-        let half_extent = DVec3::ONE;
-        let mut regions = Vec::with_capacity(radial.spokes * (radial.rings + 1));
-        for spoke in 0..radial.spokes {
-            let next = (spoke + 1) % radial.spokes;
-            let sides = [chord(DVec2::ZERO, directions[spoke]), chord(directions[next], DVec2::ZERO)];
-            for ring in 0..=radial.rings {
-                let mut half_spaces = sides.to_vec();
-                if ring > 0 {
-                    let inner = &corners[ring - 1];
-                    half_spaces.push(chord(inner[next], inner[spoke]));
-                }
-                if ring < radial.rings {
-                    let outer = &corners[ring];
-                    half_spaces.push(chord(outer[spoke], outer[next]));
-                }
-                regions.push(Region::from_half_spaces(&half_spaces, half_extent));
-            }
-        }
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
-    }
-
-    /// Voronoi cells of random points in a centred box.
-    ///
-    /// # Errors
-    /// If a parameter is out of its range.
-    pub fn voronoi(voronoi: &Voronoi) -> Result<Self, PatternError> {
-        let half_extent = voronoi.half_extent;
-        require(voronoi.cells >= 1, "cells", voronoi.cells as f64, "at least 1")?;
-        require(
-            (0.0..=30.0).contains(&voronoi.clustering),
-            "clustering",
-            voronoi.clustering,
-            "from 0 to 30",
-        )?;
-        let positive = half_extent.is_finite() && half_extent.min_element() > 0.0;
-        require(positive, "half_extent", half_extent.min_element(), "positive and finite")?;
-
-        let sites = draw_sites(voronoi);
-        let regions = (0..sites.len())
-            .map(|cell| Region::from_half_spaces(&bisectors(&sites, cell), half_extent))
-            .collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
-    }
+/// Checks a number of things against what a computer can bear.
+fn require_count(count: usize, parameter: &'static str) -> Result<(), PatternError> {
+    require((1..=MOST_CELLS).contains(&count), parameter, count as f64, "from 1 to 100000")
 }
 
-/// Points in the box: evenly distributed ones, kept with the Gaussian's probability.
-fn draw_sites(voronoi: &Voronoi) -> Vec<DVec3> {
-    let mut random = Pcg64Mcg::seed_from_u64(voronoi.seed);
-    let mut sites = Vec::with_capacity(voronoi.cells);
-    while sites.len() < voronoi.cells {
-        let place = 2.0 * DVec3::new(deviation(&mut random), deviation(&mut random), deviation(&mut random));
-        let deviations = place * voronoi.clustering;
-        if random.random::<f64>() < libm::exp(-0.5 * deviations.length_squared()) {
-            sites.push(place * voronoi.half_extent);
+/// A pattern may have so many cells.
+pub const MOST_CELLS: usize = 100_000;
+
+/// A direction, each as likely as another.
+fn direction(random: &mut Pcg64Mcg) -> DVec3 {
+    loop {
+        let place = 2.0 * DVec3::new(deviation(random), deviation(random), deviation(random));
+        let length = place.length();
+        if length > 1e-3 && length < 1.0 {
+            return place / length;
         }
     }
-    sites
-}
-
-/// The points nearer to one site than to each other site; near sites first, because they cut most.
-fn bisectors(sites: &[DVec3], cell: usize) -> Vec<HalfSpace> {
-    let site = sites[cell];
-    let mut others: Vec<DVec3> =
-        sites.iter().enumerate().filter(|&(other, _)| other != cell).map(|(_, &other)| other).collect();
-    others.sort_by(|a, b| a.distance_squared(site).total_cmp(&b.distance_squared(site)));
-    others
-        .into_iter()
-        .map(|other| {
-            let normal = (other - site).normalize();
-            HalfSpace { normal, offset: normal.dot(0.5 * (site + other)) }
-        })
-        .collect()
 }

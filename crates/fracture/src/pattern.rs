@@ -1,6 +1,6 @@
 //! Fracture patterns: all of space, broken in advance [Su09 sec. 4.1].
 
-use crate::{cell_mesh::CellMesh, polygon};
+use crate::{cell_mesh::CellMesh, polygon, rough::Rough};
 use frangible_geometry::{HalfSpace, Hull, TriMesh};
 use glam::DVec3;
 use thiserror::Error;
@@ -25,6 +25,8 @@ pub struct Pattern {
 pub enum Cells {
     /// Convex regions between planes.
     Planar(Vec<Region>),
+    /// Such regions with rough faces.
+    Rough(Rough),
 }
 
 /// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because the pattern encloses
@@ -116,6 +118,7 @@ impl Pattern {
     pub fn planar(&self) -> Option<&[Region]> {
         match &self.cells {
             Cells::Planar(regions) => Some(regions),
+            Cells::Rough(_) => None,
         }
     }
 
@@ -123,6 +126,7 @@ impl Pattern {
     pub fn len(&self) -> usize {
         match &self.cells {
             Cells::Planar(regions) => regions.len(),
+            Cells::Rough(rough) => rough.regions.len(),
         }
     }
 
@@ -136,6 +140,7 @@ impl Pattern {
     pub fn region_at(&self, point: DVec3) -> Option<usize> {
         match &self.cells {
             Cells::Planar(regions) => nearest_region(regions, point),
+            Cells::Rough(rough) => rough.region_at(point, self.half_extent),
         }
     }
 
@@ -144,6 +149,7 @@ impl Pattern {
     pub fn distance(&self, cell: usize, point: DVec3) -> f64 {
         match &self.cells {
             Cells::Planar(regions) => regions[cell].distance(point),
+            Cells::Rough(rough) => rough.distance(cell, point, self.half_extent),
         }
     }
 
@@ -161,6 +167,7 @@ impl Pattern {
     fn cell_mesh(&self, cell: usize, longest_edge: f64) -> CellMesh {
         match &self.cells {
             Cells::Planar(regions) => CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge),
+            Cells::Rough(rough) => rough.cell_mesh(cell, longest_edge, self.half_extent),
         }
     }
 
@@ -180,11 +187,14 @@ impl Pattern {
         (faces + outer) / 3.0
     }
 
-    /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a tiling.
+    /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a tiling. Rough cells tile as their
+    /// regions do.
     pub fn tiling_defect(&self) -> f64 {
         let e = self.half_extent;
         let whole = 8.0 * e.x * e.y * e.z;
-        let regions = self.planar().unwrap_or_default();
+        let regions = match &self.cells {
+            Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => regions,
+        };
         let parts: f64 = regions.iter().map(|region| self.region_volume(region)).sum();
         (parts - whole).abs() / whole
     }

@@ -44,7 +44,7 @@ impl Default for ShatterSettings {
 
 /// Breaks a body along a pattern that is laid onto the point of impact. The fragments share out the parent's voxels, so
 /// that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
-/// are the parent's. Empty for a closed form, which cannot break.
+/// are the parent's. Empty for a closed form, which cannot break, and for a pattern of other than planar cells.
 pub fn shatter(
     parent: &Shape,
     pattern: &Pattern,
@@ -52,6 +52,9 @@ pub fn shatter(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     let Geometry::Grid(solid) = &parent.geometry else { return Vec::new() };
+    if pattern.planar().is_none() {
+        return Vec::new();
+    }
 
     // Lay the pattern onto the body, and share out its voxels among the regions.
     let regions = align_pattern(pattern, impact, parent);

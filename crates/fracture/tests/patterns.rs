@@ -17,7 +17,10 @@ fn many_patterns() -> Vec<Pattern> {
         }
         for (cells, clustering) in [(1, 0.0), (2, 0.0), (25, 0.0), (25, 4.0), (60, 1.0), (30, 30.0)] {
             let half_extent = DVec3::new(1.0, 0.3, 2.0);
-            patterns.push(Pattern::voronoi(&Voronoi { cells, clustering, seed, half_extent }).unwrap());
+            patterns.push(
+                Pattern::voronoi(&Voronoi { cells, clustering, seed, half_extent, ..Voronoi::default() })
+                    .unwrap(),
+            );
         }
     }
     patterns

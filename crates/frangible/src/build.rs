@@ -12,7 +12,6 @@ use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Cells of a pattern: ten times the pieces that the finest usual grid resolves, made in seconds.
@@ -128,7 +127,7 @@ fn build_breaking(
         }
         PatternDesc::Voronoi { cells, clustering, seed } => {
             pattern.field("cells").count(cells, 1, MOST_CELLS)?;
-            Pattern::voronoi(&Voronoi { cells, clustering, seed, half_extent: DVec3::ONE })
+            Pattern::voronoi(&Voronoi { cells, clustering, seed, ..Voronoi::default() })
         }
     };
     let made = made.map_err(|error| pattern.pattern(&error))?;

@@ -1,0 +1,102 @@
+//! Masonry.
+
+use super::{MOST_CELLS, deviation, require, require_box};
+use crate::{
+    Pattern, PatternError,
+    pattern::{Cells, Region},
+};
+use frangible_geometry::HalfSpace;
+use glam::{DVec2, DVec3};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+/// Bricks in running bond: courses along x, stacked along y, each shifted by half a brick; one brick deep. Mortar breaks off in
+/// pieces of its own, a joint beside each brick and one above it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bricks {
+    /// Number of bricks along a course, joints included; at least 1.
+    pub columns: usize,
+    /// Number of courses, joints included; at least 1.
+    pub courses: usize,
+    /// Thickness of the joints relative to the height of a course, from 0 (none) to 0.5.
+    pub mortar: f64,
+    /// How irregular, from 0 to 1: how far the ends of the bricks are off their place.
+    pub jitter: f64,
+    /// Of the random numbers.
+    pub seed: u64,
+    /// Shape of the pattern's box; only its proportions matter.
+    pub half_extent: DVec3,
+}
+
+impl Default for Bricks {
+    fn default() -> Self {
+        // A brick of 240 x 71 mm with joints of 12 mm is three times as long as high.
+        Self { columns: 6, courses: 18, mortar: 0.14, jitter: 0.1, seed: 1, half_extent: DVec3::ONE }
+    }
+}
+
+impl Pattern {
+    /// Running bond in a centred box.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range, or the numbers make more than 100000 cells.
+    pub fn bricks(bricks: &Bricks) -> Result<Self, PatternError> {
+        let &Bricks { columns, courses, mortar, jitter, seed, half_extent } = bricks;
+        require(columns >= 1, "columns", columns as f64, "at least 1")?;
+        require(courses >= 1, "courses", courses as f64, "at least 1")?;
+        let most = columns.saturating_add(1).saturating_mul(courses).saturating_mul(3);
+        require(most <= MOST_CELLS, "columns", columns as f64, "at most 33333 divided by the courses")?;
+        require((0.0..=0.5).contains(&mortar), "mortar", mortar, "from 0 to 0.5")?;
+        require((0.0..=1.0).contains(&jitter), "jitter", jitter, "from 0 to 1")?;
+        require_box(half_extent)?;
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+
+        let size = 2.0 * half_extent.truncate() / DVec2::new(columns as f64, courses as f64);
+        let joint = (mortar * size.y).min(0.25 * size.x);
+        let mut regions = Vec::new();
+        for course in 0..courses {
+            let bottom = course as f64 * size.y - half_extent.y;
+            let top = bottom + size.y - joint;
+            // Where each brick begins; the first and the last end at the box.
+            let shift = if course % 2 == 0 { 0.0 } else { 0.5 };
+            let starts: Vec<f64> = (0..=columns)
+                .map(|column| column as f64 - shift + 0.2 * jitter * deviation(&mut random))
+                .map(|start| start * size.x - half_extent.x)
+                .collect();
+            // A shifted course has a half brick at both ends, so one more.
+            let count = if course % 2 == 0 { columns } else { columns + 1 };
+            for column in 0..count {
+                let left = if column == 0 { -half_extent.x } else { starts[column] };
+                let last = column + 1 == count;
+                // The last brick of a course has no joint beside it.
+                let right = if last { half_extent.x } else { starts[column + 1] };
+                let end = if last { right } else { right - joint };
+                let above = bottom + size.y;
+                regions.extend(block([left, end], [bottom, top], half_extent));
+                if joint > 0.0 {
+                    regions.extend(block([end, right], [bottom, top], half_extent));
+                    regions.extend(block([left, right], [top, above], half_extent));
+                }
+            }
+        }
+        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+    }
+}
+
+/// What lies between two places along x and two along y; the sides that lie on the box are no cracks. `None` if it is empty.
+fn block([left, right]: [f64; 2], [bottom, top]: [f64; 2], half_extent: DVec3) -> Option<Region> {
+    // Joints of no width are rounding.
+    let tiny = 1e-9 * half_extent.max_element();
+    if right - left <= tiny || top - bottom <= tiny {
+        return None;
+    }
+    let sides = [
+        (-DVec3::X, -left, left > tiny - half_extent.x),
+        (DVec3::X, right, right < half_extent.x - tiny),
+        (-DVec3::Y, -bottom, bottom > tiny - half_extent.y),
+        (DVec3::Y, top, top < half_extent.y - tiny),
+    ];
+    let cuts = sides.into_iter().filter(|&(_, _, crack)| crack);
+    let half_spaces: Vec<HalfSpace> = cuts.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
+    Some(Region::from_half_spaces(&half_spaces, half_extent))
+}

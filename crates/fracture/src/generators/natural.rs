@@ -1,0 +1,137 @@
+//! Natural rubble.
+
+use super::{deviation, direction, require, require_box, require_count, slices::beyond};
+use crate::{
+    Pattern, PatternError,
+    pattern::{Cells, Region},
+};
+use frangible_geometry::{HalfSpace, Hull};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// Rock that cracks again and again, each crack ending at the ones before it. The cells of such a *primary mosaic* have 6 faces
+/// and 8 corners in the mean, as natural fragments do [DKST15, DJKT20].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Natural {
+    /// Number of cells, from 1 to 100000.
+    pub cells: usize,
+    /// How much the sizes differ, from 0 (always the largest cell cracks) over 0.5 (any, in proportion to its volume) to 1 (any,
+    /// whatever its volume).
+    pub spread: f64,
+    /// Of the random numbers.
+    pub seed: u64,
+    /// Shape of the pattern's box; only its proportions matter.
+    pub half_extent: DVec3,
+}
+
+impl Default for Natural {
+    fn default() -> Self {
+        Self { cells: 25, spread: 0.7, seed: 1, half_extent: DVec3::ONE }
+    }
+}
+
+/// Of so many random directions a cell cracks across the one in which it is longest, so that no needles and plates come out.
+const DIRECTIONS: usize = 5;
+
+/// A crack lies at most this share of the cell's length off its middle.
+const OFF_CENTER: f64 = 0.3;
+
+/// A cell while the box is being cut up.
+struct Part {
+    half_spaces: Vec<HalfSpace>,
+    hull: Hull,
+    center: DVec3,
+    /// What its chance of being cut is proportional to.
+    weight: f64,
+}
+
+impl Part {
+    fn new(half_spaces: Vec<HalfSpace>, hull: Hull, spread: f64) -> Self {
+        let properties = hull.mass_properties();
+        let weight =
+            if spread > 0.0 { libm::pow(properties.volume, 1.0 / spread - 1.0) } else { properties.volume };
+        Self { half_spaces, hull, center: properties.center, weight }
+    }
+
+    /// A plane near the middle, across a direction in which the cell is long.
+    fn crack(&self, random: &mut Pcg64Mcg) -> HalfSpace {
+        let mut longest = (DVec3::ZERO, [0.0; 2]);
+        for _ in 0..DIRECTIONS {
+            let normal = direction(random);
+            let heights = self.hull.vertices().iter().map(|vertex| normal.dot(*vertex));
+            let low = heights.clone().fold(f64::INFINITY, f64::min);
+            let high = heights.fold(f64::NEG_INFINITY, f64::max);
+            if high - low > longest.1[1] - longest.1[0] {
+                longest = (normal, [low, high]);
+            }
+        }
+        let (normal, [low, high]) = longest;
+        let shift = 2.0 * OFF_CENTER * (high - low) * deviation(random);
+        HalfSpace { normal, offset: normal.dot(self.center) + shift }
+    }
+
+    /// The two sides of a crack; `None` if rounding leaves nothing of one.
+    fn split(&self, crack: HalfSpace, spread: f64) -> Option<[Self; 2]> {
+        let side = |half_space: HalfSpace| {
+            let hull = self.hull.clipped(&half_space)?;
+            let mut half_spaces = self.half_spaces.clone();
+            half_spaces.push(half_space);
+            // What has come to lie outside of the cell bounds it no more.
+            half_spaces.retain(|&known| hull.faces().iter().any(|face| face.plane == known));
+            Some(Self::new(half_spaces, hull, spread))
+        };
+        Some([side(crack)?, side(beyond(&crack))?])
+    }
+}
+
+impl Pattern {
+    /// A centred box, cut up by planes.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn natural(natural: &Natural) -> Result<Self, PatternError> {
+        let &Natural { cells, spread, seed, half_extent } = natural;
+        require_count(cells, "cells")?;
+        require((0.0..=1.0).contains(&spread), "spread", spread, "from 0 to 1")?;
+        require_box(half_extent)?;
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        // Volumes relative to the box's keep their powers from under- and overflowing.
+        let size = libm::cbrt(8.0 * half_extent.element_product());
+        let half = half_extent / size;
+        let mut parts = vec![Part::new(Vec::new(), Hull::cuboid(half), spread)];
+        while parts.len() < cells {
+            let chosen = choose(&parts, spread, &mut random);
+            let crack = parts[chosen].crack(&mut random);
+            if let Some([inside, outside]) = parts[chosen].split(crack, spread) {
+                parts[chosen] = inside;
+                parts.push(outside);
+            }
+        }
+
+        let scaled = |plane: &HalfSpace| HalfSpace { normal: plane.normal, offset: plane.offset * size };
+        let region = |part: &Part| {
+            let half_spaces: Vec<HalfSpace> = part.half_spaces.iter().map(scaled).collect();
+            Region::from_half_spaces(&half_spaces, half_extent)
+        };
+        let regions = parts.iter().map(region).collect();
+        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+    }
+}
+
+/// The largest part without spread, else a random one by its weight.
+fn choose(parts: &[Part], spread: f64, random: &mut Pcg64Mcg) -> usize {
+    if spread == 0.0 {
+        let largest = parts.iter().enumerate().max_by(|a, b| a.1.weight.total_cmp(&b.1.weight));
+        return largest.map_or(0, |(at, _)| at);
+    }
+    let whole: f64 = parts.iter().map(|part| part.weight).sum();
+    let mut left = whole * random.random::<f64>();
+    for (at, part) in parts.iter().enumerate() {
+        left -= part.weight;
+        if left < 0.0 {
+            return at;
+        }
+    }
+    parts.len() - 1
+}

@@ -1,0 +1,116 @@
+//! Wood.
+
+use super::{deviation, require, require_box, require_count, slices::beyond, voronoi::voronoi_regions};
+use crate::{
+    Pattern, PatternError,
+    pattern::{Cells, Region},
+};
+use frangible_geometry::HalfSpace;
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::TAU;
+
+/// Long splinters along a grain, with irregular cross sections and pointed ends: wood.
+///
+/// Cracks run along the grain around random lines, and each splinter between them is broken across, where it pleases, at a steep
+/// angle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Splinters {
+    /// Number of splinters side by side, from 1 to 100000 with their pieces.
+    pub fibres: usize,
+    /// Number of pieces that each splinter is broken into along its length, at least 1.
+    pub pieces: usize,
+    /// Along what the splinters lie: 0, 1 or 2 for the pattern's x, y or z. x follows the body's longest side.
+    pub grain: usize,
+    /// How many times longer the pointed ends are than the splinter is wide, from 0 (cut square) to 20.
+    pub sharpness: f64,
+    /// How far from their regular places splinters are broken, from 0 to 1, in lengths of a piece: at 0 all break in the same place.
+    pub spread: f64,
+    /// Of the random numbers.
+    pub seed: u64,
+    /// Shape of the pattern's box; only its proportions matter. A long one suits what is long along the grain.
+    pub half_extent: DVec3,
+}
+
+impl Default for Splinters {
+    fn default() -> Self {
+        Self {
+            fibres: 24,
+            pieces: 2,
+            grain: 0,
+            sharpness: 4.0,
+            spread: 0.5,
+            seed: 1,
+            half_extent: DVec3::new(1.0, 0.25, 0.25),
+        }
+    }
+}
+
+impl Pattern {
+    /// Splinters in a centred box.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
+    pub fn splinters(splinters: &Splinters) -> Result<Self, PatternError> {
+        let &Splinters { fibres, pieces, grain, sharpness, spread, seed, half_extent } = splinters;
+        require_count(fibres, "fibres")?;
+        require_count(pieces, "pieces")?;
+        require_count(fibres.saturating_mul(pieces), "pieces")?;
+        require(grain <= 2, "grain", grain as f64, "0, 1 or 2")?;
+        require((0.0..=20.0).contains(&sharpness), "sharpness", sharpness, "from 0 to 20")?;
+        require((0.0..=1.0).contains(&spread), "spread", spread, "from 0 to 1")?;
+        require_box(half_extent)?;
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+
+        // Lines along the grain, whose Voronoi cells are the splinters.
+        let axis = DVec3::AXES[grain];
+        let (u, v) = (DVec3::AXES[(grain + 1) % 3], DVec3::AXES[(grain + 2) % 3]);
+        let sites: Vec<DVec3> = (0..fibres)
+            .map(|_| (u * deviation(&mut random) + v * deviation(&mut random)) * 2.0 * half_extent)
+            .collect();
+        let columns = voronoi_regions(&sites, half_extent);
+
+        // Break each across.
+        let mut regions = Vec::with_capacity(fibres * pieces);
+        for (column, &site) in columns.iter().zip(&sites) {
+            let sides: Vec<HalfSpace> = column.cuts.iter().map(|cut| cut.half_space).collect();
+            let half_length = half_extent[grain];
+            let piece = 2.0 * half_length / pieces as f64;
+            let width = reach_across(column, site, axis, half_extent);
+            // Steep, but so that the cracks of one splinter meet neither each other nor the box's ends.
+            let room = 0.25 * piece;
+            let slope = (sharpness * (0.5 + random_share(&mut random))).min(room / width);
+            let breaks: Vec<HalfSpace> = (1..pieces)
+                .map(|number| {
+                    let angle = TAU * deviation(&mut random);
+                    let tilt = u * libm::cos(angle) + v * libm::sin(angle);
+                    let shift = spread * (piece - 2.0 * slope * width) * deviation(&mut random);
+                    let middle =
+                        site.reject_from(axis) + axis * (number as f64 * piece - half_length + shift);
+                    let normal = (axis + slope * tilt).normalize();
+                    HalfSpace { normal, offset: normal.dot(middle) }
+                })
+                .collect();
+            for number in 0..pieces {
+                let mut around = sides.clone();
+                around.extend(number.checked_sub(1).map(|before| beyond(&breaks[before])));
+                around.extend(breaks.get(number));
+                regions.push(Region::from_half_spaces(&around, half_extent));
+            }
+        }
+        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+    }
+}
+
+/// Uniform in [0, 1).
+fn random_share(random: &mut Pcg64Mcg) -> f64 {
+    deviation(random) + 0.5
+}
+
+/// How far a splinter reaches from its line.
+fn reach_across(column: &Region, site: DVec3, axis: DVec3, half_extent: DVec3) -> f64 {
+    let hull = column.hull(half_extent);
+    let corners = hull.iter().flat_map(|hull| hull.vertices());
+    corners.map(|&corner| (corner - site).reject_from(axis).length()).fold(0.0, f64::max).max(1e-9)
+}
