@@ -104,6 +104,8 @@ class Fracture(TypedDict):
     impulse: float
     #: The part that the body bore before it broke [N s].
     borne: float
+    #: What its cracks took from the motion of the two against each other [J].
+    energy: float
     #: What it broke into.
     fragments: list[int]
     imbalance: Imbalance

@@ -23,6 +23,8 @@ pub struct Blow {
     pub normal_body: DVec3,
     /// Where they first touched on their way to x^{n+1}, in the world frame [m].
     pub point_world: DVec3,
+    /// Where the impulse acts, with the bodies where they are now, in the world frame [m].
+    pub acts_at: DVec3,
     /// The impulse that would have stopped the collision [N s].
     pub impulse: f64,
     /// The part that the body bore and passed on before it broke [N s].
@@ -32,12 +34,12 @@ pub struct Blow {
 /// Where a pair first touches, with the poses of its bodies then.
 pub(crate) type Touch = (ContactPoint, [Pose; 2]);
 
-/// For each body of the pair, the blow if an impulse of `size` [N s] is more than it bears [Su09 sec. 4.2]. The weaker one breaks;
+/// For each body of the pair, the blow if an impulse at `acts_at` of `size` [N s] is more than it bears [Su09 sec. 4.2]. The weaker one breaks;
 /// the stronger feels no more than the weaker can pass on, so it breaks only if they are equally strong.
 pub(crate) fn blows_of(
     bodies: &Bodies,
     pair: Pair,
-    size: f64,
+    (acts_at, size): (DVec3, f64),
     first_touch: impl FnOnce() -> Touch,
 ) -> [Option<Blow>; 2] {
     let borne = borne_by(bodies, pair);
@@ -53,6 +55,7 @@ pub(crate) fn blows_of(
             point_body: body_from_world.point(contact.point),
             normal_body: body_from_world.direction(outward),
             point_world: contact.point,
+            acts_at,
             impulse: size,
             borne,
         })
@@ -89,9 +92,9 @@ pub fn strike(
         let Some((approach, touch)) = next_touch(bodies, pair, predicted, frame) else { continue };
         let surfaces = bodies.pair_contactant(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
-        let size = impulse.at_contact.length();
+        let acts = (approach.contact.point, impulse.at_contact.length());
         let of_pair =
-            blows_of(bodies, pair, size, || first_contact(bodies, pair, predicted).unwrap_or(touch));
+            blows_of(bodies, pair, acts, || first_contact(bodies, pair, predicted).unwrap_or(touch));
         let Some(borne) = of_pair.iter().flatten().map(|blow| blow.borne / blow.impulse).reduce(f64::min)
         else {
             continue;

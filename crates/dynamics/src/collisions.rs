@@ -115,7 +115,8 @@ impl Collisions {
         impulse: &PairImpulse,
     ) -> [Option<Blow>; 2] {
         let predicted = &self.predicted;
-        blows_of(bodies, pair, impulse.at_contact.length(), || {
+        let acts = (approach.contact.point, impulse.at_contact.length());
+        blows_of(bodies, pair, acts, || {
             first_contact(bodies, pair, predicted)
                 .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]))
         })

@@ -28,7 +28,7 @@ pub mod ledger;
 pub mod manifold;
 pub mod pair;
 pub mod pair_rotation;
-mod payment;
+pub mod payment;
 mod plane_contact;
 pub mod push_out;
 pub mod rigid_part;

@@ -1,7 +1,7 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative velocity, before the island has to.
 
 use crate::detection::ContactPoint;
-use crate::pair::{Approach, Pair, PairImpulse, pair_contact_matrix};
+use crate::pair::{Approach, Pair, PairImpulse, approach_at, pair_contact_matrix};
 use crate::tally::{Debt, kinematic_work};
 use crate::{Bodies, Tally};
 use glam::DVec3;
@@ -20,21 +20,22 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
     }
 }
 
+/// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
+pub fn energy_at(bodies: &Bodies, pair: Pair, point: DVec3) -> f64 {
+    let (approach, stopping) = stopping_impulse(bodies, pair, point);
+    let available = -0.5 * stopping.dot(approach.relative_velocity);
+    if stopping.is_finite() { available.max(0.0) } else { 0.0 }
+}
+
 /// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of u.K^-1 u / 2, by an impulse
 /// j = -alpha K^-1 u.
-fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
-    let levers = [pair.first, pair.second].map(|i| point - bodies.poses[i].position);
-    let velocity =
-        |i: usize, lever: DVec3| bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever);
-    let relative_velocity = velocity(pair.first, levers[0]) - velocity(pair.second, levers[1]);
-    let k = pair_contact_matrix(pair, levers, &bodies.poses, &bodies.inertias);
-    let stopping = -(k.inverse() * relative_velocity);
-    let available = -0.5 * stopping.dot(relative_velocity);
-    if !(available > 0.0 && stopping.is_finite()) {
+pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
+    let (approach, stopping) = stopping_impulse(bodies, pair, point);
+    let available = energy_at(bodies, pair, point);
+    if available <= 0.0 {
         return;
     }
     let alpha = if energy < available { 1.0 - (1.0 - energy / available).sqrt() } else { 1.0 };
-    let approach = Approach { contact: ContactPoint { point, normal: DVec3::Y }, levers, relative_velocity };
     let impulse = PairImpulse::new(&approach, alpha * stopping);
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
     for (body, other, j) in
@@ -43,4 +44,12 @@ fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mu
         let moment = point.cross(j);
         tally.book_outside(bodies, [body, other], (j, moment), kinematic_work(bodies, other, j, moment));
     }
+}
+
+/// How a pair moves at a point, and the impulse there -K^-1 u that stops it [N s].
+fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVec3) {
+    let contact = ContactPoint { point, normal: DVec3::Y };
+    let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
+    let k = pair_contact_matrix(pair, approach.levers, &bodies.poses, &bodies.inertias);
+    (approach, -(k.inverse() * approach.relative_velocity))
 }

@@ -4,37 +4,50 @@ use crate::World;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::world::{Breaking, Label};
 use frangible_dynamics::blows::Blow;
-use frangible_dynamics::{Bodies, BodyId, Contactant, Inertia, Motion, NewBody, Pose, Velocity};
-use frangible_fracture::{Fragment, Impact, fragment_velocity, shatter};
+use frangible_dynamics::pair::Pair;
+use frangible_dynamics::payment::{energy_at, pay_at};
+use frangible_dynamics::{Bodies, Contactant, Inertia, Motion, NewBody, Pose, Tally, Velocity};
+use frangible_fracture::{Fragment, Impact, fragment_velocity, interfaces, shatter};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A fragment that can break again bears this many times the impulse of its parent (a ratio): smaller pieces have fewer flaws
-/// for a crack to begin at. That it is two is our choice, not a measurement.
-const STRENGTH_OF_FRAGMENTS: f64 = 2.0;
+/// A body that breaks.
+struct Break {
+    blow: Blow,
+    /// By dense index.
+    parent: usize,
+    breaking: Breaking,
+    fragments: Vec<Fragment>,
+    /// What its cracks took [J].
+    spent: f64,
+}
 
-/// Replaces each struck body by its fragments. The blow has been borne already: parent and striker have the same impulse,
-/// so the fragments simply move on as the parent would. Returns what happened, and the new dense index of each old one.
-pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>, Vec<Option<usize>>) {
+/// Replaces each struck body by its fragments. What it bore has acted already, on parent and striker alike; its cracks take
+/// their energy from how the two still move against each other, and the fragments move on as the parent would. Returns what
+/// happened, and the new dense index of each old one.
+pub(crate) fn break_bodies(
+    world: &mut World,
+    blows: &[Blow],
+    tally: &mut Tally,
+) -> (Vec<Fracture>, Vec<Option<usize>>) {
+    // Cut, and let the cracks take their energy: all impulses act before anybody is replaced.
     let mut gone = vec![false; world.bodies.len()];
-    let mut born = Vec::new();
-    let mut fractures = Vec::new();
+    let mut breaks: Vec<Break> = Vec::new();
     for blow in blows {
         let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else { continue };
-        let Some(breaking) = world.labels[parent].breaking.clone() else { continue };
-
-        // Prescored space is laid over the body and cuts it.
-        let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
-        let fragments = shatter(&world.bodies.shapes[parent], &breaking.pattern, &impact, &breaking.shatter);
-        if fragments.len() < 2 {
-            // Too small to be split: it bears whatever comes.
-            world.bodies.contactants[parent].strength = f64::INFINITY;
-            continue;
+        if let Some(broken) = crack(world, blow, parent, tally) {
+            gone[parent] = true;
+            breaks.push(broken);
         }
-        gone[parent] = true;
+    }
+
+    // Fragments are born where they were in their parents.
+    let mut born = Vec::new();
+    let mut fractures = Vec::new();
+    for Break { blow, parent, breaking, fragments, spent } in breaks {
         let first = born.len();
         for (index, fragment) in fragments.into_iter().enumerate() {
-            let label = fragment_label(&world.labels[parent], blow.body, index, &breaking);
+            let label = fragment_label(world, parent, index, &breaking, &fragment);
             born.push((fragment_body(&world.bodies, parent, fragment, &label), label));
         }
         fractures.push(Fracture {
@@ -43,6 +56,7 @@ pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>,
             point: blow.point_world.to_array(),
             impulse: blow.impulse,
             borne: blow.borne,
+            energy: spent,
             fragments: vec![0; born.len() - first],
             imbalance: imbalance(&world.bodies, parent, born[first..].iter().map(|(body, _)| body)),
         });
@@ -59,13 +73,64 @@ pub(crate) fn break_bodies(world: &mut World, blows: &[Blow]) -> (Vec<Fracture>,
     (fractures, new_index)
 }
 
-/// A fragment's name, and how it breaks in turn: as the parent, but once less.
-fn fragment_label(parent: &Label, id: BodyId, index: usize, breaking: &Breaking) -> Label {
-    let again = Breaking { generations: breaking.generations - 1, ..breaking.clone() };
+/// Lays prescored space over a body and cuts it: as finely as the blow has energy for cracks. `None` if that is not at all.
+fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Option<Break> {
+    let breaking = world.labels[parent].breaking.clone()?;
+    let striker = world.bodies.index_of(blow.striker)?;
+    let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
+    let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
+    let energy_per_area = breaking.strength.fracture_energy();
+    let available =
+        if energy_per_area > 0.0 { energy_at(&world.bodies, pair, blow.acts_at) } else { f64::INFINITY };
+
+    let mut can_split = false;
+    for pattern in &breaking.patterns {
+        let fragments = shatter(&world.bodies.shapes[parent], pattern, &impact, &breaking.shatter);
+        if fragments.len() < 2 {
+            continue;
+        }
+        can_split = true;
+        let spent = if energy_per_area > 0.0 {
+            energy_per_area * interfaces(&fragments).iter().map(|interface| interface.area).sum::<f64>()
+        } else {
+            0.0
+        };
+        if spent <= available {
+            if spent > 0.0 {
+                pay_at(&mut world.bodies, pair, blow.acts_at, spent, tally);
+            }
+            return Some(Break { blow: *blow, parent, breaking, fragments, spent });
+        }
+    }
+    if can_split {
+        // Too little energy for this time.
+        world.spare(parent);
+    } else {
+        // Too small to be split: it bears whatever comes.
+        world.bodies.contactants[parent].strength = f64::INFINITY;
+    }
+    None
+}
+
+/// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the smallest size.
+fn fragment_label(
+    world: &World,
+    parent: usize,
+    index: usize,
+    breaking: &Breaking,
+    fragment: &Fragment,
+) -> Label {
+    let (low, high) = fragment.shape.bounds;
+    let breaks = breaking.generations > 1 && (high - low).max_element() >= breaking.smallest;
+    let strength = || breaking.strength.of_fragment(&world.bodies.shapes[parent], &fragment.shape);
     Label {
-        name: format!("{}.{index}", parent.name),
-        parent: Some(id),
-        breaking: (again.generations > 0).then_some(again),
+        name: format!("{}.{index}", world.labels[parent].name),
+        parent: Some(world.bodies.ids[parent]),
+        breaking: breaks.then(|| Breaking {
+            generations: breaking.generations - 1,
+            strength: strength(),
+            ..breaking.clone()
+        }),
     }
 }
 
@@ -84,11 +149,10 @@ fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Lab
     let linear = fragment_velocity(velocity.linear, angular, pose.position, pose_fragment.position);
     let velocity = Velocity::spinning(linear, angular, pose_fragment.orientation, &fragment.shape, density);
 
-    let strength = if label.breaking.is_some() {
-        STRENGTH_OF_FRAGMENTS * bodies.contactants[parent].strength
-    } else {
-        f64::INFINITY
-    };
+    let strength = label
+        .breaking
+        .as_ref()
+        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&fragment.shape, density));
     NewBody {
         shape: Arc::new(fragment.shape),
         density,

@@ -3,8 +3,11 @@
 use crate::World;
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
-use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc};
+use crate::desc::{
+    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, SceneDesc, ShapeDesc, StrengthDesc,
+};
 use crate::shapes::ShapeLibrary;
+use crate::strength::Strength;
 use crate::world::{Breaking, Label};
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
@@ -37,6 +40,7 @@ impl World {
             ledger: Ledger::default(),
             method: scene.method,
             warm: WarmStart::default(),
+            spared: Vec::new(),
         };
         let mut library = ShapeLibrary::default();
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -73,25 +77,25 @@ fn build_body(
     let linear = at.field("linear_velocity").vector(desc.linear_velocity, "m/s")?;
     let angular = at.field("angular_velocity").vector(desc.angular_velocity, "rad/s")?;
 
-    // Shape and breaking: what breaks must be sampled.
-    let shape = library.shape(&desc.shape, desc.breaking.is_some(), &at.field("shape"))?;
+    // Breaking, and the shape that it asks for.
+    let breaking = match &desc.breaking {
+        Some(breaking) => Some(build_breaking(breaking, &at.field("breaking"))?),
+        None => None,
+    };
+    let shape = library.shape(&desc.shape, breaking.is_some(), &at.field("shape"))?;
     if shape.volume == 0.0 && desc.motion != MotionDesc::Static {
         return Err(at
             .field("motion")
-            .broken(&format!("{:?}", desc.motion), "static for a half-space, which has no mass"));
+            .broken(desc.motion.name(), "static for a half-space, which has no mass"));
     }
-    if desc.breaking.is_some() && desc.motion != MotionDesc::Dynamic {
+    if breaking.is_some() && desc.motion != MotionDesc::Dynamic {
         return Err(at
             .field("breaking")
             .broken("on a body that is not dynamic", "left out, or the body dynamic"));
     }
-    let breaking = match &desc.breaking {
-        Some(breaking) => {
-            Some(build_breaking(breaking, desc.shape.resolution(), &shape, &at.field("breaking"))?)
-        }
-        None => None,
-    };
-    let strength = desc.breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.strength);
+    let breaking = breaking.map(|breaking| sample_cracks(breaking, &desc.shape, &shape));
+    let strength =
+        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
@@ -110,34 +114,58 @@ fn build_body(
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
 }
 
-fn build_breaking(
-    desc: &BreakingDesc,
-    resolution: &Resolution,
-    shape: &Shape,
-    at: &Checker,
-) -> Result<Breaking, BuildError> {
-    at.field("strength").positive(desc.strength, "N s")?;
+/// Cracks are sampled as densely as the surface was.
+fn sample_cracks(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
+    if let (Geometry::Grid(solid), Some(spacing)) = (&shape.geometry, desc.resolution().sample_spacing) {
+        breaking.shatter.sample_spacing_voxels = spacing / solid.level_set.grid().spacing;
+    }
+    breaking
+}
+
+fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildError> {
+    let strength = build_strength(&desc.strength, &at.field("strength"))?;
     at.field("generations").count(desc.generations as usize, 1, 64)?;
-    let pattern = at.field("pattern");
-    let made = match desc.pattern {
+    let smallest = at.field("smallest").not_negative(desc.smallest)?;
+
+    // What a blow must have energy for has coarser patterns, too.
+    let at_pattern = at.field("pattern");
+    let mut patterns = vec![Arc::new(build_pattern(&desc.pattern, &at_pattern)?)];
+    if strength.fracture_energy() > 0.0 {
+        let mut coarser = desc.pattern.coarser();
+        while let Some(pattern) = coarser {
+            patterns.push(Arc::new(build_pattern(&pattern, &at_pattern)?));
+            coarser = pattern.coarser();
+        }
+    }
+
+    let shatter = ShatterSettings::default();
+    Ok(Breaking { patterns, strength, shatter, generations: desc.generations, smallest })
+}
+
+fn build_pattern(desc: &PatternDesc, at: &Checker) -> Result<Pattern, BuildError> {
+    let made = match *desc {
         PatternDesc::Radial { spokes, rings, jitter, seed } => {
-            pattern.field("spokes").count(spokes, 3, MOST_CELLS)?;
-            pattern.field("rings").count(rings, 0, MOST_CELLS / spokes)?;
+            at.field("spokes").count(spokes, 3, MOST_CELLS)?;
+            at.field("rings").count(rings, 0, MOST_CELLS / spokes)?;
             Pattern::radial(&Radial { spokes, rings, jitter, seed })
         }
         PatternDesc::Voronoi { cells, clustering, seed } => {
-            pattern.field("cells").count(cells, 1, MOST_CELLS)?;
+            at.field("cells").count(cells, 1, MOST_CELLS)?;
             Pattern::voronoi(&Voronoi { cells, clustering, seed, ..Voronoi::default() })
         }
     };
-    let made = made.map_err(|error| pattern.pattern(&error))?;
-    let Geometry::Grid(solid) = &shape.geometry else {
-        return Err(at.broken("on a formula", "on a body that is sampled on a grid"));
+    made.map_err(|error| at.pattern(&error))
+}
+
+fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {
+    let material = match desc {
+        StrengthDesc::Impulse(impulse) => return Ok(Strength::Impulse(at.positive(*impulse, "N s")?)),
+        StrengthDesc::Named(name) => name.properties(),
+        StrengthDesc::Material(material) => *material,
     };
-    // Cracks are sampled as densely as the surface was.
-    let mut shatter = ShatterSettings::default();
-    if let Some(spacing) = resolution.sample_spacing {
-        shatter.sample_spacing_voxels = spacing / solid.level_set.grid().spacing;
-    }
-    Ok(Breaking { pattern: Arc::new(made), shatter, generations: desc.generations })
+    at.field("tensile_strength").positive(material.tensile_strength, "Pa")?;
+    at.field("youngs_modulus").positive(material.youngs_modulus, "Pa")?;
+    at.field("fracture_energy").not_negative(material.fracture_energy)?;
+    at.field("weibull_modulus").within(material.weibull_modulus, 1.0, 1e3)?;
+    Ok(Strength::Material(material))
 }

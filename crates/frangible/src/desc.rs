@@ -206,13 +206,85 @@ pub struct Resolution {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BreakingDesc {
-    /// The largest impulse that it bears in one collision [N s] [Su09 sec. 4.2].
-    pub strength: f64,
+    /// What it bears.
+    pub strength: StrengthDesc,
     /// How space is prescored.
     pub pattern: PatternDesc,
-    /// How many times in a row: 1 means that fragments do not break. Each time doubles the strength.
+    /// How many times in a row: 1 means that fragments do not break.
     #[serde(default = "defaults::generations")]
     pub generations: u32,
+    /// Fragments whose longest side is shorter do not break again [m].
+    #[serde(default)]
+    pub smallest: f64,
+}
+
+/// What a body bears: an impulse, or what its material bears.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a number in N s, the name of a material (glass, concrete, brick, wood, ice), or its properties: \
+    tensile_strength, youngs_modulus and fracture_energy"
+)]
+pub enum StrengthDesc {
+    /// The largest impulse in one collision [N s] [Su09 sec. 4.2]. Fragments bear twice their parent's.
+    Impulse(f64),
+    /// A material of a table.
+    Named(MaterialName),
+    /// A material of one's own.
+    Material(MaterialDesc),
+}
+
+impl From<f64> for StrengthDesc {
+    fn from(impulse: f64) -> Self {
+        Self::Impulse(impulse)
+    }
+}
+
+/// What decides how a material breaks. The pieces that a blow can make are bounded by its energy: cracks take it from the bodies'
+/// relative motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialDesc {
+    /// Of a body as it is described; its fragments are stronger [Pa].
+    pub tensile_strength: f64,
+    /// With the density it decides the speed of sound [Pa].
+    pub youngs_modulus: f64,
+    /// For each square metre of crack [J/m^2].
+    pub fracture_energy: f64,
+    /// How alike its flaws are: strength grows as the power -1/m of the volume [Wei51].
+    #[serde(default = "defaults::weibull_modulus")]
+    pub weibull_modulus: f64,
+}
+
+/// Materials of the table. Densities are the body's own business.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MaterialName {
+    /// Soda-lime glass.
+    Glass,
+    /// Plain concrete.
+    Concrete,
+    /// Fired clay.
+    Brick,
+    /// Softwood, across the grain.
+    Wood,
+    /// Of water, at -10 degrees.
+    Ice,
+}
+
+impl MaterialName {
+    /// Usual values of tensile strength, Young's modulus and fracture energy [Ashby11] [CEB90].
+    pub fn properties(self) -> MaterialDesc {
+        let [tensile_strength, youngs_modulus, fracture_energy] = match self {
+            Self::Glass => [45e6, 70e9, 8.0],
+            Self::Concrete => [3e6, 30e9, 100.0],
+            Self::Brick => [2.5e6, 15e9, 50.0],
+            Self::Wood => [4e6, 0.8e9, 200.0],
+            Self::Ice => [1e6, 9e9, 1.0],
+        };
+        let weibull_modulus = defaults::weibull_modulus();
+        MaterialDesc { tensile_strength, youngs_modulus, fracture_energy, weibull_modulus }
+    }
 }
 
 /// How space is prescored [Su09 sec. 4.3].
@@ -268,8 +340,23 @@ mod defaults {
     pub(super) fn one() -> f64 {
         1.0
     }
+    /// Of brittle materials that are made with some care (a ratio).
+    pub(super) fn weibull_modulus() -> f64 {
+        10.0
+    }
     pub(super) fn generations() -> u32 {
         1
+    }
+}
+
+impl MotionDesc {
+    /// As it is written in a file.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Dynamic => "dynamic",
+            Self::Kinematic => "kinematic",
+            Self::Static => "static",
+        }
     }
 }
 
@@ -287,6 +374,32 @@ impl ShapeDesc {
             | Self::Mesh { resolution, .. }
             | Self::Triangles { resolution, .. } => resolution,
         }
+    }
+}
+
+impl PatternDesc {
+    /// The same with half as many cells; `None` if that is no pattern any more.
+    pub(crate) fn coarser(&self) -> Option<Self> {
+        let halved = |cells: usize, least: usize| (cells > least).then_some((cells / 2).max(least));
+        match *self {
+            Self::Radial { spokes, rings, jitter, seed } if rings > 0 => {
+                Some(Self::Radial { spokes, rings: rings / 2, jitter, seed })
+            }
+            Self::Radial { spokes, rings, jitter, seed } => {
+                halved(spokes, 3).map(|spokes| Self::Radial { spokes, rings, jitter, seed })
+            }
+            Self::Voronoi { cells, clustering, seed } => {
+                halved(cells, 2).map(|cells| Self::Voronoi { cells, clustering, seed })
+            }
+        }
+    }
+}
+
+impl BreakingDesc {
+    /// Breaks once.
+    pub fn once(strength: impl Into<StrengthDesc>, pattern: PatternDesc) -> Self {
+        let generations = defaults::generations();
+        Self { strength: strength.into(), pattern, generations, smallest: 0.0 }
     }
 }
 

@@ -28,11 +28,13 @@ mod quarantine;
 mod report;
 mod shapes;
 mod step;
+mod strength;
 mod world;
 
 pub use check::BuildError;
 pub use desc::{
-    BodyDesc, BreakingDesc, Method, MotionDesc, PartDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+    BodyDesc, BreakingDesc, MaterialDesc, MaterialName, Method, MotionDesc, PartDesc, PatternDesc,
+    Resolution, SceneDesc, ShapeDesc, StrengthDesc,
 };
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;
@@ -42,6 +44,7 @@ pub use report::{
     Causes, Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number,
 };
 pub use step::step;
+pub use strength::Strength;
 pub use world::{Breaking, Label, World};
 
 /// The README's Rust is compiled and run with the doc tests.

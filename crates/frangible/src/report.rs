@@ -65,7 +65,7 @@ pub struct Causes {
     pub friction: f64,
     /// Moving bodies out of each other.
     pub projection: f64,
-    /// Breaking, which conserves: rounding.
+    /// Breaking: what cracks take, and rounding.
     pub fracture: f64,
     /// What the ledger took out.
     pub balance: f64,
@@ -145,6 +145,8 @@ pub struct Fracture {
     pub impulse: f64,
     /// The part that the body bore, and that its striker felt, before it broke [N s].
     pub borne: f64,
+    /// What its cracks took from the motion of the two against each other [J]; zero where strength is an impulse.
+    pub energy: f64,
     /// What it broke into.
     pub fragments: Vec<u64>,
     /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the break: round-off.

@@ -39,6 +39,7 @@ pub fn step(world: &mut World) -> StepReport {
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
     let Moved { fractures, flight, gravity, mut tally } = moved;
+    world.end_sparing();
 
     // Balance the energy of every island.
     tally.links.extend(fractures.iter().flat_map(Fracture::links));
@@ -215,9 +216,9 @@ fn break_and_book(
     tally: &mut Tally,
     frame: &Frame,
 ) -> (Vec<Fracture>, Vec<Option<usize>>) {
-    let before = Totals::of(&world.bodies, frame).energy();
-    let broken = break_bodies(world, blows);
-    tally.causes.fracture += Totals::of(&world.bodies, frame).energy() - before;
+    let (energy, work) = (Totals::of(&world.bodies, frame).energy(), tally.causes.work);
+    let broken = break_bodies(world, blows, tally);
+    tally.causes.fracture += Totals::of(&world.bodies, frame).energy() - energy - (tally.causes.work - work);
     broken
 }
 

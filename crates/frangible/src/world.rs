@@ -4,6 +4,7 @@ use crate::books::{Books, Totals};
 use crate::check::{BuildError, Checker};
 use crate::desc::Method;
 use crate::report::id_number;
+use crate::strength::Strength;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
@@ -27,6 +28,8 @@ pub struct World {
     pub(crate) method: Method,
     /// The last frame's contact impulses.
     pub(crate) warm: WarmStart,
+    /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear otherwise [N s].
+    pub(crate) spared: Vec<(BodyId, f64)>,
 }
 
 /// What the engine knows of a body and dynamics need not.
@@ -43,12 +46,17 @@ pub struct Label {
 /// How a body breaks.
 #[derive(Clone, Debug)]
 pub struct Breaking {
-    /// How space is prescored.
-    pub pattern: Arc<Pattern>,
+    /// How space is prescored: first as described, then ever more coarsely, for blows that have not the energy for so many
+    /// cracks.
+    pub patterns: Vec<Arc<Pattern>>,
+    /// What it bears.
+    pub strength: Strength,
     /// Resolution of the fragments.
     pub shatter: ShatterSettings,
     /// How many times in a row, this time included.
     pub generations: u32,
+    /// What is shorter does not break [m].
+    pub smallest: f64,
 }
 
 impl World {
@@ -130,6 +138,21 @@ impl World {
     pub(crate) fn spawn(&mut self, body: NewBody, label: Label) -> BodyId {
         self.labels.push(label);
         self.bodies.spawn(body)
+    }
+
+    /// Lets a body bear everything until the frame ends.
+    pub(crate) fn spare(&mut self, dense: usize) {
+        let bears = &mut self.bodies.contactants[dense].strength;
+        self.spared.push((self.bodies.ids[dense], std::mem::replace(bears, f64::INFINITY)));
+    }
+
+    /// Lets the spared bodies break again.
+    pub(crate) fn end_sparing(&mut self) {
+        for (id, bears) in std::mem::take(&mut self.spared) {
+            if let Some(dense) = self.bodies.index_of(id) {
+                self.bodies.contactants[dense].strength = bears;
+            }
+        }
     }
 
     /// Removes the bodies whose entry in `gone` is true; returns the new dense index of each old one.

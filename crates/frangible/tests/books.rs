@@ -24,7 +24,7 @@ fn scene(method: Method) -> SceneDesc {
         },
         BodyDesc {
             position: [0.0, 0.9, 0.0],
-            breaking: Some(BreakingDesc { strength: 400.0, pattern, generations: 1 }),
+            breaking: Some(BreakingDesc::once(400.0, pattern)),
             ..BodyDesc::new("slab", cuboid([1.2, 0.3, 1.2], sampled))
         },
         BodyDesc {

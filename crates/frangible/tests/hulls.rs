@@ -120,11 +120,8 @@ fn a_hull_breaks() {
         scene.bodies.push(BodyDesc::ground(0.0));
         let ShapeDesc::Hull { points, .. } = rock(DVec3::ONE, 20, &mut random) else { unreachable!() };
         let resolution = Resolution { voxels: Some([24; 3]), sample_spacing: None };
-        let breaking = BreakingDesc {
-            strength: 100.0,
-            pattern: PatternDesc::Voronoi { cells: 60, clustering: 0.0, seed: 1 },
-            generations: 1,
-        };
+        let pattern = PatternDesc::Voronoi { cells: 60, clustering: 0.0, seed: 1 };
+        let breaking = BreakingDesc::once(100.0, pattern);
         scene.bodies.push(BodyDesc {
             position: [0.0, 2.0, 0.0],
             breaking: Some(breaking),

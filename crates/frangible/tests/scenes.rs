@@ -18,7 +18,7 @@ fn hull(points: Vec<[f64; 3]>) -> BodyDesc {
 
 fn voronoi(cells: usize) -> BreakingDesc {
     let pattern = PatternDesc::Voronoi { cells, clustering: 0.0, seed: 1 };
-    BreakingDesc { strength: 10.0, pattern, generations: 1 }
+    BreakingDesc::once(10.0, pattern)
 }
 
 fn sentence(body: BodyDesc) -> String {
@@ -74,7 +74,7 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
         ),
         (
             BodyDesc { shape: ShapeDesc::HalfSpace, ..ball() },
-            "bodies[1].motion: Dynamic, must be static for a half-space, which has no mass",
+            "bodies[1].motion: dynamic, must be static for a half-space, which has no mass",
         ),
     ];
     for (body, expected) in cases {

@@ -48,7 +48,7 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let body = BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };
     let mass = body.density * mesh.mass_properties().volume * scale * scale * scale;
     let strength = (STRENGTH_PER_MASS * mass).min(MOST_STRENGTH);
-    let body = BodyDesc { breaking: Some(BreakingDesc { strength, pattern, generations: 1 }), ..body };
+    let body = BodyDesc { breaking: Some(BreakingDesc::once(strength, pattern)), ..body };
 
     // The ball flies at the centre of its mass.
     let center = scale * mesh.mass_properties().center - middle;

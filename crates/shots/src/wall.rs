@@ -91,5 +91,5 @@ fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<Sc
 /// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.
 fn breaking(strength: f64, options: &ShotOptions) -> BreakingDesc {
     let pattern = PatternDesc::Radial { spokes: 12, rings: 2, jitter: 0.5, seed: options.seed };
-    BreakingDesc { strength, pattern, generations: 1 }
+    BreakingDesc::once(strength, pattern)
 }

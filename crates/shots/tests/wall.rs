@@ -135,7 +135,7 @@ fn the_ball_breaks_if_it_is_the_weaker() {
 #[test]
 fn below_its_strength_the_wall_stays_whole() {
     let mut scene = Shot::find("wall").unwrap().scene(&ShotOptions::default()).unwrap();
-    scene.bodies[1].breaking.as_mut().unwrap().strength = 1e9;
+    scene.bodies[1].breaking.as_mut().unwrap().strength = 1e9.into();
     let mut world = World::build(&scene).unwrap();
     assert!((0..15).all(|_| step(&mut world).fractures.is_empty()));
     assert_eq!(world.bodies().len(), 3);
