@@ -158,7 +158,7 @@ fn visit_inside(
     near: Option<&[(f32, u32)]>,
     visit: impl FnMut(u32, f32),
 ) {
-    if near.map_or(body.samples.is_empty(), <[_]>::is_empty) {
+    if near.map_or(body.samples().is_empty(), <[_]>::is_empty) {
         return;
     }
     let grid_from_body = other.body_from_grid.inverse().after(other_from_body);
@@ -201,8 +201,9 @@ fn visit_inside_grid(
     let (low, high) = (-beyond, top + beyond);
     let inside_box =
         |lattice: Vec3, slack: f32| lattice.cmpge(low - slack).all() && lattice.cmple(high + slack).all();
+    let samples = body.samples();
     let mut test = |index: u32| {
-        let lattice = lattice_from_body * body.samples[index as usize] + shift;
+        let lattice = lattice_from_body * samples[index as usize] + shift;
         if inside_box(lattice, 0.0) {
             let phi = level_set.value_at_lattice(lattice);
             if phi <= contour {
@@ -217,7 +218,7 @@ fn visit_inside_grid(
     if apart(body, lattice_from_body, shift, low, high) {
         return;
     }
-    for cluster in &body.sample_clusters {
+    for cluster in body.sample_clusters() {
         let center = lattice_from_body * cluster.center + shift;
         let reach = contour + STEEPEST as f32 * cluster.radius;
         if inside_box(center, cluster.radius / grid.spacing as f32)
@@ -250,8 +251,9 @@ fn visit_inside_exact(
     mut visit: impl FnMut(u32, f32),
 ) {
     let matrix = form_from_body.matrix();
+    let samples = body.samples();
     let mut test = |index: u32| {
-        let sample = body.samples[index as usize].as_dvec3();
+        let sample = samples[index as usize].as_dvec3();
         let phi = distance(matrix * sample + form_from_body.translation, f64::from(contour)) as f32;
         if phi <= contour {
             visit(index, phi);
@@ -261,7 +263,7 @@ fn visit_inside_exact(
         near.iter().for_each(|&(_, index)| test(index));
         return;
     }
-    for cluster in &body.sample_clusters {
+    for cluster in body.sample_clusters() {
         let center = form_from_body.point(cluster.center.as_dvec3());
         let reach = f64::from(contour + cluster.radius);
         if distance(center, reach) <= reach {
@@ -273,7 +275,7 @@ fn visit_inside_exact(
 /// Point and normal of a penetration, seen at the given poses (which need not be those where it was found).
 pub fn contact_point(first: Placed, second: Placed, penetration: &Penetration) -> ContactPoint {
     let (body, other) = if penetration.sample_of_first { (first, second) } else { (second, first) };
-    let sample = body.shape.samples[penetration.sample as usize].as_dvec3();
+    let sample = body.shape.samples()[penetration.sample as usize].as_dvec3();
     let point = body.pose.world_from_body().point(sample);
     let other_from_world = other.pose.world_from_body().inverse();
     let (_, gradient) = other.shape.distance_and_gradient(other_from_world.point(point));

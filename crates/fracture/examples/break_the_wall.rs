@@ -8,7 +8,7 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 6 x 0.4 x 4 m on 150 x 10 x 100 voxels of 4 cm.
     let form = ClosedForm::Box { half: DVec3::new(3.0, 0.2, 2.0) };
-    let samples = Shape::closed_form(form, 0.08).samples;
+    let samples = Shape::closed_form(form, 0.08).samples().to_vec();
     let wall = Shape::from_grid_solid(GridSolid::from_closed_form(form, [150, 10, 100], 2)?, samples)?;
 
     let radial = |rings| Pattern::radial(&Radial { rings, ..Radial::default() });
@@ -30,11 +30,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             fragments = shatter(&wall, &pattern, &impact, &ShatterSettings::default());
             least = least.min(start.elapsed().as_secs_f64());
         }
-        let samples: usize = fragments.iter().map(|fragment| fragment.shape.samples.len()).sum();
+        let samples: usize = fragments.iter().map(|fragment| fragment.shape.samples().len()).sum();
         println!(
             "{name}: {} pieces, {} samples become {samples}, {:.2} ms",
             fragments.len(),
-            wall.samples.len(),
+            wall.samples().len(),
             1e3 * least
         );
     }

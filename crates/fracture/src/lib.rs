@@ -12,6 +12,7 @@ mod polygon;
 pub mod rough;
 pub mod shapes;
 pub mod shatter;
+pub mod shatter_hull;
 pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
@@ -22,4 +23,5 @@ pub use pattern::{Cells, Cut, Pattern, PatternError, Region};
 pub use rough::Rough;
 pub use shapes::CellShape;
 pub use shatter::{Fragment, ShatterSettings, shatter};
+pub use shatter_hull::shatter_hull;
 pub use velocities::fragment_velocity;

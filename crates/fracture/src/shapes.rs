@@ -37,7 +37,7 @@ impl Pattern {
             faces: hull.faces().len(),
             corners: hull.vertices().len(),
             volume: hull.mass_properties().volume,
-            inner: hull.faces().iter().all(|face| is_cut(face.plane)),
+            inner: hull.planes().iter().all(|&plane| is_cut(plane)),
         }
     }
 }

@@ -13,8 +13,9 @@ mod particles;
 mod regions;
 mod slivers;
 
-use crate::{Impact, Pattern, align::align_pattern};
-use frangible_geometry::{Geometry, RigidTransform, Shape};
+use crate::{Impact, Pattern, align::align_pattern, shatter_hull};
+use frangible_geometry::{Geometry, GridSolid, RigidTransform, Shape};
+use glam::Vec3;
 
 /// A part of a broken body.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ pub struct Fragment {
     pub shape: Shape,
     /// The fragment's body frame in the parent's.
     pub parent_from_fragment: RigidTransform,
+    /// The cell of the pattern that it, or its heaviest part, came from.
+    pub cell: u32,
 }
 
 /// What the user may choose about a break.
@@ -34,27 +37,33 @@ pub struct ShatterSettings {
     /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on a crack is found
     /// within one voxel of its place.
     pub sample_spacing_voxels: f64,
+    /// Where a body breaks without a grid, a piece with less of its volume joins a neighbour if it can (a ratio). Default 1e-4: 27
+    /// voxels of a body that has 64 of them along each side.
+    pub smallest_fragment_part: f64,
 }
 
 impl Default for ShatterSettings {
     fn default() -> Self {
-        Self { smallest_fragment_voxels: 27.0, sample_spacing_voxels: 2.0 }
+        Self { smallest_fragment_voxels: 27.0, sample_spacing_voxels: 2.0, smallest_fragment_part: 1e-4 }
     }
 }
 
-/// Breaks a body along a pattern that is laid onto the point of impact. The fragments share out the parent's voxels, so
+/// Breaks a body along a pattern that is laid onto the point of impact: one that has a polyhedron exactly, see [`shatter_hull`], if
+/// the pattern is planar; what lies on a grid voxel by voxel. There the fragments share out the parent's voxels, so
 /// that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
-/// are the parent's. Empty for a closed form, which cannot break, and for a pattern of other than planar cells.
+/// are the parent's. Empty for what has neither a polyhedron nor a grid, and for a pattern of other than planar cells.
 pub fn shatter(
     parent: &Shape,
     pattern: &Pattern,
     impact: &Impact,
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
-    let Geometry::Grid(solid) = &parent.geometry else { return Vec::new() };
     if pattern.planar().is_none() {
         return Vec::new();
     }
+    let Geometry::Grid(solid) = &parent.geometry else {
+        return shatter_hull(parent, pattern, impact, settings);
+    };
 
     // Lay the pattern onto the body, and share out its voxels among the regions.
     let regions = align_pattern(pattern, impact, parent);
@@ -70,12 +79,17 @@ pub fn shatter(
         particles::assign_particles((parent, solid), &regions, &components, &pieces, &solids, settings);
 
     // Mass properties and principal frame. Every piece has mass, and a voxel's own inertia keeps the least one regular.
-    let pieces = solids.into_iter().zip(samples);
-    let shapes = pieces.filter_map(|(solid, samples)| Shape::from_grid_solid(solid, samples).ok());
-    shapes
-        .map(|shape| {
-            let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());
-            Fragment { shape, parent_from_fragment }
-        })
-        .collect()
+    let fragment = |((solid, samples), parts): ((GridSolid, Vec<Vec3>), &Vec<u32>)| {
+        let shape = Shape::from_grid_solid(solid, samples).ok()?;
+        Some(Fragment::new(parent, shape, components.region[parts[0] as usize]))
+    };
+    solids.into_iter().zip(samples).zip(&pieces.components).filter_map(fragment).collect()
+}
+
+impl Fragment {
+    /// Where it was in its parent, whose grid frame is the shape's.
+    pub(crate) fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
+        let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());
+        Self { shape, parent_from_fragment, cell }
+    }
 }

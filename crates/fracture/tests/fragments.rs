@@ -92,9 +92,9 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {
         let h = solid(&body).level_set.grid().spacing;
         for fragment in &fragments {
-            assert!(fragment.shape.samples.len() >= 4, "{name}");
+            assert!(fragment.shape.samples().len() >= 4, "{name}");
             let grid_from_body = fragment.shape.body_from_grid.inverse();
-            for sample in &fragment.shape.samples {
+            for sample in fragment.shape.samples() {
                 let point = grid_from_body.point(sample.as_dvec3());
                 let distance = value(fragment, point).abs() / h;
                 let exact = outline_distance(fragment, point).abs() / h;
@@ -118,12 +118,12 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
 fn the_parents_samples_are_shared_out() {
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {
         let h = solid(&body).level_set.grid().spacing;
-        for &sample in &body.samples {
+        for &sample in body.samples() {
             let point_grid = body.body_from_grid.inverse().point(sample.as_dvec3());
             let (mut exact, mut on_crack, mut nearest) = (0, false, f32::INFINITY);
             for fragment in &fragments {
                 let own = fragment.parent_from_fragment.inverse().point(sample.as_dvec3()).as_vec3();
-                let distances = fragment.shape.samples.iter().map(|other| (other - own).length());
+                let distances = fragment.shape.samples().iter().map(|other| (other - own).length());
                 let here = distances.fold(f32::INFINITY, f32::min);
                 exact += usize::from(here < 1e-6);
                 nearest = nearest.min(here);
@@ -149,7 +149,7 @@ fn cracks_through_a_sphere_have_rims() {
         let Root::ClosedForm(ClosedForm::Sphere { radius }) = outline.root else { panic!("a sphere") };
         let grid_from_body = fragment.shape.body_from_grid.inverse();
         let points: Vec<DVec3> =
-            fragment.shape.samples.iter().map(|sample| grid_from_body.point(sample.as_dvec3())).collect();
+            fragment.shape.samples().iter().map(|sample| grid_from_body.point(sample.as_dvec3())).collect();
         let on_sphere = |point: &&DVec3| (point.length() - radius).abs() < 1e-5;
         for cut in &outline.cuts {
             let on_cut = |point: &&DVec3| cut.distance(**point).abs() < 1e-5;
@@ -191,7 +191,7 @@ fn what_stands_alone_stays() {
     let voxel = solid(&body).level_set.grid().voxel_volume();
     let crumbs: Vec<&Fragment> = fragments.iter().filter(|f| f.shape.volume < 27.0 * voxel).collect();
     assert_eq!(crumbs.len(), 1);
-    assert!(crumbs[0].shape.samples.len() >= 4 && crumbs[0].shape.unit_moments.min_element() > 0.0);
+    assert!(crumbs[0].shape.samples().len() >= 4 && crumbs[0].shape.unit_moments.min_element() > 0.0);
 }
 
 /// The same break gives the same bits.
@@ -202,7 +202,7 @@ fn breaks_repeat() {
         assert_eq!(first.2.len(), second.2.len());
         for (a, b) in first.2.iter().zip(&second.2) {
             assert_eq!(a.parent_from_fragment, b.parent_from_fragment);
-            assert_eq!(a.shape.samples, b.shape.samples);
+            assert_eq!(a.shape.samples(), b.shape.samples());
             assert_eq!(solid(&a.shape).level_set.phi(), solid(&b.shape).level_set.phi());
         }
     }

@@ -29,7 +29,7 @@ fn grid_box() -> Shape {
 fn hull_piece(hull: Hull) -> Fragment {
     let shape = Shape::convex(hull, 0.1).unwrap();
     let parent_from_fragment = shape.body_from_grid.inverse();
-    Fragment { shape, parent_from_fragment }
+    Fragment { shape, parent_from_fragment, cell: 0 }
 }
 
 /// The pieces of a box, cut exactly.
@@ -43,7 +43,7 @@ fn hull_pieces(parent: &Shape, pattern: &Pattern) -> Vec<Fragment> {
 /// The section of the box in a plane.
 fn section(plane: &HalfSpace) -> f64 {
     let half = Hull::cuboid(HALF).clipped(plane).unwrap();
-    let face = half.faces().iter().find(|face| face.plane == *plane).unwrap();
+    let face = half.faces().find(|face| face.plane == *plane).unwrap();
     let corner = |n: usize| half.vertices()[face.vertices[n] as usize];
     let fan = (2..face.vertices.len()).map(|n| (corner(n - 1) - corner(0)).cross(corner(n) - corner(0)));
     0.5 * fan.sum::<DVec3>().length()
@@ -156,7 +156,11 @@ fn boxes_glued_off_centre_touch_where_they_overlap() {
     let cuboid = |half: DVec3, center: DVec3| {
         let turn = RigidTransform::new(DQuat::from_rotation_y(0.4), DVec3::new(1.0, 2.0, 3.0));
         let place = turn.after(&RigidTransform::new(DQuat::IDENTITY, center));
-        Fragment { shape: Shape::closed_form(ClosedForm::Box { half }, 0.1), parent_from_fragment: place }
+        Fragment {
+            shape: Shape::closed_form(ClosedForm::Box { half }, 0.1),
+            parent_from_fragment: place,
+            cell: 0,
+        }
     };
     let turn = RigidTransform::new(DQuat::from_rotation_y(0.4), DVec3::new(1.0, 2.0, 3.0));
     let fragments = [

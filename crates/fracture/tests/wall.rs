@@ -86,7 +86,8 @@ fn fragments_have_sharp_corners() {
     for fragment in strike(&wall, &pattern, place) {
         for corner in [place, place - DVec3::Y * 0.4] {
             let corner = fragment.parent_from_fragment.inverse().point(corner);
-            let distances = fragment.shape.samples.iter().map(|sample| (sample.as_dvec3() - corner).length());
+            let distances =
+                fragment.shape.samples().iter().map(|sample| (sample.as_dvec3() - corner).length());
             let nearest = distances.fold(f64::INFINITY, f64::min);
             assert!(nearest < 5.0 * h, "a corner is {nearest} m from the next sample");
             exact += usize::from(nearest < 1e-5);

@@ -41,7 +41,7 @@ impl Compound {
         let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
         let tree = Bvh::of_boxes(&bounds);
         let part = |(hull, bounds): (Hull, (DVec3, DVec3))| Part {
-            glued: vec![false; hull.faces().len()],
+            glued: vec![false; hull.planes().len()],
             hull,
             bounds,
         };
@@ -171,7 +171,7 @@ impl Compound {
             for sample in hull_samples(&part.hull, spacing) {
                 // What is in another part is none, and what two parts share counts once.
                 let point = sample.as_dvec3();
-                let mut faces = part.hull.faces().iter().zip(&part.glued);
+                let mut faces = part.hull.faces().zip(&part.glued);
                 let is_outer = faces.any(|(face, glued)| !glued && face.plane.distance(point) >= -close);
                 let hidden = |other: usize| {
                     let most = if other < index { close } else { -close };
@@ -194,7 +194,7 @@ impl Compound {
             let first = surface.mesh.positions.len() as u32;
             surface.mesh.positions.extend(positions);
             surface.mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|c| first + c)));
-            for (face, &glued) in part.hull.faces().iter().zip(&part.glued) {
+            for (face, &glued) in part.hull.faces().zip(&part.glued) {
                 surface.interior.extend(std::iter::repeat_n(glued, face.vertices.len() - 2));
             }
         }
@@ -229,14 +229,14 @@ impl Compound {
         let near = self.parts_near(part.bounds.0 - close, part.bounds.1 + close);
         let covered = |face: usize| {
             let corners = corners_of(&part.hull, face);
-            let plane = part.hull.faces()[face].plane;
+            let plane = part.hull.planes()[face];
             let faces_it = |other: &HalfSpace| {
                 other.normal.dot(plane.normal) < TOUCHING - 1.0
                     && (other.offset + plane.offset).abs() <= close
             };
             let mut area = 0.0;
             for other in near.iter().filter(|&&other| other != index).map(|&other| &self.parts[other].hull) {
-                let opposite = (0..other.faces().len()).filter(|&at| faces_it(&other.faces()[at].plane));
+                let opposite = (0..other.planes().len()).filter(|&at| faces_it(&other.planes()[at]));
                 area += opposite
                     .map(|at| overlap_area(&corners, &corners_of(other, at), plane.normal))
                     .sum::<f64>();
@@ -268,7 +268,7 @@ impl Part {
         if distance > TOUCHING * (high - low).max_element() {
             return None;
         }
-        let outer = self.hull.faces().iter().zip(&self.glued).filter(|&(_, &glued)| !glued);
+        let outer = self.hull.faces().zip(&self.glued).filter(|&(_, &glued)| !glued);
         outer
             .map(|(face, _)| (face.plane.distance(point), face.plane.normal))
             .fold(None, |best: Option<(f64, DVec3)>, next| {
@@ -279,7 +279,7 @@ impl Part {
 }
 
 fn corners_of(hull: &Hull, face: usize) -> Vec<DVec3> {
-    hull.faces()[face].vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
+    hull.face(face).vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
 }
 
 /// Area of a polygon with this unit normal [m^2]; negative if it runs clockwise.

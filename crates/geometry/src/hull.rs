@@ -2,39 +2,54 @@
 
 mod clip;
 mod distance;
+mod loops;
 mod of_points;
+mod round;
 mod samples;
+mod weld;
 
+pub use clip::Clipper;
 pub use of_points::HullError;
 pub use samples::hull_samples;
+pub use weld::weld_hulls;
 
+use crate::mesh::enclosed_mass;
 use crate::{HalfSpace, MassProperties, RigidTransform, TriMesh};
 use glam::DVec3;
-use std::collections::BTreeMap;
+use loops::Loops;
+use std::sync::Arc;
 
 /// A convex polyhedron: vertices, the polygons between them and the edges between those.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     vertices: Vec<DVec3>,
-    faces: Vec<HullFace>,
+    /// Of the faces.
+    planes: Vec<HalfSpace>,
+    net: Arc<Net>,
+}
+
+/// How a hull's faces hang together: the same wherever the hull is moved.
+#[derive(Debug, PartialEq)]
+struct Net {
+    /// Loops of all faces, and which of them a crack made.
+    loops: Loops,
+    /// Edge from each corner of the loops to the next.
+    edges_along: Vec<u32>,
+    /// Each once.
     edges: Vec<HullEdge>,
 }
 
 /// A polygon of a hull.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HullFace {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HullFace<'a> {
     /// The hull lies inside of it; the normal is outward.
     pub plane: HalfSpace,
     /// Vertex indices, counter-clockwise seen from outside.
-    pub vertices: Vec<u32>,
+    pub vertices: &'a [u32],
     /// Edge indices: from each of the vertices to the next.
-    pub edges: Vec<u32>,
-}
-
-/// A face while a hull is made.
-struct Polygon {
-    plane: HalfSpace,
-    vertices: Vec<u32>,
+    pub edges: &'a [u32],
+    /// Whether a cut made it.
+    pub inner: bool,
 }
 
 /// An edge of a hull.
@@ -52,18 +67,18 @@ impl Hull {
         // Vertex n is at the high end of the axes of its bits.
         let sign = |bit: usize| if bit & 1 == 1 { 1.0 } else { -1.0 };
         let vertices = (0..8).map(|n| half * DVec3::new(sign(n), sign(n >> 1), sign(n >> 2))).collect();
-        let mut faces = Vec::with_capacity(6);
+        let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(6));
         for axis in 0..3 {
             let (high, u, v) = (1 << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-            let face = |normal: DVec3, vertices: [u32; 4]| Polygon {
-                plane: HalfSpace { normal, offset: half[axis] },
-                vertices: vertices.to_vec(),
+            let mut face = |normal: DVec3, corners: [u32; 4]| {
+                planes.push(HalfSpace { normal, offset: half[axis] });
+                loops.push(false, corners);
             };
-            faces.push(face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]));
-            faces.push(face(-DVec3::AXES[axis], [0, v, u + v, u]));
+            face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]);
+            face(-DVec3::AXES[axis], [0, v, u + v, u]);
         }
-        let (faces, edges) = connected(faces).unwrap_or_default();
-        Self { vertices, faces, edges }
+        let (edges_along, edges) = loops.connected().unwrap_or_default();
+        Self { vertices, planes, net: Arc::new(Net { loops, edges_along, edges }) }
     }
 
     /// [m]
@@ -72,18 +87,34 @@ impl Hull {
     }
 
     /// At least four.
-    pub fn faces(&self) -> &[HullFace] {
-        &self.faces
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = HullFace<'_>> + DoubleEndedIterator + Clone {
+        (0..self.planes.len()).map(|face| self.face(face))
+    }
+
+    /// One of them.
+    pub fn face(&self, face: usize) -> HullFace<'_> {
+        let range = self.net.loops.range(face);
+        HullFace {
+            plane: self.planes[face],
+            vertices: self.net.loops.of(face),
+            edges: &self.net.edges_along[range],
+            inner: self.net.loops.is_inner(face),
+        }
+    }
+
+    /// Planes of the faces, in their order.
+    pub fn planes(&self) -> &[HalfSpace] {
+        &self.planes
     }
 
     /// Each once.
     pub fn edges(&self) -> &[HullEdge] {
-        &self.edges
+        &self.net.edges
     }
 
     /// The two ends of an edge [m].
     pub fn edge_ends(&self, edge: usize) -> [DVec3; 2] {
-        self.edges[edge].vertices.map(|vertex| self.vertices[vertex as usize])
+        self.net.edges[edge].vertices.map(|vertex| self.vertices[vertex as usize])
     }
 
     /// Lowest and highest corner of the bounding box [m].
@@ -95,106 +126,63 @@ impl Hull {
 
     /// The same polyhedron in another frame.
     pub fn transformed(&self, to_from_hull: &RigidTransform) -> Self {
-        let face = |face: &HullFace| {
-            let normal = to_from_hull.direction(face.plane.normal);
-            let offset = face.plane.offset + normal.dot(to_from_hull.translation);
-            HullFace { plane: HalfSpace { normal, offset }, ..face.clone() }
+        let plane = |plane: &HalfSpace| {
+            let normal = to_from_hull.direction(plane.normal);
+            HalfSpace { normal, offset: plane.offset + normal.dot(to_from_hull.translation) }
         };
         Self {
             vertices: self.vertices.iter().map(|&vertex| to_from_hull.point(vertex)).collect(),
-            faces: self.faces.iter().map(face).collect(),
-            edges: self.edges.clone(),
+            planes: self.planes.iter().map(plane).collect(),
+            net: self.net.clone(),
         }
     }
 
     /// Volume, centre and inertia at unit density, by the divergence theorem.
     pub fn mass_properties(&self) -> MassProperties {
-        self.surface().mass_properties()
+        let corners = |triangle: [u32; 3]| triangle.map(|vertex| self.vertices[vertex as usize]);
+        enclosed_mass(self.triangles().map(corners))
+    }
+
+    /// [m^3]
+    pub fn volume(&self) -> f64 {
+        // Tetrahedra from a vertex, so that nothing large cancels.
+        let origin = self.vertices[0];
+        let tetrahedron = |corners: [u32; 3]| {
+            let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize] - origin);
+            a.dot(b.cross(c))
+        };
+        self.triangles().map(tetrahedron).sum::<f64>() / 6.0
     }
 
     /// The closed surface, its faces cut into fans of triangles.
     pub fn surface(&self) -> TriMesh {
-        let fan = |face: &HullFace| {
-            let apex = face.vertices[0];
-            let corners = face.vertices[1..].windows(2);
-            corners.map(move |pair| [apex, pair[0], pair[1]]).collect::<Vec<_>>()
-        };
-        TriMesh { positions: self.vertices.clone(), triangles: self.faces.iter().flat_map(fan).collect() }
+        TriMesh { positions: self.vertices.clone(), triangles: self.triangles().collect() }
+    }
+
+    /// A fan for each face, in their order.
+    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + Clone {
+        (0..self.planes.len()).flat_map(move |face| {
+            let apex = self.net.loops.of(face)[0];
+            self.net.loops.of(face)[1..].windows(2).map(move |pair| [apex, pair[0], pair[1]])
+        })
     }
 
     /// The polyhedron of these faces. Vertices that lie between two faces only, on a straight edge, are left out, and so are
     /// faces that have lost all but two. `None` if what is left is not closed.
-    fn from_faces(vertices: &[DVec3], mut faces: Vec<Polygon>) -> Option<Self> {
-        // Straighten the edges until every vertex is a corner.
-        loop {
-            let mut faces_at = vec![0_u32; vertices.len()];
-            for &vertex in faces.iter().flat_map(|face| &face.vertices) {
-                faces_at[vertex as usize] += 1;
-            }
-            let before = (faces.len(), faces_at.iter().filter(|&&count| count > 0).count());
-            for face in &mut faces {
-                face.vertices.retain(|&vertex| faces_at[vertex as usize] > 2);
-            }
-            faces.retain(|face| face.vertices.len() > 2);
-            if before == (faces.len(), faces_at.iter().filter(|&&count| count > 2).count()) {
-                break;
-            }
-        }
-
-        // Number the corners that are left in their old order.
-        let mut used = vec![false; vertices.len()];
-        for &vertex in faces.iter().flat_map(|face| &face.vertices) {
-            used[vertex as usize] = true;
-        }
-        let mut corners = Vec::new();
-        let number: Vec<u32> = (0..vertices.len())
-            .map(|vertex| {
-                if used[vertex] {
-                    corners.push(vertices[vertex]);
-                }
-                corners.len().saturating_sub(1) as u32
-            })
-            .collect();
-        for vertex in faces.iter_mut().flat_map(|face| &mut face.vertices) {
-            *vertex = number[*vertex as usize];
-        }
+    fn from_loops(vertices: &[DVec3], mut planes: Vec<HalfSpace>, mut loops: Loops) -> Option<Self> {
+        loops.straighten(vertices.len(), &mut planes);
+        let mut corners = Vec::with_capacity(vertices.len());
+        loops.renumber(vertices, &mut corners);
 
         // Euler's formula tells a sphere from anything else that is closed.
-        let (faces, edges) = connected(faces)?;
-        let is_sphere = faces.len() >= 4 && corners.len() + faces.len() == edges.len() + 2;
-        is_sphere.then_some(Self { vertices: corners, faces, edges })
+        let (edges_along, edges) = loops.connected()?;
+        let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == edges.len() + 2;
+        is_sphere.then(|| Self {
+            vertices: corners,
+            planes,
+            net: Arc::new(Net { loops, edges_along, edges }),
+        })
     }
-}
-
-/// Faces with the edges between them, in the order of the faces; `None` if an edge does not have two that run along it in
-/// opposite directions.
-fn connected(polygons: Vec<Polygon>) -> Option<(Vec<HullFace>, Vec<HullEdge>)> {
-    let mut face_along: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    for (index, polygon) in polygons.iter().enumerate() {
-        for side in sides(&polygon.vertices) {
-            if face_along.insert(side, index as u32).is_some() {
-                return None;
-            }
-        }
-    }
-    let mut edges = Vec::with_capacity(face_along.len() / 2);
-    let mut edge_along: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    let mut faces = Vec::with_capacity(polygons.len());
-    for (index, Polygon { plane, vertices }) in polygons.into_iter().enumerate() {
-        let mut around = Vec::with_capacity(vertices.len());
-        for [a, b] in sides(&vertices) {
-            let beside = *face_along.get(&[b, a])?;
-            // The other face may have come before.
-            let edge = edge_along.get(&[b, a]).copied().unwrap_or_else(|| {
-                edges.push(HullEdge { vertices: [a, b], faces: [index as u32, beside] });
-                edges.len() as u32 - 1
-            });
-            edge_along.insert([a, b], edge);
-            around.push(edge);
-        }
-        faces.push(HullFace { plane, vertices, edges: around });
-    }
-    Some((faces, edges))
 }
 
 /// The directed edges of a loop.

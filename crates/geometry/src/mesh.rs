@@ -45,30 +45,7 @@ impl TriMesh {
     /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is negative if the
     /// triangles face inward, and zero volume has its centre at the surface's centroid.
     pub fn mass_properties(&self) -> MassProperties {
-        let origin = self.surface_centroid();
-
-        // Sum the signed tetrahedra from the origin to each triangle.
-        let mut six_volume = 0.0;
-        let mut first_moment = DVec3::ZERO;
-        let mut second_moment = DMat3::ZERO;
-        for triangle in 0..self.triangles.len() {
-            let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
-            let determinant = a.dot(b.cross(c));
-            let sum = a + b + c;
-            six_volume += determinant;
-            first_moment += determinant * sum;
-            second_moment += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * determinant;
-        }
-
-        // Move the moments from the origin to the centre of mass.
-        let volume = six_volume / 6.0;
-        if volume == 0.0 {
-            return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
-        }
-        let offset = first_moment / (24.0 * volume);
-        let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
-        let inertia = inertia_from_second_moments(central);
-        MassProperties { volume, center: origin + offset, inertia }
+        enclosed_mass((0..self.triangles.len()).map(|triangle| self.corners(triangle)))
     }
 
     /// Sum of the triangles' areas [m^2].
@@ -88,17 +65,44 @@ impl TriMesh {
         let [a, b, c] = self.corners(triangle);
         0.5 * (b - a).cross(c - a)
     }
+}
 
-    /// Area-weighted mean of the surface's points [m].
-    fn surface_centroid(&self) -> DVec3 {
-        let mut area = 0.0;
-        let mut moment = DVec3::ZERO;
-        for triangle in 0..self.triangles.len() {
-            let [a, b, c] = self.corners(triangle);
-            let weight = self.vector_area(triangle).length();
-            area += weight;
-            moment += (a + b + c) * (weight / 3.0);
-        }
-        if area > 0.0 { moment / area } else { DVec3::ZERO }
+/// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see [`TriMesh::mass_properties`].
+pub(crate) fn enclosed_mass(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> MassProperties {
+    let origin = surface_centroid(triangles.clone());
+
+    // Sum the signed tetrahedra from the origin to each triangle.
+    let mut six_volume = 0.0;
+    let mut first_moment = DVec3::ZERO;
+    let mut second_moment = DMat3::ZERO;
+    for corners in triangles {
+        let [a, b, c] = corners.map(|corner| corner - origin);
+        let determinant = a.dot(b.cross(c));
+        let sum = a + b + c;
+        six_volume += determinant;
+        first_moment += determinant * sum;
+        second_moment += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * determinant;
     }
+
+    // Move the moments from the origin to the centre of mass.
+    let volume = six_volume / 6.0;
+    if volume == 0.0 {
+        return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
+    }
+    let offset = first_moment / (24.0 * volume);
+    let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
+    let inertia = inertia_from_second_moments(central);
+    MassProperties { volume, center: origin + offset, inertia }
+}
+
+/// Area-weighted mean of the triangles' points [m].
+fn surface_centroid(triangles: impl Iterator<Item = [DVec3; 3]>) -> DVec3 {
+    let mut area = 0.0;
+    let mut moment = DVec3::ZERO;
+    for [a, b, c] in triangles {
+        let weight = (0.5 * (b - a).cross(c - a)).length();
+        area += weight;
+        moment += (a + b + c) * (weight / 3.0);
+    }
+    if area > 0.0 { moment / area } else { DVec3::ZERO }
 }

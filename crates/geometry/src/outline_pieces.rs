@@ -30,7 +30,7 @@ impl<'a> OutlinePieces<'a> {
         let mut pieces = match &solid.outline.root {
             Root::Sampled(level_set) => vec![Piece::Sampled(level_set)],
             Root::ClosedForm(form) => pieces_of(form),
-            Root::Hull(hull) => hull.faces().iter().map(|face| Piece::Plane(face.plane)).collect(),
+            Root::Hull(hull) => hull.planes().iter().map(|&plane| Piece::Plane(plane)).collect(),
         };
         let grid = solid.level_set.grid();
         pieces.retain(|piece| piece.reaches(grid));

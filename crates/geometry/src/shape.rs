@@ -8,7 +8,7 @@ use crate::sample_clusters::{SampleCluster, cluster_samples};
 use crate::surface_samples::closed_form_samples;
 use crate::{ClosedForm, GridSolid, Hull, NoMass, RigidTransform, Surface, TriMesh};
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Geometry, surface samples and mass properties. The body frame has its origin at the centre of mass and its axes along
 /// the principal axes.
@@ -18,28 +18,43 @@ pub struct Shape {
     pub geometry: Geometry,
     /// The frame of the grid, the closed form or the hull in the body frame.
     pub body_from_grid: RigidTransform,
-    /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets.
-    pub samples: Vec<Vec3>,
-    /// All samples, in the same order, by neighbourhood.
-    pub sample_clusters: Vec<SampleCluster>,
     /// Lowest and highest corner in the body frame [m].
     pub bounds: (DVec3, DVec3),
     /// [m^3]; zero for a half-space.
     pub volume: f64,
     /// Principal moments at unit density [m^5].
     pub unit_moments: DVec3,
-    /// What is a convex polyhedron, as such, in the body frame; `None` for all else.
+    /// What is a convex polyhedron, or breaks as one, as such, in the body frame; `None` for all else.
     pub hull: Option<Arc<Hull>>,
     /// What is made of several of them, as such, in the body frame; `None` for all else.
     pub compound: Option<Arc<Compound>>,
+    /// Between samples [m]; zero if they were given.
+    sample_spacing: f64,
+    samples: OnceLock<Samples>,
+}
+
+/// Points on a surface, in the body frame.
+#[derive(Clone, Debug)]
+struct Samples {
+    /// [m]
+    points: Vec<Vec3>,
+    /// All points, in the same order, by neighbourhood.
+    clusters: Vec<SampleCluster>,
+}
+
+impl Samples {
+    fn new(mut points: Vec<Vec3>) -> Self {
+        let clusters = cluster_samples(&mut points);
+        Self { points, clusters }
+    }
 }
 
 /// Where inside and outside are.
 #[derive(Clone, Debug)]
 pub enum Geometry {
-    /// A formula: exact, but cannot break.
+    /// A formula: exact. Breaks if it has a hull.
     ClosedForm(ClosedForm),
-    /// A convex polyhedron: exact, but cannot break.
+    /// A convex polyhedron: exact, also where it breaks.
     Hull(Arc<Hull>),
     /// Convex polyhedra that are one body.
     Compound(Arc<Compound>),
@@ -48,15 +63,13 @@ pub enum Geometry {
 }
 
 impl Shape {
-    /// A formula: exact, but cannot break. Samples lie about `sample_spacing` [m] apart. A half-space has no volume, no
+    /// A formula: exact; only a box can break. Samples lie about `sample_spacing` [m] apart. A half-space has no volume, no
     /// samples and infinite bounds.
     pub fn closed_form(form: ClosedForm, sample_spacing: f64) -> Self {
         // The axes of all of these are principal, and their middle is the centre of mass.
         let (volume, unit_moments) = form.mass_properties().map_or((0.0, DVec3::ZERO), |mass| {
             (mass.volume, DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z))
         });
-        let mut samples = closed_form_samples(&form, sample_spacing);
-        let sample_clusters = cluster_samples(&mut samples);
         let hull = match form {
             ClosedForm::Box { half } => Some(Arc::new(Hull::cuboid(half))),
             _ => None,
@@ -64,17 +77,48 @@ impl Shape {
         Self {
             geometry: Geometry::ClosedForm(form),
             body_from_grid: RigidTransform::IDENTITY,
-            samples,
-            sample_clusters,
             bounds: form.bounds(),
             volume,
             unit_moments,
             hull,
             compound: None,
+            sample_spacing,
+            samples: OnceLock::new(),
         }
     }
 
-    /// A convex polyhedron: exact, but cannot break. Samples lie about `sample_spacing` [m] apart.
+    /// A formula that can break, into exact polyhedra: its mass and its hull are those of a polyhedron of its volume, see
+    /// [`Hull::ball`] and [`Hull::cylinder`], so that nothing changes when it does.
+    ///
+    /// # Errors
+    /// For a half-space, which has no volume.
+    pub fn breakable(form: ClosedForm, sample_spacing: f64) -> Result<Self, NoMass> {
+        let hull = match form {
+            ClosedForm::HalfSpace(_) => return Err(NoMass),
+            ClosedForm::Box { half } => Hull::cuboid(half),
+            ClosedForm::Sphere { radius } => Hull::ball(radius),
+            ClosedForm::Cylinder { radius, half_height } => Hull::cylinder(radius, half_height),
+        };
+        let mass = hull.mass_properties();
+        let moments = DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z);
+        // Moments that are equal but for rounding give no axes.
+        let unit_moments = match form {
+            ClosedForm::Sphere { .. } => DVec3::splat(moments.element_sum() / 3.0),
+            ClosedForm::Cylinder { .. } => {
+                let across = 0.5 * (moments.x + moments.z);
+                DVec3::new(across, moments.y, across)
+            }
+            ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => moments,
+        };
+        Ok(Self {
+            volume: mass.volume,
+            unit_moments,
+            hull: Some(Arc::new(hull)),
+            ..Self::closed_form(form, sample_spacing)
+        })
+    }
+
+    /// A convex polyhedron: exact, also where it breaks. Samples lie about `sample_spacing` [m] apart.
     ///
     /// # Errors
     /// If it is so thin that its volume or a moment vanishes.
@@ -82,17 +126,16 @@ impl Shape {
         let mass = hull.mass_properties();
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let in_body = hull.transformed(&body_from_grid);
-        let mut samples = hull_samples(&in_body, sample_spacing);
         Ok(Self {
             geometry: Geometry::Hull(Arc::new(hull)),
             body_from_grid,
-            sample_clusters: cluster_samples(&mut samples),
-            samples,
             bounds: in_body.bounds(),
             volume: mass.volume,
             unit_moments,
             hull: Some(Arc::new(in_body)),
             compound: None,
+            sample_spacing,
+            samples: OnceLock::new(),
         })
     }
 
@@ -104,17 +147,16 @@ impl Shape {
         let mass = compound.mass_properties();
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let in_body = compound.transformed(&body_from_grid);
-        let mut samples = in_body.samples(sample_spacing);
         Ok(Self {
             geometry: Geometry::Compound(Arc::new(compound)),
             body_from_grid,
-            sample_clusters: cluster_samples(&mut samples),
-            samples,
             bounds: in_body.bounds(),
             volume: mass.volume,
             unit_moments,
             hull: None,
             compound: Some(Arc::new(in_body)),
+            sample_spacing,
+            samples: OnceLock::new(),
         })
     }
 
@@ -126,21 +168,58 @@ impl Shape {
         let mass = solid.mass_properties();
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let into_body = |sample: Vec3| body_from_grid.point(sample.as_dvec3()).as_vec3();
-        let mut samples: Vec<Vec3> = samples_grid.into_iter().map(into_body).collect();
-        let sample_clusters = cluster_samples(&mut samples);
-        let bounds = bounds_in_body(&solid, &body_from_grid, &samples);
+        let samples = Samples::new(samples_grid.into_iter().map(into_body).collect());
+        let bounds = bounds_in_body(&solid, &body_from_grid, &samples.points);
         let geometry = Geometry::Grid(solid);
         Ok(Self {
             geometry,
             body_from_grid,
-            samples,
-            sample_clusters,
             bounds,
             volume: mass.volume,
             unit_moments,
             hull: None,
             compound: None,
+            sample_spacing: 0.0,
+            samples: OnceLock::from(samples),
         })
+    }
+
+    /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets. Those of a formula and of a
+    /// polyhedron are made at the first call: many fragments never need any.
+    pub fn samples(&self) -> &[Vec3] {
+        &self.sampled().points
+    }
+
+    /// All samples, in the same order, by neighbourhood.
+    pub fn sample_clusters(&self) -> &[SampleCluster] {
+        &self.sampled().clusters
+    }
+
+    fn sampled(&self) -> &Samples {
+        self.samples.get_or_init(|| {
+            let spacing = self.sample_spacing;
+            Samples::new(match (&self.geometry, &self.hull, &self.compound) {
+                (Geometry::ClosedForm(form), ..) => closed_form_samples(form, spacing),
+                (_, Some(hull), _) => hull_samples(hull, spacing),
+                (_, _, Some(compound)) => compound.samples(spacing),
+                _ => Vec::new(),
+            })
+        })
+    }
+
+    /// How far apart the samples of a formula or a polyhedron lie [m]; zero for a grid's, which were given.
+    pub fn sample_spacing(&self) -> f64 {
+        self.sample_spacing
+    }
+
+    /// The polyhedron, in the grid frame, that this breaks as when planes cut it; `None` for what breaks on its grid or not at all.
+    pub fn breaks_as(&self) -> Option<&Hull> {
+        match &self.geometry {
+            Geometry::Hull(hull) => Some(hull),
+            // Its grid frame is the body frame.
+            Geometry::ClosedForm(_) => self.hull.as_deref(),
+            Geometry::Compound(_) | Geometry::Grid(_) => None,
+        }
     }
 
     /// Signed distance [m] and its unit gradient at a point in the body frame [m].
@@ -232,7 +311,7 @@ mod tests {
         };
         assert!((shape.volume / exact.volume - 1.0).abs() < 1e-3);
         assert!((sorted(shape.unit_moments) / sorted(exact.unit_moments) - 1.0).length() < 2e-2);
-        assert!((sorted(shape.samples[0].as_dvec3()) - sorted(half)).length() < 2e-3);
+        assert!((sorted(shape.samples()[0].as_dvec3()) - sorted(half)).length() < 2e-3);
 
         // Distances are those of the formula, seen from the body.
         for point in [DVec3::new(0.3, 0.5, -0.2), DVec3::new(0.0, 0.1, 0.4), DVec3::new(-0.5, 0.0, 0.1)] {
@@ -276,7 +355,7 @@ mod tests {
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         assert_eq!(GridSolid::from_closed_form(ground, [4; 3], 2).unwrap_err(), NoMass);
         let shape = Shape::closed_form(ground, 0.1);
-        assert_eq!((shape.volume, shape.samples.len()), (0.0, 0));
+        assert_eq!((shape.volume, shape.samples().len()), (0.0, 0));
         assert_eq!(shape.distance_and_gradient(DVec3::new(4.0, 1.5, 2.0)), (1.5, DVec3::Y));
 
         let grid = Grid { origin: DVec3::ZERO, spacing: 0.1, dims: [4; 3] };

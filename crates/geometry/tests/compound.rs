@@ -52,12 +52,12 @@ fn cubes_that_make_a_cube_are_one() {
     let exact = Shape::convex(whole.transformed(&turn), 0.1).unwrap();
     assert!((shape.volume - 1.0).abs() < 1e-14);
     assert!((shape.unit_moments - exact.unit_moments).length() < 1e-14);
-    for sample in &shape.samples {
+    for sample in shape.samples() {
         let point = turn.inverse().point(shape.body_from_grid.inverse().point(sample.as_dvec3()));
         assert!(whole.distance_and_gradient(point).0.abs() < 1e-6);
     }
     // 6 faces of 11 x 11, of which edges and corners are shared.
-    assert_eq!(shape.samples.len(), 6 * 81 + 12 * 9 + 8);
+    assert_eq!(shape.samples().len(), 6 * 81 + 12 * 9 + 8);
 
     // Each part's surface is closed, and what is not inside is the cube's.
     let surface = compound.surface();
@@ -82,8 +82,8 @@ fn glued_faces_are_those_that_are_covered() {
     let (low, high) = (DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
     let above = |from: f64, to: f64| cuboid(DVec3::new(from, 1.0, 0.0), DVec3::new(to, 2.0, 1.0));
     let top = |compound: &Compound| {
-        let faces = compound.parts()[0].hull.faces();
-        compound.parts()[0].glued[faces.iter().position(|face| face.plane.normal.y > 0.9).unwrap()]
+        let mut faces = compound.parts()[0].hull.faces();
+        compound.parts()[0].glued[faces.position(|face| face.plane.normal.y > 0.9).unwrap()]
     };
     assert!(!top(&Compound::new(vec![cuboid(low, high), above(0.0, 1.0)])));
     assert!(top(&Compound::new(vec![cuboid(low, high), above(0.0, 0.7), above(0.7, 2.0)])));

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible_geometry::{
-    ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, MassProperties, RigidTransform, Shape,
+    ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace, MassProperties, RigidTransform,
+    Shape,
 };
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -29,7 +30,7 @@ fn lattice_points() -> impl Strategy<Value = Vec<DVec3>> {
 fn check(hull: &Hull, flat: f64) {
     let (vertices, faces, edges) = (hull.vertices(), hull.faces(), hull.edges());
     assert_eq!(vertices.len() + faces.len(), edges.len() + 2);
-    for face in faces {
+    for face in faces.clone() {
         assert!((face.plane.normal.length() - 1.0).abs() < 1e-14);
         assert!(vertices.iter().all(|&vertex| face.plane.distance(vertex) < flat));
         let corner = |at: usize| vertices[face.vertices[at % face.vertices.len()] as usize];
@@ -39,7 +40,7 @@ fn check(hull: &Hull, flat: f64) {
             assert!(turn.dot(face.plane.normal) > -flat, "{turn}");
         }
     }
-    for face in faces {
+    for face in faces.clone() {
         for (at, &edge) in face.edges.iter().enumerate() {
             let mut ends = edges[edge as usize].vertices;
             ends.sort_unstable();
@@ -50,7 +51,7 @@ fn check(hull: &Hull, flat: f64) {
     }
     for edge in edges {
         let runs = |face: u32, from: u32, to: u32| {
-            let around = &faces[face as usize].vertices;
+            let around = hull.face(face as usize).vertices;
             (0..around.len()).any(|at| around[at] == from && around[(at + 1) % around.len()] == to)
         };
         let [a, b] = edge.vertices;
@@ -117,6 +118,47 @@ fn a_ball_of_many_points_is_a_hull() {
     check(&hull, 1e-6);
     assert_eq!(hull.vertices().len(), 4000);
     assert!((hull.mass_properties().volume / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3);
+}
+
+/// Polyhedra of round bodies have their volume, lie close to them, and have their symmetry.
+#[test]
+fn round_bodies_keep_their_volume_as_polyhedra() {
+    let (radius, half_height) = (0.7, 0.4);
+    let ball = ClosedForm::Sphere { radius };
+    let drum = ClosedForm::Cylinder { radius, half_height };
+    for (form, hull, counts, off, moments_off) in [
+        (ball, Hull::ball(radius), (180, 92, 270), 0.018, 2e-3),
+        (drum, Hull::cylinder(radius, half_height), (48, 26, 72), 0.006, 1e-3),
+    ] {
+        check(&hull, 1e-14);
+        assert_eq!((hull.vertices().len(), hull.faces().len(), hull.edges().len()), counts);
+        assert!(hull.faces().all(|face| !face.inner));
+        let (exact, mass) = (form.mass_properties().unwrap(), hull.mass_properties());
+        assert!((mass.volume / exact.volume - 1.0).abs() < 1e-14);
+        assert!((hull.volume() / exact.volume - 1.0).abs() < 1e-14);
+        assert!(mass.center.length() < 1e-15);
+        assert!(mass.inertia.abs_diff_eq(exact.inertia, moments_off * exact.inertia.x_axis.x));
+        // The corners stick out, and the middles of the faces lie below.
+        let distances = hull.vertices().iter().map(|&vertex| form.distance(vertex));
+        let furthest = distances.fold(f64::NEG_INFINITY, f64::max);
+        let middle = |face: HullFace<'_>| {
+            let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
+            form.distance(corners.sum::<DVec3>() / face.vertices.len() as f64)
+        };
+        let deepest = hull.faces().map(middle).fold(f64::INFINITY, f64::min);
+        let off = off * radius;
+        assert!((0.9 * off..off).contains(&furthest.max(-deepest)), "{furthest} {deepest}");
+
+        // The shape that breaks has the formula's contacts and frame, and the polyhedron's mass.
+        let shape = Shape::breakable(form, 0.1).unwrap();
+        assert_eq!((shape.volume, shape.breaks_as()), (mass.volume, Some(&hull)));
+        assert!(matches!(shape.geometry, Geometry::ClosedForm(_)));
+        assert_eq!(shape.body_from_grid, RigidTransform::IDENTITY);
+        let inertia = DMat3::from_diagonal(shape.unit_moments);
+        assert!(inertia.abs_diff_eq(mass.inertia, 1e-14));
+    }
+    let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
+    assert!(Shape::breakable(ground, 0.1).is_err());
 }
 
 proptest! {
@@ -222,7 +264,7 @@ proptest! {
             prop_assert!((distance.abs() - expected).abs() < 3e-6, "{distance} {expected}");
             prop_assert!(hull.distance_and_gradient(point - distance * gradient).0.abs() < 3e-6);
             let height = |point: DVec3| {
-                hull.faces().iter().map(|face| face.plane.distance(point)).fold(f64::NEG_INFINITY, f64::max)
+                hull.planes().iter().map(|plane| plane.distance(point)).fold(f64::NEG_INFINITY, f64::max)
             };
             prop_assert_eq!(distance < 0.0, height(point) < 0.0);
             prop_assert_eq!(hull.distance_up_to(point, f64::INFINITY), distance);
@@ -292,15 +334,15 @@ fn a_convex_shape_lies_in_its_principal_frame() {
     assert!(shape.body_from_grid.point(turned.translation).length() < 1e-12);
 
     // As many samples as the box's formula has, on the surface, and the corners among them.
-    assert_eq!(shape.samples.len(), exact.samples.len());
+    assert_eq!(shape.samples().len(), exact.samples().len());
     let in_body = shape.hull.as_ref().unwrap();
-    for sample in &shape.samples {
+    for sample in shape.samples() {
         let distance = shape.distance_and_gradient(sample.as_dvec3()).0;
         assert!(distance.abs() < 1e-7);
         assert!((in_body.distance_and_gradient(sample.as_dvec3()).0 - distance).abs() < 1e-12);
     }
     for vertex in in_body.vertices() {
-        assert!(shape.samples.contains(&vertex.as_vec3()));
+        assert!(shape.samples().contains(&vertex.as_vec3()));
     }
 
     // Its surface is closed and encloses the volume; nothing is cracked.

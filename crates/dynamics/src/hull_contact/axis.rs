@@ -13,7 +13,7 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     /// In its own frame.
     pub(crate) fn own(hull: &'a Hull) -> Self {
-        let planes = hull.faces().iter().map(|face| face.plane).collect();
+        let planes = hull.planes().to_vec();
         Self { hull, vertices: hull.vertices().to_vec(), planes }
     }
 
@@ -26,7 +26,7 @@ impl<'a> View<'a> {
         Self {
             hull,
             vertices: hull.vertices().iter().map(|&vertex| matrix * vertex + shift).collect(),
-            planes: hull.faces().iter().map(|face| plane(face.plane)).collect(),
+            planes: hull.planes().iter().map(|&each| plane(each)).collect(),
         }
     }
 

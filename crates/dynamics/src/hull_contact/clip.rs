@@ -33,7 +33,7 @@ pub(crate) fn face_points(
     close: f64,
 ) -> Vec<HullPoint> {
     let plane = reference.planes[axis.face];
-    let face = &reference.hull.faces()[axis.face];
+    let face = reference.hull.face(axis.face);
     let count = face.vertices.len();
     let mut polygon = incident_polygon(incident, axis.vertex as u32, plane.normal);
     for at in 0..count {
@@ -71,7 +71,7 @@ pub(crate) fn face_points(
 /// Of the faces around a vertex, the one that looks most against `normal`.
 fn incident_polygon(incident: &View, vertex: u32, normal: DVec3) -> Vec<Corner> {
     let (mut lowest, mut chosen) = (f64::INFINITY, None);
-    for (face, plane) in incident.hull.faces().iter().zip(&incident.planes) {
+    for (face, plane) in incident.hull.faces().zip(&incident.planes) {
         let slope = plane.normal.dot(normal);
         if slope < lowest && face.vertices.contains(&vertex) {
             (lowest, chosen) = (slope, Some(face));
@@ -82,7 +82,7 @@ fn incident_polygon(incident: &View, vertex: u32, normal: DVec3) -> Vec<Corner> 
         feature: Feature::VertexOfSecond(vertex),
         side: Side::Incident(edge),
     };
-    chosen.map_or(Vec::new(), |face| face.vertices.iter().zip(&face.edges).map(corner).collect())
+    chosen.map_or(Vec::new(), |face| face.vertices.iter().zip(face.edges).map(corner).collect())
 }
 
 /// The part of a polygon at heights of at most `close` [m]; sides that go further up are cut at height 0, where they are what

@@ -78,7 +78,7 @@ impl Part {
             let mut half_spaces = self.half_spaces.clone();
             half_spaces.push(half_space);
             // What has come to lie outside of the cell bounds it no more.
-            half_spaces.retain(|&known| hull.faces().iter().any(|face| face.plane == known));
+            half_spaces.retain(|&known| hull.planes().contains(&known));
             Some(Self::new(half_spaces, hull, spread))
         };
         Some([side(crack)?, side(beyond(&crack))?])

@@ -36,13 +36,13 @@ pub(super) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
 
 /// Adds the overlaps of all faces of two polyhedra that lie in one plane.
 fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &Hull), near: f64) {
-    let corners = |hull: &Hull, face: &HullFace| -> Vec<DVec3> {
+    let corners = |hull: &Hull, face: &HullFace<'_>| -> Vec<DVec3> {
         face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
     };
-    for face in a.faces().iter().filter(|face| separates(&face.plane, b, near)) {
-        let polygon_a = corners(a, face);
+    for face in a.faces().filter(|face| separates(&face.plane, b, near)) {
+        let polygon_a = corners(a, &face);
         for other in b.faces() {
-            let polygon_b = corners(b, other);
+            let polygon_b = corners(b, &other);
             let in_plane = polygon_b.iter().all(|&corner| face.plane.distance(corner).abs() <= near);
             if !in_plane || face.plane.normal.dot(other.plane.normal) > 0.0 {
                 continue;

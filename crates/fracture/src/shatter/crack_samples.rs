@@ -36,7 +36,7 @@ fn flat_walls(parent: &GridSolid) -> Vec<HalfSpace> {
             walls.extend([DVec3::Y, DVec3::NEG_Y].map(|normal| HalfSpace { normal, offset: *half_height }))
         }
         Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => walls.push(*half_space),
-        Root::Hull(hull) => walls.extend(hull.faces().iter().map(|face| face.plane)),
+        Root::Hull(hull) => walls.extend(hull.planes()),
         Root::ClosedForm(ClosedForm::Sphere { .. }) | Root::Sampled(_) => {}
     }
     let (low, high) = parent.level_set.grid().bounds();

@@ -55,7 +55,7 @@ pub(crate) fn assign_particles(
         }
     }
     let grid_from_body = shape.body_from_grid.inverse();
-    for sample in &shape.samples {
+    for sample in shape.samples() {
         let point = grid_from_body.point(sample.as_dvec3());
         match lookup.piece_at(point) {
             Some((piece, true)) => fragments[piece].add(point),

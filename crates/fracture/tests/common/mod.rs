@@ -24,7 +24,7 @@ pub fn solid(shape: &Shape) -> &GridSolid {
 pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
     let solid = GridSolid::from_closed_form(form, voxels, 2).unwrap();
     let spacing = 2.0 * solid.level_set.grid().spacing;
-    Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples).unwrap()
+    Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples().to_vec()).unwrap()
 }
 
 /// Any distance on a grid over `low` to `high`, with samples two voxels apart.
@@ -81,7 +81,7 @@ pub fn direction(random: &mut Pcg64Mcg) -> DVec3 {
 
 /// A blow on one of a shape's samples, from outside.
 pub fn random_impact(shape: &Shape, random: &mut Pcg64Mcg) -> Impact {
-    let sample = shape.samples[random.random_range(0..shape.samples.len())].as_dvec3();
+    let sample = shape.samples()[random.random_range(0..shape.samples().len())].as_dvec3();
     let (_, gradient) = shape.distance_and_gradient(sample);
     Impact { point_body: sample, normal_body: (gradient + 0.3 * direction(random)).normalize() }
 }

@@ -32,20 +32,20 @@ impl Hull {
     }
 
     /// The face whose plane is furthest below the point, and the height over it [m].
-    fn highest_face(&self, point: DVec3) -> (f64, &HullFace) {
-        let mut highest = (self.faces[0].plane.distance(point), &self.faces[0]);
-        for face in &self.faces[1..] {
-            let height = face.plane.distance(point);
+    fn highest_face(&self, point: DVec3) -> (f64, HullFace<'_>) {
+        let mut highest = (self.planes[0].distance(point), 0);
+        for (face, plane) in self.planes.iter().enumerate().skip(1) {
+            let height = plane.distance(point);
             if height > highest.0 {
                 highest = (height, face);
             }
         }
-        highest
+        (highest.0, self.face(highest.1))
     }
 
     /// Whether the foot of a point on a face's plane lies in the face.
-    fn is_over(&self, face: &HullFace, point: DVec3) -> bool {
-        sides(&face.vertices).all(|[a, b]| {
+    fn is_over(&self, face: HullFace<'_>, point: DVec3) -> bool {
+        sides(face.vertices).all(|[a, b]| {
             let (start, end) = (self.vertices[a as usize], self.vertices[b as usize]);
             (end - start).cross(point - start).dot(face.plane.normal) >= 0.0
         })
@@ -54,7 +54,7 @@ impl Hull {
     /// The point of the surface that is nearest to a point outside [m].
     fn nearest_outside(&self, point: DVec3) -> DVec3 {
         let mut nearest = (f64::INFINITY, point);
-        for face in &self.faces {
+        for face in self.faces() {
             let height = face.plane.distance(point);
             if height <= 0.0 {
                 continue;
@@ -62,7 +62,7 @@ impl Hull {
             if self.is_over(face, point) {
                 return point - height * face.plane.normal;
             }
-            for [a, b] in sides(&face.vertices) {
+            for [a, b] in sides(face.vertices) {
                 let (start, end) = (self.vertices[a as usize], self.vertices[b as usize]);
                 let along = end - start;
                 let part = ((point - start).dot(along) / along.length_squared()).clamp(0.0, 1.0);

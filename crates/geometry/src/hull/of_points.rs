@@ -1,7 +1,9 @@
 //! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are flat but for the points' rounding
 //! are merged.
 
-use super::{Hull, Polygon, plane_of, sides};
+use super::loops::Loops;
+use super::{Hull, plane_of, sides};
+use crate::HalfSpace;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;
@@ -47,7 +49,10 @@ impl Hull {
         // Should merging leave anything but a sphere's topology, the triangles are the hull.
         [close, 0.0]
             .into_iter()
-            .find_map(|close| Self::from_faces(points, merged(points, &triangles, close)?))
+            .find_map(|close| {
+                let (planes, loops) = merged(points, &triangles, close)?;
+                Self::from_loops(points, planes, loops)
+            })
             .map(Self::flattened)
             .ok_or(HullError::Flat)
     }
@@ -57,23 +62,25 @@ impl Hull {
         // A direction that the planes before have nearly used up would carry the vertex far away.
         const LEAST_FREEDOM: f64 = 0.01;
         let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
-        for face in self.faces.iter().filter(|face| face.vertices.len() > 3) {
-            for &vertex in &face.vertices {
+        let Self { vertices, planes, net } = &mut self;
+        for (face, plane) in planes.iter().enumerate().filter(|(face, _)| net.loops.of(*face).len() > 3) {
+            for &vertex in net.loops.of(face) {
                 // Along this the vertex leaves none of the planes that it is on already.
                 let taken = &mut freedom[vertex as usize];
-                let normal = face.plane.normal;
+                let normal = plane.normal;
                 let across = taken.iter().fold(normal, |across, &other| across - across.dot(other) * other);
                 if across.length() > LEAST_FREEDOM {
                     let across = across.normalize();
-                    let position = &mut self.vertices[vertex as usize];
-                    *position -= across * (face.plane.distance(*position) / normal.dot(across));
+                    let position = &mut vertices[vertex as usize];
+                    *position -= across * (plane.distance(*position) / normal.dot(across));
                     taken.push(across);
                 }
             }
         }
-        for face in self.faces.iter_mut().filter(|face| face.vertices.len() == 3) {
-            let corners = face.vertices.iter().map(|&vertex| self.vertices[vertex as usize]);
-            face.plane = plane_of(corners).unwrap_or(face.plane);
+        for (face, plane) in planes.iter_mut().enumerate().filter(|(face, _)| net.loops.of(*face).len() == 3)
+        {
+            let corners = net.loops.of(face).iter().map(|&vertex| vertices[vertex as usize]);
+            *plane = plane_of(corners).unwrap_or(*plane);
         }
         self
     }
@@ -211,7 +218,7 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
 
 /// The faces that triangles make together: around each, beginning with the largest, all that are within `close` [m] of its
 /// plane. `None` if one of them has a hole.
-fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<Polygon>> {
+fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<HalfSpace>, Loops)> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
         triangle_along.extend(sides(triangle).map(|side| (side, index)));
@@ -257,7 +264,8 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<Po
             return None;
         }
     }
-    let face = |rim: &BTreeMap<u32, u32>| {
+    let (mut planes, mut loops) = (Vec::with_capacity(rims.len()), Loops::default());
+    for rim in &rims {
         let start = *rim.keys().next()?;
         let mut vertices = vec![start];
         let mut at = *rim.get(&start)?;
@@ -265,8 +273,11 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Vec<Po
             vertices.push(at);
             at = *rim.get(&at)?;
         }
-        let plane = plane_of(vertices.iter().map(|&vertex| points[vertex as usize]))?;
-        (vertices.len() == rim.len()).then_some(Polygon { plane, vertices })
-    };
-    rims.iter().map(face).collect()
+        planes.push(plane_of(vertices.iter().map(|&vertex| points[vertex as usize]))?);
+        if vertices.len() != rim.len() {
+            return None;
+        }
+        loops.push(false, vertices);
+    }
+    Some((planes, loops))
 }

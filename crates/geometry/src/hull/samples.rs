@@ -20,7 +20,7 @@ pub fn hull_samples(hull: &Hull, spacing: f64) -> Vec<Vec3> {
 
 /// The nodes of a square lattice along the longest side of a face that are not closer to its rim than half of a step.
 fn sample_face(hull: &Hull, face: usize, spacing: f64, samples: &mut Vec<DVec3>) {
-    let face = &hull.faces()[face];
+    let face = hull.face(face);
     let corner = |at: usize| hull.vertices()[face.vertices[at % face.vertices.len()] as usize];
     let length = |at: usize| corner(at).distance_squared(corner(at + 1));
     let mut longest = 0;

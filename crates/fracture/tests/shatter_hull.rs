@@ -1,0 +1,301 @@
+//! The exact path: convex bodies broken by planes.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
+
+mod common;
+
+use frangible_fracture::{
+    Cells, Cut, Fragment, Impact, Pattern, Region, ShatterSettings, fragment_velocity, shatter,
+};
+use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use glam::{DMat3, DVec3};
+use proptest::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+const EVERY_CRUMB: ShatterSettings = ShatterSettings {
+    smallest_fragment_voxels: 0.0,
+    sample_spacing_voxels: 2.0,
+    smallest_fragment_part: 0.0,
+};
+
+fn vector(half: f64) -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-half..half).prop_map(DVec3::from_array)
+}
+
+/// Boxes, balls, cylinders, prisms of few sides and hulls of points.
+fn convex() -> impl Strategy<Value = Shape> {
+    let form = (vector(1.0), 0..3).prop_map(|(size, kind)| {
+        let half = size.abs() + 0.05;
+        let form = match kind {
+            0 => ClosedForm::Box { half },
+            1 => ClosedForm::Sphere { radius: half.x },
+            _ => ClosedForm::Cylinder { radius: half.x, half_height: half.y },
+        };
+        Shape::breakable(form, 0.1).unwrap()
+    });
+    let cloud = prop::collection::vec(vector(1.0), 5..30)
+        .prop_filter_map("flat", |points| Shape::convex(Hull::of_points(&points).ok()?, 0.1).ok());
+    prop_oneof![form, cloud]
+}
+
+/// Kind and seed of a pattern.
+fn kind() -> impl Strategy<Value = (usize, u64)> {
+    (0..4_usize, 0..50_u64)
+}
+
+fn pattern_of((kind, seed): (usize, u64)) -> Pattern {
+    common::patterns(seed).swap_remove(kind)
+}
+
+/// A blow from outside on one of the corners, or on a point of the surface.
+fn blow(shape: &Shape, place: f64, direction: DVec3) -> Impact {
+    let vertices = shape.hull.as_ref().unwrap().vertices();
+    let corner = vertices[(place * vertices.len() as f64) as usize];
+    Impact { point_body: corner, normal_body: direction.try_normalize().unwrap_or(DVec3::Y) }
+}
+
+/// The polyhedron of a fragment in the parent's grid frame.
+fn hull(fragment: &Fragment) -> &Hull {
+    match &fragment.shape.geometry {
+        Geometry::Hull(hull) => hull,
+        _ => panic!("an exact fragment is a hull"),
+    }
+}
+
+fn area(hull: &Hull, inner: bool) -> f64 {
+    let of_face = |corners: &[u32]| {
+        let corner = |at: usize| hull.vertices()[corners[at] as usize];
+        let fan = (1..corners.len() - 1).map(|at| (corner(at) - corner(0)).cross(corner(at + 1) - corner(0)));
+        0.5 * fan.sum::<DVec3>().length()
+    };
+    hull.faces().filter(|face| face.inner == inner).map(|face| of_face(face.vertices)).sum()
+}
+
+/// The largest relative difference between what moves before and after: mass, momentum, angular momentum, kinetic energy.
+fn defect(parent: &Shape, fragments: &[Fragment]) -> f64 {
+    let (velocity, omega) = (DVec3::new(3.0, -2.0, 1.0), DVec3::new(-4.0, 1.0, 5.0));
+    let motion = |shape: &Shape, axes: DMat3, center: DVec3| {
+        let velocity = fragment_velocity(velocity, omega, DVec3::ZERO, center);
+        let spin = axes * (shape.unit_moments * (axes.transpose() * omega));
+        let momentum = shape.volume * velocity;
+        let energy = 0.5 * (momentum.dot(velocity) + spin.dot(omega));
+        (shape.volume, momentum, spin + center.cross(momentum), energy)
+    };
+    let before = motion(parent, DMat3::IDENTITY, DVec3::ZERO);
+    let mut after = (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
+    for Fragment { shape, parent_from_fragment, .. } in fragments {
+        let part = motion(shape, parent_from_fragment.matrix(), parent_from_fragment.translation);
+        after.0 += part.0;
+        after.1 += part.1;
+        after.2 += part.2;
+        after.3 += part.3;
+    }
+    let radius = (0.5 * (parent.bounds.1 - parent.bounds.0)).length();
+    let defects = [
+        (after.0 - before.0).abs() / before.0,
+        (after.1 - before.1).length() / before.1.length(),
+        (after.2 - before.2).length() / (before.2.length() + before.1.length() * radius),
+        (after.3 - before.3).abs() / before.3,
+    ];
+    defects.into_iter().fold(0.0, f64::max)
+}
+
+/// Sums of the fragments are the parent's; each is a snug body where it was.
+fn assert_exact(parent: &Shape, fragments: &[Fragment]) {
+    let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
+    assert!((volume / parent.volume - 1.0).abs() < 1e-9, "{volume} of {}", parent.volume);
+    let defect = defect(parent, fragments);
+    assert!(defect < 1e-10, "{defect}");
+    let whole = parent.breaks_as().unwrap();
+    let (low, high) = whole.bounds();
+    let size = (high - low).max_element();
+    for fragment in fragments {
+        let hull = hull(fragment);
+        assert!(hull.vertices().iter().all(|&vertex| whole.distance_and_gradient(vertex).0 < 1e-9 * size));
+        for face in hull.faces() {
+            for &vertex in face.vertices {
+                assert!(face.plane.distance(hull.vertices()[vertex as usize]).abs() < 1e-9 * size);
+            }
+        }
+        assert!(hull.surface().is_watertight());
+        let in_parent = parent.body_from_grid.point(hull.mass_properties().center);
+        assert!(in_parent.distance(fragment.parent_from_fragment.translation) < 1e-9 * size);
+    }
+}
+
+/// What two polyhedra have in common [m^3].
+fn overlap(a: &Hull, b: &Hull) -> f64 {
+    Clipper::default().clipped(a, b.planes()).map_or(0.0, |common| common.volume())
+}
+
+/// Planes through the middle of a box: eight, four or two boxes.
+fn grid_pattern(axes: usize) -> Pattern {
+    let half_space = |axis: usize, sign: f64| HalfSpace { normal: sign * DVec3::AXES[axis], offset: 0.0 };
+    let region = |number: usize| {
+        let sides: Vec<HalfSpace> = (0..axes)
+            .map(|axis| half_space(axis, if number >> axis & 1 == 1 { -1.0 } else { 1.0 }))
+            .collect();
+        Region::from_half_spaces(&sides, DVec3::ONE)
+    };
+    let cells = Cells::Planar((0..1 << axes).map(region).collect());
+    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells }
+}
+
+#[test]
+fn a_box_cut_into_octants_is_the_textbook_s() {
+    let half = DVec3::new(0.5, 0.3, 0.2);
+    let parent = Shape::closed_form(ClosedForm::Box { half }, 0.1);
+    let impact = Impact { point_body: DVec3::ZERO, normal_body: DVec3::Y };
+    let fragments = shatter(&parent, &grid_pattern(3), &impact, &ShatterSettings::default());
+    assert_eq!(fragments.len(), 8);
+    assert_exact(&parent, &fragments);
+    let octant = ClosedForm::Box { half: 0.5 * half }.mass_properties().unwrap();
+    for fragment in &fragments {
+        assert!((fragment.shape.volume - octant.volume).abs() < 1e-16);
+        let axes = fragment.parent_from_fragment.matrix();
+        let inertia = axes * DMat3::from_diagonal(fragment.shape.unit_moments) * axes.transpose();
+        assert!(inertia.abs_diff_eq(octant.inertia, 1e-16));
+        let center = fragment.parent_from_fragment.translation.abs();
+        assert!((center - 0.5 * half).length() < 1e-15);
+        // Three faces are cracks, of the areas of the box's own.
+        let hull = hull(fragment);
+        assert_eq!(hull.faces().filter(|face| face.inner).count(), 3);
+        assert!((area(hull, true) - area(hull, false)).abs() < 1e-15);
+    }
+}
+
+/// Where a pattern's centre lies on an edge or a corner, and its planes in the faces: cells that only touch leave nothing.
+#[test]
+fn cells_that_only_touch_leave_nothing() {
+    let half = DVec3::new(0.5, 0.3, 0.2);
+    let parent = Shape::closed_form(ClosedForm::Box { half }, 0.1);
+    for (point_body, pieces) in [(half, 1), (half.with_x(0.0), 2), (half.with_x(0.0).with_y(0.0), 4)] {
+        let impact = Impact { point_body, normal_body: DVec3::Z };
+        let fragments = shatter(&parent, &grid_pattern(3), &impact, &EVERY_CRUMB);
+        assert_eq!(fragments.len(), pieces);
+        assert_exact(&parent, &fragments);
+    }
+}
+
+/// A slab with a crack close below its face: the sliver joins what lies behind the crack, and nothing changes.
+#[test]
+fn a_sliver_joins_its_neighbour() {
+    let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.3, 0.2) }, 0.1);
+    let impact = Impact { point_body: DVec3::new(0.1, 0.3 - 1e-5, 0.0), normal_body: DVec3::Y };
+    let count = |settings: &ShatterSettings| {
+        let fragments = shatter(&parent, &grid_pattern(3), &impact, settings);
+        assert_exact(&parent, &fragments);
+        fragments.len()
+    };
+    assert_eq!(count(&EVERY_CRUMB), 8);
+    assert_eq!(count(&ShatterSettings::default()), 4);
+}
+
+/// A small cell in the middle of bigger ones fits to none of them: it stays.
+#[test]
+fn a_sliver_that_fits_to_nothing_stays() {
+    // A cube around the centre, and the rest of space in six parts that turn around it.
+    let plane = |normal: DVec3, offset: f64| HalfSpace { normal, offset };
+    let cut = |half_space: HalfSpace| Cut { half_space, face: Vec::new() };
+    let region = |planes: &[HalfSpace]| Region { cuts: planes.iter().map(|&plane| cut(plane)).collect() };
+    let (x, y, small) = (DVec3::X, DVec3::Y, 0.02);
+    let pinwheel = vec![
+        region(&[plane(x, small), plane(-x, small), plane(y, small), plane(-y, small)]),
+        region(&[plane(-x, -small), plane(-y, small)]),
+        region(&[plane(-y, -small), plane(x, small)]),
+        region(&[plane(x, -small), plane(y, small)]),
+        region(&[plane(y, -small), plane(-x, small)]),
+    ];
+    let pattern = Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells: Cells::Planar(pinwheel) };
+    let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.4, 0.3) }, 0.1);
+    let impact = Impact { point_body: DVec3::ZERO, normal_body: DVec3::Z };
+    let settings = ShatterSettings { smallest_fragment_part: 0.01, ..ShatterSettings::default() };
+    let fragments = shatter(&parent, &pattern, &impact, &settings);
+    assert_exact(&parent, &fragments);
+    let smallest = fragments.iter().map(|fragment| fragment.shape.volume).fold(f64::INFINITY, f64::min);
+    assert_eq!((fragments.len(), smallest < 0.01 * parent.volume), (5, true));
+}
+
+/// Three generations of a body with a scene's settings.
+#[test]
+fn fragments_break_again() {
+    let mut random = common::random(21);
+    for form in [
+        ClosedForm::Box { half: DVec3::new(0.5, 0.1, 0.4) },
+        ClosedForm::Sphere { radius: 0.4 },
+        ClosedForm::Cylinder { radius: 0.3, half_height: 0.5 },
+    ] {
+        let mut parent = Shape::breakable(form, 0.05).unwrap();
+        for pattern in common::patterns(3) {
+            let impact = common::random_impact(&parent, &mut random);
+            let mut fragments = shatter(&parent, &pattern, &impact, &ShatterSettings::default());
+            assert!(fragments.len() > 1);
+            assert_exact(&parent, &fragments);
+            // What was inner stays so, what was outer too: no surface is lost, and cracks have two sides.
+            let whole = parent.breaks_as().unwrap();
+            let sums = |inner: bool| fragments.iter().map(|f| area(hull(f), inner)).sum::<f64>();
+            assert!((sums(false) - area(whole, false)).abs() < 1e-9 * area(whole, false).max(1e-3));
+            assert!(sums(true) > area(whole, true) + 1e-3 * area(whole, false));
+            fragments.sort_by(|a, b| b.shape.volume.total_cmp(&a.shape.volume));
+            parent = fragments.swap_remove(0).shape;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// Any convex body, any pattern, struck at a corner from any side.
+    #[test]
+    fn breaks_are_exact(
+        parent in convex(), kind in kind(), place in 0.0..1.0f64, direction in vector(1.0),
+        smallest in prop::sample::select(vec![0.0, 1e-4, 0.02]),
+    ) {
+        let pattern = pattern_of(kind);
+        let impact = blow(&parent, place, direction);
+        let settings = ShatterSettings { smallest_fragment_part: smallest, ..EVERY_CRUMB };
+        let fragments = shatter(&parent, &pattern, &impact, &settings);
+        assert_exact(&parent, &fragments);
+        for (at, a) in fragments.iter().enumerate() {
+            for b in &fragments[at + 1..] {
+                let overlap = overlap(hull(a), hull(b));
+                prop_assert!(overlap < 1e-9 * parent.volume, "{overlap}");
+            }
+        }
+    }
+
+    /// Without merging, each corner of a crack is a corner of at least two fragments or lies on a face or an edge of another, and
+    /// those that are close are the same, bit for bit.
+    #[test]
+    fn neighbours_share_their_vertices(parent in convex(), kind in kind(), place in 0.0..1.0f64, direction in vector(1.0)) {
+        let fragments = shatter(&parent, &pattern_of(kind), &blow(&parent, place, direction), &EVERY_CRUMB);
+        let (low, high) = parent.bounds;
+        let close = 1e-13 * (high - low).max_element();
+        let all: Vec<DVec3> = fragments.iter().flat_map(|fragment| hull(fragment).vertices().to_vec()).collect();
+        for (at, a) in all.iter().enumerate() {
+            for b in &all[at + 1..] {
+                prop_assert!(a == b || a.distance(*b) > close, "{}", a.distance(*b));
+            }
+        }
+    }
+}
+
+/// Every corner of a Voronoi crack is met by another fragment's: faces coincide.
+#[test]
+fn faces_of_cells_coincide() {
+    let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.4, 0.3) }, 0.1);
+    let impact = Impact { point_body: DVec3::new(0.1, 0.4, 0.05), normal_body: DVec3::Y };
+    let pattern = common::patterns(7).swap_remove(2);
+    let fragments = shatter(&parent, &pattern, &impact, &EVERY_CRUMB);
+    let mut faces: BTreeMap<BTreeSet<[u64; 3]>, usize> = BTreeMap::new();
+    for fragment in &fragments {
+        let hull = hull(fragment);
+        for face in hull.faces().filter(|face| face.inner) {
+            let bits = |&vertex: &u32| hull.vertices()[vertex as usize].to_array().map(f64::to_bits);
+            *faces.entry(face.vertices.iter().map(bits).collect()).or_default() += 1;
+        }
+    }
+    assert!(faces.len() > 20, "{}", faces.len());
+    let alone = faces.values().filter(|&&sides| sides != 2).count();
+    assert_eq!(alone, 0, "of {}", faces.len());
+}
