@@ -47,11 +47,11 @@ fn require_box(half_extent: DVec3) -> Result<(), PatternError> {
 
 /// Checks a number of things against what a computer can bear.
 fn require_count(count: usize, parameter: &'static str) -> Result<(), PatternError> {
-    require((1..=MOST_CELLS).contains(&count), parameter, count as f64, "from 1 to 100000")
+    require((1..=MOST_CELLS).contains(&count), parameter, count as f64, "from 1 to 10000")
 }
 
 /// A pattern may have so many cells.
-pub const MOST_CELLS: usize = 100_000;
+pub const MOST_CELLS: usize = 10_000;
 
 /// A direction, each as likely as another.
 fn direction(random: &mut Pcg64Mcg) -> DVec3 {

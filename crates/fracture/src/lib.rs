@@ -8,6 +8,7 @@ pub mod generators;
 pub mod interfaces;
 pub mod noise;
 pub mod pattern;
+mod pattern_file;
 mod polygon;
 pub mod rough;
 pub mod shapes;

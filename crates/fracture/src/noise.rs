@@ -1,12 +1,14 @@
 //! A smooth, bounded, random displacement of space that is one-to-one.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Value noise in three components [Perlin02]: independent random vectors at the nodes of a lattice, blended between them by a
 /// polynomial of fifth degree, so that it is twice differentiable. Finer octaves are added to a coarse one.
 ///
 /// It keeps the pattern's box: a point of a wall stays in the wall.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Noise {
     /// Edge of the coarsest lattice's cubes, in the pattern's unit.
     pub wavelength: f64,

@@ -3,6 +3,7 @@
 use crate::{cell_mesh::CellMesh, polygon, rough::Rough};
 use frangible_geometry::{HalfSpace, Hull, TriMesh};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// A box broken into cells around one point.
@@ -10,18 +11,23 @@ use thiserror::Error;
 /// The *pattern frame* has its origin in the middle of the box; +z is the direction of the collision normal, out of the
 /// broken body and towards the striker; x and y lie across. A break moves, turns and uniformly scales the pattern onto
 /// the body. Lengths are in the pattern's own unit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Pattern {
     /// Half of the box's edge lengths.
     pub half_extent: DVec3,
     /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
+    /// The cells that are mortar between others, in ascending order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<usize>,
     /// They tile the box, and go on beyond it.
     pub cells: Cells,
 }
 
 /// What a pattern's cells are made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Cells {
     /// Convex regions between planes.
     Planar(Vec<Region>),
@@ -31,19 +37,42 @@ pub enum Cells {
 
 /// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because the pattern encloses
 /// what it breaks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Region {
     /// The cracks around it.
     pub cuts: Vec<Cut>,
 }
 
 /// A plane that bounds a region, and the face that it contributes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "CutRecord", into = "CutRecord")]
 pub struct Cut {
     /// The region lies inside.
     pub half_space: HalfSpace,
     /// Corners of the face within the pattern's box, counter-clockwise seen from outside of the region.
     pub face: Vec<DVec3>,
+}
+
+/// A cut as it stands in a file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CutRecord {
+    normal: DVec3,
+    offset: f64,
+    face: Vec<DVec3>,
+}
+
+impl From<CutRecord> for Cut {
+    fn from(CutRecord { normal, offset, face }: CutRecord) -> Self {
+        Self { half_space: HalfSpace { normal, offset }, face }
+    }
+}
+
+impl From<Cut> for CutRecord {
+    fn from(Cut { half_space: HalfSpace { normal, offset }, face }: Cut) -> Self {
+        Self { normal, offset, face }
+    }
 }
 
 /// Why a pattern cannot be made.
@@ -58,6 +87,14 @@ pub enum PatternError {
         value: f64,
         /// What it must fulfil.
         rule: &'static str,
+    },
+    /// A file cannot be read, written or used.
+    #[error("{path}: {reason}")]
+    File {
+        /// As given.
+        path: String,
+        /// In a sentence.
+        reason: String,
     },
 }
 
@@ -120,6 +157,11 @@ impl Pattern {
             Cells::Planar(regions) => Some(regions),
             Cells::Rough(_) => None,
         }
+    }
+
+    /// Whether a cell is mortar between others.
+    pub fn is_joint(&self, cell: usize) -> bool {
+        self.joints.binary_search(&cell).is_ok()
     }
 
     /// Number of cells.

@@ -6,10 +6,12 @@ use crate::{
     pattern::{Region, nearest_region},
 };
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// A point belongs to the region that holds the place to which the noise moves it. As the noise is one-to-one and keeps the box,
 /// the cells tile it as the regions do, and each stays in one piece.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rough {
     /// They tile the box.
     pub regions: Vec<Region>,

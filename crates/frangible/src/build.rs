@@ -3,9 +3,8 @@
 use crate::World;
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
-use crate::desc::{
-    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, SceneDesc, ShapeDesc, StrengthDesc,
-};
+use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
+use crate::patterns::build_pattern;
 use crate::shapes::ShapeLibrary;
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
@@ -13,12 +12,9 @@ use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
-use frangible_fracture::{Pattern, Radial, ShatterSettings, Voronoi};
+use frangible_fracture::ShatterSettings;
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use std::sync::Arc;
-
-/// Cells of a pattern: ten times the pieces that the finest usual grid resolves, made in seconds.
-const MOST_CELLS: usize = 2000;
 
 impl World {
     /// Checks a scene and builds it.
@@ -140,21 +136,6 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
 
     let shatter = ShatterSettings::default();
     Ok(Breaking { patterns, strength, shatter, generations: desc.generations, smallest })
-}
-
-fn build_pattern(desc: &PatternDesc, at: &Checker) -> Result<Pattern, BuildError> {
-    let made = match *desc {
-        PatternDesc::Radial { spokes, rings, jitter, seed } => {
-            at.field("spokes").count(spokes, 3, MOST_CELLS)?;
-            at.field("rings").count(rings, 0, MOST_CELLS / spokes)?;
-            Pattern::radial(&Radial { spokes, rings, jitter, seed })
-        }
-        PatternDesc::Voronoi { cells, clustering, seed } => {
-            at.field("cells").count(cells, 1, MOST_CELLS)?;
-            Pattern::voronoi(&Voronoi { cells, clustering, seed, ..Voronoi::default() })
-        }
-    };
-    made.map_err(|error| at.pattern(&error))
 }
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {

@@ -23,6 +23,9 @@ pub enum BuildError {
     /// A mesh cannot be used.
     #[error("{0}")]
     Mesh(#[from] MeshError),
+    /// A pattern's file cannot be used.
+    #[error("{0}")]
+    Pattern(PatternError),
     /// A mesh cannot be sampled on its grid.
     #[error("{path}: {error}")]
     Sampling {
@@ -61,10 +64,14 @@ impl Checker {
         BuildError::Rule { path: self.path.clone(), value: value.into(), rule: rule.into() }
     }
 
-    /// The error that a pattern's parameter, a field of this place, breaks a rule.
+    /// What is wrong with a pattern at this place: a parameter, which is a field of it, or a file.
     pub(crate) fn pattern(&self, error: &PatternError) -> BuildError {
-        let PatternError::Parameter { parameter, value, rule } = error;
-        self.field(parameter).broken(&value.to_string(), rule)
+        match error {
+            PatternError::Parameter { parameter, value, rule } => {
+                self.field(parameter).broken(&value.to_string(), rule)
+            }
+            PatternError::File { .. } => BuildError::Pattern(error.clone()),
+        }
     }
 
     fn require<T: Debug>(&self, holds: bool, value: T, rule: &str) -> Result<T, BuildError> {

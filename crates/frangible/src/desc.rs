@@ -1,6 +1,8 @@
 //! A scene as plain data: described first, then checked and built by [`crate::World::build`].
 
+use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Everything that a world starts from. SI units, y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -287,36 +289,34 @@ impl MaterialName {
     }
 }
 
-/// How space is prescored [Su09 sec. 4.3].
+/// How space is prescored [Su09 sec. 4.3]: a generator with its parameters, each of which has a default, or a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PatternDesc {
-    /// Wedges around the line of impact, as glass breaks.
-    Radial {
-        /// Number of wedges.
-        spokes: usize,
-        /// Number of concentric cracks.
-        #[serde(default)]
-        rings: usize,
-        /// Irregularity, in [0, 1].
-        #[serde(default = "defaults::half")]
-        jitter: f64,
-        /// Same seed, same pattern.
-        #[serde(default)]
-        seed: u64,
-    },
+    /// Wedges around the line of impact, and rings, as glass breaks.
+    Radial(Radial),
     /// Voronoi cells.
-    Voronoi {
-        /// Number of cells in all of the pattern's box.
-        cells: usize,
-        /// How much denser they are towards the impact: 0 for everywhere alike, else the box's half extent in standard
-        /// deviations of the cells' centres, up to 30.
-        #[serde(default)]
-        clustering: f64,
-        /// Same seed, same pattern.
-        #[serde(default)]
-        seed: u64,
-    },
+    Voronoi(Voronoi),
+    /// Rubble, as rock breaks.
+    Natural(Natural),
+    /// Slices across an axis.
+    Slices(Slices),
+    /// Bricks and mortar.
+    Bricks(Bricks),
+    /// Splinters along a grain, as wood breaks.
+    Splinters(Splinters),
+    /// Voronoi cells with rough faces.
+    Concrete(Concrete),
+    /// A pattern that was saved.
+    File(PatternFile),
+}
+
+/// Where a pattern is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatternFile {
+    /// A file that [`Pattern::save`](frangible_fracture::Pattern::save) wrote.
+    pub path: PathBuf,
 }
 
 /// The only place where a default is written.
@@ -373,24 +373,6 @@ impl ShapeDesc {
             | Self::Compound { resolution, .. }
             | Self::Mesh { resolution, .. }
             | Self::Triangles { resolution, .. } => resolution,
-        }
-    }
-}
-
-impl PatternDesc {
-    /// The same with half as many cells; `None` if that is no pattern any more.
-    pub(crate) fn coarser(&self) -> Option<Self> {
-        let halved = |cells: usize, least: usize| (cells > least).then_some((cells / 2).max(least));
-        match *self {
-            Self::Radial { spokes, rings, jitter, seed } if rings > 0 => {
-                Some(Self::Radial { spokes, rings: rings / 2, jitter, seed })
-            }
-            Self::Radial { spokes, rings, jitter, seed } => {
-                halved(spokes, 3).map(|spokes| Self::Radial { spokes, rings, jitter, seed })
-            }
-            Self::Voronoi { cells, clustering, seed } => {
-                halved(cells, 2).map(|cells| Self::Voronoi { cells, clustering, seed })
-            }
         }
     }
 }

@@ -24,6 +24,7 @@ mod break_bodies;
 mod build;
 mod check;
 mod desc;
+mod patterns;
 mod quarantine;
 mod report;
 mod shapes;
@@ -34,7 +35,7 @@ mod world;
 pub use check::BuildError;
 pub use desc::{
     BodyDesc, BreakingDesc, MaterialDesc, MaterialName, Method, MotionDesc, PartDesc, PatternDesc,
-    Resolution, SceneDesc, ShapeDesc, StrengthDesc,
+    PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
 };
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
 };
@@ -10,7 +11,7 @@ use frangible::{
 fn scene(method: Method) -> SceneDesc {
     let sampled = Resolution { voxels: Some([24, 6, 24]), sample_spacing: Some(0.1) };
     let cuboid = |size, resolution| ShapeDesc::Box { size, resolution };
-    let pattern = PatternDesc::Voronoi { cells: 12, clustering: 1.0, seed: 3 };
+    let pattern = PatternDesc::Voronoi(Voronoi { cells: 12, clustering: 1.0, seed: 3, ..Voronoi::default() });
     let mut scene = SceneDesc::new("books");
     scene.method = method;
     scene.bodies = vec![

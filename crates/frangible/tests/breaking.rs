@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BreakingDesc, MaterialDesc, MaterialName, Method, PatternDesc, Resolution, SceneDesc,
     ShapeDesc, StepReport, StrengthDesc, World, step,
@@ -9,7 +10,7 @@ use frangible::{
 use glam::DVec3;
 
 fn voronoi(cells: usize) -> PatternDesc {
-    PatternDesc::Voronoi { cells, clustering: 0.0, seed: 7 }
+    PatternDesc::Voronoi(Voronoi { cells, clustering: 0.0, seed: 7, ..Voronoi::default() })
 }
 
 fn cuboid(size: [f64; 3]) -> ShapeDesc {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BreakingDesc, BuildError, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World,
     id_from_number, step,
@@ -17,7 +18,7 @@ fn hull(points: Vec<[f64; 3]>) -> BodyDesc {
 }
 
 fn voronoi(cells: usize) -> BreakingDesc {
-    let pattern = PatternDesc::Voronoi { cells, clustering: 0.0, seed: 1 };
+    let pattern = PatternDesc::Voronoi(Voronoi { cells, clustering: 0.0, seed: 1, ..Voronoi::default() });
     BreakingDesc::once(10.0, pattern)
 }
 
@@ -51,7 +52,7 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
         ),
         (
             BodyDesc { breaking: Some(voronoi(1_000_000)), ..ball() },
-            "bodies[1].breaking.pattern.cells: 1000000, must be between 1 and 2000",
+            "bodies[1].breaking.pattern.cells: 1000000, must be from 1 to 10000",
         ),
         (
             BodyDesc {

@@ -1,6 +1,7 @@
 //! Any mesh, hit by a ball.
 
 use crate::{Shot, ShotError, ShotOptions};
+use frangible::fracture::Voronoi;
 use frangible::geometry::mesh_io;
 use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 
@@ -44,7 +45,12 @@ fn impact(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let middle = 0.5 * (low + high);
     let shape =
         ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution: Resolution::default() };
-    let pattern = PatternDesc::Voronoi { cells: 200, clustering: 1.5, seed: options.seed };
+    let pattern = PatternDesc::Voronoi(Voronoi {
+        cells: 200,
+        clustering: 1.5,
+        seed: options.seed,
+        ..Voronoi::default()
+    });
     let body = BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };
     let mass = body.density * mesh.mass_properties().volume * scale * scale * scale;
     let strength = (STRENGTH_PER_MASS * mass).min(MOST_STRENGTH);

@@ -1,6 +1,7 @@
 //! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09 fig. 4].
 
 use crate::{Shot, ShotError, ShotOptions};
+use frangible::fracture::Radial;
 use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Struck above the middle, towards one side.
@@ -90,6 +91,12 @@ fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<Sc
 
 /// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.
 fn breaking(strength: f64, options: &ShotOptions) -> BreakingDesc {
-    let pattern = PatternDesc::Radial { spokes: 12, rings: 2, jitter: 0.5, seed: options.seed };
+    let pattern = PatternDesc::Radial(Radial {
+        spokes: 12,
+        rings: 2,
+        jitter: 0.5,
+        seed: options.seed,
+        ..Radial::default()
+    });
     BreakingDesc::once(strength, pattern)
 }

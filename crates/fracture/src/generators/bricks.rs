@@ -9,10 +9,12 @@ use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 
 /// Bricks in running bond: courses along x, stacked along y, each shifted by half a brick; one brick deep. Mortar breaks off in
 /// pieces of its own, a joint beside each brick and one above it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Bricks {
     /// Number of bricks along a course, joints included; at least 1.
     pub columns: usize,
@@ -39,13 +41,13 @@ impl Pattern {
     /// Running bond in a centred box.
     ///
     /// # Errors
-    /// If a parameter is out of its range, or the numbers make more than 100000 cells.
+    /// If a parameter is out of its range, or the numbers make more than 10000 cells.
     pub fn bricks(bricks: &Bricks) -> Result<Self, PatternError> {
         let &Bricks { columns, courses, mortar, jitter, seed, half_extent } = bricks;
         require(columns >= 1, "columns", columns as f64, "at least 1")?;
         require(courses >= 1, "courses", courses as f64, "at least 1")?;
         let most = columns.saturating_add(1).saturating_mul(courses).saturating_mul(3);
-        require(most <= MOST_CELLS, "columns", columns as f64, "at most 33333 divided by the courses")?;
+        require(most <= MOST_CELLS, "columns", columns as f64, "at most 3332 divided by the courses")?;
         require((0.0..=0.5).contains(&mortar), "mortar", mortar, "from 0 to 0.5")?;
         require((0.0..=1.0).contains(&jitter), "jitter", jitter, "from 0 to 1")?;
         require_box(half_extent)?;
@@ -54,6 +56,7 @@ impl Pattern {
         let size = 2.0 * half_extent.truncate() / DVec2::new(columns as f64, courses as f64);
         let joint = (mortar * size.y).min(0.25 * size.x);
         let mut regions = Vec::new();
+        let mut joints = Vec::new();
         for course in 0..courses {
             let bottom = course as f64 * size.y - half_extent.y;
             let top = bottom + size.y - joint;
@@ -73,13 +76,15 @@ impl Pattern {
                 let end = if last { right } else { right - joint };
                 let above = bottom + size.y;
                 regions.extend(block([left, end], [bottom, top], half_extent));
+                let brick = regions.len();
                 if joint > 0.0 {
                     regions.extend(block([end, right], [bottom, top], half_extent));
                     regions.extend(block([left, right], [top, above], half_extent));
                 }
+                joints.extend(brick..regions.len());
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints, cells: Cells::Planar(regions) })
     }
 }
 

@@ -3,11 +3,13 @@
 use super::{Voronoi, require};
 use crate::{Pattern, PatternError, noise::Noise, pattern::Cells, rough::Rough};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Cells of random points, whose faces are rough: concrete, whose cracks run around the gravel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Concrete {
-    /// Number of cells, from 1 to 100000.
+    /// Number of cells, from 1 to 10000.
     pub cells: usize,
     /// How rough the faces are, from 0 (plane) to 1 (as far as the cells stay in one piece).
     pub roughness: f64,

@@ -9,12 +9,14 @@ use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 
 /// Rock that cracks again and again, each crack ending at the ones before it. The cells of such a *primary mosaic* have 6 faces
 /// and 8 corners in the mean, as natural fragments do [DKST15, DJKT20].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Natural {
-    /// Number of cells, from 1 to 100000.
+    /// Number of cells, from 1 to 10000.
     pub cells: usize,
     /// How much the sizes differ, from 0 (always the largest cell cracks) over 0.5 (any, in proportion to its volume) to 1 (any,
     /// whatever its volume).
@@ -115,7 +117,7 @@ impl Pattern {
             Region::from_half_spaces(&half_spaces, half_extent)
         };
         let regions = parts.iter().map(region).collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Struck glass.
 
-use super::{deviation, require};
+use super::{MOST_CELLS, deviation, require};
 use crate::{
     Pattern, PatternError,
     pattern::{Cells, Region},
@@ -9,11 +9,13 @@ use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Cracks that run from the centre like spokes, crossed by rings: struck glass. Every crack contains the direction of
 /// the collision normal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Radial {
     /// Number of wedges around the centre, at least 3; the paper's pattern has 12.
     pub spokes: usize,
@@ -46,6 +48,13 @@ impl Pattern {
     /// If a parameter is out of its range.
     pub fn radial(radial: &Radial) -> Result<Self, PatternError> {
         require(radial.spokes >= 3, "spokes", radial.spokes as f64, "at least 3")?;
+        let cells = radial.rings.saturating_add(1).saturating_mul(radial.spokes);
+        require(
+            cells <= MOST_CELLS,
+            "rings",
+            radial.rings as f64,
+            "so few that there are at most 10000 cells",
+        )?;
         require((0.0..=1.0).contains(&radial.jitter), "jitter", radial.jitter, "from 0 to 1")?;
         let mut random = Pcg64Mcg::seed_from_u64(radial.seed);
 
@@ -88,6 +97,6 @@ impl Pattern {
                 regions.push(Region::from_half_spaces(&half_spaces, half_extent));
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
 }

@@ -9,11 +9,13 @@ use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 
 /// Slices across an axis: bread, slate, a log that is sawn up.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Slices {
-    /// Number of slices, from 1 to 100000.
+    /// Number of slices, from 1 to 10000.
     pub cells: usize,
     /// Across what they lie; any length but zero. z is the collision normal, x the longest direction across it.
     pub axis: DVec3,
@@ -72,7 +74,7 @@ impl Pattern {
                 Region::from_half_spaces(&sides, half_extent)
             })
             .collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
 }
 

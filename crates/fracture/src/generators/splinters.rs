@@ -9,15 +9,17 @@ use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Long splinters along a grain, with irregular cross sections and pointed ends: wood.
 ///
 /// Cracks run along the grain around random lines, and each splinter between them is broken across, where it pleases, at a steep
 /// angle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Splinters {
-    /// Number of splinters side by side, from 1 to 100000 with their pieces.
+    /// Number of splinters side by side, from 1 to 10000 with their pieces.
     pub fibres: usize,
     /// Number of pieces that each splinter is broken into along its length, at least 1.
     pub pieces: usize,
@@ -99,7 +101,7 @@ impl Pattern {
                 regions.push(Region::from_half_spaces(&around, half_extent));
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
 }
 

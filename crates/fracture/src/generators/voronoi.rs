@@ -9,11 +9,13 @@ use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
 
 /// Cells of random points: stone.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Voronoi {
-    /// Number of cells, from 1 to 100000.
+    /// Number of cells, from 1 to 10000.
     pub cells: usize,
     /// From 0 to 30. 0 spreads the points evenly over the box; any other number gathers them around the centre, in a
     /// Gaussian whose standard deviation is `half_extent / clustering`.
@@ -52,7 +54,7 @@ impl Pattern {
         require_box(half_extent)?;
 
         let regions = voronoi_regions(&draw_sites(voronoi), half_extent);
-        Ok(Self { half_extent, center: DVec3::ZERO, cells: Cells::Planar(regions) })
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
 }
 /// Points in the box: distributed along each axis as the grading says, kept with the Gaussian's probability.

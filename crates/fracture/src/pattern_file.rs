@@ -1,0 +1,142 @@
+//! A pattern in one file: JSON with a name and a version.
+
+use crate::{
+    Pattern, PatternError,
+    pattern::{Cells, Region},
+    rough::Rough,
+};
+use serde::Serialize;
+use std::path::Path;
+
+/// What a file says that it is.
+const FORMAT: &str = "frangible-pattern";
+
+/// The version that is written, and the newest that is read.
+const VERSION: u32 = 1;
+
+/// Volumes of the cells in a file may miss the box's by this part of it: digits that a program cut off, no cell.
+const MOST_DEFECT: f64 = 1e-6;
+
+/// A file as it is written.
+#[derive(Serialize)]
+struct Written<'a> {
+    format: &'static str,
+    version: u32,
+    #[serde(flatten)]
+    pattern: &'a Pattern,
+}
+
+impl Pattern {
+    /// Saves to a file, from which [`Pattern::load`] makes an equal pattern.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), PatternError> {
+        let written = Written { format: FORMAT, version: VERSION, pattern: self };
+        let text = serde_json::to_string(&written).map_err(|error| error.to_string());
+        let saved = text.and_then(|text| std::fs::write(path, text).map_err(|error| error.to_string()));
+        saved.map_err(|reason| PatternError::File {
+            path: path.display().to_string(),
+            reason: format!("cannot be written: {reason}"),
+        })
+    }
+
+    /// Reads a file that [`Pattern::save`] wrote, or another program: everything is checked.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is not a pattern, or its cells do not tile its box.
+    pub fn load(path: &Path) -> Result<Self, PatternError> {
+        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => "no such file".to_owned(),
+            _ => format!("cannot be read: {error}"),
+        });
+        let pattern = text.and_then(|text| parse(&text));
+        pattern.map_err(|reason| PatternError::File { path: path.display().to_string(), reason })
+    }
+
+    /// Checks what no generator gets wrong; the error completes the sentence that begins with the file.
+    fn check(&self) -> Result<(), String> {
+        let e = self.half_extent;
+        if !(e.is_finite() && e.min_element() > 0.0) {
+            return Err(format!("half_extent: {e}, must be positive and finite"));
+        }
+        if !(self.center.is_finite() && self.center.abs().cmplt(e).all()) {
+            return Err(format!("center: {}, must lie inside of the box of half_extent {e}", self.center));
+        }
+        if self.is_empty() {
+            return Err("has no cells, must have at least 1".to_owned());
+        }
+        if let Some(&joint) = self.joints.iter().find(|&&joint| joint >= self.len()) {
+            return Err(format!("joints: {joint}, must be numbers of cells, below {}", self.len()));
+        }
+        if !self.joints.is_sorted() {
+            return Err("joints: must be in ascending order".to_owned());
+        }
+        match &self.cells {
+            Cells::Planar(regions) => self.check_regions(regions),
+            Cells::Rough(Rough { regions, noise }) => {
+                if !(noise.wavelength.is_finite() && noise.wavelength > 0.0) {
+                    return Err(format!(
+                        "noise.wavelength: {}, must be positive and finite",
+                        noise.wavelength
+                    ));
+                }
+                if !(0.0..1.0).contains(&noise.steepness) {
+                    return Err(format!(
+                        "noise.steepness: {}, must be at least 0 and below 1",
+                        noise.steepness
+                    ));
+                }
+                self.check_regions(regions)
+            }
+        }
+    }
+
+    fn check_regions(&self, regions: &[Region]) -> Result<(), String> {
+        // A face that lies off its plane, or a plane that is none.
+        let close = MOST_DEFECT * self.half_extent.max_element();
+        for (cell, region) in regions.iter().enumerate() {
+            for cut in &region.cuts {
+                let length = cut.half_space.normal.length();
+                if !((length - 1.0).abs() < MOST_DEFECT && cut.half_space.offset.is_finite()) {
+                    return Err(format!("cell {cell}: a normal of length {length}, must be 1"));
+                }
+                let off = cut.face.iter().map(|&corner| cut.half_space.distance(corner).abs());
+                let off = off.fold(0.0, f64::max);
+                if !(off < close) || cut.face.len() < 3 {
+                    return Err(format!(
+                        "cell {cell}: a face that does not lie on its plane (it is {off} away)"
+                    ));
+                }
+            }
+        }
+        let defect = self.tiling_defect();
+        if !(defect < MOST_DEFECT) {
+            let percent = 100.0 * defect;
+            return Err(format!("the cells' volumes miss the box's by {percent} %, must add up to it"));
+        }
+        Ok(())
+    }
+}
+
+fn parse(text: &str) -> Result<Pattern, String> {
+    // What is it?
+    let mut fields: serde_json::Map<String, serde_json::Value> =
+        serde_json::from_str(text).map_err(|error| format!("is not a pattern: {error}"))?;
+    let format = fields.remove("format");
+    if format.as_ref().and_then(|format| format.as_str()) != Some(FORMAT) {
+        return Err(format!("is not a pattern: must say \"format\": \"{FORMAT}\""));
+    }
+    let version = fields.remove("version");
+    match version.as_ref().and_then(serde_json::Value::as_u64) {
+        Some(version) if version == u64::from(VERSION) => {}
+        Some(version) => return Err(format!("is a pattern of version {version}, must be {VERSION}")),
+        None => return Err(format!("is a pattern without a version, must say \"version\": {VERSION}")),
+    }
+
+    // Read it and check it.
+    let pattern: Pattern =
+        serde_json::from_value(fields.into()).map_err(|error| format!("is not a pattern: {error}"))?;
+    pattern.check()?;
+    Ok(pattern)
+}

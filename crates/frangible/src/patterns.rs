@@ -1,0 +1,202 @@
+//! Patterns by description, by name and from files.
+
+use crate::check::{BuildError, Checker};
+use crate::desc::{PatternDesc, PatternFile};
+use frangible_fracture::{Bricks, Concrete, Natural, Pattern, Radial, Slices, Splinters, Voronoi};
+
+/// Of the pieces of a brick wall, so many times as many are side by side as one above the other are long: bricks are three times
+/// as long as high.
+const BRICK_RATIO: f64 = 3.0;
+
+/// A generator that [`PatternDesc::named`] knows.
+struct Kind {
+    name: &'static str,
+    caption: &'static str,
+    /// With about so many cells, and a seed.
+    make: fn(Option<usize>, Option<u64>) -> PatternDesc,
+}
+
+/// Fills in what was given over the default.
+macro_rules! with_cells {
+    ($kind:ident) => {
+        |cells, seed| {
+            let default = $kind::default();
+            let (cells, seed) = (cells.unwrap_or(default.cells), seed.unwrap_or(default.seed));
+            PatternDesc::$kind($kind { cells, seed, ..default })
+        }
+    };
+}
+
+const KINDS: &[Kind] = &[
+    Kind { name: "radial", caption: "spokes and rings around the blow: glass", make: radial },
+    Kind { name: "voronoi", caption: "cells of random points: stone", make: with_cells!(Voronoi) },
+    Kind {
+        name: "natural",
+        caption: "rock that cracked again and again: rubble",
+        make: with_cells!(Natural),
+    },
+    Kind { name: "slices", caption: "parallel cracks: slate", make: with_cells!(Slices) },
+    Kind { name: "bricks", caption: "running bond with mortar: masonry", make: bricks },
+    Kind { name: "splinters", caption: "long pointed pieces along a grain: wood", make: splinters },
+    Kind { name: "concrete", caption: "cells with rough faces: concrete", make: with_cells!(Concrete) },
+];
+
+impl PatternDesc {
+    /// Name and one line for each generator.
+    pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
+        KINDS.iter().map(|kind| (kind.name, kind.caption))
+    }
+
+    /// A generator by its name, with about so many cells.
+    ///
+    /// # Errors
+    /// If there is none of this name; the sentence lists those that there are.
+    pub fn named(name: &str, cells: Option<usize>, seed: Option<u64>) -> Result<Self, BuildError> {
+        let Some(kind) = KINDS.iter().find(|kind| kind.name == name) else {
+            let names: Vec<&str> = Self::names().map(|(name, _)| name).collect();
+            let rule = format!("one of {} (or a file: .json, .obj, .gltf or .glb)", names.join(", "));
+            return Err(Checker::root().field("pattern").broken(name, &rule));
+        };
+        if cells == Some(0) {
+            return Err(Checker::root().field("cells").broken("0", "at least 1"));
+        }
+        Ok((kind.make)(cells, seed))
+    }
+
+    /// Makes the pattern, or loads it.
+    ///
+    /// # Errors
+    /// The first rule that is broken.
+    pub fn pattern(&self) -> Result<Pattern, BuildError> {
+        build_pattern(self, &Checker::root())
+    }
+}
+
+impl PatternDesc {
+    /// The same with half as many cells; `None` if that is no pattern any more: masonry breaks along its joints, and a file is
+    /// what it is.
+    pub(crate) fn coarser(&self) -> Option<Self> {
+        let halved = |cells: usize, least: usize| (cells > least).then_some((cells / 2).max(least));
+        match self {
+            Self::Radial(radial) if radial.rings > 0 => {
+                Some(Self::Radial(Radial { rings: radial.rings / 2, ..radial.clone() }))
+            }
+            Self::Radial(radial) => {
+                halved(radial.spokes, 3).map(|spokes| Self::Radial(Radial { spokes, ..radial.clone() }))
+            }
+            Self::Voronoi(voronoi) => {
+                halved(voronoi.cells, 2).map(|cells| Self::Voronoi(Voronoi { cells, ..voronoi.clone() }))
+            }
+            Self::Natural(natural) => {
+                halved(natural.cells, 2).map(|cells| Self::Natural(Natural { cells, ..natural.clone() }))
+            }
+            Self::Slices(slices) => {
+                halved(slices.cells, 2).map(|cells| Self::Slices(Slices { cells, ..slices.clone() }))
+            }
+            Self::Splinters(splinters) => halved(splinters.fibres, 2)
+                .map(|fibres| Self::Splinters(Splinters { fibres, ..splinters.clone() })),
+            Self::Concrete(concrete) => {
+                halved(concrete.cells, 2).map(|cells| Self::Concrete(Concrete { cells, ..concrete.clone() }))
+            }
+            Self::Bricks(_) | Self::File(_) => None,
+        }
+    }
+}
+
+/// Twelve spokes, and as many rings as it takes; fewer spokes for fewer cells.
+fn radial(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
+    let default = Radial::default();
+    let seed = seed.unwrap_or(default.seed);
+    let Some(cells) = cells else { return PatternDesc::Radial(Radial { seed, ..default }) };
+    let spokes = cells.clamp(3, default.spokes);
+    let rings = (cells as f64 / spokes as f64).round().max(1.0) as usize - 1;
+    PatternDesc::Radial(Radial { spokes, rings, seed, ..default })
+}
+
+/// Bricks and joints come to about three cells for each brick.
+fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
+    let default = Bricks::default();
+    let seed = seed.unwrap_or(default.seed);
+    let Some(cells) = cells else { return PatternDesc::Bricks(Bricks { seed, ..default }) };
+    let columns = (cells as f64 / 3.0 / BRICK_RATIO).sqrt().round().max(1.0);
+    let courses = (cells as f64 / 3.0 / (columns + 0.5)).round().max(1.0) as usize;
+    PatternDesc::Bricks(Bricks { columns: columns as usize, courses, seed, ..default })
+}
+
+/// Each splinter in two pieces.
+fn splinters(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
+    let default = Splinters::default();
+    let seed = seed.unwrap_or(default.seed);
+    let fibres = cells.map_or(default.fibres, |cells| cells.div_ceil(default.pieces));
+    PatternDesc::Splinters(Splinters { fibres, seed, ..default })
+}
+
+pub(crate) fn build_pattern(desc: &PatternDesc, at: &Checker) -> Result<Pattern, BuildError> {
+    let made = match desc {
+        PatternDesc::Radial(radial) => Pattern::radial(radial),
+        PatternDesc::Voronoi(voronoi) => Pattern::voronoi(voronoi),
+        PatternDesc::Natural(natural) => Pattern::natural(natural),
+        PatternDesc::Slices(slices) => Pattern::slices(slices),
+        PatternDesc::Bricks(bricks) => Pattern::bricks(bricks),
+        PatternDesc::Splinters(splinters) => Pattern::splinters(splinters),
+        PatternDesc::Concrete(concrete) => Pattern::concrete(concrete),
+        PatternDesc::File(PatternFile { path }) => Pattern::load(path),
+    };
+    made.map_err(|error| at.pattern(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every name makes a pattern with about as many cells as asked for, and itself from JSON with the kind alone.
+    #[test]
+    fn names_make_patterns_of_the_size_that_is_asked_for() {
+        for (name, _) in PatternDesc::names() {
+            for cells in [12, 50, 200] {
+                let desc = PatternDesc::named(name, Some(cells), Some(3)).unwrap();
+                let made = desc.pattern().unwrap().len() as f64 / cells as f64;
+                assert!((0.7..1.4).contains(&made), "{name}: {made} of {cells}");
+            }
+            let plain: PatternDesc = serde_json::from_str(&format!("{{\"kind\": \"{name}\"}}")).unwrap();
+            assert_eq!(plain, PatternDesc::named(name, None, None).unwrap());
+        }
+    }
+
+    #[test]
+    fn sentences_name_the_field_the_value_and_the_rule() {
+        let sentence = |json: &str| {
+            let desc: Result<PatternDesc, _> = serde_json::from_str(json);
+            desc.map_or_else(|error| error.to_string(), |desc| desc.pattern().unwrap_err().to_string())
+        };
+        assert_eq!(sentence(r#"{"kind": "natural", "spread": 2}"#), "spread: 2, must be from 0 to 1");
+        assert_eq!(sentence(r#"{"kind": "file", "path": "no.json"}"#), "no.json: no such file");
+        assert!(
+            sentence(r#"{"kind": "bricks", "colour": 2}"#)
+                .starts_with("unknown field `colour`, expected one of")
+        );
+        assert!(
+            sentence(r#"{"kind": "bubbles"}"#)
+                .starts_with("unknown variant `bubbles`, expected one of `radial`")
+        );
+        assert_eq!(
+            PatternDesc::named("bubbles", None, None).unwrap_err().to_string(),
+            "pattern: bubbles, must be one of radial, voronoi, natural, slices, bricks, splinters, concrete \
+             (or a file: .json, .obj, .gltf or .glb)"
+        );
+    }
+
+    /// Halving comes to an end, with fewer cells each time.
+    #[test]
+    fn coarser_patterns_have_fewer_cells() {
+        for (name, _) in PatternDesc::names() {
+            let mut desc = PatternDesc::named(name, Some(60), None).unwrap();
+            let mut cells = desc.pattern().unwrap().len();
+            while let Some(coarser) = desc.coarser() {
+                let fewer = coarser.pattern().unwrap().len();
+                assert!(fewer < cells, "{name}: {fewer} after {cells}");
+                (desc, cells) = (coarser, fewer);
+            }
+        }
+    }
+}
