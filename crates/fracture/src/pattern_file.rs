@@ -103,7 +103,7 @@ impl Pattern {
                 }
                 let off = cut.face.iter().map(|&corner| cut.half_space.distance(corner).abs());
                 let off = off.fold(0.0, f64::max);
-                if !(off < close) || cut.face.len() < 3 {
+                if off >= close || !cut.face.iter().all(|corner| corner.is_finite()) || cut.face.len() < 3 {
                     return Err(format!(
                         "cell {cell}: a face that does not lie on its plane (it is {off} away)"
                     ));
@@ -111,7 +111,7 @@ impl Pattern {
             }
         }
         let defect = self.tiling_defect();
-        if !(defect < MOST_DEFECT) {
+        if defect >= MOST_DEFECT || defect.is_nan() {
             let percent = 100.0 * defect;
             return Err(format!("the cells' volumes miss the box's by {percent} %, must add up to it"));
         }

@@ -91,12 +91,7 @@ fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<Sc
 
 /// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.
 fn breaking(strength: f64, options: &ShotOptions) -> BreakingDesc {
-    let pattern = PatternDesc::Radial(Radial {
-        spokes: 12,
-        rings: 2,
-        jitter: 0.5,
-        seed: options.seed,
-        ..Radial::default()
-    });
+    let pattern =
+        PatternDesc::Radial(Radial { spokes: 12, rings: 2, seed: options.seed, ..Radial::default() });
     BreakingDesc::once(strength, pattern)
 }
