@@ -1,7 +1,7 @@
 //! Surface samples of one body inside the level set of another, in both directions [GBF03 sec. 3].
 
 use crate::Pose;
-use frangible_geometry::{Geometry, LevelSet, RigidTransform, Shape};
+use frangible_geometry::{Geometry, GridSolid, RigidTransform, Shape};
 use glam::{DVec3, Mat3, Vec3};
 
 /// A sample of one body inside the other.
@@ -164,7 +164,7 @@ fn visit_inside(
     let grid_from_body = other.body_from_grid.inverse().after(other_from_body);
     match &other.geometry {
         Geometry::Grid(solid) => {
-            visit_inside_grid(body, &solid.level_set, &grid_from_body, contour, near, visit);
+            visit_inside_grid(body, solid, &grid_from_body, contour, near, visit);
         }
         Geometry::ClosedForm(form) => {
             let distance = |point: DVec3, _: f64| form.distance(point);
@@ -185,13 +185,13 @@ fn visit_inside(
 /// the two bodies, so they are small.
 fn visit_inside_grid(
     body: &Shape,
-    level_set: &LevelSet,
+    solid: &GridSolid,
     grid_from_body: &RigidTransform,
     contour: f32,
     near: Option<&[(f32, u32)]>,
     mut visit: impl FnMut(u32, f32),
 ) {
-    let grid = level_set.grid();
+    let grid = solid.grid();
     let lattice_from_body = (grid_from_body.matrix() * (1.0 / grid.spacing)).as_mat3();
     let shift = grid.lattice_from_point(grid_from_body.translation).as_vec3();
 
@@ -205,7 +205,7 @@ fn visit_inside_grid(
     let mut test = |index: u32| {
         let lattice = lattice_from_body * samples[index as usize] + shift;
         if inside_box(lattice, 0.0) {
-            let phi = level_set.value_at_lattice(lattice);
+            let phi = solid.value_at_lattice(lattice, contour);
             if phi <= contour {
                 visit(index, phi);
             }
@@ -222,7 +222,7 @@ fn visit_inside_grid(
         let center = lattice_from_body * cluster.center + shift;
         let reach = contour + STEEPEST as f32 * cluster.radius;
         if inside_box(center, cluster.radius / grid.spacing as f32)
-            && level_set.value_at_lattice(center) <= reach
+            && solid.value_at_lattice(center, reach) <= reach
         {
             (cluster.first..cluster.first + cluster.count).for_each(&mut test);
         }

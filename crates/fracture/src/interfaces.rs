@@ -51,7 +51,7 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
     let solids: Option<Vec<_>> = fragments
         .iter()
         .map(|fragment| match &fragment.shape.geometry {
-            Geometry::Grid(solid) => Some(solid),
+            Geometry::Grid(solid) => Some(&**solid),
             Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => None,
         })
         .collect();

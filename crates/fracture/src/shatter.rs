@@ -8,14 +8,14 @@
 
 mod components;
 mod crack_samples;
-mod level_sets;
 mod particles;
+mod pieces;
 mod regions;
 mod slivers;
 
 use crate::{Impact, Pattern, align::align_pattern, shatter_hull};
-use frangible_geometry::{Geometry, GridSolid, RigidTransform, Shape};
-use glam::Vec3;
+use frangible_geometry::{BodyFrame, Geometry, GridSolid, RigidTransform, Shape};
+use particles::Lookup;
 
 /// A part of a broken body.
 #[derive(Clone, Debug)]
@@ -67,23 +67,28 @@ pub fn shatter(
 
     // Lay the pattern onto the body, and share out its voxels among the regions.
     let regions = align_pattern(pattern, impact, parent);
-    let region_of_node = regions::assign_voxels(solid, &regions);
+    let mut shares = regions::share_out(solid, &regions);
 
     // Each connected part of a region's share is a piece, unless it is too small for the grid.
-    let components = components::connected_components(solid, &region_of_node);
-    let pieces = slivers::merge_slivers(solid, &components, settings.smallest_fragment_voxels);
+    let smallest = settings.smallest_fragment_voxels;
+    let components = components::connected_components(solid, &mut shares, smallest);
+    let pieces = slivers::merge_slivers(solid, &shares, &components, smallest);
 
-    // Level set and surface samples of each piece.
-    let solids = level_sets::intersect_level_sets(solid, &regions, &components, &pieces);
-    let samples =
-        particles::assign_particles((parent, solid), &regions, &components, &pieces, &solids, settings);
+    // Level set, mass properties and principal frame of each piece. Every piece has mass, and a voxel's own inertia keeps
+    // the least one regular.
+    let solids = pieces::intersect_level_sets(solid, &regions, &shares, &components, &pieces);
+    let framed = |solid: GridSolid| BodyFrame::of(&solid).ok().map(|frame| (solid, frame));
+    let framed: Vec<(GridSolid, BodyFrame)> = solids.into_iter().filter_map(framed).collect();
 
-    // Mass properties and principal frame. Every piece has mass, and a voxel's own inertia keeps the least one regular.
-    let fragment = |((solid, samples), parts): ((GridSolid, Vec<Vec3>), &Vec<u32>)| {
-        let shape = Shape::from_grid_solid(solid, samples).ok()?;
-        Some(Fragment::new(parent, shape, components.region[parts[0] as usize]))
+    // Surface samples.
+    let of_regions = &pieces::pieces_of_regions(regions.len(), &components, &pieces);
+    let lookup = Lookup { regions: &regions, of_regions, pieces: &framed };
+    let surfaces = particles::assign_particles((parent, solid), &lookup, settings);
+    let cells = pieces.components.iter().map(|parts| components.region[parts[0] as usize]);
+    let fragment = |(((solid, frame), surface), cell)| {
+        Fragment::new(parent, Shape::from_clusters(solid, frame, surface), cell)
     };
-    solids.into_iter().zip(samples).zip(&pieces.components).filter_map(fragment).collect()
+    framed.into_iter().zip(surfaces).zip(cells).map(fragment).collect()
 }
 
 impl Fragment {

@@ -90,7 +90,7 @@ fn the_twist_follows_the_longest_edge() {
 fn a_pattern_that_does_not_enclose_the_body_loses_parts_of_it() {
     let body = common::wall();
     let solid = common::solid(&body);
-    let grid = solid.level_set.grid();
+    let grid = solid.grid();
     let pattern = common::patterns(1).swap_remove(2);
     let impact = Impact { point_body: DVec3::new(1.0, 0.2, 0.5), normal_body: DVec3::Y };
     let placement = Placement::new(&pattern, &impact, &body);
@@ -99,7 +99,8 @@ fn a_pattern_that_does_not_enclose_the_body_loses_parts_of_it() {
             let [i, j, k] = grid.coordinates(node);
             reach(&pattern, &placement, std::iter::once(grid.node(i, j, k))) > 1.0
         };
-        let material = |node: usize| f64::from(solid.coverage[node]) * grid.voxel_volume();
+        let coverage = solid.coverage();
+        let material = |node: usize| f64::from(coverage[node]) * grid.voxel_volume();
         (0..grid.len()).filter(beyond).map(material).sum::<f64>() / body.volume
     };
     assert!(lost(Placement { scale: 0.5 * placement.scale, ..placement }) > 0.2);

@@ -58,16 +58,16 @@ fn defect(parent: &Shape, fragments: &[Fragment], random: &mut Pcg64Mcg) -> f64 
 /// Each voxel of the parent is in exactly one fragment, with all of its material.
 fn assert_voxels_shared_out(parent: &Shape, fragments: &[Fragment]) {
     let parent = solid(parent);
-    let grid = parent.level_set.grid();
+    let grid = parent.grid();
     let mut found = vec![0.0f32; grid.len()];
     let mut owners = vec![0; grid.len()];
     for fragment in fragments {
         let solid = solid(&fragment.shape);
-        let own = solid.level_set.grid();
+        let own = solid.grid();
         assert_eq!(own.spacing, grid.spacing);
         let shift = grid.lattice_from_point(own.origin);
         assert!((shift - shift.round()).length() < 1e-9, "the same lattice");
-        for (node, &coverage) in solid.coverage.iter().enumerate() {
+        for (node, &coverage) in solid.coverage().iter().enumerate() {
             if coverage > 0.0 {
                 let [i, j, k] = own.coordinates(node);
                 let at = shift.round() + DVec3::new(i as f64, j as f64, k as f64);
@@ -77,7 +77,7 @@ fn assert_voxels_shared_out(parent: &Shape, fragments: &[Fragment]) {
             }
         }
     }
-    assert_eq!(found, parent.coverage, "coverage is shared out bit by bit");
+    assert_eq!(found, parent.coverage(), "coverage is shared out bit by bit");
     assert!(owners.iter().all(|&count| count <= 1), "no voxel twice");
 }
 
@@ -136,7 +136,7 @@ fn crumbs_keep_everything_too() {
             let impact = common::random_impact(&body, &mut random);
             let fragments = shatter(&body, &pattern, &impact, &settings);
             assert_conserves(&body, &fragments, &mut random, name);
-            let voxel = solid(&body).level_set.grid().voxel_volume();
+            let voxel = solid(&body).grid().voxel_volume();
             crumbs += fragments.iter().filter(|fragment| fragment.shape.volume < 27.0 * voxel).count();
         }
     }
@@ -155,7 +155,7 @@ fn interpolated_regions_lose_mass() {
     let fragments = shatter(&body, &pattern, &impact, &ShatterSettings::default());
     assert_conserves(&body, &fragments, &mut random, "box");
 
-    let parent = &solid(&body).level_set;
+    let parent = solid(&body).level_set();
     let grid = parent.grid();
     let (low, high) = grid.bounds();
     let coarse = Grid::around_box(low, high, [20, 5, 16], 2);

@@ -26,14 +26,14 @@ fn breaks(settings: &ShatterSettings) -> Vec<(&'static str, Shape, Vec<Fragment>
 
 /// Signed distance [m] of a fragment at a point in the grid frame [m].
 fn value(fragment: &Fragment, point_grid: DVec3) -> f64 {
-    f64::from(solid(&fragment.shape).level_set.value(point_grid))
+    f64::from(solid(&fragment.shape).value(point_grid))
 }
 
 #[test]
 fn level_sets_do_not_overlap_and_leave_no_gap() {
     let mut random = common::random(32);
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {
-        let level_set = &solid(&body).level_set;
+        let level_set = solid(&body).level_set();
         let grid = level_set.grid();
         let (low, high) = grid.bounds();
         for _ in 0..2000 {
@@ -56,9 +56,10 @@ fn inside_the_level_set_is_the_outline() {
     for (name, _, fragments) in breaks(&settings) {
         for fragment in &fragments {
             let solid = solid(&fragment.shape);
-            let grid = solid.level_set.grid();
+            let grid = solid.grid();
+            let coverage = solid.coverage();
             let Root::ClosedForm(form) = solid.outline.root else { continue };
-            for (node, &phi) in solid.level_set.phi().iter().enumerate() {
+            for (node, &phi) in solid.level_set().phi().iter().enumerate() {
                 if phi <= 0.0 {
                     let [i, j, k] = grid.coordinates(node);
                     let point = grid.node(i, j, k);
@@ -66,7 +67,7 @@ fn inside_the_level_set_is_the_outline() {
                     let outline =
                         solid.outline.cuts.iter().map(|cut| cut.distance(point)).fold(root, f64::max);
                     assert!((outline - f64::from(phi)).abs() < 1e-6, "{name}: {outline} {phi}");
-                    assert!(solid.coverage[node] > 0.0);
+                    assert!(coverage[node] > 0.0);
                 }
             }
         }
@@ -90,7 +91,7 @@ fn outline_distance(fragment: &Fragment, point: DVec3) -> f64 {
 fn samples_lie_on_their_fragment_and_in_no_other() {
     let (mut all, mut near, mut off) = (0_usize, 0_usize, 0_usize);
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {
-        let h = solid(&body).level_set.grid().spacing;
+        let h = solid(&body).grid().spacing;
         for fragment in &fragments {
             assert!(fragment.shape.samples().len() >= 4, "{name}");
             let grid_from_body = fragment.shape.body_from_grid.inverse();
@@ -117,7 +118,7 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
 #[test]
 fn the_parents_samples_are_shared_out() {
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {
-        let h = solid(&body).level_set.grid().spacing;
+        let h = solid(&body).grid().spacing;
         for &sample in body.samples() {
             let point_grid = body.body_from_grid.inverse().point(sample.as_dvec3());
             let (mut exact, mut on_crack, mut nearest) = (0, false, f32::INFINITY);
@@ -169,7 +170,7 @@ fn slivers_join_a_neighbour() {
     let keep = ShatterSettings { smallest_fragment_voxels: 0.0, ..ShatterSettings::default() };
     let (mut kept, mut merged) = (0, 0);
     for (with, without) in breaks(&ShatterSettings::default()).iter().zip(breaks(&keep)) {
-        let voxel = solid(&with.1).level_set.grid().voxel_volume();
+        let voxel = solid(&with.1).grid().voxel_volume();
         kept += count(&without.2, voxel);
         merged += count(&with.2, voxel);
     }
@@ -188,7 +189,7 @@ fn what_stands_alone_stays() {
     let impact = common::random_impact(&body, &mut random);
     let pattern = Pattern::radial(&Radial { spokes: 3, ..Radial::default() }).unwrap();
     let fragments = shatter(&body, &pattern, &impact, &ShatterSettings::default());
-    let voxel = solid(&body).level_set.grid().voxel_volume();
+    let voxel = solid(&body).grid().voxel_volume();
     let crumbs: Vec<&Fragment> = fragments.iter().filter(|f| f.shape.volume < 27.0 * voxel).collect();
     assert_eq!(crumbs.len(), 1);
     assert!(crumbs[0].shape.samples().len() >= 4 && crumbs[0].shape.unit_moments.min_element() > 0.0);
@@ -203,7 +204,7 @@ fn breaks_repeat() {
         for (a, b) in first.2.iter().zip(&second.2) {
             assert_eq!(a.parent_from_fragment, b.parent_from_fragment);
             assert_eq!(a.shape.samples(), b.shape.samples());
-            assert_eq!(solid(&a.shape).level_set.phi(), solid(&b.shape).level_set.phi());
+            assert_eq!(solid(&a.shape).level_set().phi(), solid(&b.shape).level_set().phi());
         }
     }
 }

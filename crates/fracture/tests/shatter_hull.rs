@@ -138,7 +138,7 @@ fn grid_pattern(axes: usize) -> Pattern {
         Region::from_half_spaces(&sides, DVec3::ONE)
     };
     let cells = Cells::Planar((0..1 << axes).map(region).collect());
-    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells }
+    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells, joints: Vec::new() }
 }
 
 #[test]
@@ -206,7 +206,12 @@ fn a_sliver_that_fits_to_nothing_stays() {
         region(&[plane(x, -small), plane(y, small)]),
         region(&[plane(y, -small), plane(-x, small)]),
     ];
-    let pattern = Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells: Cells::Planar(pinwheel) };
+    let pattern = Pattern {
+        half_extent: DVec3::ONE,
+        center: DVec3::ZERO,
+        cells: Cells::Planar(pinwheel),
+        joints: Vec::new(),
+    };
     let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.4, 0.3) }, 0.1);
     let impact = Impact { point_body: DVec3::ZERO, normal_body: DVec3::Z };
     let settings = ShatterSettings { smallest_fragment_part: 0.01, ..ShatterSettings::default() };

@@ -20,7 +20,7 @@ fn strike(wall: &Shape, pattern: &Pattern, place: DVec3) -> Vec<Fragment> {
 /// Where the fragments meet: of a fine lattice on the struck face the point that is nearest to all of them.
 fn meeting_point(fragments: &[Fragment], y: f64) -> DVec3 {
     let farthest = |point: &DVec3| {
-        let value = |fragment: &Fragment| solid(&fragment.shape).level_set.value(*point).abs();
+        let value = |fragment: &Fragment| solid(&fragment.shape).value(*point).abs();
         fragments.iter().map(value).fold(0.0, f32::max)
     };
     let lattice = (-145..=145).flat_map(|i| (-95..=95).map(move |k| (f64::from(i), f64::from(k))));
@@ -31,7 +31,7 @@ fn meeting_point(fragments: &[Fragment], y: f64) -> DVec3 {
 #[test]
 fn cracks_meet_at_the_impact_point() {
     let wall = wall();
-    let h = solid(&wall).level_set.grid().spacing;
+    let h = solid(&wall).grid().spacing;
     let pattern = Pattern::radial(&Radial::default()).unwrap();
     for place in PLACES {
         let fragments = strike(&wall, &pattern, place);
@@ -79,7 +79,7 @@ fn pieces_grow_with_the_distance_from_the_blow() {
 #[test]
 fn fragments_have_sharp_corners() {
     let wall = wall();
-    let h = solid(&wall).level_set.grid().spacing;
+    let h = solid(&wall).grid().spacing;
     let pattern = Pattern::radial(&Radial::default()).unwrap();
     let place = PLACES[1];
     let mut exact = 0;

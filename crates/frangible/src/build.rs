@@ -113,7 +113,7 @@ fn build_body(
 /// Cracks are sampled as densely as the surface was.
 fn sample_cracks(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
     if let (Geometry::Grid(solid), Some(spacing)) = (&shape.geometry, desc.resolution().sample_spacing) {
-        breaking.shatter.sample_spacing_voxels = spacing / solid.level_set.grid().spacing;
+        breaking.shatter.sample_spacing_voxels = spacing / solid.grid().spacing;
     }
     breaking
 }

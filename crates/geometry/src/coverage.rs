@@ -1,7 +1,7 @@
 //! How much of each voxel is material, and the sums over it.
 
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use crate::{Grid, LevelSet, MassProperties};
+use crate::{Grid, LevelSet, MassProperties, Material};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -125,17 +125,17 @@ fn sorted(v: DVec3) -> [f64; 3] {
     [low.min(v.z), low.max(v.z.min(high)), high.max(v.z)]
 }
 
-/// Moments of material in voxels at unit density, about the origin of the points that go in.
+/// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of the points that go in.
 ///
 /// Additive: the sums over the parts of a partition of the voxels give the sums over the whole, so that mass, momentum,
-/// angular momentum and kinetic energy are equal before and after a break.
+/// angular momentum and kinetic energy are equal before and after a break. Sums over full voxels at whole or half places
+/// are exact: a symmetric body's moments are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct VoxelMoments {
-    /// [m^3]
     volume: f64,
-    /// Volume times position [m^4].
+    /// Volume times position.
     first: DVec3,
-    /// Volume times position times position transposed, with each cube's own h^2/12 on the diagonal [m^5].
+    /// Volume times position times position transposed, of the voxels' middles.
     second: DMat3,
 }
 
@@ -143,48 +143,61 @@ impl VoxelMoments {
     /// Of nothing.
     const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
 
-    /// Adds `volume` [m^3] of material in the voxel of edge `spacing` [m] around `point` [m].
-    fn add_voxel(&mut self, point: DVec3, volume: f64, spacing: f64) {
-        let first = volume * point;
+    /// Adds voxels along x: the sums of their coverage, and of coverage times x and times x^2, with x counted from `point`.
+    fn add_row(&mut self, point: DVec3, [volume, along, square]: [f64; 3]) {
+        let along = DVec3::new(along, 0.0, 0.0);
         self.volume += volume;
-        self.first += first;
-        self.second +=
-            outer(first, point) + DMat3::from_diagonal(DVec3::splat(volume * spacing * spacing / 12.0));
+        self.first += volume * point + along;
+        let mixed = outer(along, point);
+        self.second += outer(volume * point, point)
+            + mixed
+            + mixed.transpose()
+            + DMat3::from_diagonal(DVec3::new(square, 0.0, 0.0));
     }
 
-    /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m].
-    /// Without volume, the centre is the origin.
-    fn mass_properties(&self, origin: DVec3) -> MassProperties {
+    /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m], of voxels of
+    /// edge `spacing` [m], each with the self-inertia of a cube (h^2/6 on the diagonal per unit mass). Without volume, the
+    /// centre is the origin.
+    fn mass_properties(&self, origin: DVec3, spacing: f64) -> MassProperties {
         if self.volume <= 0.0 {
             return MassProperties { volume: 0.0, center: origin, inertia: DMat3::ZERO };
         }
         let center = self.first / self.volume;
-        let inertia = inertia_from_second_moments(self.second - outer(self.first, center));
-        MassProperties { volume: self.volume, center: origin + center, inertia }
+        let own = DMat3::from_diagonal(DVec3::splat(self.volume / 12.0));
+        let inertia = inertia_from_second_moments(self.second - outer(self.first, center) + own);
+        let voxel = spacing * spacing * spacing;
+        MassProperties {
+            volume: self.volume * voxel,
+            center: origin + spacing * center,
+            inertia: inertia * (voxel * spacing * spacing),
+        }
     }
 }
 
-/// Sums over voxels, each with the self-inertia of a cube (h^2/6 on the diagonal per unit mass).
-pub fn mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
+/// Sums over voxels, spans in closed form.
+pub fn mass_properties(grid: &Grid, material: &Material) -> MassProperties {
     // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
-    let (low, high) = grid.bounds();
-    let middle = 0.5 * (low + high);
+    let [half_x, half_y, half_z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
     let mut moments = VoxelMoments::ZERO;
-    for k in 0..grid.dims[2] {
-        for j in 0..grid.dims[1] {
-            for i in 0..grid.dims[0] {
-                let fraction = f64::from(coverage[grid.index(i, j, k)]);
-                if fraction > 0.0 {
-                    moments.add_voxel(
-                        grid.node(i, j, k) - middle,
-                        fraction * grid.voxel_volume(),
-                        grid.spacing,
-                    );
-                }
-            }
+    for row in 0..material.rows() {
+        let spans = material.row(row);
+        if spans.is_empty() {
+            continue;
         }
+        let mut sums = [0.0; 3];
+        for span in spans {
+            let count = f64::from(span.end - span.start);
+            let middle = 0.5 * f64::from(span.start + span.end - 1) - half_x;
+            let material = count * f64::from(span.coverage);
+            sums[0] += material;
+            sums[1] += material * middle;
+            sums[2] += material * (middle * middle + (count * count - 1.0) / 12.0);
+        }
+        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+        moments.add_row(DVec3::new(0.0, j as f64 - half_y, k as f64 - half_z), sums);
     }
-    moments.mass_properties(middle)
+    let (low, high) = grid.bounds();
+    moments.mass_properties(0.5 * (low + high), grid.spacing)
 }
 
 #[cfg(test)]
@@ -194,6 +207,11 @@ mod tests {
     use crate::RigidTransform;
     use glam::DQuat;
     use proptest::prelude::*;
+
+    fn dense_mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
+        let outside = LevelSet::new(*grid, vec![1.0; grid.len()]);
+        mass_properties(grid, &Material::from_nodes(&outside, coverage))
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
@@ -254,7 +272,7 @@ mod tests {
         let grid = Grid::around_box(DVec3::splat(-1.4), DVec3::splat(1.4), [voxels; 3], 2);
         let form_from_grid = RigidTransform::new(DQuat::from_axis_angle(axis, 0.8), shift * grid.spacing);
         let level_set = LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
-        let found = mass_properties(&grid, &coverage_of(&level_set));
+        let found = dense_mass_properties(&grid, &coverage_of(&level_set));
         let r = form_from_grid.matrix();
         let inertia_form = r * found.inertia * r.transpose();
         let inertia_error =
@@ -310,7 +328,7 @@ mod tests {
         let form = ClosedForm::Box { half };
         let coverage = exact_coverage(&grid, |point| form.distance_and_gradient(point));
         assert!(coverage.iter().all(|&fraction| fraction == 0.0 || fraction == 1.0));
-        let (found, exact) = (mass_properties(&grid, &coverage), form.mass_properties().unwrap());
+        let (found, exact) = (dense_mass_properties(&grid, &coverage), form.mass_properties().unwrap());
         assert!((found.volume / exact.volume - 1.0).abs() < 1e-12);
         assert!((found.inertia - exact.inertia).abs_diff_eq(DMat3::ZERO, 1e-12 * exact.inertia.x_axis.x));
 
@@ -318,7 +336,8 @@ mod tests {
         let ball = ClosedForm::Sphere { radius: 0.9 };
         let grid = Grid::around_box(DVec3::NEG_ONE, DVec3::ONE, [16; 3], 2);
         let volume =
-            mass_properties(&grid, &exact_coverage(&grid, |point| ball.distance_and_gradient(point))).volume;
+            dense_mass_properties(&grid, &exact_coverage(&grid, |point| ball.distance_and_gradient(point)))
+                .volume;
         assert!((volume / ball.mass_properties().unwrap().volume - 1.0).abs() < 4e-4);
     }
 
@@ -331,16 +350,16 @@ mod tests {
         let mut parts = [VoxelMoments::ZERO; 7];
         for (index, &fraction) in coverage.iter().enumerate() {
             let [i, j, k] = grid.coordinates(index);
-            let volume = f64::from(fraction) * grid.voxel_volume();
-            parts[index * 31 % 7].add_voxel(grid.node(i, j, k) - offset, volume, grid.spacing);
+            let place = (grid.node(i, j, k) - offset) / grid.spacing;
+            parts[index * 31 % 7].add_row(place, [f64::from(fraction), 0.0, 0.0]);
         }
         let summed = VoxelMoments {
             volume: parts.iter().map(|part| part.volume).sum(),
             first: parts.iter().map(|part| part.first).sum(),
             second: parts.iter().map(|part| part.second).sum(),
         }
-        .mass_properties(offset);
-        let whole = mass_properties(&grid, &coverage);
+        .mass_properties(offset, grid.spacing);
+        let whole = dense_mass_properties(&grid, &coverage);
         assert!((summed.volume / whole.volume - 1.0).abs() < 1e-13);
         assert!((summed.center - whole.center).length() < 1e-12);
         assert!((summed.inertia - whole.inertia).abs_diff_eq(DMat3::ZERO, 1e-13));
@@ -352,12 +371,12 @@ mod tests {
         let grid = Grid { origin: DVec3::ZERO, spacing: 0.5, dims: [2, 2, 2] };
         let mut coverage = vec![0.0; 8];
         coverage[5] = 1.0;
-        let one = mass_properties(&grid, &coverage);
+        let one = dense_mass_properties(&grid, &coverage);
         assert_eq!(one.center, DVec3::new(0.5, 0.0, 0.5));
         assert!(
             (one.inertia - DMat3::from_diagonal(DVec3::splat(0.125 * 0.25 / 6.0)))
                 .abs_diff_eq(DMat3::ZERO, 1e-16)
         );
-        assert_eq!(mass_properties(&grid, &[0.0; 8]).volume, 0.0);
+        assert_eq!(dense_mass_properties(&grid, &[0.0; 8]).volume, 0.0);
     }
 }

@@ -128,7 +128,7 @@ fn cross(
     }
     let along = (outside - inside) / spacing;
     let normal = if signs.phi(to).is_some() {
-        sampled_normal(&solid.level_set, point).unwrap_or(along)
+        sampled_normal(solid.level_set(), point).unwrap_or(along)
     } else {
         along
     };

@@ -116,7 +116,7 @@ impl<'a> DualContour<'a> {
     pub(crate) fn new(solid: &'a GridSolid) -> Self {
         // Where the surface passes.
         let pieces = OutlinePieces::of(solid);
-        let signs = PaddedSigns::new(&solid.level_set);
+        let signs = PaddedSigns::new(solid.level_set());
         let grid = signs.grid;
         let strides = [1, grid.dims[0], grid.dims[0] * grid.dims[1]];
         let inside = signs.inside();

@@ -1,18 +1,32 @@
 //! A solid on a grid: what can break.
 
-use crate::{ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, coverage};
-use std::sync::Arc;
+use crate::clip::{RowScratch, distances_over, larger};
+use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Material, Span, coverage};
+use glam::{DVec3, Vec3};
+use std::sync::{Arc, OnceLock};
 
 /// A level set, how much of each voxel is material, and what its surface is made of.
+///
+/// A fragment of planar cells is its parent, clipped: it shares the parent's samples, and its distance is the larger one
+/// of theirs and its planes' [Su09 sec. 4.2], taken where it is asked for. Only what walks over nodes has them sampled.
 #[derive(Clone, Debug)]
 pub struct GridSolid {
-    /// Signed distance in the grid frame; outside it may be underestimated after a break [Su09 sec. 4.2].
-    pub level_set: LevelSet,
-    /// Fraction of each node's voxel that is this solid's material, in [0, 1]. The fragments of a solid share out its
-    /// coverage exactly.
-    pub coverage: Vec<f32>,
+    /// The part of the lattice around the material.
+    grid: Grid,
+    /// Signed distances that this solid is clipped from; outside they may be underestimated after a break [Su09 sec. 4.2].
+    field: Arc<LevelSet>,
+    /// The first node of `grid` on the field's lattice.
+    shift: [i64; 3],
+    /// The solid lies in any of these; if there are none, it is all of the field.
+    parts: Vec<Clip>,
+    /// Whether it is known to be a convex body, however the grid resolves it.
+    convex: bool,
+    /// What the fragments of a solid share out exactly.
+    material: Material,
     /// The exact surfaces behind the samples, so that edges stay sharp.
     pub outline: Outline,
+    /// Distances at the nodes of `grid`, made when they are asked for.
+    nodes: OnceLock<Arc<LevelSet>>,
 }
 
 /// The smooth pieces that a grid solid's surface consists of, all in its grid frame.
@@ -40,6 +54,13 @@ pub enum Root {
 #[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
 pub struct NoMass;
 
+/// Layers of nodes around a fragment's voxels, so that gradients at its surface are central.
+const MARGIN: usize = 2;
+
+/// At nodes where another fragment's inside would read as this one's: the least distance, in units of the spacing.
+/// Large enough to be seen in f32, too small to move a surface.
+const OUTSIDE: f64 = 1e-3;
+
 impl GridSolid {
     /// A formula sampled with `voxels` cells over its bounding box and `margin` further layers around it, see
     /// [`Grid::around_box`]; 2 layers keep all gradients at the surface central.
@@ -54,7 +75,8 @@ impl GridSolid {
         let grid = Grid::around_box(low, high, voxels, margin);
         let level_set = LevelSet::sample(grid, |point| form.distance(point));
         let coverage = coverage::exact_coverage(&grid, |point| form.distance_and_gradient(point));
-        Ok(Self { level_set, coverage, outline: Outline { root: Root::ClosedForm(form), cuts: Vec::new() } })
+        let convex = Self::whole(Arc::new(level_set), &coverage, Root::ClosedForm(form));
+        Ok(Self { convex: true, ..convex })
     }
 
     /// A convex polyhedron, sampled likewise.
@@ -63,18 +85,304 @@ impl GridSolid {
         let grid = Grid::around_box(low, high, voxels, margin);
         let level_set = LevelSet::sample(grid, |point| hull.distance_and_gradient(point).0);
         let coverage = coverage::exact_coverage(&grid, |point| hull.distance_and_gradient(point));
-        Self { level_set, coverage, outline: Outline { root: Root::Hull(Arc::new(hull)), cuts: Vec::new() } }
+        let convex = Self::whole(Arc::new(level_set), &coverage, Root::Hull(Arc::new(hull)));
+        Self { convex: true, ..convex }
     }
 
     /// What the samples enclose; `level_set` is also the exact surface behind them.
     pub fn from_level_set(level_set: LevelSet) -> Self {
         let coverage = coverage::voxel_coverage(&level_set);
-        let outline = Outline { root: Root::Sampled(Arc::new(level_set.clone())), cuts: Vec::new() };
-        Self { level_set, coverage, outline }
+        Self::with_coverage(level_set, &coverage)
+    }
+
+    /// The same with the fraction of each voxel that is material.
+    pub fn with_coverage(level_set: LevelSet, coverage: &[f32]) -> Self {
+        let field = Arc::new(level_set);
+        Self::whole(field.clone(), coverage, Root::Sampled(field))
+    }
+
+    fn whole(field: Arc<LevelSet>, coverage: &[f32], root: Root) -> Self {
+        Self {
+            grid: *field.grid(),
+            material: Material::from_nodes(&field, coverage),
+            field,
+            shift: [0; 3],
+            parts: Vec::new(),
+            convex: false,
+            outline: Outline { root, cuts: Vec::new() },
+            nodes: OnceLock::new(),
+        }
+    }
+
+    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `share`
+    /// says which material is the part's, with the rows of this solid's grid, in order.
+    ///
+    /// Its outline knows the first of the intersections: the others are slivers that joined it.
+    pub fn clipped(&self, share: &[(u32, Span)], regions: &[&[HalfSpace]]) -> Self {
+        let mut part = self.part(share);
+        let extent = part.extent();
+        let old: Vec<&[HalfSpace]> = if self.parts.is_empty() {
+            vec![&[]]
+        } else {
+            self.parts.iter().map(Clip::half_spaces).collect()
+        };
+        for region in regions {
+            for own in &old {
+                part.parts.extend(Clip::new(&part.grid, own.iter().chain(*region), extent));
+            }
+        }
+        if part.parts.is_empty() {
+            // Nothing but surface voxels of a region that ends within them.
+            let first = old.iter().zip(regions).map(|(own, region)| own.iter().chain(*region));
+            let everywhere = part.grid.bounds();
+            part.parts.extend(first.flat_map(|planes| Clip::new(&part.grid, planes, everywhere)));
+        }
+        part.convex = self.convex && regions.len() == 1 && part.parts.len() == 1;
+        part.add_cuts(regions.first().copied().unwrap_or(&[]), extent);
+        part
+    }
+
+    /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
+    pub fn intersected(&self, share: &[(u32, Span)], distance: impl Fn(DVec3) -> f64) -> Self {
+        let mut part = self.part(share);
+        part.parts.clone_from(&self.parts);
+        part.add_cuts(&[], part.extent());
+        let nodes = part.sample_nodes(distance);
+        part.sampled_as(nodes)
+    }
+
+    /// The same solid with its distance sampled at its own nodes. Where this solid's material ends, its inside does: what
+    /// else the planes would hold belongs to others.
+    pub fn sampled(self) -> Self {
+        let nodes = self.sample_nodes(|_| f64::NEG_INFINITY);
+        self.sampled_as(nodes)
+    }
+
+    fn sampled_as(self, nodes: LevelSet) -> Self {
+        Self {
+            field: Arc::new(nodes),
+            shift: [0; 3],
+            parts: Vec::new(),
+            convex: false,
+            nodes: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// Grid, field and material of a part, without its planes.
+    fn part(&self, share: &[(u32, Span)]) -> Self {
+        let [_, rows_y, _] = self.grid.dims;
+        let mut low = [usize::MAX; 3];
+        let mut high = [0; 3];
+        for (row, span) in share {
+            let row = *row as usize;
+            let first = [span.start as usize, row % rows_y, row / rows_y];
+            let last = [span.end as usize - 1, first[1], first[2]];
+            for axis in 0..3 {
+                low[axis] = low[axis].min(first[axis]);
+                high[axis] = high[axis].max(last[axis]);
+            }
+        }
+
+        // The part's own lattice; it may reach beyond this one's.
+        let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * MARGIN - low[axis]);
+        let from = low.map(|n| n as i64 - MARGIN as i64);
+        let h = self.grid.spacing;
+        let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
+        let moved = share.iter().map(|&(row, span)| {
+            let row = row as usize;
+            let [j, k] = [row % rows_y + MARGIN - low[1], row / rows_y + MARGIN - low[2]];
+            let along = |i: u32| i + MARGIN as u32 - low[0] as u32;
+            (j + dims[1] * k, Span { start: along(span.start), end: along(span.end), ..span })
+        });
+        Self {
+            grid: Grid { origin, spacing: h, dims },
+            material: Material::from_rows(dims[1] * dims[2], moved),
+            field: self.field.clone(),
+            shift: std::array::from_fn(|axis| self.shift[axis] + from[axis]),
+            parts: Vec::new(),
+            convex: false,
+            outline: self.outline.clone(),
+            nodes: OnceLock::new(),
+        }
+    }
+
+    /// Adds cracks to the outline, and leaves out those that do not come within a voxel of the nodes in `extent`: they are
+    /// the nearest surface to none of them.
+    fn add_cuts(&mut self, new: &[HalfSpace], extent: (DVec3, DVec3)) {
+        let h = self.grid.spacing;
+        self.outline.cuts.extend(new);
+        self.outline.cuts.retain(|half_space| {
+            distances_over(half_space, extent).1 >= -h * half_space.normal.abs().element_sum()
+        });
+    }
+
+    /// Lowest and highest corner of the box around the nodes of a part [m].
+    fn extent(&self) -> (DVec3, DVec3) {
+        let margin = MARGIN as f64 * self.grid.spacing;
+        let (low, high) = self.grid.bounds();
+        (low + margin, high - margin)
+    }
+
+    /// The part of the lattice around the material.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Which voxels of [`GridSolid::grid`] are this solid's, and how much of them.
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// The fraction of each node's voxel that is this solid's material, x fastest.
+    pub fn coverage(&self) -> Vec<f32> {
+        self.material.coverage(&self.grid)
+    }
+
+    /// Whether the solid is a convex body, however the grid resolves it; `false` if that is not known.
+    pub fn is_convex(&self) -> bool {
+        self.convex
+    }
+
+    /// The half-spaces that a fragment is clipped by: it lies in any of these intersections; all of the field if there are
+    /// none.
+    pub fn parts(&self) -> &[Clip] {
+        &self.parts
     }
 
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
-        coverage::mass_properties(self.level_set.grid(), &self.coverage)
+        coverage::mass_properties(&self.grid, &self.material)
+    }
+
+    /// Signed distance [m] at the nodes of [`GridSolid::grid`]: made when it is first asked for, then kept.
+    pub fn level_set(&self) -> &LevelSet {
+        if self.parts.is_empty() {
+            return &self.field;
+        }
+        self.nodes.get_or_init(|| Arc::new(self.sample_nodes(|_| f64::NEG_INFINITY)))
+    }
+
+    /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most` [m] need only be known to
+    /// be so.
+    #[inline]
+    pub fn value_at_lattice(&self, lattice: Vec3, most: f32) -> f32 {
+        if self.parts.is_empty() {
+            return self.field.value_at_lattice(lattice);
+        }
+        let clip = self.clip_value(lattice);
+        if clip > most {
+            return clip;
+        }
+        larger(self.field.value_at_lattice(self.on_field(lattice)), clip)
+    }
+
+    /// Signed distance [m] to the parts at a point in lattice units, and beyond the grid at least the way to it.
+    #[inline]
+    fn clip_value(&self, lattice: Vec3) -> f32 {
+        let nearest = self.parts.iter().fold(f32::INFINITY, |nearest, part| nearest.min(part.value(lattice)));
+        larger(nearest, self.beyond(lattice))
+    }
+
+    /// Distance from a lattice point to the box of the nodes [m]; minus infinity inside.
+    #[inline]
+    fn beyond(&self, lattice: Vec3) -> f32 {
+        let top = Vec3::from_array(self.grid.dims.map(|n| (n - 1) as f32));
+        let within = lattice.cmpge(Vec3::ZERO).all() && lattice.cmple(top).all();
+        if within {
+            return f32::NEG_INFINITY;
+        }
+        (lattice - lattice.clamp(Vec3::ZERO, top)).length() * self.grid.spacing as f32
+    }
+
+    /// The same point on the field's lattice.
+    #[inline]
+    fn on_field(&self, lattice: Vec3) -> Vec3 {
+        lattice + Vec3::from_array(self.shift.map(|n| n as f32))
+    }
+
+    /// Signed distance [m] and its gradient, not normalised, at a point of [`GridSolid::grid`] in lattice units.
+    pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
+        let mut nearest = (f32::INFINITY, Vec3::Y);
+        for part in &self.parts {
+            let here = part.value_and_gradient(lattice);
+            if here.0 < nearest.0 {
+                nearest = here;
+            }
+        }
+        let of_field = self.field.value_and_gradient_at_lattice(self.on_field(lattice));
+        if self.parts.is_empty() || of_field.0 >= nearest.0 { of_field } else { nearest }
+    }
+
+    /// [`GridSolid::value_at_lattice`] at a grid-frame point [m].
+    pub fn value(&self, point: DVec3) -> f32 {
+        self.value_at_lattice(self.grid.lattice_from_point(point).as_vec3(), f32::INFINITY)
+    }
+
+    /// [`GridSolid::value_and_gradient_at_lattice`] at a grid-frame point [m].
+    pub fn value_and_gradient(&self, point: DVec3) -> (f32, Vec3) {
+        self.value_and_gradient_at_lattice(self.grid.lattice_from_point(point).as_vec3())
+    }
+
+    /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s. Own nodes are inside if
+    /// they were inside of the field. Nodes of others are not: of another component of the same region, or of what a
+    /// sliver was cut off from.
+    fn sample_nodes(&self, cell: impl Fn(DVec3) -> f64) -> LevelSet {
+        let [width, rows_y, rows_z] = self.grid.dims;
+        let outside = (OUTSIDE * self.grid.spacing) as f32;
+        let mut phi = Vec::with_capacity(self.grid.len());
+        let mut scratch = RowScratch::default();
+        let mut region = vec![0.0; width];
+        for row in 0..rows_y * rows_z {
+            let [j, k] = [row % rows_y, row / rows_y];
+            let start = self.grid.node(0, j, k);
+            region.fill(if self.parts.is_empty() { f32::NEG_INFINITY } else { f32::INFINITY });
+            for part in &self.parts {
+                part.lower_row(start, self.grid.spacing, &mut scratch, &mut region);
+            }
+            let first = phi.len();
+            for (i, &region) in region.iter().enumerate() {
+                let of_cell = cell(self.grid.node(i, j, k)) as f32;
+                phi.push(larger(larger(self.field_at([i, j, k]), region), of_cell));
+            }
+
+            // Signs by ownership.
+            let mut next = 0;
+            for span in self.material.row(row) {
+                let own = span.start as usize..span.end as usize;
+                force_outside(&mut phi[first + next..first + own.start], outside);
+                next = own.end;
+                if span.inside {
+                    for phi in &mut phi[first + own.start..first + own.end] {
+                        *phi = phi.min(0.0);
+                    }
+                }
+            }
+            force_outside(&mut phi[first + next..first + width], outside);
+        }
+        LevelSet::new(self.grid, phi)
+    }
+
+    /// The field's distance at a node of the grid [m]; beyond its lattice the value at the nearest node and the way to it.
+    #[inline]
+    fn field_at(&self, node: [usize; 3]) -> f32 {
+        let dims = self.field.grid().dims;
+        let at: [i64; 3] = std::array::from_fn(|axis| node[axis] as i64 + self.shift[axis]);
+        let nearest: [i64; 3] = std::array::from_fn(|axis| at[axis].clamp(0, dims[axis] as i64 - 1));
+        let value = self.field.at(nearest[0] as usize, nearest[1] as usize, nearest[2] as usize);
+        if at == nearest {
+            return value;
+        }
+        let square: i64 = at.iter().zip(nearest).map(|(at, nearest)| (at - nearest) * (at - nearest)).sum();
+        value + ((square as f64).sqrt() * self.grid.spacing) as f32
+    }
+}
+
+/// Makes nodes that are others' read as outside.
+fn force_outside(phi: &mut [f32], outside: f32) {
+    for phi in phi {
+        if *phi <= 0.0 {
+            *phi = larger(-*phi, outside);
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! their parent's. A *body frame* has its origin at the centre of mass and its axes along the principal axes.
 
 pub mod bvh;
+pub mod clip;
 pub mod closed_form;
 pub mod closed_form_surface;
 pub mod compound;
@@ -18,6 +19,7 @@ mod hole_patches;
 pub mod hull;
 pub mod level_set;
 pub mod mass_properties;
+pub mod material;
 pub mod mesh;
 pub mod mesh_check;
 pub mod mesh_io;
@@ -37,6 +39,7 @@ mod sweep;
 mod symmetric;
 pub mod winding_number;
 
+pub use clip::Clip;
 pub use closed_form::ClosedForm;
 pub use compound::{Compound, Part};
 pub use grid::Grid;
@@ -45,11 +48,12 @@ pub use half_space::HalfSpace;
 pub use hull::{Clipper, Hull, HullEdge, HullError, HullFace};
 pub use level_set::LevelSet;
 pub use mass_properties::MassProperties;
+pub use material::{Material, Span};
 pub use mesh::{Surface, TriMesh};
 pub use mesh_check::MeshError;
 pub use mesh_to_level_set::{MeshToLevelSetError, mesh_to_level_set};
 pub use mesh_topology::MeshInfo;
 pub use rigid_transform::RigidTransform;
-pub use sample_clusters::SampleCluster;
-pub use shape::{Geometry, Shape};
+pub use sample_clusters::{ClusteredSamples, SampleCluster};
+pub use shape::{BodyFrame, Geometry, Shape};
 pub use winding_number::WindingNumber;

@@ -32,7 +32,7 @@ impl<'a> OutlinePieces<'a> {
             Root::ClosedForm(form) => pieces_of(form),
             Root::Hull(hull) => hull.planes().iter().map(|&plane| Piece::Plane(plane)).collect(),
         };
-        let grid = solid.level_set.grid();
+        let grid = solid.grid();
         pieces.retain(|piece| piece.reaches(grid));
         let of_root = pieces.len();
         pieces.extend(

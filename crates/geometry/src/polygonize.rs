@@ -15,7 +15,7 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
     let mut interior = Vec::with_capacity(2 * contour.quads.len());
     for quad in &contour.quads {
         let [a, b, c, d] = quad.vertices;
-        triangles.extend(if splits_at_first(&contour, quad, solid.level_set.grid().spacing) {
+        triangles.extend(if splits_at_first(&contour, quad, solid.grid().spacing) {
             [[a, b, c], [a, c, d]]
         } else {
             [[b, c, d], [b, d, a]]
@@ -185,7 +185,7 @@ mod tests {
         let drum = ClosedForm::Cylinder { radius: 0.7, half_height: 0.6 };
         for form in [ball, drum] {
             let exact = cut_solid(form, Vec::new(), grid);
-            let sampled = GridSolid::from_level_set(exact.level_set.clone());
+            let sampled = GridSolid::from_level_set(exact.level_set().clone());
             let deviation = |solid: &GridSolid| {
                 let surface = polygonize(solid);
                 assert!(is_closed(&surface));
@@ -258,12 +258,12 @@ mod tests {
         fn noise_has_a_closed_surface(mut solid in noise([5, 4, 6]), x in -1.0..1.0f64, offset in 0.0..2.0f64) {
             let surface = polygonize(&solid);
             prop_assert!(is_closed(&surface));
-            let nodes_inside = solid.level_set.phi().iter().filter(|&&phi| phi < 0.0).count();
+            let nodes_inside = solid.level_set().phi().iter().filter(|&&phi| phi < 0.0).count();
             prop_assert!(volume(&surface) > 0.0 || nodes_inside < 5);
             // Whatever the outline says.
             let normal = DVec3::new(x, 1.0, 0.3).normalize();
             solid.outline = Outline {
-                root: Root::Sampled(Arc::new(solid.level_set.clone())),
+                root: Root::Sampled(Arc::new(solid.level_set().clone())),
                 cuts: vec![HalfSpace { normal, offset }, HalfSpace { normal: -normal, offset: -0.8 * offset }],
             };
             prop_assert!(is_closed(&polygonize(&solid)));

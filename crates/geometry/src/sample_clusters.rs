@@ -30,14 +30,58 @@ pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
     samples.clear();
     samples.extend(coded.into_iter().map(|(_, sample)| sample));
 
-    let cluster = |(index, chunk): (usize, &[Vec3])| {
-        let low = chunk.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
-        let high = chunk.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
+    let chunks = samples.chunks(CLUSTER).enumerate();
+    chunks.map(|(index, chunk)| SampleCluster::around((index * CLUSTER) as u32, chunk)).collect()
+}
+
+impl SampleCluster {
+    /// The cluster of some samples, the first of which has the index `first`.
+    fn around(first: u32, samples: &[Vec3]) -> Self {
+        let low = samples.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
+        let high = samples.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
         let center = 0.5 * (low + high);
-        let radius = chunk.iter().fold(0.0_f32, |radius, &sample| radius.max(sample.distance(center)));
-        SampleCluster { first: (index * CLUSTER) as u32, count: chunk.len() as u32, center, radius }
-    };
-    samples.chunks(CLUSTER).enumerate().map(cluster).collect()
+        let square = samples.iter().fold(0.0_f32, |r, &sample| r.max(sample.distance_squared(center)));
+        // The root of a square rounds: the ball holds them all.
+        let radius = square.sqrt() * (1.0 + 2.0 * f32::EPSILON);
+        Self { first, count: samples.len() as u32, center, radius }
+    }
+}
+
+/// Samples and their clusters, collected in an order that goes from one neighbourhood to the next.
+#[derive(Clone, Debug, Default)]
+pub struct ClusteredSamples {
+    /// In one frame [m].
+    pub samples: Vec<Vec3>,
+    /// All samples, in the same order.
+    pub clusters: Vec<SampleCluster>,
+}
+
+impl ClusteredSamples {
+    /// In the order of a space-filling curve.
+    pub fn new(mut samples: Vec<Vec3>) -> Self {
+        let clusters = cluster_samples(&mut samples);
+        Self { samples, clusters }
+    }
+
+    /// Adds one of another shape's clusters as it is: its samples and its ball, moved.
+    pub fn push_cluster(&mut self, samples: impl Iterator<Item = Vec3>, center: Vec3, radius: f32) {
+        let first = self.samples.len() as u32;
+        self.samples.extend(samples);
+        let count = self.samples.len() as u32 - first;
+        // What moved was rounded: a ball that is larger by that holds it still.
+        let radius = radius + 4.0 * f32::EPSILON * (center.length() + radius);
+        self.clusters.push(SampleCluster { first, count, center, radius });
+    }
+
+    /// Makes clusters of the samples that were added behind the last one.
+    pub fn cluster_rest(&mut self) {
+        let mut first = self.clusters.last().map_or(0, |last| last.first + last.count) as usize;
+        while first < self.samples.len() {
+            let end = (first + CLUSTER).min(self.samples.len());
+            self.clusters.push(SampleCluster::around(first as u32, &self.samples[first..end]));
+            first = end;
+        }
+    }
 }
 
 /// The bits of three coordinates in [0, 1024), interleaved.

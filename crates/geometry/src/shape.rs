@@ -4,7 +4,7 @@ use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;
 use crate::hull::hull_samples;
 use crate::polygonize::polygonize;
-use crate::sample_clusters::{SampleCluster, cluster_samples};
+use crate::sample_clusters::{ClusteredSamples, SampleCluster};
 use crate::surface_samples::closed_form_samples;
 use crate::{ClosedForm, GridSolid, Hull, NoMass, RigidTransform, Surface, TriMesh};
 use glam::{DVec3, Vec3};
@@ -30,23 +30,7 @@ pub struct Shape {
     pub compound: Option<Arc<Compound>>,
     /// Between samples [m]; zero if they were given.
     sample_spacing: f64,
-    samples: OnceLock<Samples>,
-}
-
-/// Points on a surface, in the body frame.
-#[derive(Clone, Debug)]
-struct Samples {
-    /// [m]
-    points: Vec<Vec3>,
-    /// All points, in the same order, by neighbourhood.
-    clusters: Vec<SampleCluster>,
-}
-
-impl Samples {
-    fn new(mut points: Vec<Vec3>) -> Self {
-        let clusters = cluster_samples(&mut points);
-        Self { points, clusters }
-    }
+    samples: OnceLock<ClusteredSamples>,
 }
 
 /// Where inside and outside are.
@@ -59,7 +43,30 @@ pub enum Geometry {
     /// Convex polyhedra that are one body.
     Compound(Arc<Compound>),
     /// Samples on a grid: can break.
-    Grid(GridSolid),
+    Grid(Box<GridSolid>),
+}
+
+/// Where a solid's centre of mass and principal axes are.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyFrame {
+    /// Into the frame of both.
+    pub body_from_grid: RigidTransform,
+    /// [m^3]
+    pub volume: f64,
+    /// Principal moments at unit density [m^5].
+    pub unit_moments: DVec3,
+}
+
+impl BodyFrame {
+    /// Of a solid on a grid.
+    ///
+    /// # Errors
+    /// If the coverage sums to no volume.
+    pub fn of(solid: &GridSolid) -> Result<Self, NoMass> {
+        let mass = solid.mass_properties();
+        let (unit_moments, body_from_grid) = mass.body_frame()?;
+        Ok(Self { body_from_grid, volume: mass.volume, unit_moments })
+    }
 }
 
 impl Shape {
@@ -165,29 +172,33 @@ impl Shape {
     /// # Errors
     /// If the coverage sums to no volume.
     pub fn from_grid_solid(solid: GridSolid, samples_grid: Vec<Vec3>) -> Result<Self, NoMass> {
-        let mass = solid.mass_properties();
-        let (unit_moments, body_from_grid) = mass.body_frame()?;
-        let into_body = |sample: Vec3| body_from_grid.point(sample.as_dvec3()).as_vec3();
-        let samples = Samples::new(samples_grid.into_iter().map(into_body).collect());
-        let bounds = bounds_in_body(&solid, &body_from_grid, &samples.points);
-        let geometry = Geometry::Grid(solid);
-        Ok(Self {
-            geometry,
+        let frame = BodyFrame::of(&solid)?;
+        let into_body = |sample: Vec3| frame.body_from_grid.point(sample.as_dvec3()).as_vec3();
+        let samples = samples_grid.into_iter().map(into_body).collect();
+        Ok(Self::from_clusters(solid, frame, ClusteredSamples::new(samples)))
+    }
+
+    /// A solid on a grid with its [`BodyFrame`], and samples in that frame.
+    pub fn from_clusters(solid: GridSolid, frame: BodyFrame, surface: ClusteredSamples) -> Self {
+        let BodyFrame { body_from_grid, volume, unit_moments } = frame;
+        let bounds = bounds_in_body(&solid, &body_from_grid, &surface.samples);
+        Self {
+            geometry: Geometry::Grid(Box::new(solid)),
             body_from_grid,
             bounds,
-            volume: mass.volume,
+            volume,
             unit_moments,
             hull: None,
             compound: None,
             sample_spacing: 0.0,
-            samples: OnceLock::from(samples),
-        })
+            samples: OnceLock::from(surface),
+        }
     }
 
     /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets. Those of a formula and of a
     /// polyhedron are made at the first call: many fragments never need any.
     pub fn samples(&self) -> &[Vec3] {
-        &self.sampled().points
+        &self.sampled().samples
     }
 
     /// All samples, in the same order, by neighbourhood.
@@ -195,10 +206,10 @@ impl Shape {
         &self.sampled().clusters
     }
 
-    fn sampled(&self) -> &Samples {
+    fn sampled(&self) -> &ClusteredSamples {
         self.samples.get_or_init(|| {
             let spacing = self.sample_spacing;
-            Samples::new(match (&self.geometry, &self.hull, &self.compound) {
+            ClusteredSamples::new(match (&self.geometry, &self.hull, &self.compound) {
                 (Geometry::ClosedForm(form), ..) => closed_form_samples(form, spacing),
                 (_, Some(hull), _) => hull_samples(hull, spacing),
                 (_, _, Some(compound)) => compound.samples(spacing),
@@ -230,7 +241,7 @@ impl Shape {
             Geometry::Hull(hull) => hull.distance_and_gradient(point_grid),
             Geometry::Compound(compound) => compound.distance_and_gradient(point_grid),
             Geometry::Grid(solid) => {
-                let (distance, gradient) = solid.level_set.value_and_gradient(point_grid);
+                let (distance, gradient) = solid.value_and_gradient(point_grid);
                 // On a ridge the samples' gradient can vanish; any direction is as good there.
                 (f64::from(distance), gradient.as_dvec3().try_normalize().unwrap_or(DVec3::Y))
             }
@@ -256,22 +267,26 @@ impl Shape {
 
 /// Lowest and highest corner, in the body frame, around all voxels with material and all samples.
 fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &[Vec3]) -> (DVec3, DVec3) {
-    let grid = solid.level_set.grid();
+    let grid = solid.grid();
     let rotation = body_from_grid.matrix();
     let half_voxel =
         0.5 * grid.spacing * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
+    let along_row = rotation.x_axis * grid.spacing;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for row in 0..grid.dims[1] * grid.dims[2] {
+    for row in 0..solid.material().rows() {
         // The voxels of a row lie on a line, so that its two ends bound them all.
-        let voxels = &solid.coverage[row * grid.dims[0]..(row + 1) * grid.dims[0]];
-        let first = voxels.iter().position(|&fraction| fraction > 0.0);
-        let last = voxels.iter().rposition(|&fraction| fraction > 0.0);
-        for i in first.into_iter().chain(last) {
-            let point = body_from_grid.point(grid.node(i, row % grid.dims[1], row / grid.dims[1]));
-            low = low.min(point - half_voxel);
-            high = high.max(point + half_voxel);
+        let mut spans = solid.material().row(row).iter().filter(|span| span.coverage > 0.0);
+        let Some(first) = spans.next() else { continue };
+        let last = spans.next_back().unwrap_or(first);
+        let start = rotation * grid.node(0, row % grid.dims[1], row / grid.dims[1]);
+        for i in [first.start, last.end - 1] {
+            let point = start + along_row * f64::from(i);
+            low = low.min(point);
+            high = high.max(point);
         }
     }
+    low += body_from_grid.translation - half_voxel;
+    high += body_from_grid.translation + half_voxel;
     for sample in samples {
         low = low.min(sample.as_dvec3());
         high = high.max(sample.as_dvec3());

@@ -15,7 +15,7 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
     // The two sides of a thin plate are both sampled: only points that face the same way keep each other out.
     const SAME_SIDE: f64 = 0.3;
 
-    let grid = solid.level_set.grid();
+    let grid = solid.grid();
     let contour = DualContour::new(solid);
     let mut sharpest_first: Vec<&Vertex> = contour.vertices.iter().collect();
     sharpest_first.sort_by_key(|vertex| std::cmp::Reverse(vertex.sharpness));
@@ -23,7 +23,7 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
     let mut accepted = Buckets::new(grid, (CLOSEST * spacing).max(SAME_CORNER * grid.spacing));
     for vertex in sharpest_first {
         let closest = if vertex.sharpness == 3 { SAME_CORNER * grid.spacing } else { CLOSEST * spacing };
-        let (position, normal) = (on_surface(vertex, &contour, &solid.level_set), vertex.normal);
+        let (position, normal) = (on_surface(vertex, &contour, solid.level_set()), vertex.normal);
         if !accepted.any_near(position, closest, |other| other.normal.dot(normal) > SAME_SIDE) {
             accepted.insert(Vertex { position, ..*vertex });
         }
@@ -262,7 +262,7 @@ mod tests {
                     .collect();
                 along.sort_by(f64::total_cmp);
                 let widest = along.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-                assert!(widest < 1.4 * spacing + 1.1 * solid.level_set.grid().spacing, "{axis}: {widest}");
+                assert!(widest < 1.4 * spacing + 1.1 * solid.grid().spacing, "{axis}: {widest}");
             }
         }
         assert!(largest_gap(&ClosedForm::Box { half }, &samples) < 1.2 * spacing);
@@ -279,7 +279,7 @@ mod tests {
         let samples = surface_samples(&solid, spacing);
         assert_eq!(samples, surface_samples(&solid, spacing));
         for (n, sample) in samples.iter().enumerate() {
-            assert!(f64::from(solid.level_set.value(sample.as_dvec3()).abs()) < 1e-3 * grid.spacing);
+            assert!(f64::from(solid.value(sample.as_dvec3()).abs()) < 1e-3 * grid.spacing);
             let nearest = samples[..n].iter().map(|s| s.distance(*sample)).fold(f32::INFINITY, f32::min);
             assert!(f64::from(nearest) > 0.5 * spacing);
         }

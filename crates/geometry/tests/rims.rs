@@ -143,7 +143,7 @@ fn a_rim_that_stands_out_is_measured() {
     let solid = octants(&sampled(ball), planes(0.7)).remove(0);
     let mut surface = polygonize(&solid);
     let cut = solid.outline.cuts[0];
-    let spacing = solid.level_set.grid().spacing;
+    let spacing = solid.grid().spacing;
     let mesh = &mut surface.mesh;
     let on_rim =
         mesh.positions.iter_mut().find(|p| cut.distance(**p).abs() < 1e-9 && ball(**p).abs() < 0.1 * spacing);

@@ -32,7 +32,7 @@ fn break_it(world: &mut World) -> Fracture {
 /// origin: the fragments' own grids are still in that frame.
 fn fragments_at(world: &World, point: DVec3) -> usize {
     let at = |shape: &frangible::geometry::Shape| match &shape.geometry {
-        Geometry::Grid(solid) => f64::from(solid.level_set.value(point)) < VOXEL,
+        Geometry::Grid(solid) => f64::from(solid.value(point)) < VOXEL,
         Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => false,
     };
     world.bodies().shapes.iter().filter(|shape| at(shape)).count()

@@ -127,7 +127,7 @@ impl<'a> Rims<'a> {
 
     /// The pieces, and the numbers of the planes, behind which the empty node of a face at the rim lies.
     fn beyond(&self, face: &Face) -> impl Iterator<Item = (u32, usize)> {
-        let half = 0.5 * self.solids[0].level_set.grid().spacing;
+        let half = 0.5 * self.solids[0].grid().spacing;
         let empty = face.center + half * face.direction;
         let is_behind = move |(other, plane, _): &&(u32, HalfSpace, usize)| {
             let cuts = &self.solids[*other as usize].outline.cuts;
@@ -154,7 +154,7 @@ impl Face {
 /// The cracks of one piece that are the other side of one of the other's.
 fn shared_planes(a: &GridSolid, b: &GridSolid, spacing: f64) -> Vec<HalfSpace> {
     // The lattice's middle is where the planes must agree; the origin may be far away.
-    let (low, high) = a.level_set.grid().bounds();
+    let (low, high) = a.grid().bounds();
     let (middle, reach) = (0.5 * (low + high), (high - low).length());
     let other_side = |cut: &HalfSpace, other: &HalfSpace| {
         let turned = (cut.normal + other.normal).length() * reach;
@@ -177,10 +177,10 @@ struct Lattice {
 impl Lattice {
     fn new(solids: &[&GridSolid]) -> Option<Self> {
         // Place each piece's grid on the first one's lattice.
-        let first = solids.first()?.level_set.grid();
+        let first = solids.first()?.grid();
         let places: Vec<[i64; 3]> = solids
             .iter()
-            .map(|solid| first.lattice_from_point(solid.level_set.grid().origin))
+            .map(|solid| first.lattice_from_point(solid.grid().origin))
             .map(|offset| offset.to_array().map(|n| (n + 0.5).floor() as i64))
             .collect();
         let mut low = [i64::MAX; 3];
@@ -188,7 +188,7 @@ impl Lattice {
         for (place, solid) in places.iter().zip(solids) {
             for axis in 0..3 {
                 low[axis] = low[axis].min(place[axis]);
-                high[axis] = high[axis].max(place[axis] + solid.level_set.grid().dims[axis] as i64);
+                high[axis] = high[axis].max(place[axis] + solid.grid().dims[axis] as i64);
             }
         }
         let corner = DVec3::new(low[0] as f64, low[1] as f64, low[2] as f64);
@@ -199,15 +199,16 @@ impl Lattice {
         let mut owner = vec![NONE; grid.len()];
         let mut coverage = vec![0.0; grid.len()];
         for ((place, solid), piece) in places.iter().zip(solids).zip(0_u32..) {
-            let own = solid.level_set.grid();
+            let own = solid.grid();
+            let filled = solid.coverage();
             let [i, j, k]: [usize; 3] = std::array::from_fn(|axis| (place[axis] - low[axis]) as usize);
             for row in 0..own.dims[1] * own.dims[2] {
                 let from = row * own.dims[0];
                 let to = grid.index(i, j + row % own.dims[1], k + row / own.dims[1]);
                 for n in 0..own.dims[0] {
-                    if solid.coverage[from + n] > 0.0 {
+                    if filled[from + n] > 0.0 {
                         owner[to + n] = piece;
-                        coverage[to + n] = solid.coverage[from + n];
+                        coverage[to + n] = filled[from + n];
                     }
                 }
             }

@@ -1,119 +1,152 @@
 //! The connected parts of each region's share of a body [Su09 sec. 4.2].
 
-use super::regions::NONE;
+use super::regions::{NONE, Share, Shares};
 use frangible_geometry::disjoint_sets::DisjointSets;
 use frangible_geometry::{Grid, GridSolid};
+use glam::DVec3;
 
-/// Which connected part each node belongs to.
+/// Which connected part each share belongs to.
 #[derive(Debug)]
 pub(crate) struct Components {
-    /// Component of each node whose voxel holds material or that is inside; [`NONE`] elsewhere.
-    pub(crate) of_node: Vec<u32>,
+    pub(crate) of_share: Vec<u32>,
     /// Region of each component.
     pub(crate) region: Vec<u32>,
+    /// Whether it has nodes inside, or is only a film of surface voxels.
+    pub(crate) has_inside: Vec<bool>,
+    /// Its material [voxels].
+    pub(crate) material: Vec<f64>,
 }
 
-/// The up to six nodes that share a face with a node's voxel.
-pub(crate) fn neighbours(grid: &Grid, node: usize) -> impl Iterator<Item = usize> {
-    let at = grid.coordinates(node);
-    let strides = [1, grid.dims[0], grid.dims[0] * grid.dims[1]];
-    let dims = grid.dims;
-    (0..3).flat_map(move |axis| {
-        let below = (at[axis] > 0).then(|| node - strides[axis]);
-        let above = (at[axis] + 1 < dims[axis]).then(|| node + strides[axis]);
-        [below, above].into_iter().flatten()
-    })
+/// The rows next to a row, which share voxel faces with it: their numbers and how much their nodes' follow on.
+pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize> {
+    let [_, rows_y, rows_z] = grid.dims;
+    let [j, k] = [row % rows_y, row / rows_y];
+    let beside = [
+        (j > 0).then(|| row - 1),
+        (j + 1 < rows_y).then_some(row + 1),
+        (k > 0).then(|| row - rows_y),
+        (k + 1 < rows_z).then_some(row + rows_y),
+    ];
+    beside.into_iter().flatten()
 }
 
-/// Connects the nodes inside of the body that share a region and a voxel face, then gives each voxel on the surface,
-/// whose node lies outside but which holds material, to a component next to it.
-pub(crate) fn connected_components(solid: &GridSolid, region_of_node: &[u32]) -> Components {
-    let mut components = connect_inside(solid, region_of_node);
-    let pending = attach_surface_voxels(solid, region_of_node, &mut components);
-    found_islands(solid, region_of_node, &mut components, &pending);
+/// Connects what is inside of the body, shares a region and a voxel face; then gives each voxel on the surface, whose node
+/// lies outside but which holds material, to a component next to it. What a convex region holds of a convex body is
+/// connected, whether or not the grid shows it.
+///
+/// Shares of surface voxels are cut into single nodes where it matters whom they touch.
+pub(crate) fn connected_components(solid: &GridSolid, shares: &mut Shares, smallest: f64) -> Components {
+    if solid.is_convex() {
+        let mut components = Components::empty(shares);
+        let mut of_region = Vec::new();
+        for (share, component) in shares.all.iter().zip(&mut components.of_share) {
+            let region = share.region as usize;
+            if of_region.len() <= region {
+                of_region.resize(region + 1, NONE);
+            }
+            if of_region[region] == NONE {
+                of_region[region] = components.region.len() as u32;
+                components.region.push(share.region);
+            }
+            *component = of_region[region];
+        }
+        components.weigh(shares);
+        return components;
+    }
+    split_surface(shares);
+    let mut components = connect_inside(solid, shares);
+    let pending = attach_surface_voxels(solid, shares, &mut components);
+    found_islands(solid, shares, &mut components, &pending);
+    components.weigh(shares);
+    rejoin_tips(solid, shares, &mut components, smallest);
     components
 }
 
-/// Consecutive nodes of a row, inside of the body and in one region.
-struct Run {
-    start: u32,
-    /// One past the last.
-    end: u32,
-    region: u32,
-}
-
-/// Components of the nodes inside of the body, numbered in the order of their first nodes.
-fn connect_inside(solid: &GridSolid, region_of_node: &[u32]) -> Components {
-    let grid = solid.level_set.grid();
-    let (runs, first_run_of_row) = find_runs(grid, solid.level_set.phi(), region_of_node);
-
-    // Unite each run with those that it touches in the rows below along y and along z.
-    let mut sets = DisjointSets::new(runs.len());
-    let rows_of = |row: usize| first_run_of_row[row]..first_run_of_row[row + 1];
-    for row in 0..first_run_of_row.len() - 1 {
-        let [y, z] = [row % grid.dims[1], row / grid.dims[1]];
-        if y > 0 {
-            unite_touching(&runs, rows_of(row - 1), rows_of(row), grid.dims[0], &mut sets);
-        }
-        if z > 0 {
-            let below = row - grid.dims[1];
-            unite_touching(&runs, rows_of(below), rows_of(row), grid.dims[0] * grid.dims[1], &mut sets);
+impl Components {
+    fn empty(shares: &Shares) -> Self {
+        Self {
+            of_share: vec![NONE; shares.all.len()],
+            region: Vec::new(),
+            has_inside: Vec::new(),
+            material: Vec::new(),
         }
     }
 
-    // A root is the first run of its set: number the sets in that order and label their nodes.
-    let mut components = Components { of_node: vec![NONE; grid.len()], region: Vec::new() };
-    let mut number = vec![NONE; runs.len()];
-    for (at, run) in runs.iter().enumerate() {
+    /// Sums up the components' material.
+    fn weigh(&mut self, shares: &Shares) {
+        self.has_inside = vec![false; self.region.len()];
+        self.material = vec![0.0; self.region.len()];
+        for (Share { span, .. }, &component) in shares.all.iter().zip(&self.of_share) {
+            self.has_inside[component as usize] |= span.inside;
+            self.material[component as usize] += f64::from(span.end - span.start) * f64::from(span.coverage);
+        }
+    }
+}
+
+/// Cuts the shares of surface voxels into single nodes.
+fn split_surface(shares: &mut Shares) {
+    let mut split = Shares::default();
+    for row in 0..shares.rows() {
+        split.first_of_row.push(split.all.len() as u32);
+        for share in &shares.all[shares.row(row)] {
+            if share.span.inside {
+                split.all.push(*share);
+                continue;
+            }
+            split.all.extend((share.span.start..share.span.end).map(|start| {
+                let span = frangible_geometry::Span { start, end: start + 1, ..share.span };
+                Share { span, ..*share }
+            }));
+        }
+    }
+    split.first_of_row.push(split.all.len() as u32);
+    *shares = split;
+}
+
+/// Components of what is inside, numbered in the order of their first nodes.
+fn connect_inside(solid: &GridSolid, shares: &Shares) -> Components {
+    let grid = solid.grid();
+    let mut sets = DisjointSets::new(shares.all.len());
+    for row in 0..shares.rows() {
+        for at in shares.row(row).skip(1) {
+            let (before, here) = (&shares.all[at - 1], &shares.all[at]);
+            let touch = before.span.end == here.span.start && before.region == here.region;
+            if touch && before.span.inside && here.span.inside {
+                sets.unite(at as u32 - 1, at as u32);
+            }
+        }
+        if row % grid.dims[1] > 0 {
+            unite_touching(shares, row - 1, row, &mut sets);
+        }
+        if row >= grid.dims[1] {
+            unite_touching(shares, row - grid.dims[1], row, &mut sets);
+        }
+    }
+
+    // A root is the first share of its set: number the sets in that order.
+    let mut components = Components::empty(shares);
+    for (at, share) in shares.all.iter().enumerate().filter(|(_, share)| share.span.inside) {
         let root = sets.root(at as u32) as usize;
         if root == at {
-            number[at] = components.region.len() as u32;
-            components.region.push(run.region);
+            components.of_share[at] = components.region.len() as u32;
+            components.region.push(share.region);
         }
-        components.of_node[run.start as usize..run.end as usize].fill(number[root]);
+        components.of_share[at] = components.of_share[root];
     }
     components
 }
 
-/// All runs in node order, and for each row the number of its first run; one more entry at the end.
-fn find_runs(grid: &Grid, phi: &[f32], region_of_node: &[u32]) -> (Vec<Run>, Vec<usize>) {
-    let mut runs: Vec<Run> = Vec::new();
-    let mut first_run_of_row = Vec::with_capacity(grid.dims[1] * grid.dims[2] + 1);
-    for row in 0..grid.dims[1] * grid.dims[2] {
-        first_run_of_row.push(runs.len());
-        let mut open = NONE;
-        for node in row * grid.dims[0]..(row + 1) * grid.dims[0] {
-            let region = if phi[node] <= 0.0 { region_of_node[node] } else { NONE };
-            if region != NONE {
-                match runs.last_mut() {
-                    Some(run) if open == region => run.end += 1,
-                    _ => runs.push(Run { start: node as u32, end: node as u32 + 1, region }),
-                }
-            }
-            open = region;
-        }
-    }
-    first_run_of_row.push(runs.len());
-    (runs, first_run_of_row)
-}
-
-/// Unites the runs of two neighbouring rows, `stride` nodes apart, that share a region and a voxel face.
-fn unite_touching(
-    runs: &[Run],
-    lower: std::ops::Range<usize>,
-    upper: std::ops::Range<usize>,
-    stride: usize,
-    sets: &mut DisjointSets,
-) {
-    let stride = stride as u32;
+/// Unites what is inside in two neighbouring rows, shares a region and a voxel face.
+fn unite_touching(shares: &Shares, lower: usize, upper: usize, sets: &mut DisjointSets) {
+    let (lower, upper) = (shares.row(lower), shares.row(upper));
     let (mut a, mut b) = (lower.start, upper.start);
     while a < lower.end && b < upper.end {
-        let (below, above) = (&runs[a], &runs[b]);
-        let overlap = below.start + stride < above.end && above.start < below.end + stride;
-        if overlap && below.region == above.region {
+        let (below, above) = (&shares.all[a], &shares.all[b]);
+        let overlap = below.span.start < above.span.end && above.span.start < below.span.end;
+        if overlap && below.region == above.region && below.span.inside && above.span.inside {
             sets.unite(a as u32, b as u32);
         }
-        if below.end + stride <= above.end {
+        if below.span.end <= above.span.end {
             a += 1;
         } else {
             b += 1;
@@ -121,84 +154,206 @@ fn unite_touching(
     }
 }
 
+/// The share of a row that holds a node.
+fn share_at(shares: &Shares, row: usize, i: u32) -> Option<usize> {
+    let range = shares.row(row);
+    let in_row = &shares.all[range.clone()];
+    let at = in_row.partition_point(|share| share.span.end <= i);
+    (at < in_row.len() && in_row[at].span.start <= i).then_some(range.start + at)
+}
+
+/// The shares that share a face with a single voxel's.
+fn shares_beside(grid: &Grid, shares: &Shares, row: usize, at: usize) -> impl Iterator<Item = usize> {
+    let span = shares.all[at].span;
+    let range = shares.row(row);
+    let before = (at > range.start && shares.all[at - 1].span.end == span.start).then(|| at - 1);
+    let behind = (at + 1 < range.end && shares.all[at + 1].span.start == span.end).then_some(at + 1);
+    let across = rows_beside(grid, row).filter_map(move |row| share_at(shares, row, span.start));
+    [before, behind].into_iter().flatten().chain(across)
+}
+
+/// A surface voxel: its row and its share.
+type SurfaceVoxel = (usize, usize);
+
 /// Gives surface voxels to components that they touch, first of their own region, then of any; from the body outwards,
 /// one layer at a time. Returns those that touch nothing.
 fn attach_surface_voxels(
     solid: &GridSolid,
-    region_of_node: &[u32],
+    shares: &Shares,
     components: &mut Components,
-) -> Vec<usize> {
-    let grid = solid.level_set.grid();
-    let phi = solid.level_set.phi();
-    let mut pending: Vec<usize> = (0..grid.len())
-        .filter(|&node| solid.coverage[node] > 0.0 && components.of_node[node] == NONE)
+) -> Vec<SurfaceVoxel> {
+    let grid = solid.grid();
+    let mut pending: Vec<SurfaceVoxel> = (0..shares.rows())
+        .flat_map(|row| shares.row(row).map(move |at| (row, at)))
+        .filter(|&(_, at)| !shares.all[at].span.inside)
         .collect();
     for own_region_only in [true, false] {
         loop {
-            // The deepest neighbour that has a component; the first of equals.
-            let adopter = |&node: &usize| {
+            // The neighbour that holds the most and has a component; the first of equals.
+            let adopter = |&(row, at): &SurfaceVoxel| {
                 let fits = |other: &usize| {
-                    let component = components.of_node[*other];
-                    component != NONE
-                        && (!own_region_only || components.region[component as usize] == region_of_node[node])
+                    let component = components.of_share[*other];
+                    let region = shares.all[at].region;
+                    component != NONE && (!own_region_only || components.region[component as usize] == region)
                 };
-                let deepest = neighbours(grid, node).filter(fits).min_by(|&a, &b| phi[a].total_cmp(&phi[b]));
-                deepest.map(|other| (node, components.of_node[other]))
+                let mut fullest: Option<usize> = None;
+                for other in shares_beside(grid, shares, row, at).filter(fits) {
+                    let holds = |at: usize| shares.all[at].span.coverage;
+                    if fullest.is_none_or(|best| holds(other) > holds(best)) {
+                        fullest = Some(other);
+                    }
+                }
+                fullest.map(|other| (at, components.of_share[other]))
             };
             let adopted: Vec<(usize, u32)> = pending.iter().filter_map(adopter).collect();
             if adopted.is_empty() {
                 break;
             }
-            for (node, component) in adopted {
-                components.of_node[node] = component;
+            for (at, component) in adopted {
+                components.of_share[at] = component;
             }
-            pending.retain(|&node| components.of_node[node] == NONE);
+            pending.retain(|&(_, at)| components.of_share[at] == NONE);
         }
     }
     pending
 }
 
 /// Material without any node inside, too thin for the grid: each connected part becomes a component of its own.
-fn found_islands(solid: &GridSolid, region_of_node: &[u32], components: &mut Components, pending: &[usize]) {
-    let grid = solid.level_set.grid();
-    for &seed in pending {
-        if components.of_node[seed] != NONE {
+fn found_islands(solid: &GridSolid, shares: &Shares, components: &mut Components, pending: &[SurfaceVoxel]) {
+    let row_of = |at: usize| shares.first_of_row.partition_point(|&first| first as usize <= at) - 1;
+    for &(row, seed) in pending {
+        if components.of_share[seed] != NONE {
             continue;
         }
         let island = components.region.len() as u32;
-        components.region.push(region_of_node[seed]);
-        components.of_node[seed] = island;
-        let mut frontier = vec![seed];
-        while let Some(node) = frontier.pop() {
-            for other in neighbours(grid, node) {
-                if solid.coverage[other] > 0.0 && components.of_node[other] == NONE {
-                    components.of_node[other] = island;
-                    frontier.push(other);
+        components.region.push(shares.all[seed].region);
+        components.of_share[seed] = island;
+        let mut frontier = vec![(row, seed)];
+        while let Some((row, at)) = frontier.pop() {
+            for other in shares_beside(solid.grid(), shares, row, at) {
+                if components.of_share[other] == NONE {
+                    components.of_share[other] = island;
+                    frontier.push((row_of(other), other));
                 }
             }
         }
     }
 }
 
+/// How far around a sliver's nodes the rest of its tip is looked for [nodes].
+const TIP: usize = 3;
+
+/// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a straight line through the
+/// solid leads there: the region is convex, so that the line lies within it.
+fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Components, smallest: f64) {
+    let count = components.region.len();
+    let mut sets = DisjointSets::new(count);
+    for row in 0..shares.rows() {
+        for at in shares.row(row) {
+            let sliver = components.of_share[at];
+            let known = sets.root(sliver) != sliver;
+            let is_sliver = components.material[sliver as usize] < smallest && shares.all[at].span.inside;
+            if is_sliver
+                && !known
+                && let Some(host) = rest_of_tip(solid, shares, components, (row, at))
+            {
+                sets.unite(sliver, host);
+            }
+        }
+    }
+    let roots: Vec<u32> = (0..count as u32).map(|component| sets.root(component)).collect();
+    if roots.iter().zip(0..).all(|(&root, component)| root == component) {
+        return;
+    }
+    for component in &mut components.of_share {
+        *component = roots[*component as usize];
+    }
+    components.weigh(shares);
+}
+
+/// A heavier component of a sliver's region that a straight line through the solid leads to.
+fn rest_of_tip(
+    solid: &GridSolid,
+    shares: &Shares,
+    components: &Components,
+    (row, at): (usize, usize),
+) -> Option<u32> {
+    let grid = solid.grid();
+    let Share { span, region } = shares.all[at];
+    let sliver = components.of_share[at];
+    let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+    let from = grid.node(span.start as usize, j, k);
+    for to_k in k.saturating_sub(TIP)..(k + TIP + 1).min(grid.dims[2]) {
+        for to_j in j.saturating_sub(TIP)..(j + TIP + 1).min(grid.dims[1]) {
+            for other in shares.row(to_j + grid.dims[1] * to_k) {
+                let there = &shares.all[other];
+                let component = components.of_share[other];
+                let heavier = components.material[component as usize] > components.material[sliver as usize];
+                if there.region != region || !there.span.inside || component == sliver || !heavier {
+                    continue;
+                }
+                let i = span.start.clamp(there.span.start, there.span.end - 1);
+                if i.abs_diff(span.start) as usize > TIP {
+                    continue;
+                }
+                if is_inside_all_along(solid, from, grid.node(i as usize, to_j, to_k)) {
+                    return Some(component);
+                }
+            }
+        }
+    }
+    None
+}
+
+/// Whether a line between two nodes lies inside of a solid.
+fn is_inside_all_along(solid: &GridSolid, from: DVec3, to: DVec3) -> bool {
+    // Between two nodes the samples have few features.
+    let steps = (2.0 * from.distance(to) / solid.grid().spacing) as usize + 2;
+    (1..steps).all(|step| solid.value(from.lerp(to, step as f64 / steps as f64)) <= 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use frangible_geometry::LevelSet;
-    use glam::DVec3;
     use proptest::prelude::*;
 
     /// A solid whose inside and coverage are noise.
     fn noise(phi: Vec<f32>, dims: [usize; 3]) -> GridSolid {
         let grid = Grid { origin: DVec3::ZERO, spacing: 1.0, dims };
-        let mut solid = GridSolid::from_level_set(LevelSet::new(grid, phi));
-        solid.coverage = solid.level_set.phi().iter().map(|&phi| (0.5 - phi).clamp(0.0, 1.0)).collect();
-        solid
+        let coverage: Vec<f32> = phi.iter().map(|&phi| (0.5 - phi).clamp(0.0, 1.0)).collect();
+        GridSolid::with_coverage(LevelSet::new(grid, phi), &coverage)
+    }
+
+    /// Shares by a number for each node.
+    fn shares_of(solid: &GridSolid, region_of_node: &[u32]) -> Shares {
+        let mut shares = Shares::default();
+        for row in 0..solid.material().rows() {
+            shares.first_of_row.push(shares.all.len() as u32);
+            for span in solid.material().row(row) {
+                for i in span.start..span.end {
+                    let region = region_of_node[row * solid.grid().dims[0] + i as usize];
+                    let span = frangible_geometry::Span { start: i, end: i + 1, ..*span };
+                    shares.all.push(Share { span, region });
+                }
+            }
+        }
+        shares.first_of_row.push(shares.all.len() as u32);
+        shares
+    }
+
+    fn neighbours(grid: &Grid, node: usize) -> impl Iterator<Item = usize> {
+        let (row, i) = (node / grid.dims[0], node % grid.dims[0]);
+        let width = grid.dims[0];
+        let along = [(i > 0).then(|| node - 1), (i + 1 < width).then_some(node + 1)];
+        let across = rows_beside(grid, row).map(move |row| row * width + i);
+        along.into_iter().flatten().chain(across)
     }
 
     /// Reference: flood fill from each node that has no number yet.
     fn flood_fill(solid: &GridSolid, region_of_node: &[u32]) -> Vec<u32> {
-        let grid = solid.level_set.grid();
-        let inside = |node: usize| solid.level_set.phi()[node] <= 0.0;
+        let grid = solid.grid();
+        let inside = |node: usize| solid.level_set().phi()[node] <= 0.0;
         let mut number = vec![NONE; grid.len()];
         let mut next = 0;
         for seed in 0..grid.len() {
@@ -209,8 +364,8 @@ mod tests {
             number[seed] = next;
             while let Some(node) = frontier.pop() {
                 for other in neighbours(grid, node) {
-                    if inside(other) && number[other] == NONE && region_of_node[other] == region_of_node[seed]
-                    {
+                    let same = region_of_node[other] == region_of_node[seed];
+                    if inside(other) && number[other] == NONE && same {
                         number[other] = next;
                         frontier.push(other);
                     }
@@ -219,6 +374,19 @@ mod tests {
             next += 1;
         }
         number
+    }
+
+    /// Numbers by share, as numbers by node.
+    fn by_node(solid: &GridSolid, shares: &Shares, of_share: &[u32]) -> Vec<u32> {
+        let mut nodes = vec![NONE; solid.grid().len()];
+        for row in 0..shares.rows() {
+            for at in shares.row(row) {
+                for i in shares.all[at].span.start..shares.all[at].span.end {
+                    nodes[row * solid.grid().dims[0] + i as usize] = of_share[at];
+                }
+            }
+        }
+        nodes
     }
 
     fn field() -> impl Strategy<Value = (GridSolid, Vec<u32>)> {
@@ -233,36 +401,40 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(500))]
 
-        /// Runs and union-find give what flood fill gives, with the same numbers.
+        /// Spans and union-find give what flood fill gives, with the same numbers.
         #[test]
         fn components_are_those_of_flood_fill((solid, regions) in field()) {
-            let found = connect_inside(&solid, &regions);
-            prop_assert_eq!(found.of_node, flood_fill(&solid, &regions));
+            let shares = shares_of(&solid, &regions);
+            let found = connect_inside(&solid, &shares);
+            prop_assert_eq!(by_node(&solid, &shares, &found.of_share), flood_fill(&solid, &regions));
         }
 
         /// All material has a component; surface voxels are in one that they touch, in one of their region if they can.
         #[test]
         fn no_material_is_left_over((solid, regions) in field()) {
-            let inside = connect_inside(&solid, &regions);
-            let all = connected_components(&solid, &regions);
-            for node in 0..solid.coverage.len() {
-                if inside.of_node[node] != NONE {
-                    prop_assert_eq!(all.of_node[node], inside.of_node[node]);
+            let mut shares = shares_of(&solid, &regions);
+            let inside = connect_inside(&solid, &shares);
+            let inside = by_node(&solid, &shares, &inside.of_share);
+            let all = connected_components(&solid, &mut shares, 0.0);
+            let of_node = by_node(&solid, &shares, &all.of_share);
+            for (node, &coverage) in solid.coverage().iter().enumerate() {
+                if inside[node] != NONE {
+                    prop_assert_eq!(of_node[node], inside[node]);
                     continue;
                 }
-                prop_assert_eq!(all.of_node[node] != NONE, solid.coverage[node] > 0.0);
-                if all.of_node[node] == NONE {
+                prop_assert_eq!(of_node[node] != NONE, coverage > 0.0);
+                if of_node[node] == NONE {
                     continue;
                 }
-                let around: Vec<usize> = neighbours(solid.level_set.grid(), node).collect();
+                let around: Vec<usize> = neighbours(solid.grid(), node).collect();
                 let of_own_region = around.iter().any(|&other| {
-                    inside.of_node[other] != NONE && regions[other] == regions[node]
+                    inside[other] != NONE && regions[other] == regions[node]
                 });
                 if of_own_region {
-                    prop_assert_eq!(all.region[all.of_node[node] as usize], regions[node]);
+                    prop_assert_eq!(all.region[of_node[node] as usize], regions[node]);
                 }
-                let touches = around.iter().any(|&other| all.of_node[other] == all.of_node[node]);
-                let alone = around.iter().all(|&other| all.of_node[other] == NONE);
+                let touches = around.iter().any(|&other| of_node[other] == of_node[node]);
+                let alone = around.iter().all(|&other| of_node[other] == NONE);
                 prop_assert!(touches || alone);
             }
         }

@@ -2,133 +2,148 @@
 
 use crate::{pattern::Region, polygon};
 use frangible_geometry::{ClosedForm, GridSolid, HalfSpace, Root};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-/// Points of all cracks around a region within the parent [m], about `spacing` apart: corners, edges, rims, and the
-/// faces between them.
-pub(crate) fn crack_samples(parent: &GridSolid, region: &Region, spacing: f64) -> Vec<DVec3> {
-    let walls = flat_walls(parent);
-    // Points of edges that lie in the parent's surface are off it by round-off, or by a sampled root's interpolation.
-    let tolerance = 0.05 * parent.level_set.grid().spacing;
-    let mut sampler = Sampler { root: &parent.outline.root, spacing, tolerance, points: Vec::new() };
+/// A point on a crack.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CrackSample {
+    /// Grid frame [m].
+    pub(crate) point: DVec3,
+    /// Of the crack, out of the region.
+    pub(crate) normal: DVec3,
+}
+
+/// Points of all cracks around a region within the parent, about `spacing` [m] apart: corners, edges, rims, and the faces
+/// between them. Neighbours follow each other.
+pub(crate) fn crack_samples(parent: &Parent, region: &Region, spacing: f64) -> Vec<CrackSample> {
+    let mut sampler =
+        Sampler { parent, spacing, samples: Vec::new(), edges: Vec::new(), corners: Vec::new() };
     for cut in &region.cuts {
         // What is flat cuts the face exactly, so that its corners are the fragment's corners.
         let mut face = cut.face.clone();
-        for wall in &walls {
+        for wall in &parent.walls {
             if face.is_empty() {
                 break;
             }
-            face = polygon::clip(&face, wall);
+            if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
+                face = polygon::clip(&face, wall);
+            }
         }
         if face.len() >= 3 {
             sampler.sample_face(&face, cut.half_space.normal);
         }
     }
-    sampler.points
+    sampler.samples
 }
 
-/// The flat pieces of the parent's surface, and the box of its grid.
-fn flat_walls(parent: &GridSolid) -> Vec<HalfSpace> {
-    let mut walls = parent.outline.cuts.clone();
-    match &parent.outline.root {
-        Root::ClosedForm(ClosedForm::Box { half }) => walls.extend(polygon::box_half_spaces(-half, *half)),
-        Root::ClosedForm(ClosedForm::Cylinder { half_height, .. }) => {
-            walls.extend([DVec3::Y, DVec3::NEG_Y].map(|normal| HalfSpace { normal, offset: *half_height }))
-        }
-        Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => walls.push(*half_space),
-        Root::Hull(hull) => walls.extend(hull.planes()),
-        Root::ClosedForm(ClosedForm::Sphere { .. }) | Root::Sampled(_) => {}
-    }
-    let (low, high) = parent.level_set.grid().bounds();
-    walls.extend(polygon::box_half_spaces(low, high));
-    walls
+/// What cracks are cut off by.
+pub(crate) struct Parent<'a> {
+    /// The flat pieces of the parent's surface, and the box of its grid.
+    walls: Vec<HalfSpace>,
+    curved: Curved<'a>,
 }
 
-/// Collects points of convex polygons that lie inside of the parent.
-struct Sampler<'a> {
-    root: &'a Root,
-    spacing: f64,
-    tolerance: f64,
-    points: Vec<DVec3>,
+/// What of the parent's surface is not flat.
+enum Curved<'a> {
+    Nothing,
+    /// Around the origin.
+    Sphere {
+        radius: f64,
+    },
+    /// Around the y axis.
+    Cylinder {
+        radius: f64,
+    },
+    /// What is known by samples only.
+    Sampled(&'a GridSolid),
 }
 
-impl Sampler<'_> {
-    /// Signed distance to the parent [m]; its flat walls have cut the face already.
-    fn distance(&self, point: DVec3) -> f64 {
-        match self.root {
-            Root::ClosedForm(form) => form.distance(point),
-            Root::Hull(hull) => hull.distance_and_gradient(point).0,
-            Root::Sampled(level_set) => f64::from(level_set.value(point)),
-        }
-    }
-
-    fn sample_face(&mut self, face: &[DVec3], normal: DVec3) {
-        // Corners and edges, and where the edges leave the parent.
-        let edges: Vec<(DVec3, DVec3)> =
-            (0..face.len()).map(|at| (face[at], face[(at + 1) % face.len()])).collect();
-        for &(start, end) in &edges {
-            if self.distance(start) <= self.tolerance {
-                self.points.push(start);
+impl<'a> Parent<'a> {
+    pub(crate) fn new(solid: &'a GridSolid) -> Self {
+        let mut walls = solid.outline.cuts.clone();
+        let of_root = match &solid.outline.root {
+            Root::ClosedForm(ClosedForm::Box { half }) => {
+                walls.extend(polygon::box_half_spaces(-half, *half));
+                Curved::Nothing
             }
-            self.walk(start, end, true);
-        }
-
-        // Lines along the longest edge; lines across it find the rims that the first ones run along.
-        let by_length = |a: &&(DVec3, DVec3), b: &&(DVec3, DVec3)| {
-            a.0.distance_squared(a.1).total_cmp(&b.0.distance_squared(b.1))
+            Root::ClosedForm(ClosedForm::Cylinder { half_height, radius }) => {
+                let caps = [DVec3::Y, DVec3::NEG_Y];
+                walls.extend(caps.map(|normal| HalfSpace { normal, offset: *half_height }));
+                Curved::Cylinder { radius: *radius }
+            }
+            Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => {
+                walls.push(*half_space);
+                Curved::Nothing
+            }
+            Root::Hull(hull) => {
+                walls.extend(hull.planes());
+                Curved::Nothing
+            }
+            Root::ClosedForm(ClosedForm::Sphere { radius }) => Curved::Sphere { radius: *radius },
+            Root::Sampled(_) => Curved::Sampled(solid),
         };
-        let Some(&(start, end)) = edges.iter().max_by(by_length) else { return };
-        let along = (end - start).normalize_or_zero();
-        let across = normal.cross(along);
-        self.walk_lines(&edges, across, true);
-        self.walk_lines(&edges, along, false);
+        let (low, high) = solid.grid().bounds();
+        walls.extend(polygon::box_half_spaces(low, high));
+        // Slivers that joined it make a convex body something else.
+        let curved = if solid.is_convex() { of_root } else { Curved::Sampled(solid) };
+        Self { walls, curved }
     }
 
-    /// Walks the lines of the face that are evenly spaced along `level`.
-    fn walk_lines(&mut self, edges: &[(DVec3, DVec3)], level: DVec3, keep_inside: bool) {
-        let levels = edges.iter().map(|(start, _)| start.dot(level));
-        let (low, high) =
-            levels.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
-        let count = ((high - low) / self.spacing).ceil() as usize;
-        for line in 1..count {
-            let at = low + (high - low) * line as f64 / count as f64;
-            let mut ends = edges.iter().filter_map(|&(start, end)| {
-                let (from, to) = (start.dot(level) - at, end.dot(level) - at);
-                ((from <= 0.0) != (to <= 0.0)).then(|| start + (end - start) * (from / (from - to)))
-            });
-            if let (Some(start), Some(end)) = (ends.next(), ends.next()) {
-                self.walk(start, end, keep_inside);
+    /// Signed distance [m] where only samples know it.
+    fn distance(&self, point: DVec3) -> f64 {
+        match self.curved {
+            Curved::Sampled(solid) => f64::from(solid.value(point)),
+            Curved::Sphere { radius } => point.length() - radius,
+            Curved::Cylinder { radius } => (point.x * point.x + point.z * point.z).sqrt() - radius,
+            Curved::Nothing => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Outward normal at a point of the curved surface.
+    fn normal(&self, point: DVec3) -> DVec3 {
+        match self.curved {
+            Curved::Sampled(solid) => solid.value_and_gradient(point).1.as_dvec3(),
+            Curved::Cylinder { .. } => DVec3::new(point.x, 0.0, point.z),
+            Curved::Sphere { .. } | Curved::Nothing => point,
+        }
+    }
+
+    /// The stretches of a line between two points that lie inside, as fractions of the way.
+    fn inside(&self, start: DVec3, end: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
+        stretches.clear();
+        let way = end - start;
+        let flat = DVec3::new(1.0, 0.0, 1.0);
+        match self.curved {
+            Curved::Nothing => stretches.push([0.0, 1.0]),
+            Curved::Sphere { radius } => stretches.extend(within_ball(start, way, radius)),
+            Curved::Cylinder { radius } => stretches.extend(within_ball(start * flat, way * flat, radius)),
+            Curved::Sampled(_) => {
+                let steps = (way.length() / spacing).ceil().max(1.0) as usize;
+                let mut last = (0.0, self.distance(start));
+                let mut entry = (last.1 <= 0.0).then_some(0.0);
+                for step in 1..=steps {
+                    let at = step as f64 / steps as f64;
+                    let here = (at, self.distance(start + way * at));
+                    if last.1 <= 0.0 && here.1 > 0.0 {
+                        let exit = self.bisect(start, way, [last.0, here.0]);
+                        stretches.extend(entry.take().map(|entry| [entry, exit]));
+                    } else if last.1 > 0.0 && here.1 <= 0.0 {
+                        entry = Some(self.bisect(start, way, [here.0, last.0]));
+                    }
+                    last = here;
+                }
+                stretches.extend(entry.map(|entry| [entry, 1.0]));
             }
         }
     }
 
-    /// Takes points between two points of the face: evenly spaced ones that lie inside of the parent if asked to, and
-    /// where the way leaves or enters it. The two ends are not taken.
-    fn walk(&mut self, start: DVec3, end: DVec3, keep_inside: bool) {
-        let count = ((end - start).length() / self.spacing).ceil().max(1.0) as usize;
-        let mut last = (start, self.distance(start));
-        for step in 1..=count {
-            let point = start + (end - start) * (step as f64 / count as f64);
-            let here = (point, self.distance(point));
-            let (inner, outer) = if last.1 <= here.1 { (last, here) } else { (here, last) };
-            if inner.1 <= 0.0 && outer.1 > self.tolerance {
-                let rim = self.bisect(inner.0, outer.0);
-                self.points.push(rim);
-            }
-            if keep_inside && step < count && here.1 <= self.tolerance {
-                self.points.push(point);
-            }
-            last = here;
-        }
-    }
-
-    /// A point of the parent's surface between a point inside and one outside.
-    fn bisect(&self, mut inside: DVec3, mut outside: DVec3) -> DVec3 {
-        // From the distance between samples to less than the precision of f32.
-        const HALVINGS: usize = 20;
+    /// Where a line crosses the surface between a fraction of the way that is inside and one that is outside.
+    fn bisect(&self, start: DVec3, way: DVec3, [mut inside, mut outside]: [f64; 2]) -> f64 {
+        // From the distance between samples to a hundredth of a percent of it.
+        const HALVINGS: usize = 13;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
-            if self.distance(middle) <= 0.0 {
+            if self.distance(start + way * middle) <= 0.0 {
                 inside = middle;
             } else {
                 outside = middle;
@@ -136,4 +151,179 @@ impl Sampler<'_> {
         }
         inside
     }
+}
+
+/// The part of a line from `start` along `way` within a ball around the origin, as fractions of the way in [0, 1].
+fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
+    let square = way.length_squared();
+    let half = start.dot(way);
+    let beyond = start.length_squared() - radius * radius;
+    if square <= 1e-24 * radius * radius {
+        return (beyond <= 0.0).then_some([0.0, 1.0]);
+    }
+    let root = (half * half - square * beyond).max(0.0).sqrt();
+    let (from, to) = (((-half - root) / square).max(0.0), ((-half + root) / square).min(1.0));
+    (from < to).then_some([from, to])
+}
+
+/// Collects samples of the faces of one region.
+struct Sampler<'a> {
+    parent: &'a Parent<'a>,
+    spacing: f64,
+    samples: Vec<CrackSample>,
+    /// The edges and corners that another face has brought already.
+    edges: Vec<(DVec3, DVec3)>,
+    corners: Vec<DVec3>,
+}
+
+/// A face in its plane.
+struct Face<'a> {
+    corners: &'a [DVec3],
+    flat: Vec<DVec2>,
+    origin: DVec3,
+    normal: DVec3,
+    along: DVec3,
+    across: DVec3,
+}
+
+impl Face<'_> {
+    fn point(&self, flat: DVec2) -> DVec3 {
+        self.origin + self.along * flat.x + self.across * flat.y
+    }
+}
+
+impl Sampler<'_> {
+    fn sample_face(&mut self, corners: &[DVec3], normal: DVec3) {
+        // The plane's axes: along the longest edge, and across.
+        let edge = |at: usize| (corners[at], corners[(at + 1) % corners.len()]);
+        let mut longest = DVec3::ZERO;
+        for at in 0..corners.len() {
+            let (start, end) = edge(at);
+            if (end - start).length_squared() > longest.length_squared() {
+                longest = end - start;
+            }
+        }
+        let along = longest.normalize_or_zero();
+        let across = normal.cross(along);
+        let flat = corners.iter().map(|&corner| corner - corners[0]);
+        let flat = flat.map(|corner| DVec2::new(corner.dot(along), corner.dot(across))).collect();
+        let face = Face { corners, flat, origin: corners[0], normal, along, across };
+
+        self.sample_inside(&face);
+        self.sample_edges(&face);
+    }
+
+    /// Points on lines along the longest edge, and where these leave the parent; where the rim runs along them, lines across
+    /// find it.
+    fn sample_inside(&mut self, face: &Face) {
+        let mut lines: Vec<Vec<DVec3>> = Vec::new();
+        let mut stretches = Vec::new();
+        for [from, to] in face_lines(&face.flat, self.spacing) {
+            let (start, end) = (face.point(from), face.point(to));
+            self.parent.inside(start, end, self.spacing, &mut stretches);
+            let mut line = Vec::new();
+            for &stretch in &stretches {
+                let [from, to] = stretch.map(|at| start.lerp(end, at));
+                let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
+                if stretch[0] > 0.0 && self.crosses_rim(from, face.along, face.across) {
+                    line.push(from);
+                }
+                line.extend((1..steps as usize).map(|step| from.lerp(to, step as f64 / steps)));
+                if stretch[1] < 1.0 && self.crosses_rim(to, face.along, face.across) {
+                    line.push(to);
+                }
+            }
+            lines.push(line);
+        }
+        self.push_in_tiles(&lines, face.normal);
+
+        if matches!(self.parent.curved, Curved::Nothing) {
+            return;
+        }
+        let turned: Vec<DVec2> = face.flat.iter().map(|corner| DVec2::new(-corner.y, corner.x)).collect();
+        for line in face_lines(&turned, self.spacing) {
+            let [start, end] = line.map(|flat| face.point(DVec2::new(flat.y, -flat.x)));
+            self.parent.inside(start, end, self.spacing, &mut stretches);
+            for stretch in &stretches {
+                for at in stretch.iter().filter(|&&at| at > 0.0 && at < 1.0) {
+                    let rim = start.lerp(end, *at);
+                    if !self.crosses_rim(rim, face.along, face.across) {
+                        self.samples.push(CrackSample { point: rim, normal: face.normal });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether a line along `along` crosses the parent's surface more steeply than one along `across` would.
+    fn crosses_rim(&self, point: DVec3, along: DVec3, across: DVec3) -> bool {
+        let normal = self.parent.normal(point);
+        normal.dot(along).abs() >= normal.dot(across).abs()
+    }
+
+    /// Takes the points of neighbouring lines in, a tile after the other.
+    fn push_in_tiles(&mut self, lines: &[Vec<DVec3>], normal: DVec3) {
+        // As many as fill a cluster.
+        const TILE: usize = 4;
+        for band in lines.chunks(TILE) {
+            let longest = band.iter().map(Vec::len).max().unwrap_or(0);
+            for first in (0..longest).step_by(TILE) {
+                for line in band {
+                    let tile = line.iter().skip(first).take(TILE);
+                    self.samples.extend(tile.map(|&point| CrackSample { point, normal }));
+                }
+            }
+        }
+    }
+
+    /// Corners and points of edges, and where the edges leave the parent; those that no other face has brought.
+    fn sample_edges(&mut self, face: &Face) {
+        let same = 1e-6 * self.spacing;
+        let is_same = |a: DVec3, b: DVec3| (a - b).abs().max_element() < same;
+        let tolerance = 0.1 * same.max(0.5 * self.spacing);
+        let mut stretches = Vec::new();
+        for (at, &start) in face.corners.iter().enumerate() {
+            let end = face.corners[(at + 1) % face.corners.len()];
+            // Points of edges that lie in the parent's surface are off it by round-off, or by a sampled root's interpolation.
+            let known = self.corners.iter().any(|&corner| is_same(corner, start));
+            if !known && self.parent.distance(start) <= tolerance {
+                self.corners.push(start);
+                self.samples.push(CrackSample { point: start, normal: face.normal });
+            }
+            let known = self.edges.iter().any(|&(a, b)| {
+                (is_same(a, start) && is_same(b, end)) || (is_same(a, end) && is_same(b, start))
+            });
+            if known {
+                continue;
+            }
+            self.edges.push((start, end));
+            self.parent.inside(start, end, self.spacing, &mut stretches);
+            for &stretch in &stretches {
+                let [from, to] = stretch.map(|at| start.lerp(end, at));
+                let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
+                let first = if stretch[0] > 0.0 { 0 } else { 1 };
+                let last = if stretch[1] < 1.0 { steps as usize } else { steps as usize - 1 };
+                self.samples.extend((first..=last).map(|step| CrackSample {
+                    point: from.lerp(to, step as f64 / steps),
+                    normal: face.normal,
+                }));
+            }
+        }
+    }
+}
+
+/// The lines along x that divide a convex polygon into strips at most `spacing` wide: both ends of each.
+fn face_lines(polygon: &[DVec2], spacing: f64) -> impl Iterator<Item = [DVec2; 2]> {
+    let low = polygon.iter().fold(f64::INFINITY, |low, corner| low.min(corner.y));
+    let high = polygon.iter().fold(f64::NEG_INFINITY, |high, corner| high.max(corner.y));
+    let count = ((high - low) / spacing - 1e-9).ceil() as usize;
+    (1..count).filter_map(move |line| {
+        let y = low + (high - low) * line as f64 / count as f64;
+        let mut ends = (0..polygon.len()).filter_map(|at| {
+            let (start, end) = (polygon[at], polygon[(at + 1) % polygon.len()]);
+            let crosses = (start.y <= y) != (end.y <= y);
+            crosses.then(|| DVec2::new(start.x + (end.x - start.x) * ((y - start.y) / (end.y - start.y)), y))
+        });
+        Some([ends.next()?, ends.next()?])
+    })
 }

@@ -2,224 +2,242 @@
 
 use super::{
     ShatterSettings,
-    components::{Components, neighbours},
-    crack_samples::crack_samples,
-    regions::NONE,
-    slivers::Pieces,
+    crack_samples::{CrackSample, Parent, crack_samples},
 };
 use crate::pattern::Region;
-use frangible_geometry::{GridSolid, Shape};
-use glam::{DVec3, Vec3};
-use std::collections::BTreeSet;
+use frangible_geometry::{BodyFrame, ClusteredSamples, GridSolid, RigidTransform, Shape};
+use glam::{DMat3, DVec3, Vec3};
 
 /// A body with fewer samples cannot stand on anything.
 const FEWEST_SAMPLES: usize = 4;
 
-/// Samples closer than this are one, in units of the distance between samples.
-const SAME: f64 = 0.25;
-
-/// Layers of nodes around a point's cell in which its fragment is looked for, one after the other. A circle around a cell
-/// fits into a wedge of 20 degrees four spacings from its tip: that far can be the first node inside.
-const REACHES: [i64; 4] = [0, 1, 2, 4];
-
-/// What a sample's fragment is looked up in.
-struct Lookup<'a> {
-    parent: &'a GridSolid,
-    regions: &'a [Region],
-    components: &'a Components,
-    pieces: &'a Pieces,
-    solids: &'a [GridSolid],
+/// What samples are shared out among.
+pub(crate) struct Lookup<'a> {
+    pub(crate) regions: &'a [Region],
+    /// The pieces that each region's inside belongs to.
+    pub(crate) of_regions: &'a [Vec<u32>],
+    /// Each piece's solid, and the frame of its body.
+    pub(crate) pieces: &'a [(GridSolid, BodyFrame)],
 }
 
-/// Samples of each fragment in the grid frame [m]: those of the parent, each given to one fragment, and those of the
-/// cracks, given to the fragments on both sides.
-pub(crate) fn assign_particles(
-    parent: (&Shape, &GridSolid),
-    regions: &[Region],
-    components: &Components,
-    pieces: &Pieces,
-    solids: &[GridSolid],
-    settings: &ShatterSettings,
-) -> Vec<Vec<Vec3>> {
-    let (shape, parent) = parent;
-    let spacing = settings.sample_spacing_voxels * parent.level_set.grid().spacing;
-    let lookup = Lookup { parent, regions, components, pieces, solids };
-    let mut fragments: Vec<Collector> = solids.iter().map(|_| Collector::new(SAME * spacing)).collect();
-
-    // Cracks first: their corners and rims are what a fragment stands on.
-    for (region, number) in regions.iter().zip(0..) {
-        for point in crack_samples(parent, region, spacing) {
-            if let Some(piece) = lookup.piece_beside_crack(point, number) {
-                fragments[piece].add(point);
-            }
-        }
-    }
-    let grid_from_body = shape.body_from_grid.inverse();
-    for sample in shape.samples() {
-        let point = grid_from_body.point(sample.as_dvec3());
-        match lookup.piece_at(point) {
-            Some((piece, true)) => fragments[piece].add(point),
-            // Far from all cracks no sample of one is in its place.
-            Some((piece, false)) => fragments[piece].samples.push(point.as_vec3()),
-            None => {}
-        }
-    }
-    for (fragment, solid) in fragments.iter_mut().zip(solids) {
-        if fragment.samples.len() < FEWEST_SAMPLES {
-            project_surface_voxels(solid).into_iter().for_each(|point| fragment.add(point));
-        }
-    }
-    fragments.into_iter().map(|fragment| fragment.samples).collect()
+/// A rigid transform of many points.
+struct Motion {
+    rotation: DMat3,
+    translation: DVec3,
 }
 
-impl Lookup<'_> {
-    /// The fragment that a point on the parent's surface belongs to, and whether others are near: of the components
-    /// around it the one in whose region it lies deepest, then the one with the least level set.
-    fn piece_at(&self, point: DVec3) -> Option<(usize, bool)> {
-        for reach in REACHES {
-            let around = self.components_around(point, reach);
-            let depth = |component: u32| {
-                let region = &self.regions[self.components.region[component as usize] as usize];
-                (region.distance(point), self.value(component, point))
-            };
-            match around.as_slice() {
-                [] => {}
-                [only] => return Some((self.piece(*only), false)),
-                [first, others @ ..] => {
-                    let mut nearest = (*first, depth(*first));
-                    for &other in others {
-                        let at_other = depth(other);
-                        if at_other < nearest.1 {
-                            nearest = (other, at_other);
-                        }
-                    }
-                    return Some((self.piece(nearest.0), true));
-                }
-            }
-        }
-        // Far from any material, as a sample of a coarser surface may be: the fragment with the least level set.
-        let value = |piece: usize| self.solids[piece].level_set.value(point);
-        let nearest = (0..self.solids.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)))?;
-        Some((nearest, true))
+impl Motion {
+    fn new(transform: &RigidTransform) -> Self {
+        Self { rotation: transform.matrix(), translation: transform.translation }
     }
 
-    /// The fragment of `region` that a point on one of the region's cracks belongs to; none where the region has no
-    /// material, or where the crack is healed because a sliver joined the fragment across.
-    fn piece_beside_crack(&self, point: DVec3, region: u32) -> Option<usize> {
-        for reach in REACHES {
-            let around = self.components_around(point, reach);
-            let own =
-                around.iter().filter(|&&component| self.components.region[component as usize] == region);
-            let nearer = |a: &&u32, b: &&u32| self.value(**a, point).total_cmp(&self.value(**b, point));
-            if let Some(&nearest) = own.min_by(nearer) {
-                let piece = self.piece(nearest);
-                let healed = reach == 0 && self.is_inside(point, piece);
-                return (!healed).then_some(piece);
-            }
-        }
-        None
-    }
-
-    fn piece(&self, component: u32) -> usize {
-        self.pieces.of_component[component as usize] as usize
-    }
-
-    /// Level set of a component's fragment at a point.
-    fn value(&self, component: u32, point: DVec3) -> f32 {
-        self.solids[self.piece(component)].level_set.value(point)
-    }
-
-    /// The parent's nodes at the corners of the cell that holds a point, and `reach` further on each side: lowest and
-    /// highest.
-    fn nodes_around(&self, point: DVec3, reach: i64) -> ([usize; 3], [usize; 3]) {
-        let grid = self.parent.level_set.grid();
-        let corner = grid.lattice_from_point(point).to_array().map(floor);
-        let within = |axis: usize, n: i64| n.clamp(0, grid.dims[axis] as i64 - 1) as usize;
-        let low = std::array::from_fn(|axis| within(axis, corner[axis] - reach));
-        let high = std::array::from_fn(|axis| within(axis, corner[axis] + 1 + reach));
-        (low, high)
-    }
-
-    /// The components with mass among those nodes, each once.
-    fn components_around(&self, point: DVec3, reach: i64) -> Vec<u32> {
-        let grid = self.parent.level_set.grid();
-        let (low, high) = self.nodes_around(point, reach);
-        let mut found = Vec::new();
-        let mut last = NONE;
-        for k in low[2]..=high[2] {
-            for j in low[1]..=high[1] {
-                let row = grid.index(0, j, k);
-                for &component in &self.components.of_node[row + low[0]..=row + high[0]] {
-                    if component == NONE || component == last {
-                        continue;
-                    }
-                    last = component;
-                    let has_mass = self.pieces.of_component[component as usize] != NONE;
-                    if has_mass && !found.contains(&component) {
-                        found.push(component);
-                    }
-                }
-            }
-        }
-        found
-    }
-
-    /// Whether all material around a point, and there is no gap in it, is of one piece.
-    fn is_inside(&self, point: DVec3, piece: usize) -> bool {
-        let grid = self.parent.level_set.grid();
-        let (low, high) = self.nodes_around(point, 0);
-        let is_own = |node: usize| {
-            let component = self.components.of_node[node];
-            component != NONE && self.pieces.of_component[component as usize] as usize == piece
-        };
-        (low[2]..=high[2])
-            .all(|k| (low[1]..=high[1]).all(|j| (low[0]..=high[0]).all(|i| is_own(grid.index(i, j, k)))))
+    #[inline]
+    fn point(&self, point: DVec3) -> Vec3 {
+        (self.rotation * point + self.translation).as_vec3()
     }
 }
 
-/// The largest whole number that is not above `x`, without a call into the platform's library.
-#[inline]
-fn floor(x: f64) -> i64 {
-    let towards_zero = x as i64;
-    towards_zero - i64::from(x < towards_zero as f64)
-}
-
-/// The samples of one fragment, none of them twice.
+/// One piece's samples, in its body frame [m].
 struct Collector {
-    samples: Vec<Vec3>,
-    /// The cubes that have one.
-    taken: BTreeSet<u64>,
-    /// Edge of these cubes, inverse [1/m].
-    per_cube: f64,
+    /// The clusters of the parent that are all of this piece.
+    whole: ClusteredSamples,
+    /// Of the parent's other samples.
+    single: Vec<Vec3>,
+    cracks: Vec<Vec3>,
+    body_from_grid: Motion,
+    body_from_parent: Motion,
 }
 
 impl Collector {
-    fn new(same: f64) -> Self {
-        Self { samples: Vec::new(), taken: BTreeSet::new(), per_cube: 1.0 / same }
+    fn new(frame: &BodyFrame, grid_from_parent: &RigidTransform) -> Self {
+        Self {
+            whole: ClusteredSamples::default(),
+            single: Vec::new(),
+            cracks: Vec::new(),
+            body_from_grid: Motion::new(&frame.body_from_grid),
+            body_from_parent: Motion::new(&frame.body_from_grid.after(grid_from_parent)),
+        }
+    }
+}
+
+/// Samples of each fragment in its body frame [m]: those of the parent, each given to one fragment, and those of the
+/// cracks, given to the fragments on both sides.
+pub(crate) fn assign_particles(
+    parent: (&Shape, &GridSolid),
+    lookup: &Lookup,
+    settings: &ShatterSettings,
+) -> Vec<ClusteredSamples> {
+    let (shape, solid) = parent;
+    let grid_from_parent = shape.body_from_grid.inverse();
+    let mut collectors: Vec<Collector> =
+        lookup.pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
+    lookup.share_out_samples(shape, &mut collectors);
+    let spacing = settings.sample_spacing_voxels * solid.grid().spacing;
+    lookup.sample_cracks(&Parent::new(solid), spacing, &mut collectors);
+
+    let finish = |(mut collector, (solid, _)): (Collector, &(GridSolid, BodyFrame))| {
+        let count = collector.whole.samples.len() + collector.single.len() + collector.cracks.len();
+        if count < FEWEST_SAMPLES {
+            let points = project_surface_voxels(solid);
+            collector.single.extend(points.into_iter().map(|point| collector.body_from_grid.point(point)));
+        }
+        let mut surface = collector.whole;
+        for points in [collector.cracks, collector.single] {
+            surface.samples.extend(points);
+            surface.cluster_rest();
+        }
+        surface
+    };
+    collectors.into_iter().zip(lookup.pieces).map(finish).collect()
+}
+
+/// The regions' planes, in the parent's body frame.
+struct BodyRegions {
+    planes: Vec<(DVec3, f64)>,
+    /// Where each region begins in `planes`, and one more entry at the end.
+    first: Vec<usize>,
+}
+
+impl BodyRegions {
+    fn new(regions: &[Region], body_from_grid: &RigidTransform) -> Self {
+        let mut moved = Self { planes: Vec::new(), first: vec![0] };
+        for region in regions {
+            for cut in &region.cuts {
+                let normal = body_from_grid.direction(cut.half_space.normal);
+                let offset = cut.half_space.offset + normal.dot(body_from_grid.translation);
+                moved.planes.push((normal, offset));
+            }
+            moved.first.push(moved.planes.len());
+        }
+        moved
     }
 
-    /// Takes a point in, unless its place is taken.
-    fn add(&mut self, point: DVec3) {
-        // 21 bits an axis: two million cubes across, or round and round.
-        let [x, y, z] = (point * self.per_cube).to_array().map(|x| floor(x + 0.5) as u64 & 0x1f_ffff);
-        if self.taken.insert(x | y << 21 | z << 42) {
-            self.samples.push(point.as_vec3());
+    /// Largest distance to a plane of a region, or one that is larger than `most`.
+    #[inline]
+    fn distance(&self, region: usize, point: DVec3, most: f64) -> f64 {
+        let mut largest = f64::NEG_INFINITY;
+        for (normal, offset) in &self.planes[self.first[region]..self.first[region + 1]] {
+            let distance = normal.dot(point) - offset;
+            if distance > largest {
+                largest = distance;
+                if distance > most {
+                    break;
+                }
+            }
         }
+        largest
+    }
+
+    /// The region with the least distance; `guess` is looked at first.
+    fn nearest(&self, point: DVec3, guess: usize) -> usize {
+        let mut nearest = (guess, self.distance(guess, point, f64::INFINITY));
+        if nearest.1 < 0.0 {
+            return guess;
+        }
+        for region in 0..self.first.len() - 1 {
+            let distance = self.distance(region, point, nearest.1);
+            if distance < nearest.1 || (distance == nearest.1 && region < nearest.0) {
+                nearest = (region, distance);
+            }
+        }
+        nearest.0
+    }
+}
+
+impl Lookup<'_> {
+    /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
+    fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
+        let regions = BodyRegions::new(self.regions, &parent.body_from_grid);
+        let grid_from_body = parent.body_from_grid.inverse();
+        let mut region = 0;
+        for cluster in parent.sample_clusters() {
+            let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
+            let (center, radius) = (cluster.center.as_dvec3(), f64::from(cluster.radius));
+            region = regions.nearest(center, region);
+            if let [piece] = self.of_regions[region].as_slice()
+                && regions.distance(region, center, -radius) < -radius
+            {
+                let collector = &mut collectors[*piece as usize];
+                let motion = &collector.body_from_parent;
+                let moved = samples.iter().map(|&sample| motion.point(sample.as_dvec3()));
+                let center = motion.point(center);
+                collector.whole.push_cluster(moved, center, cluster.radius);
+                continue;
+            }
+            for &sample in samples {
+                region = regions.nearest(sample.as_dvec3(), region);
+                let point = grid_from_body.point(sample.as_dvec3());
+                if let Some(piece) = self.piece_at(region, point) {
+                    let collector = &mut collectors[piece];
+                    collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
+                }
+            }
+        }
+    }
+
+    /// The piece that a point in a region is on: of those with a part of the region the one with the least level set; if the
+    /// region has no inside of its own, of all.
+    fn piece_at(&self, region: usize, point: DVec3) -> Option<usize> {
+        let value = |piece: usize| self.pieces[piece].0.value(point);
+        let least = |a: &usize, b: &usize| value(*a).total_cmp(&value(*b));
+        match self.of_regions[region].as_slice() {
+            [] => (0..self.pieces.len()).min_by(least),
+            [piece] => Some(*piece as usize),
+            several => several.iter().map(|&piece| piece as usize).min_by(least),
+        }
+    }
+
+    /// Samples the cracks around each region, for the pieces that its inside belongs to.
+    fn sample_cracks(&self, parent: &Parent, spacing: f64, collectors: &mut [Collector]) {
+        for (number, region) in self.regions.iter().enumerate() {
+            if self.of_regions[number].is_empty() {
+                continue;
+            }
+            let samples = crack_samples(parent, region, spacing);
+            if let [piece] = self.of_regions[number].as_slice()
+                && let [_] = self.pieces[*piece as usize].0.parts()
+            {
+                let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
+                cracks.extend(samples.iter().map(|sample| body_from_grid.point(sample.point)));
+                continue;
+            }
+            for CrackSample { point, normal } in samples {
+                if let Some(piece) = self.piece_at(number, point)
+                    && self.is_on_surface(piece, point, normal)
+                {
+                    let collector = &mut collectors[piece];
+                    collector.cracks.push(collector.body_from_grid.point(point));
+                }
+            }
+        }
+    }
+
+    /// Whether a point of a region's crack is on a piece, and the crack is not healed there because a sliver joined from
+    /// across.
+    fn is_on_surface(&self, piece: usize, point: DVec3, normal: DVec3) -> bool {
+        let solid = &self.pieces[piece].0;
+        let h = solid.grid().spacing;
+        let near = f64::from(solid.value(point)) < 0.5 * h;
+        near && f64::from(solid.value(point + 0.5 * h * normal)) > 0.0
     }
 }
 
 /// The nodes of a solid's outermost voxels, moved onto its surface.
 fn project_surface_voxels(solid: &GridSolid) -> Vec<DVec3> {
-    let grid = solid.level_set.grid();
-    let owned = |&node: &usize| solid.coverage[node] > 0.0;
-    let at_surface = |node: &usize| neighbours(grid, *node).any(|other| !owned(&other));
+    let grid = solid.grid();
+    let coverage = solid.coverage();
+    let strides = [1, grid.dims[0], grid.dims[0] * grid.dims[1]];
+    // A fragment's grid has empty layers around it.
+    let at_surface = |&node: &usize| {
+        coverage[node] > 0.0
+            && strides.iter().any(|stride| coverage[node - stride] == 0.0 || coverage[node + stride] == 0.0)
+    };
     (0..grid.len())
-        .filter(owned)
         .filter(at_surface)
         .map(|node| {
             let [i, j, k] = grid.coordinates(node);
             let point = grid.node(i, j, k);
-            let (distance, gradient) = solid.level_set.value_and_gradient(point);
+            let (distance, gradient) = solid.value_and_gradient(point);
             let outward = gradient.as_dvec3().try_normalize().unwrap_or(DVec3::ZERO);
             // The distance of a sliver is rough: stay within the voxel.
             point - outward * f64::from(distance).clamp(-0.5 * grid.spacing, 0.5 * grid.spacing)

@@ -1,91 +1,271 @@
-//! Which region of the pattern each node lies in.
+//! Which region of the pattern each node lies in, row by row in spans.
 
-use crate::pattern::{Cut, Region, nearest_region};
-use frangible_geometry::{Grid, GridSolid, HalfSpace};
+use crate::pattern::{Region, nearest_region};
+use frangible_geometry::{Grid, GridSolid, Span};
 use glam::DVec3;
 
-/// No region, no component.
+/// No region, no component, no piece.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Region of each node that is inside of the solid or whose voxel holds material; [`NONE`] elsewhere.
-///
-/// A region is convex, so along a row of nodes it is one interval: its end points cost less than its distance at each
-/// node. Nodes in no interval, or in several because they lie on a crack up to round-off, are compared by distance.
-pub(crate) fn assign_voxels(solid: &GridSolid, regions: &[Region]) -> Vec<u32> {
-    let grid = solid.level_set.grid();
-    let phi = solid.level_set.phi();
-    let mut region_of_node = vec![NONE; grid.len()];
-    let width = grid.dims[0];
-    for row in 0..grid.dims[1] * grid.dims[2] {
-        // The part of the row from its first to its last node with material.
-        let start = row * width;
-        let active = |i: &usize| phi[start + i] <= 0.0 || solid.coverage[start + i] > 0.0;
-        let Some(first) = (0..width).find(active) else { continue };
-        let Some(last) = (first..width).rev().find(active) else { continue };
-        let [_, j, k] = grid.coordinates(start);
+/// Consecutive nodes of a row, alike and in one region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Share {
+    pub(crate) span: Span,
+    pub(crate) region: u32,
+}
 
-        let labels = &mut region_of_node[start..start + width];
-        label_row(grid, [j, k], (first, last), regions, labels);
-        for i in first..=last {
-            if !active(&i) {
-                labels[i] = NONE;
+/// A solid's material, shared out among the regions: the shares of all rows of its grid, in order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Shares {
+    pub(crate) all: Vec<Share>,
+    /// Where each row begins in `all`, and one more entry at the end.
+    pub(crate) first_of_row: Vec<u32>,
+}
+
+impl Shares {
+    /// Indices of a row's shares.
+    #[inline]
+    pub(crate) fn row(&self, row: usize) -> std::ops::Range<usize> {
+        self.first_of_row[row] as usize..self.first_of_row[row + 1] as usize
+    }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.first_of_row.len() - 1
+    }
+}
+
+/// Distance between a node and a plane in units of the spacing that counts as none.
+const ON_CRACK: f64 = 1e-9;
+
+/// Rows of a tile along y and along z: what is true of all of them is found out once.
+const TILE: usize = 8;
+
+/// Shares out a solid's material. A region is convex, so along a row of nodes it is one interval: its end points cost less
+/// than its distance at each node. Nodes in no interval, or in several because they lie on a crack up to round-off, are
+/// compared by distance.
+pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
+    let (grid, material) = (solid.grid(), solid.material());
+    let tiles = Tiles::new(solid, regions);
+    let mut shares = Shares { all: Vec::with_capacity(2 * material.len()), first_of_row: Vec::new() };
+    let mut claims = Vec::new();
+    for row in 0..material.rows() {
+        shares.first_of_row.push(shares.all.len() as u32);
+        let spans = material.row(row);
+        let (Some(first), Some(last)) = (spans.first(), spans.last()) else { continue };
+        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+        let bounds = (i64::from(first.start), i64::from(last.end) - 1);
+        tiles.claim_row([j, k], bounds, &mut claims);
+        settle(grid, [j, k], bounds, regions, &mut claims);
+
+        // Cut the spans where the regions change.
+        let mut at_claim = 0;
+        for span in spans {
+            let mut start = span.start;
+            while start < span.end {
+                while claims[at_claim].high < i64::from(start) {
+                    at_claim += 1;
+                }
+                let end = span.end.min(claims[at_claim].high as u32 + 1);
+                shares
+                    .all
+                    .push(Share { span: Span { start, end, ..*span }, region: claims[at_claim].region });
+                start = end;
             }
         }
     }
-    region_of_node
+    shares.first_of_row.push(shares.all.len() as u32);
+    shares
 }
 
-/// A node that several regions claim.
-const CONTESTED: u32 = u32::MAX - 1;
+/// An interval of a row's nodes that lies in a region; both ends belong to it.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
+    low: i64,
+    high: i64,
+    region: u32,
+}
 
-/// Labels the nodes from `first` to `last` of the row at (j, k).
-fn label_row(
+/// A plane as a function on the lattice, in units of the spacing.
+#[derive(Clone, Copy)]
+struct LatticePlane {
+    normal: DVec3,
+    at_origin: f64,
+    /// 1 / normal.x, zero for a plane along x.
+    per_slope: f64,
+}
+
+/// For each tile of rows the regions that reach into it, and those of their planes that pass through it.
+struct Tiles {
+    /// Tiles along y.
+    count_y: usize,
+    /// Where each tile begins in `regions`, and one more entry at the end.
+    first_of_tile: Vec<u32>,
+    /// Region, and where its planes end.
+    regions: Vec<(u32, u32)>,
+    planes: Vec<LatticePlane>,
+}
+
+impl Tiles {
+    fn new(solid: &GridSolid, regions: &[Region]) -> Self {
+        let grid = solid.grid();
+        let on_lattice = |region: &Region| -> Vec<LatticePlane> {
+            let plane = |cut: &crate::Cut| {
+                let normal = cut.half_space.normal;
+                let along_x = normal.x.abs() < ON_CRACK * 1e-3;
+                LatticePlane {
+                    normal,
+                    at_origin: cut.half_space.distance(grid.origin) / grid.spacing,
+                    per_slope: if along_x { 0.0 } else { 1.0 / normal.x },
+                }
+            };
+            region.cuts.iter().map(plane).collect()
+        };
+        let regions: Vec<Vec<LatticePlane>> = regions.iter().map(on_lattice).collect();
+        let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
+        let mut tiles = Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), planes: Vec::new() };
+        for tile in 0..count_y * count_z {
+            tiles.first_of_tile.push(tiles.regions.len() as u32);
+            if let Some(bounds) = tile_bounds(solid, [tile % count_y, tile / count_y]) {
+                tiles.add_tile(&regions, bounds);
+            }
+        }
+        tiles.first_of_tile.push(tiles.regions.len() as u32);
+        tiles
+    }
+
+    /// Adds the regions that reach into the box from `low` to `high`, in lattice units.
+    fn add_tile(&mut self, regions: &[Vec<LatticePlane>], (low, high): (DVec3, DVec3)) {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        for (region, number) in regions.iter().zip(0..) {
+            let first = self.planes.len();
+            let mut reaches_in = true;
+            for plane in region {
+                let distance = plane.normal.dot(middle) + plane.at_origin;
+                let reach = plane.normal.abs().dot(half);
+                if distance - reach > ON_CRACK {
+                    reaches_in = false;
+                    break;
+                }
+                if distance + reach > 0.0 {
+                    self.planes.push(*plane);
+                }
+            }
+            if reaches_in {
+                self.regions.push((number, self.planes.len() as u32));
+            } else {
+                self.planes.truncate(first);
+            }
+        }
+    }
+
+    /// The intervals of a row within the bounds that lie inside of a region or on its cracks, in order.
+    fn claim_row(&self, [j, k]: [usize; 2], (first, last): (i64, i64), claims: &mut Vec<Claim>) {
+        claims.clear();
+        let tile = j / TILE + self.count_y * (k / TILE);
+        let regions = self.first_of_tile[tile] as usize..self.first_of_tile[tile + 1] as usize;
+        let mut plane = if regions.start == 0 { 0 } else { self.regions[regions.start - 1].1 } as usize;
+        let (y, z) = (j as f64, k as f64);
+        for &(region, end) in &self.regions[regions] {
+            let planes = &self.planes[plane..end as usize];
+            plane = end as usize;
+            let (mut low, mut high) = (first as f64, last as f64);
+            for plane in planes {
+                let at_row = ON_CRACK - (plane.normal.y * y + plane.normal.z * z + plane.at_origin);
+                if plane.per_slope > 0.0 {
+                    high = high.min(at_row * plane.per_slope);
+                } else if plane.per_slope < 0.0 {
+                    low = low.max(at_row * plane.per_slope);
+                } else if at_row < 0.0 {
+                    high = f64::NEG_INFINITY;
+                }
+            }
+            if low > high {
+                continue;
+            }
+            let (low, high) = (ceil(low), floor(high));
+            if low <= high {
+                let place = claims.partition_point(|claim: &Claim| claim.low <= low);
+                claims.insert(place, Claim { low, high, region });
+            }
+        }
+    }
+}
+
+/// The box of the material in a tile of rows, in lattice units.
+fn tile_bounds(solid: &GridSolid, [tile_y, tile_z]: [usize; 2]) -> Option<(DVec3, DVec3)> {
+    let dims = solid.grid().dims;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for k in tile_z * TILE..((tile_z + 1) * TILE).min(dims[2]) {
+        for j in tile_y * TILE..((tile_y + 1) * TILE).min(dims[1]) {
+            let spans = solid.material().row(j + dims[1] * k);
+            if let (Some(first), Some(last)) = (spans.first(), spans.last()) {
+                low = low.min(DVec3::new(f64::from(first.start), j as f64, k as f64));
+                high = high.max(DVec3::new(f64::from(last.end - 1), j as f64, k as f64));
+            }
+        }
+    }
+    (low.x <= high.x).then_some((low, high))
+}
+
+/// The largest whole number that is not above `x`, without a call into the platform's library.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(x < towards_zero as f64)
+}
+
+/// The least whole number that is not below `x`.
+#[inline]
+fn ceil(x: f64) -> i64 {
+    -floor(-x)
+}
+
+/// Makes claims that are in order cover each node within the bounds once: the nearest region has it.
+fn settle(
     grid: &Grid,
     [j, k]: [usize; 2],
-    (first, last): (usize, usize),
+    (first, last): (i64, i64),
     regions: &[Region],
-    labels: &mut [u32],
+    claims: &mut Vec<Claim>,
 ) {
-    let origin = grid.node(0, j, k);
-    for (region, label) in regions.iter().zip(0..) {
-        let Some((low, high)) = row_interval(&region.cuts, origin, grid.spacing, (first as f64, last as f64))
-        else {
-            continue;
-        };
-        for claimed in &mut labels[low..=high] {
-            *claimed = if *claimed == NONE { label } else { CONTESTED };
-        }
+    let seamless = claims.windows(2).all(|pair| pair[0].high + 1 == pair[1].low);
+    let ends = claims.first().map(|claim| claim.low) == Some(first)
+        && claims.last().map(|claim| claim.high) == Some(last);
+    if seamless && ends {
+        return;
     }
-    for i in first..=last {
-        if labels[i] >= CONTESTED {
-            let nearest = nearest_region(regions, grid.node(i, j, k));
-            labels[i] = nearest.map_or(0, |region| region as u32);
+    let nearest = |i: i64| {
+        let nearest = nearest_region(regions, grid.node(i as usize, j, k));
+        nearest.map_or(0, |region| region as u32)
+    };
+    let claimed = std::mem::take(claims);
+    let mut push = |low: i64, high: i64, region: u32| match claims.last_mut() {
+        Some(claim) if claim.region == region => claim.high = high,
+        _ => claims.push(Claim { low, high, region }),
+    };
+    let mut next = first;
+    for (at, claim) in claimed.iter().enumerate() {
+        // What nobody claims before this one, and what it shares with others.
+        for i in next..claim.low {
+            push(i, i, nearest(i));
         }
-    }
-}
-
-/// First and last node within the bounds, counted along x from `origin`, that lie inside of all cuts or on them.
-fn row_interval(cuts: &[Cut], origin: DVec3, spacing: f64, bounds: (f64, f64)) -> Option<(usize, usize)> {
-    // In units of the spacing: a node this close to a crack counts as on it.
-    const ON_CRACK: f64 = 1e-9;
-    let (mut low, mut high) = bounds;
-    for cut in cuts {
-        let HalfSpace { normal, .. } = cut.half_space;
-        let at_origin = cut.half_space.distance(origin) / spacing;
-        let slope = normal.x;
-        if slope.abs() < ON_CRACK * 1e-3 {
-            if at_origin > ON_CRACK {
-                return None;
+        let others = || claimed.iter().enumerate().filter(|&(other, _)| other != at);
+        let mut i = next.max(claim.low);
+        while i <= claim.high {
+            if others().any(|(_, other)| other.low <= i && i <= other.high) {
+                push(i, i, nearest(i));
+                i += 1;
+            } else {
+                let next_other = others().map(|(_, other)| other.low).filter(|&low| low > i).min();
+                let end = next_other.map_or(claim.high, |low| claim.high.min(low - 1));
+                push(i, end, claim.region);
+                i = end + 1;
             }
-        } else if slope > 0.0 {
-            high = high.min((ON_CRACK - at_origin) / slope);
-        } else {
-            low = low.max((ON_CRACK - at_origin) / slope);
         }
-        if low > high {
-            return None;
-        }
+        next = next.max(claim.high + 1);
     }
-    let (low, high) = (low.ceil() as usize, high.floor() as usize);
-    (low <= high).then_some((low, high))
+    for i in next..=last {
+        push(i, i, nearest(i));
+    }
 }

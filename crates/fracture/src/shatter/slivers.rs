@@ -1,8 +1,8 @@
 //! Fragments too small for the grid join a neighbour. Nothing vanishes.
 
 use super::{
-    components::{Components, neighbours},
-    regions::NONE,
+    components::{Components, rows_beside},
+    regions::{NONE, Shares},
 };
 use frangible_geometry::GridSolid;
 use frangible_geometry::disjoint_sets::DisjointSets;
@@ -16,27 +16,32 @@ pub(crate) struct Pieces {
     pub(crate) components: Vec<Vec<u32>>,
 }
 
+/// A share: its row and its index.
+type Place = (usize, usize);
+
 /// Merges each component of less than `smallest` voxels of material with the neighbour with which it shares the most
 /// voxel faces, the lightest first. One that touches no other stays as it is.
-pub(crate) fn merge_slivers(solid: &GridSolid, components: &Components, smallest: f64) -> Pieces {
-    // Material of each component, in voxels.
+pub(crate) fn merge_slivers(
+    solid: &GridSolid,
+    shares: &Shares,
+    components: &Components,
+    smallest: f64,
+) -> Pieces {
+    let material = &components.material;
     let count = components.region.len();
-    let mut material = vec![0.0; count];
-    for (&component, &coverage) in components.of_node.iter().zip(&solid.coverage) {
-        if component != NONE {
-            material[component as usize] += f64::from(coverage);
-        }
-    }
     let mut sets = DisjointSets::new(count);
-    let mut nodes = sliver_nodes(components, &material, smallest);
+    let mut slivers: Vec<u32> = (0..count as u32).filter(|&c| material[c as usize] < smallest).collect();
+    if slivers.is_empty() {
+        return number_pieces(&mut sets, material);
+    }
+    let mut places = sliver_places(shares, components, smallest);
     let mut of_set = material.clone();
 
     // Merge the lightest sliver until each has grown up or stands alone.
-    let mut slivers: Vec<u32> = (0..count as u32).filter(|&c| material[c as usize] < smallest).collect();
     while let Some(at) = lightest(&slivers, &of_set) {
         let sliver = slivers.swap_remove(at);
-        let own_nodes = std::mem::take(&mut nodes[sliver as usize]);
-        let Some(host) = closest_neighbour(solid, components, &mut sets, sliver, &own_nodes) else {
+        let own = std::mem::take(&mut places[sliver as usize]);
+        let Some(host) = closest_neighbour(solid, shares, components, &mut sets, &own) else {
             continue;
         };
         sets.unite(sliver, host);
@@ -44,25 +49,28 @@ pub(crate) fn merge_slivers(solid: &GridSolid, components: &Components, smallest
         let sum = of_set[sliver as usize] + of_set[host as usize];
         slivers.retain(|&other| other != host);
         if sum < smallest {
-            let mut all = std::mem::take(&mut nodes[host as usize]);
-            all.extend(own_nodes);
-            nodes[merged as usize] = all;
+            let mut all = std::mem::take(&mut places[host as usize]);
+            all.extend(own);
+            places[merged as usize] = all;
             slivers.push(merged);
         }
         of_set[merged as usize] = sum;
     }
-    number_pieces(&mut sets, &material)
+    number_pieces(&mut sets, material)
 }
 
-/// The nodes of each component that is a sliver; none for the others.
-fn sliver_nodes(components: &Components, material: &[f64], smallest: f64) -> Vec<Vec<usize>> {
-    let mut nodes = vec![Vec::new(); material.len()];
-    for (node, &component) in components.of_node.iter().enumerate() {
-        if component != NONE && material[component as usize] < smallest {
-            nodes[component as usize].push(node);
+/// The shares of each component that is a sliver; none for the others.
+fn sliver_places(shares: &Shares, components: &Components, smallest: f64) -> Vec<Vec<Place>> {
+    let mut places = vec![Vec::new(); components.region.len()];
+    for row in 0..shares.rows() {
+        for at in shares.row(row) {
+            let component = components.of_share[at] as usize;
+            if components.material[component] < smallest {
+                places[component].push((row, at));
+            }
         }
     }
-    nodes
+    places
 }
 
 /// Where in the list the lightest sliver is; the least number of equals.
@@ -71,27 +79,35 @@ fn lightest(slivers: &[u32], material: &[f64]) -> Option<usize> {
     (0..slivers.len()).min_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(slivers[a].cmp(&slivers[b])))
 }
 
-/// The set that shares the most voxel faces with a sliver's nodes, the least number of equals.
+/// The set that shares the most voxel faces with a sliver's shares, the least number of equals.
 fn closest_neighbour(
     solid: &GridSolid,
+    shares: &Shares,
     components: &Components,
     sets: &mut DisjointSets,
-    sliver: u32,
-    nodes: &[usize],
+    sliver: &[Place],
 ) -> Option<u32> {
-    let mut faces: Vec<(u32, usize)> = Vec::new();
-    for &node in nodes {
-        for other in neighbours(solid.level_set.grid(), node) {
-            let component = components.of_node[other];
-            if component == NONE {
-                continue;
+    let own = sets.root(components.of_share[sliver.first()?.1]);
+    let mut faces: Vec<(u32, u32)> = Vec::new();
+    let mut count = |other: usize, touching: u32| {
+        let set = sets.root(components.of_share[other]);
+        if set != own && touching > 0 {
+            match faces.iter_mut().find(|(known, _)| *known == set) {
+                Some((_, count)) => *count += touching,
+                None => faces.push((set, touching)),
             }
-            let set = sets.root(component);
-            if set != sliver {
-                match faces.iter_mut().find(|(known, _)| *known == set) {
-                    Some((_, count)) => *count += 1,
-                    None => faces.push((set, 1)),
-                }
+        }
+    };
+    for &(row, at) in sliver {
+        let span = shares.all[at].span;
+        for other in shares.row(row) {
+            let there = shares.all[other].span;
+            count(other, u32::from(there.end == span.start || span.end == there.start));
+        }
+        for beside in rows_beside(solid.grid(), row) {
+            for other in shares.row(beside) {
+                let there = shares.all[other].span;
+                count(other, there.end.min(span.end).saturating_sub(there.start.max(span.start)));
             }
         }
     }

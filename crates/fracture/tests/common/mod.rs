@@ -23,7 +23,7 @@ pub fn solid(shape: &Shape) -> &GridSolid {
 /// A formula on a grid, with samples two voxels apart.
 pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
     let solid = GridSolid::from_closed_form(form, voxels, 2).unwrap();
-    let spacing = 2.0 * solid.level_set.grid().spacing;
+    let spacing = 2.0 * solid.grid().spacing;
     Shape::from_grid_solid(solid, Shape::closed_form(form, spacing).samples().to_vec()).unwrap()
 }
 
