@@ -3,6 +3,7 @@
 //! There is no time here and no list of bodies. Lengths are metres, except in a pattern, which is scaled onto the body.
 
 pub mod align;
+pub mod bonds;
 mod cell_mesh;
 pub mod generators;
 pub mod interfaces;
@@ -14,9 +15,11 @@ pub mod rough;
 pub mod shapes;
 pub mod shatter;
 pub mod shatter_hull;
+pub mod stress;
 pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
+pub use bonds::{BondStrength, Giving, Glued, PointLoad};
 pub use generators::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 pub use interfaces::{Interface, interfaces};
 pub use noise::Noise;
