@@ -4,7 +4,7 @@ use crate::contact_rows::Arm;
 use crate::detection::{ContactPoint, NearSamples};
 use crate::first_contact::first_contact;
 use crate::manifold::{ManifoldPoint, find_manifolds};
-use crate::pair::{Approach, Pair, approach_at, deepest_approach, impulse_for, placed};
+use crate::pair::{Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
 use crate::tally::Cause;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose, Tally};
@@ -100,19 +100,53 @@ pub fn strike(
             continue;
         };
 
-        // What is borne acts, and is no more than the energy allows.
-        let mut impulse = impulse.scaled(borne);
-        if frame.settings.impulse_clamp {
-            impulse = impulse.clamped_to_energy(bodies, pair, &approach, &bodies.velocities, tally);
-        }
-        tally.book_impulse(bodies, pair, &approach, &impulse, (&bodies.velocities, Cause::Collision));
-        impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
+        // What is borne acts.
+        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, tally);
         for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
             broken[i] |= blow.is_some();
             blows.extend(blow);
         }
     }
     blows
+}
+
+/// A collision within the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Coming {
+    /// As seen at the frame's start.
+    pub approach: Approach,
+    /// What would stop it.
+    pub impulse: PairImpulse,
+    /// Where the two touch, in the world frame [m], and where they are then.
+    pub point: DVec3,
+    /// See `point`.
+    pub poses: [Pose; 2],
+}
+
+/// The collision that a pair is about to have on its way to `predicted`, if any.
+pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<Coming> {
+    let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, frame)?;
+    let surfaces = bodies.pair_contactant(pair.first, pair.second);
+    let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
+    Some(Coming { approach, impulse, point: contact.point, poses })
+}
+
+/// Lets an impulse act on a pair before the frame moves it, and books it: no more of it than the energy allows.
+pub fn pass_on(
+    bodies: &mut Bodies,
+    pair: Pair,
+    approach: &Approach,
+    impulse: &PairImpulse,
+    frame: &Frame,
+    tally: &mut Tally,
+) {
+    let impulse = if frame.settings.impulse_clamp {
+        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, tally)
+    } else {
+        *impulse
+    };
+    tally.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
+    impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
 /// How a pair approaches where it will touch first within the frame, seen at its start, and the touch itself.

@@ -10,6 +10,7 @@ pub mod broad_phase;
 pub mod collisions;
 mod compound_contact;
 pub mod contact;
+pub mod contact_forces;
 pub mod contact_graph;
 mod contact_rows;
 pub mod detection;

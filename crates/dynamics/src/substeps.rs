@@ -9,7 +9,7 @@ use crate::{Bodies, Frame, PairContactant, Tally};
 use glam::DVec3;
 
 /// Substeps of a frame: with four, stacks of ten drift by centimetres.
-const SUBSTEPS: u32 = 8;
+pub(crate) const SUBSTEPS: u32 = 8;
 
 /// Natural frequency of soft contact at up to four points [Hz], limited to a quarter of the substeps' rate. More points share its
 /// stiffness. At 30 an elevator's stack sinks by more than a millimetre, at 60 stacks sway.

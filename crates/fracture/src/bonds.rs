@@ -1,9 +1,11 @@
 //! Pieces that are glued together, and when the glue gives way.
 
+use crate::align::align_pattern;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
-use crate::{Fragment, Interface, interfaces};
-use frangible_geometry::{Hull, RigidTransform, Shape};
-use glam::DVec3;
+use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, interfaces, shatter_hull};
+use frangible_geometry::mass_properties::outer;
+use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, RigidTransform, Shape};
+use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// What a bond bears [Pa].
@@ -163,6 +165,61 @@ impl Glued {
         members.iter().enumerate().map(part).collect()
     }
 
+    /// What the points of one contact carry, spread over the faces of pieces that lie in it: a flat contact has few points, but presses
+    /// everywhere, by so much more towards one side that the middle of its pressure stays where it is. Contacts that are not flat, or
+    /// of fewer than three points, stay as they are.
+    pub fn spread(&self, contact: Vec<PointLoad>) -> Vec<PointLoad> {
+        let force: DVec3 = contact.iter().map(|load| load.force).sum();
+        let Some(normal) = force.try_normalize().filter(|_| contact.len() >= 3) else { return contact };
+        let weights = || contact.iter().map(|load| load.force.dot(normal));
+        let total: f64 = weights().sum();
+        let middle =
+            contact.iter().zip(weights()).map(|(load, weight)| weight / total * load.point).sum::<DVec3>();
+
+        // Faces in the plane of the points and in their box. Friction leans the force, and faces lie across their own normals.
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for load in &contact {
+            (low, high) = (low.min(load.point), high.max(load.point));
+        }
+        let close = FLAT * (high - low).max_element();
+        let mut faces: Vec<(DVec3, f64)> = Vec::new();
+        for face in self.hulls.iter().flat_map(|hull| (0..hull.faces().len()).map(move |at| (hull, at))) {
+            let (hull, plane) = (face.0, face.0.face(face.1).plane);
+            let holds_all = contact.iter().all(|load| plane.distance(load.point).abs() <= close);
+            if holds_all && plane.normal.dot(normal) < 0.0 {
+                let corners: Vec<DVec3> = hull
+                    .face(face.1)
+                    .vertices
+                    .iter()
+                    .map(|&vertex| hull.vertices()[vertex as usize])
+                    .collect();
+                let (area, centroid) = area_and_centroid(&corners);
+                if centroid.cmpge(low - close).all() && centroid.cmple(high + close).all() {
+                    faces.push((centroid, area));
+                }
+            }
+        }
+
+        // The share of each face is its area's, and a gradient's that moves the middle to where it was.
+        let area: f64 = faces.iter().map(|face| face.1).sum();
+        if faces.is_empty() || area <= 0.0 {
+            return contact;
+        }
+        let center = faces.iter().map(|(at, part)| *part / area * *at).sum::<DVec3>();
+        let mut second = DMat3::ZERO;
+        for (at, part) in &faces {
+            second += outer(*at - center, *at - center) * (*part / area);
+        }
+        // Across the plane, and along a row of faces, there is no gradient to be had.
+        second += DMat3::IDENTITY * (FLAT * (high - low).length_squared());
+        let gradient = second.inverse() * (middle - center);
+        let share = |(at, part): (DVec3, f64)| PointLoad {
+            point: at,
+            force: force * (part / area * (1.0 + gradient.dot(at - center))),
+        };
+        faces.into_iter().map(share).collect()
+    }
+
     /// The piece that a point lies in, or is nearest to.
     fn piece_at(&self, point: DVec3) -> Option<usize> {
         let distance = |hull: &Hull| hull.distance_and_gradient(point).0;
@@ -173,13 +230,62 @@ impl Glued {
     }
 }
 
+/// The pieces of a body that is one convex polyhedron or several, in the frame of its grid: each cut along a pattern, that is laid on
+/// the body as for an impact, if there is one. `None` if the body, or a cell of the pattern, is not made of convex polyhedra.
+pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Vec<Hull>> {
+    let parts: Vec<Hull> = match &body.geometry {
+        Geometry::Compound(compound) => compound.parts().iter().map(|part| part.hull.clone()).collect(),
+        _ => vec![body.breaks_as()?.clone()],
+    };
+    let Some(pattern) = pattern else { return Some(parts) };
+    pattern.planar()?;
+    if body.breaks_as().is_some() {
+        let hull = |fragment: Fragment| fragment.shape.breaks_as().cloned();
+        return shatter_hull(body, pattern, impact, &ShatterSettings::default())
+            .into_iter()
+            .map(hull)
+            .collect();
+    }
+
+    // Each part of a compound is cut by itself.
+    let regions = align_pattern(pattern, impact, body);
+    let mut clipper = Clipper::default();
+    let mut pieces = Vec::new();
+    for part in &parts {
+        for region in &regions {
+            let cuts: Vec<HalfSpace> = region.cuts.iter().map(|cut| cut.half_space).collect();
+            let piece = clipper.clipped(part, &cuts);
+            pieces.extend(piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume));
+        }
+    }
+    Some(pieces)
+}
+
+/// Of a convex polygon: area [m^2] and centroid [m].
+fn area_and_centroid(corners: &[DVec3]) -> (f64, DVec3) {
+    let Some(&origin) = corners.first() else { return (0.0, DVec3::ZERO) };
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for pair in corners.windows(2) {
+        let part = 0.5 * (pair[0] - origin).cross(pair[1] - origin).length();
+        area += part;
+        moment += part * (origin + pair[0] + pair[1]) / 3.0;
+    }
+    (area, if area > 0.0 { moment / area } else { origin })
+}
+
+/// How far from a plane, relative to a contact's extent, its points and a face may lie to be in it.
+const FLAT: f64 = 1e-3;
+
+/// Part of a body's volume below which a piece is rounding.
+const SMALLEST_PIECE: f64 = 1e-12;
+
 /// A bond for each face that two hulls share.
 fn touching(hulls: &[Hull]) -> Vec<Interface> {
     let fragment = |hull: &Hull| {
         let (low, high) = hull.bounds();
         let shape = Shape::convex(hull.clone(), (high - low).max_element()).ok()?;
         let parent_from_fragment: RigidTransform = shape.body_from_grid.inverse();
-        Some(Fragment { shape, parent_from_fragment })
+        Some(Fragment { shape, parent_from_fragment, cell: 0 })
     };
     let fragments: Option<Vec<Fragment>> = hulls.iter().map(fragment).collect();
     fragments.map(|fragments| interfaces(&fragments)).unwrap_or_default()

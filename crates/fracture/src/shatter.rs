@@ -93,7 +93,7 @@ pub fn shatter(
 
 impl Fragment {
     /// Where it was in its parent, whose grid frame is the shape's.
-    pub(crate) fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
+    pub fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
         let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());
         Self { shape, parent_from_fragment, cell }
     }

@@ -45,7 +45,7 @@ pub struct Stress {
 /// Shear modulus over Young's: of Poisson's ratio 0.25, which stone and concrete have.
 const SHEAR_MODULUS: f64 = 0.4;
 
-/// Of a square with area 1: its second moment, section modulus, torsion constant and torsional section modulus [Roark, table 10.1].
+/// Of a square with area 1: its second moment, section modulus, torsion constant and torsional section modulus [YB02, table 10.1].
 const SECOND_MOMENT: f64 = 1.0 / 12.0;
 const SECTION_MODULUS: f64 = 1.0 / 6.0;
 const TORSION_CONSTANT: f64 = 0.1406;

@@ -131,11 +131,12 @@ fn fragment_label(
             strength: strength(),
             ..breaking.clone()
         }),
+        bonds: None,
     }
 }
 
 /// The body that a fragment becomes: where it was in its parent, moving as it did there.
-fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Label) -> NewBody {
+pub(crate) fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Label) -> NewBody {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let world_from_fragment = pose.world_from_body().after(&fragment.parent_from_fragment);
     let pose_fragment = Pose {
@@ -164,7 +165,11 @@ fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Lab
 }
 
 /// How far the fragments' sums are from the parent's.
-fn imbalance<'a>(bodies: &Bodies, parent: usize, fragments: impl Iterator<Item = &'a NewBody>) -> Imbalance {
+pub(crate) fn imbalance<'a>(
+    bodies: &Bodies,
+    parent: usize,
+    fragments: impl Iterator<Item = &'a NewBody>,
+) -> Imbalance {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let mass = bodies.masses[parent];
     let spin = bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);

@@ -1,6 +1,7 @@
 //! From a description to a world: everything is checked here, so that nothing can fail later.
 
 use crate::World;
+use crate::bonds::{Bonds, build_bonds};
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
@@ -98,7 +99,13 @@ fn build_body(
     let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
     let pose =
         Pose { position: world_from_body.translation, orientation: world_from_body.rotation.normalize() };
+    let bonds = match &desc.bonds {
+        Some(bonds) => Some(build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"))?),
+        None => None,
+    };
+    let is_anchored = bonds.as_ref().is_some_and(Bonds::is_anchored);
     let (motion, velocity) = match desc.motion {
+        _ if is_anchored => (Motion::Static, Velocity::default()),
         MotionDesc::Dynamic => {
             (Motion::Dynamic, Velocity::spinning(linear, angular, pose.orientation, &shape, density))
         }
@@ -106,7 +113,7 @@ fn build_body(
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
     let contactant = Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
-    let label = Label { name: desc.name.clone(), parent: None, breaking };
+    let label = Label { name: desc.name.clone(), parent: None, breaking, bonds };
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
 }
 

@@ -77,6 +77,9 @@ pub struct BodyDesc {
     /// How it breaks, if it can.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub breaking: Option<BreakingDesc>,
+    /// The glue between the pieces that it is made of, if it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bonds: Option<BondsDesc>,
 }
 
 /// What decides where a body goes.
@@ -289,6 +292,38 @@ impl MaterialName {
     }
 }
 
+/// A body of glued pieces: a bond for each face that two of them share. It moves as one body until bonds break.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BondsDesc {
+    /// How a box, a hull or a compound is cut into pieces; without it, a compound's parts are the pieces.
+    #[serde(default)]
+    pub pattern: Option<PatternDesc>,
+    /// What the pattern's centre is laid on, in the shape's own frame [m]; the middle of the shape, unless told otherwise.
+    #[serde(default)]
+    pub point: Option<[f64; 3]>,
+    /// Along which the pattern's own normal is laid, in the shape's frame; need not be of unit length.
+    #[serde(default = "defaults::up")]
+    pub normal: [f64; 3],
+    /// The stress across a bond, by pulling and bending, that it bears [Pa].
+    pub tensile_strength: f64,
+    /// The stress along a bond, by shearing and twisting, that it bears [Pa].
+    pub shear_strength: f64,
+    /// Pieces whose centre lies in one of these boxes are fixed to the world. Without any, the body moves freely.
+    #[serde(default)]
+    pub anchors: Vec<AnchorDesc>,
+}
+
+/// A box along the world's axes, where things are fixed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnchorDesc {
+    /// Lowest corner [m].
+    pub low: [f64; 3],
+    /// Highest corner [m].
+    pub high: [f64; 3],
+}
+
 /// How space is prescored [Su09 sec. 4.3]: a generator with its parameters, each of which has a default, or a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -329,6 +364,9 @@ mod defaults {
     }
     pub(super) fn orientation() -> [f64; 4] {
         [0.0, 0.0, 0.0, 1.0]
+    }
+    pub(super) fn up() -> [f64; 3] {
+        [0.0, 1.0, 0.0]
     }
     /// Concrete [kg/m^3].
     pub(super) fn density() -> f64 {
@@ -415,6 +453,7 @@ impl BodyDesc {
             spinning_friction: 0.0,
             restitution: defaults::half(),
             breaking: None,
+            bonds: None,
         }
     }
 

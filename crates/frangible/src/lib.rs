@@ -19,6 +19,7 @@
 //! # Ok::<(), frangible::BuildError>(())
 //! ```
 
+mod bonds;
 mod books;
 mod break_bodies;
 mod build;
@@ -32,10 +33,11 @@ mod step;
 mod strength;
 mod world;
 
+pub use bonds::Bonds;
 pub use check::BuildError;
 pub use desc::{
-    BodyDesc, BreakingDesc, MaterialDesc, MaterialName, Method, MotionDesc, PartDesc, PatternDesc,
-    PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
+    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, Method, MotionDesc, PartDesc,
+    PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
 };
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;

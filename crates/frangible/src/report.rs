@@ -136,7 +136,7 @@ pub struct Impulses {
 pub struct Fracture {
     /// Who broke; it lives no longer.
     pub body: u64,
-    /// Who struck.
+    /// Who struck; the body itself if its bonds gave way under what they carried.
     pub striker: u64,
     /// Where the two first touched on their way through the frame, in the world frame [m]. The fracture is centred on the
     /// material that was there then.

@@ -1,6 +1,7 @@
 //! One frame.
 
 use crate::World;
+use crate::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::books::{Totals, gravity_impulse};
 use crate::break_bodies::break_bodies;
 use crate::desc::Method;
@@ -10,6 +11,7 @@ use frangible_dynamics::blows::{Blow, strike};
 use frangible_dynamics::broad_phase::{find_pairs, find_swept_pairs};
 use frangible_dynamics::collisions::{Collisions, Response, predict};
 use frangible_dynamics::contact::{Contact, Phase};
+use frangible_dynamics::contact_forces::contact_forces;
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
@@ -27,10 +29,15 @@ use std::time::Instant;
 /// the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
+    let Freed { fractures: mut freed, felt } = free_overloaded(world, &frame);
     let before = Totals::of(&world.bodies, &frame);
     let opening = Opening::new(&world.bodies, &frame);
     let bank = world.ledger.bank();
     let mut clock = StageClock::new();
+
+    // Bonds give way to blows.
+    let (mut broken, bonds_tally) = strike_bonds(world, felt, &frame);
+    clock.lap("strike_bonds");
 
     // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet their striker in the
     // frame that made them.
@@ -40,9 +47,11 @@ pub fn step(world: &mut World) -> StepReport {
     };
     let Moved { fractures, flight, gravity, mut tally } = moved;
     world.end_sparing();
+    tally.add(bonds_tally);
+    broken.extend(fractures);
 
     // Balance the energy of every island.
-    tally.links.extend(fractures.iter().flat_map(Fracture::links));
+    tally.links.extend(broken.iter().flat_map(Fracture::links));
     let balance = world.ledger.balance(&mut world.bodies, &opening, &flight, &frame, &mut tally);
     clock.lap("balance_energy");
 
@@ -73,7 +82,10 @@ pub fn step(world: &mut World) -> StepReport {
             discarded: tally.discarded,
             withheld: tally.withheld,
         },
-        fractures,
+        fractures: {
+            freed.extend(broken);
+            freed
+        },
         quarantined,
         penetrations,
         stages: clock.laps,
@@ -147,6 +159,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
     tally.add(solved_tally);
+    let forces = contact_forces(bodies, &manifolds, warm, frame);
+    note_carried(world, &forces);
     clock.lap("solve");
     Moved { fractures, flight, gravity, tally }
 }

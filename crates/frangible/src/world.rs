@@ -1,5 +1,6 @@
 //! The world: bodies, how they break, and the books.
 
+use crate::bonds::Bonds;
 use crate::books::{Books, Totals};
 use crate::check::{BuildError, Checker};
 use crate::desc::Method;
@@ -41,6 +42,8 @@ pub struct Label {
     pub parent: Option<BodyId>,
     /// How it breaks, if it can.
     pub breaking: Option<Breaking>,
+    /// The pieces that it is glued together of, if it is.
+    pub bonds: Option<Bonds>,
 }
 
 /// How a body breaks.

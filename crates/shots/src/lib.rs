@@ -1,5 +1,6 @@
 //! Scenes that are a demo, a test and a benchmark at once: one file each, one registry.
 
+mod bonded_pillar;
 pub mod claims;
 mod impact;
 mod incline;
@@ -77,6 +78,7 @@ pub const SHOTS: &[Shot] = &[
     wall::BALL,
     impact::IMPACT,
     pillar::PILLAR,
+    bonded_pillar::BONDED_PILLAR,
     plank::PLANK,
     stack::STACK,
     incline::INCLINE,

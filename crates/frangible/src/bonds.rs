@@ -1,0 +1,385 @@
+//! Bodies of glued pieces: one rigid body until a blow, or what they carry, breaks bonds, and islands of pieces from then on.
+
+use crate::World;
+use crate::break_bodies::{fragment_body, imbalance};
+use crate::check::{BuildError, Checker};
+use crate::desc::{BodyDesc, BondsDesc, MotionDesc};
+use crate::patterns::build_pattern;
+use crate::report::{Fracture, Imbalance, id_from_number, id_number};
+use crate::world::Label;
+use frangible_dynamics::blows::{Coming, coming, pass_on};
+use frangible_dynamics::broad_phase::find_swept_pairs;
+use frangible_dynamics::collisions::predict;
+use frangible_dynamics::contact_forces::ContactForce;
+use frangible_dynamics::detection::ContactPoint;
+use frangible_dynamics::pair::{Approach, Pair, PairImpulse};
+use frangible_dynamics::{BodyId, Frame, Motion, NewBody, Tally};
+use frangible_fracture::bonds::prescore;
+use frangible_fracture::{BondStrength, Fragment, Giving, Glued, Impact, PointLoad};
+use frangible_geometry::{Compound, Hull, RigidTransform, Shape};
+use glam::DVec3;
+
+/// How long a blow lasts [s]: stiff bodies of about a metre are in touch for some thousandths of a second (by Hertz's law a ball of
+/// concrete, half a metre in radius and at 5 m/s, for 2 ms). A blow's impulse over this time is its force.
+const IMPACT_TIME: f64 = 2e-3;
+
+/// The pieces that a body is glued together of.
+#[derive(Clone, Debug)]
+pub struct Bonds {
+    glued: Glued,
+    /// What its contacts carried in the last frame, in the pieces' frame.
+    carried: Vec<PointLoad>,
+    /// Between the surface samples of what it breaks into [m].
+    sample_spacing: f64,
+}
+
+impl Bonds {
+    /// Pieces and the bonds that hold, in the frame of the shape that the scene described.
+    pub fn glued(&self) -> &Glued {
+        &self.glued
+    }
+
+    pub(crate) fn is_anchored(&self) -> bool {
+        self.glued.is_anchored()
+    }
+}
+
+/// Cuts a body into pieces and glues them together.
+pub(crate) fn build_bonds(
+    desc: &BondsDesc,
+    body: &BodyDesc,
+    shape: &Shape,
+    world_from_shape: &RigidTransform,
+    at: &Checker,
+) -> Result<Bonds, BuildError> {
+    let strength = BondStrength {
+        tension: at.field("tensile_strength").positive(desc.tensile_strength, "Pa")?,
+        shear: at.field("shear_strength").positive(desc.shear_strength, "Pa")?,
+    };
+    if body.motion != MotionDesc::Dynamic {
+        return Err(
+            at.broken("on a body that is not dynamic", "left out, or the body dynamic: anchors hold it")
+        );
+    }
+    if body.breaking.is_some() {
+        return Err(at.broken("on a body with 'breaking'", "left out, or 'breaking' left out"));
+    }
+    let mut anchors = Vec::with_capacity(desc.anchors.len());
+    for (index, anchor) in desc.anchors.iter().enumerate() {
+        let at = at.field(&format!("anchors[{index}]"));
+        anchors.push((at.field("low").vector(anchor.low, "m")?, at.field("high").vector(anchor.high, "m")?));
+    }
+
+    // Lay the pattern on its point.
+    let middle = shape.body_from_grid.inverse().point(0.5 * (shape.bounds.0 + shape.bounds.1));
+    let point = desc.point.map_or(Ok(middle), |point| at.field("point").vector(point, "m"))?;
+    let at_normal = at.field("normal");
+    let normal = at_normal
+        .vector(desc.normal, "")?
+        .try_normalize()
+        .ok_or_else(|| at_normal.broken("0, 0, 0", "a direction"))?;
+    let impact = Impact {
+        point_body: shape.body_from_grid.point(point),
+        normal_body: shape.body_from_grid.direction(normal),
+    };
+    let pattern = match &desc.pattern {
+        Some(pattern) => Some(build_pattern(pattern, &at.field("pattern"))?),
+        None => None,
+    };
+    let hulls = prescore(shape, pattern.as_ref(), &impact).ok_or_else(|| {
+        at.broken(
+            "on a shape or with a pattern that is not made of convex pieces",
+            "on a box, a hull or a compound, with planar cells",
+        )
+    })?;
+    let is_anchored = |center: DVec3| {
+        let world = world_from_shape.point(center);
+        anchors.iter().any(|(low, high)| low.cmple(world).all() && world.cmple(*high).all())
+    };
+    let glued = Glued::new(hulls, is_anchored, strength);
+    if !anchors.is_empty() && !glued.is_anchored() {
+        return Err(at.field("anchors").broken(
+            "boxes without the centre of a piece",
+            "boxes that hold the centres of the pieces to be fixed",
+        ));
+    }
+    let (low, high) = shape.bounds;
+    let spacing = body.shape.resolution().sample_spacing.unwrap_or(0.1 * (high - low).max_element());
+    Ok(Bonds { glued, carried: Vec::new(), sample_spacing: spacing })
+}
+
+/// What came free before the frame's books were opened.
+#[derive(Default)]
+pub(crate) struct Freed {
+    pub(crate) fractures: Vec<Fracture>,
+    /// What anchored bodies bore of blows, and their strikers have still to feel.
+    pub(crate) felt: Vec<Felt>,
+}
+
+/// An impulse that an anchored body bore.
+pub(crate) struct Felt {
+    striker: BodyId,
+    /// The body, or what is left of it.
+    anchored: BodyId,
+    /// With the striker as the first of the pair.
+    approach: Approach,
+    /// On the striker, at the contact point [N s].
+    at_contact: DVec3,
+}
+
+/// A blow that breaks bonds.
+struct Strike {
+    pair: Pair,
+    coming: Coming,
+    /// The part of its impulse at which the first of them break.
+    borne: f64,
+    /// Which of the pair's bodies have lost bonds.
+    breaks: [bool; 2],
+}
+
+/// A body that has lost bonds.
+struct Broken {
+    body: usize,
+    striker: usize,
+    point: DVec3,
+    impulse: f64,
+    borne: f64,
+}
+
+/// Breaks what its own weight and its contacts overstrain, and anchored bodies that are struck. What was anchored and comes free does so
+/// at rest, before the frame's books are opened: the world that it was a part of has no books.
+pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
+    let mut overloaded = Vec::new();
+    for body in 0..world.bodies.len() {
+        let (field, density) = (field_in_pieces(world, body, frame), world.bodies.densities[body]);
+        let Some(bonds) = &mut world.labels[body].bonds else { continue };
+        let carried = std::mem::take(&mut bonds.carried);
+        if !bonds.glued.give_way(&carried, field, density, Giving::Worst).is_empty() {
+            let point = world.bodies.poses[body].position;
+            overloaded.push(Broken { body, striker: body, point, impulse: 0.0, borne: 0.0 });
+        }
+    }
+    let mut freed = Freed { fractures: fall_apart(world, &overloaded), felt: Vec::new() };
+
+    let strikes = strikes(world, true, frame);
+    for Strike { pair, coming, borne, .. } in &strikes {
+        let at_contact = *borne * coming.impulse.at_contact;
+        let Approach { contact, levers, relative_velocity } = coming.approach;
+        let ids = [pair.first, pair.second].map(|i| world.bodies.ids[i]);
+        if world.bodies.inertias[pair.first].is_infinite() {
+            let contact = ContactPoint { normal: -contact.normal, ..contact };
+            let levers = [levers[1], levers[0]];
+            let approach = Approach { contact, levers, relative_velocity: -relative_velocity };
+            let (anchored, striker) = (ids[0], ids[1]);
+            freed.felt.push(Felt { striker, anchored, approach, at_contact: -at_contact });
+        } else {
+            let (striker, anchored) = (ids[0], ids[1]);
+            freed.felt.push(Felt { striker, anchored, approach: coming.approach, at_contact });
+        }
+    }
+    let fractures = fall_apart(world, &strikes.iter().flat_map(Strike::broken).collect::<Vec<_>>());
+    // A part of what was anchored still is.
+    for felt in &mut freed.felt {
+        let parts = fractures.iter().filter(|fracture| fracture.body == id_number(felt.anchored));
+        let mut parts = parts.flat_map(|fracture| &fracture.fragments).map(|&part| id_from_number(part));
+        let is_fixed =
+            |id: &BodyId| world.bodies.index_of(*id).is_some_and(|i| world.bodies.inertias[i].is_infinite());
+        if let Some(part) = parts.find(is_fixed) {
+            felt.anchored = part;
+        }
+    }
+    freed.fractures.extend(fractures);
+    freed
+}
+
+/// Strikers feel what anchored bodies bore; then bodies that move freely are struck until no more bonds break. Each has passed on, when
+/// its islands come free, the impulse at which its first bonds broke; what is left of the blow acts on the islands.
+pub(crate) fn strike_bonds(world: &mut World, felt: Vec<Felt>, frame: &Frame) -> (Vec<Fracture>, Tally) {
+    let mut tally = Tally::default();
+    for Felt { striker, anchored, approach, at_contact } in felt {
+        let [first, second] = [striker, anchored].map(|id| world.bodies.index_of(id));
+        if let (Some(first), Some(second)) = (first, second) {
+            let impulse = PairImpulse::new(&approach, at_contact);
+            pass_on(&mut world.bodies, Pair { first, second }, &approach, &impulse, frame, &mut tally);
+        }
+    }
+    let mut fractures = Vec::new();
+    for _ in 0..frame.settings.breaking_passes {
+        let strikes = strikes(world, false, frame);
+        if strikes.is_empty() {
+            break;
+        }
+        for Strike { pair, coming, borne, .. } in &strikes {
+            let impulse = coming.impulse.scaled(*borne);
+            pass_on(&mut world.bodies, *pair, &coming.approach, &impulse, frame, &mut tally);
+        }
+        let broken: Vec<Broken> = strikes.iter().flat_map(Strike::broken).collect();
+        fractures.extend(fall_apart(world, &broken));
+    }
+    (fractures, tally)
+}
+
+/// Notes what the contacts of glued bodies carry, those of each pair together: their load in the next frame.
+pub(crate) fn note_carried(world: &mut World, forces: &[ContactForce]) {
+    for of_pair in forces.chunk_by(|a, b| a.pair == b.pair) {
+        let Some(Pair { first, second }) = of_pair.first().map(|force| force.pair) else { continue };
+        for (side, i) in [first, second].into_iter().enumerate() {
+            let Some(bonds) = &mut world.labels[i].bonds else { continue };
+            let pieces_from_body = world.bodies.shapes[i].body_from_grid.inverse();
+            let body_from_world = world.bodies.poses[i].world_from_body().inverse();
+            let load = |force: &ContactForce| {
+                let on_this = if side == 0 { force.force } else { -force.force };
+                PointLoad {
+                    point: pieces_from_body.point(force.points[side]),
+                    force: pieces_from_body.direction(body_from_world.direction(on_this)),
+                }
+            };
+            let loads: Vec<PointLoad> = of_pair.iter().map(load).collect();
+            bonds.carried.extend(bonds.glued.spread(loads));
+        }
+    }
+}
+
+/// The blows of a frame that break bonds of bodies that are, or are not, anchored; those bonds are broken already. No body is in two of
+/// them. What approaches no faster than gravity sets it in motion within a frame rests: its weight is no blow.
+fn strikes(world: &mut World, anchored: bool, frame: &Frame) -> Vec<Strike> {
+    let counts = |world: &World, i: usize| {
+        world.labels[i].bonds.is_some() && world.bodies.inertias[i].is_infinite() == anchored
+    };
+    if !(0..world.bodies.len()).any(|i| counts(world, i)) {
+        return Vec::new();
+    }
+    let predicted = predict(&world.bodies, frame);
+    let at_rest = frame.gravity.length() * frame.dt;
+    let pairs = find_swept_pairs(&world.bodies, &predicted, frame.dt, 2.0 * at_rest * frame.dt);
+    let mut taken = vec![false; world.bodies.len()];
+    let mut strikes = Vec::new();
+    for pair in pairs {
+        let sides = [pair.first, pair.second];
+        let counts = sides.map(|i| counts(world, i));
+        if counts == [false; 2] || sides.iter().any(|&i| taken[i]) {
+            continue;
+        }
+        let Some(coming) = coming(&world.bodies, pair, &predicted, frame) else { continue };
+        if -coming.approach.relative_velocity.dot(coming.approach.contact.normal) <= at_rest {
+            continue;
+        }
+        let strains = [0, 1]
+            .map(|side| if counts[side] { strain(world, sides[side], &coming, side, frame) } else { 0.0 });
+        let worst = strains[0].max(strains[1]);
+        if worst <= 1.0 {
+            continue;
+        }
+        sides.iter().for_each(|&i| taken[i] = true);
+        strikes.push(Strike { pair, coming, borne: 1.0 / worst, breaks: strains.map(|strain| strain > 1.0) });
+    }
+    strikes
+}
+
+/// The worst strain of a body's bonds under a blow; if it is more than they bear, they are broken.
+fn strain(world: &mut World, body: usize, coming: &Coming, side: usize, frame: &Frame) -> f64 {
+    let (orientation, density) = (world.bodies.poses[body].orientation, world.bodies.densities[body]);
+    let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
+    let impulse = if side == 0 { coming.impulse.at_contact } else { -coming.impulse.at_contact };
+    let load = PointLoad {
+        point: pieces_from_body.point(coming.poses[side].world_from_body().inverse().point(coming.point)),
+        force: pieces_from_body.direction(orientation.conjugate() * (impulse / IMPACT_TIME)),
+    };
+    let field = field_in_pieces(world, body, frame);
+    let Some(bonds) = &mut world.labels[body].bonds else { return 0.0 };
+    let strains = bonds.glued.strains(&[load], field, density);
+    let worst = strains.into_iter().fold(0.0, f64::max);
+    if worst > 1.0 {
+        bonds.glued.give_way(&[load], field, density, Giving::All);
+    }
+    worst
+}
+
+impl Strike {
+    fn broken(&self) -> impl Iterator<Item = Broken> {
+        let Self { pair, coming, borne, breaks } = self;
+        let impulse = coming.impulse.at_contact.length();
+        let of = move |side: usize| {
+            let [body, striker] = [[pair.first, pair.second], [pair.second, pair.first]][side];
+            Broken { body, striker, point: coming.point, impulse, borne: *borne * impulse }
+        };
+        [0, 1].into_iter().filter(|&side| breaks[side]).map(of)
+    }
+}
+
+/// Gravity in the frame of a body's pieces [m/s^2].
+fn field_in_pieces(world: &World, body: usize, frame: &Frame) -> DVec3 {
+    let in_body = world.bodies.poses[body].orientation.conjugate() * frame.gravity;
+    world.bodies.shapes[body].body_from_grid.inverse().direction(in_body)
+}
+
+/// Replaces bodies that have lost bonds by the islands that still hold together: where they were, moving as they did. Where one island is
+/// left, nothing but its bonds has changed.
+fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
+    let mut gone = vec![false; world.bodies.len()];
+    let mut born: Vec<(NewBody, Label)> = Vec::new();
+    let mut fractures = Vec::new();
+    for Broken { body, striker, point, impulse, borne } in broken {
+        let Some(bonds) = &world.labels[*body].bonds else { continue };
+        let islands = bonds.glued.islands();
+        if islands.len() < 2 {
+            continue;
+        }
+        gone[*body] = true;
+        let first = born.len();
+        let islands = islands.into_iter().enumerate();
+        born.extend(islands.filter_map(|(index, island)| island_body(world, *body, index, island)));
+        fractures.push(Fracture {
+            body: id_number(world.bodies.ids[*body]),
+            striker: id_number(world.bodies.ids[*striker]),
+            point: point.to_array(),
+            impulse: *impulse,
+            borne: *borne,
+            energy: 0.0,
+            fragments: vec![0; born.len() - first],
+            imbalance: if world.bodies.inertias[*body].is_infinite() {
+                Imbalance::default()
+            } else {
+                imbalance(&world.bodies, *body, born[first..].iter().map(|(body, _)| body))
+            },
+        });
+    }
+    world.remove(&gone);
+    let mut born = born.into_iter();
+    for fracture in &mut fractures {
+        for (id, (body, label)) in fracture.fragments.iter_mut().zip(&mut born) {
+            *id = id_number(world.spawn(body, label));
+        }
+    }
+    fractures
+}
+
+/// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes one.
+fn island_body(world: &World, parent: usize, index: usize, glued: Glued) -> Option<(NewBody, Label)> {
+    let sample_spacing = world.labels[parent].bonds.as_ref()?.sample_spacing;
+    let mut hulls: Vec<Hull> = glued.hulls().iter().map(|hull| Hull::clone(hull)).collect();
+    let shape = if let (1, Some(hull)) = (hulls.len(), hulls.first()) {
+        Shape::convex(hull.clone(), sample_spacing)
+    } else {
+        Shape::compound(Compound::new(std::mem::take(&mut hulls)), sample_spacing)
+    };
+    let shape = shape.ok()?;
+    let is_anchored = glued.is_anchored();
+    let bonds = (!glued.bonds().is_empty()).then(|| Bonds { glued, carried: Vec::new(), sample_spacing });
+    let label = Label {
+        name: format!("{}.{index}", world.labels[parent].name),
+        parent: Some(world.bodies.ids[parent]),
+        breaking: None,
+        bonds,
+    };
+    let mut body = fragment_body(
+        &world.bodies,
+        parent,
+        Fragment::new(&world.bodies.shapes[parent], shape, index as u32),
+        &label,
+    );
+    if is_anchored {
+        body.motion = Motion::Static;
+    }
+    Some((body, label))
+}
