@@ -7,7 +7,7 @@
 Quantities are SI, y is up, quaternions are x, y, z, w.
 """
 
-from ._frangible import BuildError, World, claims, mesh_info, shot_defaults, shot_frames, shot_scene, shots
+from ._frangible import BuildError, Pattern, World, claims, mesh_info, patterns, shot_defaults, shot_frames, shot_scene, shots
 from .cache import CacheError
 from .output import OutputError
 from .recording import Body, Recorder, Recording
@@ -22,6 +22,7 @@ __all__ = [
     "ClaimError",
     "Finding",
     "OutputError",
+    "Pattern",
     "Recorder",
     "Recording",
     "StepReport",
@@ -29,6 +30,7 @@ __all__ = [
     "World",
     "claims",
     "mesh_info",
+    "patterns",
     "run",
     "shot_defaults",
     "shot_frames",

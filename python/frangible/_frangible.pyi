@@ -10,10 +10,12 @@ from .verification import Finding
 
 __all__ = [
     "BuildError",
+    "Pattern",
     "World",
     "check_claim",
     "claims",
     "mesh_info",
+    "patterns",
     "shot_defaults",
     "shot_frames",
     "shot_scene",
@@ -50,6 +52,49 @@ def claims() -> list[tuple[str, str, str]]:
 
 def check_claim(name: str) -> list[Finding]:
     """Measure a claim, on one thread and without the interpreter lock; `KeyError` for an unknown name."""
+
+def patterns() -> list[tuple[str, str]]:
+    """Name and one line for every kind of pattern."""
+
+@final
+class Pattern:
+    """A box broken into cells, around its fracture centre. Lengths are in a unit of its own; z is the collision normal."""
+
+    @staticmethod
+    def named(name: str, *, cells: int | None = None, seed: int | None = None) -> Pattern:
+        """A kind that `patterns` lists, with about so many cells, or one from a file if the name has an ending.
+
+        `BuildError` if there is none of this name, or a number is out of its range.
+        """
+
+    @staticmethod
+    def load(path: str) -> Pattern:
+        """Read a pattern from a file; `BuildError` says what is wrong with it."""
+
+    def save(self, path: str) -> None:
+        """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be written."""
+
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    @property
+    def half_extent(self) -> npt.NDArray[np.float64]:
+        """(3,) half of the box's edge lengths."""
+
+    def is_joint(self, cell: int) -> bool:
+        """Whether a cell is mortar between others; `IndexError` if there is no such cell."""
+
+    def region_mesh(
+        self, cell: int, longest_edge: float = ...
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+        """The closed surface of a cell: vertices (v, 3) and triangles (t, 3); `IndexError` if there is no such cell."""
+
+    def shapes(
+        self,
+    ) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+        """Of each cell (n,): its faces, its corners, its volume, and whether it touches no wall of the box.
+
+        Cells with rough faces count as the plane ones behind them.
+        """
 
 def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read.

@@ -103,6 +103,21 @@ def _parser() -> argparse.ArgumentParser:
     verify.add_argument("claims", nargs="*", metavar="CLAIM", help="names from the table's first column [all]")
     verify.add_argument("--json", action="store_true", help="one JSON object instead of the table")
 
+    pattern = commands.add_parser(
+        "pattern",
+        help="make a fracture pattern, save it and draw it with its pieces pulled apart",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="kinds:\n" + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
+    )
+    pattern.set_defaults(command=_pattern)
+    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb)")
+    pattern.add_argument("--cells", type=_positive(int, "a whole number"), metavar="N", help="about so many pieces [the kind's]")
+    pattern.add_argument("--seed", type=_natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
+    pattern.add_argument(
+        "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
+    )
+    pattern.add_argument("--picture", metavar="FILE", help="a picture beside what --out writes, .png")
+
     shots = commands.add_parser("shots", help="list the shots")
     shots.set_defaults(command=_shots)
 
@@ -213,6 +228,23 @@ def _verify(options: argparse.Namespace) -> int:
 def _tell(verdict: Verdict) -> None:
     result = "holds" if verdict.holds else "does not hold"
     print(f"{verdict.claim} {result}, measured in {verdict.seconds:.3g} s", file=sys.stderr, flush=True)
+
+
+def _pattern(options: argparse.Namespace) -> None:
+    from .pattern import check_pattern_file, describe_pattern, write_pattern
+
+    # Whatever can be wrong is found before anything is drawn.
+    if options.picture is not None and not options.picture.lower().endswith(".png"):
+        raise OutputError(f"--picture: {options.picture}, must end in .png")
+    paths = [*options.out, *([options.picture] if options.picture is not None else [])]
+    for path in paths:
+        check_pattern_file(path)
+    pattern = _frangible.Pattern.named(options.name, cells=options.cells, seed=options.seed)
+    for key, value in describe_pattern(pattern).items():
+        print(f"{key:15} {_readable(value)}")
+    for path in paths:
+        write_pattern(pattern, path)
+        print(f"wrote {path}, {os.path.getsize(path) / 2**20:.3g} MiB", file=sys.stderr)
 
 
 def _shots(_: argparse.Namespace) -> None:

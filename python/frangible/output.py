@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -98,10 +98,16 @@ def open_plot(path: str) -> Output:
 
 
 def _open(path: str, formats: dict[str, _Format], frame: int | None) -> Output:
+    ending = check_destination(path, {ending: form.extra for ending, form in formats.items()})
+    return Output(path, formats[ending].writer, frame)
+
+
+def check_destination(path: str, extras: Mapping[str, str | None]) -> str:
+    """The ending of a file that can be written, given the extra that each known ending needs; `OutputError` if it cannot."""
     folder = os.path.dirname(path) or "."
     ending = os.path.splitext(path)[1].lower()
-    if ending not in formats:
-        known = ", ".join(sorted(formats))
+    if ending not in extras:
+        known = ", ".join(sorted(extras))
         raise OutputError(f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}")
     if not os.path.isdir(folder):
         raise OutputError(f"{path}: the folder {folder!r} does not exist, create it first")
@@ -109,10 +115,10 @@ def _open(path: str, formats: dict[str, _Format], frame: int | None) -> Output:
         raise OutputError(f"{path}: is a folder, must be a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{path}: the folder {folder!r} cannot be written to")
-    form = formats[ending]
-    if form.extra is not None and (hint := missing_packages(form.extra)):
+    extra = extras[ending]
+    if extra is not None and (hint := missing_packages(extra)):
         raise OutputError(f"{path}: {hint}")
-    return Output(path, form.writer, frame)
+    return ending
 
 
 def missing_packages(extra: str) -> str | None:

@@ -192,7 +192,9 @@ fn natural_cells_have_six_faces_and_eight_corners_in_the_mean() {
 /// A wall of 6 x 4 bricks: every other course has a half brick at both ends, and each brick has a joint beside it and above.
 #[test]
 fn bricks_lie_in_running_bond() {
-    let bricks = Bricks { columns: 6, courses: 4, mortar: 0.16, jitter: 0.0, ..Bricks::default() };
+    let half_extent = DVec3::ONE;
+    let bricks =
+        Bricks { columns: 6, courses: 4, mortar: 0.16, jitter: 0.0, half_extent, ..Bricks::default() };
     let pattern = Pattern::bricks(&bricks).unwrap();
     let volumes: Vec<f64> = pattern.cell_shapes().iter().map(|shape| shape.volume).collect();
     // Bricks of 1/3 x 1/2 with joints of 0.08: 6 bricks and 5 joints, or 5 bricks, 2 halves and 6 joints beside them.

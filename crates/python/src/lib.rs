@@ -1,6 +1,7 @@
 //! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi` documents it.
 
 mod convert;
+mod patterns;
 mod world;
 
 use frangible::Method;
@@ -139,6 +140,8 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
 fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BuildError", module.py().get_type::<BuildError>())?;
     module.add_class::<world::World>()?;
+    module.add_class::<patterns::Pattern>()?;
+    module.add_function(wrap_pyfunction!(patterns::patterns, module)?)?;
     module.add_function(wrap_pyfunction!(shots, module)?)?;
     module.add_function(wrap_pyfunction!(shot_defaults, module)?)?;
     module.add_function(wrap_pyfunction!(shot_frames, module)?)?;

@@ -33,7 +33,14 @@ pub struct Bricks {
 impl Default for Bricks {
     fn default() -> Self {
         // A brick of 240 x 71 mm with joints of 12 mm is three times as long as high.
-        Self { columns: 6, courses: 18, mortar: 0.14, jitter: 0.1, seed: 1, half_extent: DVec3::ONE }
+        Self {
+            columns: 6,
+            courses: 18,
+            mortar: 0.14,
+            jitter: 0.1,
+            seed: 1,
+            half_extent: DVec3::new(1.0, 1.0, 0.25),
+        }
     }
 }
 
