@@ -5,6 +5,7 @@
 pub mod align;
 pub mod bonds;
 mod cell_mesh;
+pub mod drawn;
 pub mod generators;
 pub mod interfaces;
 pub mod noise;
@@ -20,6 +21,7 @@ pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
 pub use bonds::{BondStrength, Giving, Glued, PointLoad};
+pub use drawn::Drawn;
 pub use generators::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 pub use interfaces::{Interface, interfaces};
 pub use noise::Noise;

@@ -1,6 +1,6 @@
 //! Fracture patterns: all of space, broken in advance [Su09 sec. 4.1].
 
-use crate::{cell_mesh::CellMesh, polygon, rough::Rough};
+use crate::{cell_mesh::CellMesh, drawn::Drawn, polygon, rough::Rough};
 use frangible_geometry::{HalfSpace, Hull, TriMesh};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,8 @@ pub enum Cells {
     Planar(Vec<Region>),
     /// Such regions with rough faces.
     Rough(Rough),
+    /// Closed meshes.
+    Drawn(Drawn),
 }
 
 /// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because the pattern encloses
@@ -155,7 +157,7 @@ impl Pattern {
     pub fn planar(&self) -> Option<&[Region]> {
         match &self.cells {
             Cells::Planar(regions) => Some(regions),
-            Cells::Rough(_) => None,
+            Cells::Rough(_) | Cells::Drawn(_) => None,
         }
     }
 
@@ -169,6 +171,7 @@ impl Pattern {
         match &self.cells {
             Cells::Planar(regions) => regions.len(),
             Cells::Rough(rough) => rough.regions.len(),
+            Cells::Drawn(drawn) => drawn.meshes().len(),
         }
     }
 
@@ -183,6 +186,7 @@ impl Pattern {
         match &self.cells {
             Cells::Planar(regions) => nearest_region(regions, point),
             Cells::Rough(rough) => rough.region_at(point, self.half_extent),
+            Cells::Drawn(drawn) => drawn.region_at(point),
         }
     }
 
@@ -192,6 +196,7 @@ impl Pattern {
         match &self.cells {
             Cells::Planar(regions) => regions[cell].distance(point),
             Cells::Rough(rough) => rough.distance(cell, point, self.half_extent),
+            Cells::Drawn(drawn) => drawn.distance(cell, point),
         }
     }
 
@@ -210,6 +215,7 @@ impl Pattern {
         match &self.cells {
             Cells::Planar(regions) => CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge),
             Cells::Rough(rough) => rough.cell_mesh(cell, longest_edge, self.half_extent),
+            Cells::Drawn(drawn) => drawn.cell_mesh(cell, self.half_extent).refined(longest_edge),
         }
     }
 
@@ -230,14 +236,16 @@ impl Pattern {
     }
 
     /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a tiling. Rough cells tile as their
-    /// regions do.
+    /// regions do; the meshes of drawn ones may leave small gaps, which their neighbours fill.
     pub fn tiling_defect(&self) -> f64 {
         let e = self.half_extent;
         let whole = 8.0 * e.x * e.y * e.z;
-        let regions = match &self.cells {
-            Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => regions,
+        let parts: f64 = match &self.cells {
+            Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => {
+                regions.iter().map(|region| self.region_volume(region)).sum()
+            }
+            Cells::Drawn(drawn) => drawn.meshes().iter().map(|mesh| mesh.mass_properties().volume).sum(),
         };
-        let parts: f64 = regions.iter().map(|region| self.region_volume(region)).sum();
         (parts - whole).abs() / whole
     }
 }

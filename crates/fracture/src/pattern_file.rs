@@ -5,6 +5,7 @@ use crate::{
     pattern::{Cells, Region},
     rough::Rough,
 };
+use frangible_geometry::{TriMesh, mesh_io};
 use serde::Serialize;
 use std::path::Path;
 
@@ -41,17 +42,26 @@ impl Pattern {
         })
     }
 
-    /// Reads a file that [`Pattern::save`] wrote, or another program: everything is checked.
+    /// Reads a file that [`Pattern::save`] wrote, or another program: everything is checked. A mesh file (.obj, .ply, .stl, .gltf,
+    /// .glb) is a drawn pattern, see [`Pattern::of_parts`].
     ///
     /// # Errors
     /// If the file cannot be read, is not a pattern, or its cells do not tile its box.
     pub fn load(path: &Path) -> Result<Self, PatternError> {
+        let name = path.display().to_string();
+        if path.extension().is_none_or(|ending| ending != "json") {
+            let mesh = mesh_io::load(path);
+            // The sentence about a mesh begins with its name, too.
+            let mesh = mesh.map_err(|error| error.to_string().replacen(&format!("{name}: "), "", 1));
+            let mesh = mesh.map_err(|reason| PatternError::File { path: name.clone(), reason })?;
+            return Self::of_parts(&mesh, &name);
+        }
         let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => "no such file".to_owned(),
             _ => format!("cannot be read: {error}"),
         });
         let pattern = text.and_then(|text| parse(&text));
-        pattern.map_err(|reason| PatternError::File { path: path.display().to_string(), reason })
+        pattern.map_err(|reason| PatternError::File { path: name, reason })
     }
 
     /// Checks what no generator gets wrong; the error completes the sentence that begins with the file.
@@ -88,6 +98,13 @@ impl Pattern {
                     ));
                 }
                 self.check_regions(regions)
+            }
+            Cells::Drawn(drawn) => {
+                let e = self.half_extent;
+                let beyond = drawn.meshes().iter().map(TriMesh::bounds);
+                let beyond = beyond.map(|(low, high)| (high.max(-low) / e).max_element()).fold(0.0, f64::max);
+                let fits = (beyond - 1.0).abs() < MOST_DEFECT;
+                if fits { Ok(()) } else { Err(format!("half_extent: {e}, must be that of the meshes' box")) }
             }
         }
     }

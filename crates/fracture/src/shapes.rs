@@ -2,9 +2,12 @@
 
 use crate::{
     Pattern,
+    cell_mesh::CellMesh,
+    drawn::Drawn,
     pattern::{Cells, Region},
     rough::Rough,
 };
+use glam::DVec3;
 
 /// One cell, as a polyhedron within the pattern's box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,10 +25,46 @@ pub struct CellShape {
 impl Pattern {
     /// The shape of each cell; rough ones count as the plane regions behind them.
     pub fn cell_shapes(&self) -> Vec<CellShape> {
-        let regions = match &self.cells {
-            Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => regions,
-        };
-        regions.iter().map(|region| self.shape_of(region)).collect()
+        match &self.cells {
+            Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => {
+                regions.iter().map(|region| self.shape_of(region)).collect()
+            }
+            Cells::Drawn(drawn) => {
+                (0..drawn.meshes().len()).map(|cell| self.shape_of_drawn(cell, drawn)).collect()
+            }
+        }
+    }
+
+    /// Counts the planes of the triangles, and the vertices at which three of them meet.
+    fn shape_of_drawn(&self, cell: usize, drawn: &Drawn) -> CellShape {
+        let CellMesh { mesh, crack } = drawn.cell_mesh(cell, self.half_extent);
+        // Triangles of one plane in a file of single-precision numbers.
+        let close = 1e-4 * self.half_extent.max_element();
+        let mut planes: Vec<(DVec3, f64)> = Vec::new();
+        let mut planes_at = vec![Vec::new(); mesh.positions.len()];
+        for triangle in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(triangle);
+            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+            let offset = normal.dot(a);
+            let same =
+                |plane: &(DVec3, f64)| plane.0.distance(normal) < 1e-3 && (plane.1 - offset).abs() < close;
+            let number = planes.iter().position(same).unwrap_or_else(|| {
+                planes.push((normal, offset));
+                planes.len() - 1
+            });
+            for vertex in mesh.triangles[triangle] {
+                let known: &mut Vec<usize> = &mut planes_at[vertex as usize];
+                if !known.contains(&number) {
+                    known.push(number);
+                }
+            }
+        }
+        CellShape {
+            faces: planes.len(),
+            corners: planes_at.iter().filter(|planes| planes.len() > 2).count(),
+            volume: mesh.mass_properties().volume,
+            inner: crack.into_iter().all(|crack| crack),
+        }
     }
 
     fn shape_of(&self, region: &Region) -> CellShape {

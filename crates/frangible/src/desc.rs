@@ -342,7 +342,7 @@ pub enum PatternDesc {
     Splinters(Splinters),
     /// Voronoi cells with rough faces.
     Concrete(Concrete),
-    /// A pattern that was saved.
+    /// A pattern that was saved, or drawn.
     File(PatternFile),
 }
 
@@ -350,7 +350,8 @@ pub enum PatternDesc {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternFile {
-    /// A file that [`Pattern::save`](frangible_fracture::Pattern::save) wrote.
+    /// What [`Pattern::load`](frangible_fracture::Pattern::load) reads: a pattern that was saved, or a mesh file, each closed part of
+    /// which is a cell.
     pub path: PathBuf,
 }
 

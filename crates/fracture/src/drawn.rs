@@ -1,0 +1,198 @@
+//! Cells that somebody drew: closed meshes that fill a box.
+
+use crate::{Pattern, PatternError, cell_mesh::CellMesh, pattern::Cells};
+use frangible_geometry::{Grid, LevelSet, TriMesh, mesh_to_level_set};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+mod fit;
+mod parts;
+
+/// Nodes along the longest edge of the box on which the cells' distances are sampled.
+const NODES: f64 = 64.0;
+
+/// Layers of nodes around a cell, so that gradients at its surface are central.
+const MARGIN: f64 = 3.0;
+
+/// A triangle this close to a wall, relative to the box, lies on it: the precision of a file of single-precision numbers.
+const ON_THE_BOX: f64 = 1e-5;
+
+/// Closed meshes, each a cell.
+///
+/// A point belongs to the cell whose surface it is deepest inside of; if it is inside of none, to the nearest. So the cells tile
+/// the box, and all of space, even where the meshes leave small gaps or overlap a little.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "DrawnRecord", into = "DrawnRecord")]
+pub struct Drawn {
+    /// Closed surfaces, outward, pattern frame.
+    meshes: Vec<TriMesh>,
+    /// Signed distance to each, on parts of one lattice.
+    fields: Vec<LevelSet>,
+}
+
+/// Distances are made from the meshes.
+impl PartialEq for Drawn {
+    fn eq(&self, other: &Self) -> bool {
+        self.meshes == other.meshes
+    }
+}
+
+/// What stands in a file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DrawnRecord {
+    meshes: Vec<MeshRecord>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshRecord {
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl From<Drawn> for DrawnRecord {
+    fn from(drawn: Drawn) -> Self {
+        let record = |TriMesh { positions, triangles }| MeshRecord { positions, triangles };
+        Self { meshes: drawn.meshes.into_iter().map(record).collect() }
+    }
+}
+
+impl TryFrom<DrawnRecord> for Drawn {
+    type Error = String;
+
+    fn try_from(record: DrawnRecord) -> Result<Self, String> {
+        let mesh = |MeshRecord { positions, triangles }| TriMesh { positions, triangles };
+        Self::new(record.meshes.into_iter().map(mesh).collect(), DVec3::ZERO)
+    }
+}
+
+impl Pattern {
+    /// A pattern of closed meshes that fill a box, each a cell: what an artist drew. Each is turned outward. `name` begins the
+    /// sentence about what is wrong, in which places are in the meshes' own units.
+    ///
+    /// # Errors
+    /// If a mesh is not closed, or if together they leave a gap in their bounding box, or overlap, by more than a hundredth of
+    /// its longest edge.
+    pub fn drawn(meshes: &[TriMesh], name: &str) -> Result<Self, PatternError> {
+        let wrong = |reason: String| PatternError::File { path: name.to_owned(), reason };
+        let (low, high) =
+            bounds(meshes).ok_or_else(|| wrong("has no cells, must have at least 1".to_owned()))?;
+        let middle = 0.5 * (low + high);
+        let moved = meshes.iter().map(|mesh| TriMesh {
+            positions: mesh.positions.iter().map(|&position| position - middle).collect(),
+            triangles: mesh.triangles.clone(),
+        });
+        let drawn = Drawn::new(moved.collect(), middle).map_err(wrong)?;
+        let half_extent = 0.5 * (high - low);
+        let cells = Cells::Drawn(drawn);
+        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells })
+    }
+
+    /// The cells of a mesh: its connected parts.
+    ///
+    /// # Errors
+    /// See [`Pattern::drawn`].
+    pub fn of_parts(mesh: &TriMesh, name: &str) -> Result<Self, PatternError> {
+        let parts = parts::closed_parts(mesh);
+        let parts = parts.map_err(|reason| PatternError::File { path: name.to_owned(), reason })?;
+        Self::drawn(&parts, name)
+    }
+}
+
+/// Lowest and highest corner of some meshes.
+fn bounds(meshes: &[TriMesh]) -> Option<(DVec3, DVec3)> {
+    meshes.iter().map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+impl Drawn {
+    /// Checks and samples; `origin` is added to the places in a sentence.
+    fn new(mut meshes: Vec<TriMesh>, origin: DVec3) -> Result<Self, String> {
+        let (low, high) = bounds(&meshes).ok_or("has no cells, must have at least 1")?;
+        for (cell, mesh) in meshes.iter_mut().enumerate() {
+            mesh.check(&format!("cell {cell}")).map_err(|error| error.to_string())?;
+            if let Some(place) = parts::open_edge(mesh) {
+                let place = parts::place(place + origin);
+                return Err(format!("cell {cell} is not closed: there is an open edge at {place}"));
+            }
+            if mesh.mass_properties().volume < 0.0 {
+                mesh.flip();
+            }
+        }
+
+        // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill the box.
+        let spacing = (high - low).max_element() / NODES;
+        let sample = |(cell, mesh): (usize, &TriMesh)| {
+            let (cell_low, cell_high) = mesh.bounds();
+            let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;
+            let last = ((cell_high - low) / spacing - 0.5).ceil() + MARGIN;
+            let dims = (last - first).to_array().map(|count| count as usize + 1);
+            let grid = Grid { origin: low + spacing * (first + 0.5), spacing, dims };
+            mesh_to_level_set(mesh, grid).map_err(|error| format!("cell {cell}: {error}"))
+        };
+        let fields = meshes.iter().enumerate().map(sample).collect::<Result<_, _>>()?;
+        let drawn = Self { meshes, fields };
+        fit::check(&drawn, (low, high), spacing, origin)?;
+        Ok(drawn)
+    }
+
+    /// The cells' surfaces, pattern frame.
+    pub fn meshes(&self) -> &[TriMesh] {
+        &self.meshes
+    }
+
+    /// Signed distance to a cell's mesh. Beyond its samples a lower bound: the cell lies within their box, so that it is as far
+    /// from a point as the box is, and as far as it is from the nearest point of the box.
+    fn to_mesh(&self, cell: usize, point: DVec3) -> f64 {
+        let field = &self.fields[cell];
+        let (low, high) = field.grid().bounds();
+        let nearest = point.clamp(low, high);
+        let value = f64::from(field.value(nearest));
+        if nearest == point { value } else { value.max(nearest.distance(point)) }
+    }
+
+    /// The two least distances to the meshes, the cell of the least, and the distance to `cell` itself.
+    fn nearest(&self, point: DVec3) -> [(f64, usize); 2] {
+        let mut least = [(f64::INFINITY, usize::MAX); 2];
+        for cell in 0..self.meshes.len() {
+            let distance = self.to_mesh(cell, point);
+            if distance < least[0].0 {
+                least = [(distance, cell), least[0]];
+            } else if distance < least[1].0 {
+                least[1] = (distance, cell);
+            }
+        }
+        least
+    }
+
+    /// See [`Pattern::region_at`].
+    pub(crate) fn region_at(&self, point: DVec3) -> Option<usize> {
+        let [(_, cell), _] = self.nearest(point);
+        (cell < self.meshes.len()).then_some(cell)
+    }
+
+    /// See [`Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling without gaps that is the distance
+    /// to the crack between the two; less deep beside a wall of the box, and far from
+    /// the crack, where only bounds are known.
+    pub(crate) fn distance(&self, cell: usize, point: DVec3) -> f64 {
+        let [first, second] = self.nearest(point);
+        let other = if first.1 == cell { second.0 } else { first.0 };
+        // One cell is all of space.
+        if other == f64::INFINITY { f64::NEG_INFINITY } else { 0.5 * (self.to_mesh(cell, point) - other) }
+    }
+
+    /// See [`Pattern::region_mesh`].
+    pub(crate) fn cell_mesh(&self, cell: usize, half_extent: DVec3) -> CellMesh {
+        let mesh = self.meshes[cell].clone();
+        let close = ON_THE_BOX * half_extent.max_element();
+        let on_wall = |triangle: usize| {
+            let corners = mesh.corners(triangle).map(|corner| corner / half_extent);
+            let relative = close / half_extent.min_element();
+            (0..3).any(|axis| {
+                [1.0, -1.0].iter().any(|sign| corners.iter().all(|c| (sign * c[axis] - 1.0).abs() < relative))
+            })
+        };
+        let crack = (0..mesh.triangles.len()).map(|triangle| !on_wall(triangle)).collect();
+        CellMesh { mesh, crack }
+    }
+}

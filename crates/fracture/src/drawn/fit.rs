@@ -1,0 +1,109 @@
+//! Whether drawn cells fill their box, and where they do not.
+
+use super::{Drawn, parts::place};
+use glam::DVec3;
+
+/// A gap is small if it is nowhere farther from the cells than this part of the box's longest edge, and an overlap if it is nowhere
+/// deeper: a hundredth, a line that an artist does not see.
+const SMALL: f64 = 0.01;
+
+/// A node's volume belongs to one of these.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Filled,
+    Gap,
+    Overlap,
+}
+
+/// A connected gap or overlap.
+struct Misfit {
+    kind: Kind,
+    nodes: usize,
+    deepest: f64,
+    middle: DVec3,
+}
+
+/// Refuses cells that leave a gap, or overlap, where it is not small. The error completes a sentence.
+pub(super) fn check(
+    drawn: &Drawn,
+    (low, high): (DVec3, DVec3),
+    spacing: f64,
+    origin: DVec3,
+) -> Result<(), String> {
+    // Look at the middles of the cubes that fill the box.
+    let dims = ((high - low) / spacing).to_array().map(|count| (libm::round(count) as usize).max(1));
+    let node = |index: usize| {
+        let [i, j, k] = [index % dims[0], index / dims[0] % dims[1], index / dims[0] / dims[1]];
+        low + spacing * (DVec3::new(i as f64, j as f64, k as f64) + 0.5)
+    };
+    let nodes: Vec<(Kind, f64)> = (0..dims[0] * dims[1] * dims[2])
+        .map(|index| {
+            let [(first, _), (second, _)] = drawn.nearest(node(index).min(high));
+            if first > 0.0 {
+                (Kind::Gap, first)
+            } else if second < 0.0 {
+                (Kind::Overlap, -second)
+            } else {
+                (Kind::Filled, 0.0)
+            }
+        })
+        .collect();
+
+    // The worst of the connected ones.
+    let misfits = connected(&nodes, dims, node);
+    let large = misfits.iter().filter(|misfit| misfit.deepest > SMALL * (high - low).max_element());
+    let Some(worst) = large.clone().max_by_key(|misfit| misfit.nodes) else { return Ok(()) };
+    let volume = worst.nodes as f64 * spacing * spacing * spacing;
+    let percent = 100.0 * volume / (high - low).element_product();
+    let what = if worst.kind == Kind::Gap { "a gap" } else { "an overlap" };
+    let more = match large.count() - 1 {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    let (volume, percent) = (significant(volume), significant(percent));
+    let around = place(worst.middle + origin);
+    Err(format!(
+        "{what} of {volume} m^3 ({percent} % of the box) around {around}{more}; cells must fill their box"
+    ))
+}
+
+/// Two digits.
+fn significant(number: f64) -> f64 {
+    let digit = libm::pow(10.0, libm::floor(libm::log10(number)) - 1.0);
+    libm::round(number / digit) * digit
+}
+
+/// Gaps and overlaps, flooded over the faces of the cubes.
+fn connected(nodes: &[(Kind, f64)], dims: [usize; 3], node: impl Fn(usize) -> DVec3) -> Vec<Misfit> {
+    let steps = [1, dims[0], dims[0] * dims[1]];
+    let mut seen = vec![false; nodes.len()];
+    let mut misfits = Vec::new();
+    for start in 0..nodes.len() {
+        let kind = nodes[start].0;
+        if kind == Kind::Filled || seen[start] {
+            continue;
+        }
+        let mut misfit = Misfit { kind, nodes: 0, deepest: 0.0, middle: DVec3::ZERO };
+        let mut waiting = vec![start];
+        seen[start] = true;
+        while let Some(at) = waiting.pop() {
+            misfit.nodes += 1;
+            misfit.deepest = misfit.deepest.max(nodes[at].1);
+            misfit.middle += node(at);
+            for axis in 0..3 {
+                let place = at / steps[axis] % dims[axis];
+                let below = (place > 0).then(|| at - steps[axis]);
+                let above = (place + 1 < dims[axis]).then(|| at + steps[axis]);
+                for beside in below.into_iter().chain(above) {
+                    if nodes[beside].0 == kind && !seen[beside] {
+                        seen[beside] = true;
+                        waiting.push(beside);
+                    }
+                }
+            }
+        }
+        misfit.middle /= misfit.nodes as f64;
+        misfits.push(misfit);
+    }
+    misfits
+}
