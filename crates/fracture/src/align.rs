@@ -59,6 +59,12 @@ impl Placement {
         self.point_grid + self.scale * (self.grid_from_pattern * (point_pattern - self.center_pattern))
     }
 
+    /// The point of the pattern frame whose image is a point of the grid frame [m].
+    pub fn pattern_from_grid(&self, point_grid: DVec3) -> DVec3 {
+        let turned = self.grid_from_pattern.transpose() * (point_grid - self.point_grid);
+        self.center_pattern + turned / self.scale
+    }
+
     /// Image of a half-space. The unit normal stays one.
     pub fn half_space(&self, half_space: &HalfSpace) -> HalfSpace {
         let normal = (self.grid_from_pattern * half_space.normal).normalize();

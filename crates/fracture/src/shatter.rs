@@ -13,9 +13,12 @@ mod pieces;
 mod regions;
 mod slivers;
 
-use crate::{Impact, Pattern, align::align_pattern, shatter_hull};
-use frangible_geometry::{BodyFrame, Geometry, GridSolid, RigidTransform, Shape};
+use crate::{Impact, Pattern, Placement, align::align_pattern, shatter_hull};
+use components::Components;
+use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, RigidTransform, Shape};
+use glam::DVec3;
 use particles::Lookup;
+use slivers::Pieces;
 
 /// A part of a broken body.
 #[derive(Clone, Debug)]
@@ -51,39 +54,89 @@ impl Default for ShatterSettings {
 /// Breaks a body along a pattern that is laid onto the point of impact: one that has a polyhedron exactly, see [`shatter_hull`], if
 /// the pattern is planar; what lies on a grid voxel by voxel. There the fragments share out the parent's voxels, so
 /// that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
-/// are the parent's. Empty for what has neither a polyhedron nor a grid, and for a pattern of other than planar cells.
+/// are the parent's. Empty for what has neither a polyhedron nor a grid, and for a polyhedron and a pattern of other than planar
+/// cells.
 pub fn shatter(
     parent: &Shape,
     pattern: &Pattern,
     impact: &Impact,
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
-    if pattern.planar().is_none() {
-        return Vec::new();
+    match (&parent.geometry, pattern.planar()) {
+        (Geometry::Grid(solid), Some(_)) => shatter_planar((parent, solid), pattern, impact, settings),
+        (Geometry::Grid(solid), None) => shatter_sampled((parent, solid), pattern, impact, settings),
+        (_, Some(_)) => shatter_hull(parent, pattern, impact, settings),
+        (_, None) => Vec::new(),
     }
-    let Geometry::Grid(solid) = &parent.geometry else {
-        return shatter_hull(parent, pattern, impact, settings);
-    };
+}
 
+/// A solid, broken by planes.
+fn shatter_planar(
+    (parent, solid): (&Shape, &GridSolid),
+    pattern: &Pattern,
+    impact: &Impact,
+    settings: &ShatterSettings,
+) -> Vec<Fragment> {
     // Lay the pattern onto the body, and share out its voxels among the regions.
     let regions = align_pattern(pattern, impact, parent);
     let mut shares = regions::share_out(solid, &regions);
 
     // Each connected part of a region's share is a piece, unless it is too small for the grid.
     let smallest = settings.smallest_fragment_voxels;
-    let components = components::connected_components(solid, &mut shares, smallest);
+    let components = components::connected_components(solid, &mut shares, Some(smallest));
     let pieces = slivers::merge_slivers(solid, &shares, &components, smallest);
 
-    // Level set, mass properties and principal frame of each piece. Every piece has mass, and a voxel's own inertia keeps
-    // the least one regular.
-    let solids = pieces::intersect_level_sets(solid, &regions, &shares, &components, &pieces);
-    let framed = |solid: GridSolid| BodyFrame::of(&solid).ok().map(|frame| (solid, frame));
-    let framed: Vec<(GridSolid, BodyFrame)> = solids.into_iter().filter_map(framed).collect();
-
-    // Surface samples.
+    // Level set, mass properties and principal frame of each piece, then its surface samples.
+    let framed = frame(pieces::intersect_level_sets(solid, &regions, &shares, &components, &pieces));
     let of_regions = &pieces::pieces_of_regions(regions.len(), &components, &pieces);
     let lookup = Lookup { regions: &regions, of_regions, pieces: &framed };
     let surfaces = particles::assign_particles((parent, solid), &lookup, settings);
+    finish(parent, framed, surfaces, (&components, &pieces))
+}
+
+/// A solid, broken by cells of any form, whose distances are sampled at the pieces' nodes.
+fn shatter_sampled(
+    (parent, solid): (&Shape, &GridSolid),
+    pattern: &Pattern,
+    impact: &Impact,
+    settings: &ShatterSettings,
+) -> Vec<Fragment> {
+    let placement = Placement::new(pattern, impact, parent);
+    let cell_at =
+        |point: DVec3| pattern.region_at(placement.pattern_from_grid(point)).map_or(0, |cell| cell as u32);
+    let distance = |cell: usize, point: DVec3| {
+        placement.scale * pattern.distance(cell, placement.pattern_from_grid(point))
+    };
+    let spacing = settings.sample_spacing_voxels * solid.grid().spacing / placement.scale;
+    let cracks = |cell: usize| {
+        let samples = pattern.crack_samples(cell, spacing);
+        samples.into_iter().map(|point| placement.point(point)).collect()
+    };
+
+    // The same stages as for planes.
+    let mut shares = regions::share_out_nodes(solid, cell_at);
+    let components = components::connected_components(solid, &mut shares, None);
+    let pieces = slivers::merge_slivers(solid, &shares, &components, settings.smallest_fragment_voxels);
+    let framed = frame(pieces::intersect_sampled(solid, distance, &shares, &components, &pieces));
+    let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
+    let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), cell_at, cracks);
+    finish(parent, framed, surfaces, (&components, &pieces))
+}
+
+/// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own inertia keeps the least one
+/// regular.
+fn frame(solids: Vec<GridSolid>) -> Vec<(GridSolid, BodyFrame)> {
+    let framed = |solid: GridSolid| BodyFrame::of(&solid).ok().map(|frame| (solid, frame));
+    solids.into_iter().filter_map(framed).collect()
+}
+
+/// Bodies of the pieces.
+fn finish(
+    parent: &Shape,
+    framed: Vec<(GridSolid, BodyFrame)>,
+    surfaces: Vec<ClusteredSamples>,
+    (components, pieces): (&Components, &Pieces),
+) -> Vec<Fragment> {
     let cells = pieces.components.iter().map(|parts| components.region[parts[0] as usize]);
     let fragment = |(((solid, frame), surface), cell)| {
         Fragment::new(parent, Shape::from_clusters(solid, frame, surface), cell)

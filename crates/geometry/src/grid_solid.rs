@@ -303,6 +303,8 @@ impl GridSolid {
 
     /// Signed distance [m] and its gradient, not normalised, at a point of [`GridSolid::grid`] in lattice units.
     pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
+        // Beyond its grid a part has lost planes that no node of it sees: there the way to the grid counts at least.
+        let beyond = self.beyond(lattice);
         let mut nearest = (f32::INFINITY, Vec3::Y);
         for part in &self.parts {
             let here = part.value_and_gradient(lattice);
@@ -311,7 +313,14 @@ impl GridSolid {
             }
         }
         let of_field = self.field.value_and_gradient_at_lattice(self.on_field(lattice));
-        if self.parts.is_empty() || of_field.0 >= nearest.0 { of_field } else { nearest }
+        if self.parts.is_empty() || (of_field.0 >= nearest.0 && of_field.0 >= beyond) {
+            of_field
+        } else if nearest.0 >= beyond {
+            nearest
+        } else {
+            let top = Vec3::from_array(self.grid.dims.map(|n| (n - 1) as f32));
+            (beyond, (lattice - lattice.clamp(Vec3::ZERO, top)).normalize_or(Vec3::Y))
+        }
     }
 
     /// [`GridSolid::value_at_lattice`] at a grid-frame point [m].
@@ -329,7 +338,7 @@ impl GridSolid {
     /// sliver was cut off from.
     fn sample_nodes(&self, cell: impl Fn(DVec3) -> f64) -> LevelSet {
         let [width, rows_y, rows_z] = self.grid.dims;
-        let outside = (OUTSIDE * self.grid.spacing) as f32;
+        let [on_crack, half_cell] = [OUTSIDE, 0.5].map(|part| (part * self.grid.spacing) as f32);
         let mut phi = Vec::with_capacity(self.grid.len());
         let mut scratch = RowScratch::default();
         let mut region = vec![0.0; width];
@@ -350,7 +359,7 @@ impl GridSolid {
             let mut next = 0;
             for span in self.material.row(row) {
                 let own = span.start as usize..span.end as usize;
-                force_outside(&mut phi[first + next..first + own.start], outside);
+                force_outside(&mut phi[first + next..first + own.start], on_crack, half_cell);
                 next = own.end;
                 if span.inside {
                     for phi in &mut phi[first + own.start..first + own.end] {
@@ -358,7 +367,7 @@ impl GridSolid {
                     }
                 }
             }
-            force_outside(&mut phi[first + next..first + width], outside);
+            force_outside(&mut phi[first + next..first + width], on_crack, half_cell);
         }
         LevelSet::new(self.grid, phi)
     }
@@ -378,11 +387,14 @@ impl GridSolid {
     }
 }
 
-/// Makes nodes that are others' read as outside.
-fn force_outside(phi: &mut [f32], outside: f32) {
+/// Makes nodes that are others' read as outside: just so on a crack, else by half a cell at least, so that two pieces without a
+/// crack between them meet halfway between their nodes.
+fn force_outside(phi: &mut [f32], on_crack: f32, half_cell: f32) {
     for phi in phi {
-        if *phi <= 0.0 {
-            *phi = larger(-*phi, outside);
+        if *phi <= -on_crack {
+            *phi = larger(-*phi, half_cell);
+        } else if *phi <= 0.0 {
+            *phi = on_crack;
         }
     }
 }

@@ -35,8 +35,14 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
 /// connected, whether or not the grid shows it.
 ///
 /// Shares of surface voxels are cut into single nodes where it matters whom they touch.
-pub(crate) fn connected_components(solid: &GridSolid, shares: &mut Shares, smallest: f64) -> Components {
-    if solid.is_convex() {
+///
+/// `convex_slivers`: the regions are convex, and a part of less material [voxels] may be a tip of another.
+pub(crate) fn connected_components(
+    solid: &GridSolid,
+    shares: &mut Shares,
+    convex_slivers: Option<f64>,
+) -> Components {
+    if solid.is_convex() && convex_slivers.is_some() {
         let mut components = Components::empty(shares);
         let mut of_region = Vec::new();
         for (share, component) in shares.all.iter().zip(&mut components.of_share) {
@@ -58,7 +64,9 @@ pub(crate) fn connected_components(solid: &GridSolid, shares: &mut Shares, small
     let pending = attach_surface_voxels(solid, shares, &mut components);
     found_islands(solid, shares, &mut components, &pending);
     components.weigh(shares);
-    rejoin_tips(solid, shares, &mut components, smallest);
+    if let Some(smallest) = convex_slivers {
+        rejoin_tips(solid, shares, &mut components, smallest);
+    }
     components
 }
 
@@ -415,7 +423,7 @@ mod tests {
             let mut shares = shares_of(&solid, &regions);
             let inside = connect_inside(&solid, &shares);
             let inside = by_node(&solid, &shares, &inside.of_share);
-            let all = connected_components(&solid, &mut shares, 0.0);
+            let all = connected_components(&solid, &mut shares, None);
             let of_node = by_node(&solid, &shares, &all.of_share);
             for (node, &coverage) in solid.coverage().iter().enumerate() {
                 if inside[node] != NONE {

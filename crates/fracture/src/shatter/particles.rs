@@ -75,6 +75,52 @@ pub(crate) fn assign_particles(
     let spacing = settings.sample_spacing_voxels * solid.grid().spacing;
     lookup.sample_cracks(&Parent::new(solid), spacing, &mut collectors);
 
+    finish(collectors, lookup.pieces)
+}
+
+/// The same for cells of any form. `cell_at` says which one a point of the grid frame [m] lies in, `cracks(cell)` gives points
+/// of the cracks around one; those off the parent or off a piece are left out.
+pub(crate) fn assign_to_sampled(
+    parent: (&Shape, &GridSolid),
+    pieces: (&[(GridSolid, BodyFrame)], &[Vec<u32>]),
+    cell_at: impl Fn(DVec3) -> u32,
+    cracks: impl Fn(usize) -> Vec<DVec3>,
+) -> Vec<ClusteredSamples> {
+    let (shape, solid) = parent;
+    let (pieces, of_regions) = pieces;
+    let lookup = Lookup { regions: &[], of_regions, pieces };
+    let h = solid.grid().spacing;
+    let grid_from_parent = shape.body_from_grid.inverse();
+    let mut collectors: Vec<Collector> =
+        pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
+    for &sample in shape.samples() {
+        let point = grid_from_parent.point(sample.as_dvec3());
+        if let Some(piece) = lookup.piece_at(cell_at(point) as usize, point) {
+            let collector = &mut collectors[piece];
+            collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
+        }
+    }
+    for (cell, own) in of_regions.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        for point in cracks(cell) {
+            let on_parent = f64::from(solid.value(point)) <= 0.05 * h;
+            for &piece in own.iter().filter(|_| on_parent) {
+                // Where a sliver joined from across, the crack is healed: the point is deep inside.
+                if f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h {
+                    let collector = &mut collectors[piece as usize];
+                    collector.cracks.push(collector.body_from_grid.point(point));
+                }
+            }
+        }
+    }
+    for collector in &mut collectors {
+        // Vertices of a mesh come in any order.
+        collector.cracks = ClusteredSamples::new(std::mem::take(&mut collector.cracks)).samples;
+    }
+    finish(collectors, pieces)
+}
+
+/// Puts each piece's samples together, and gives one that has next to none those of its voxels.
+fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<ClusteredSamples> {
     let finish = |(mut collector, (solid, _)): (Collector, &(GridSolid, BodyFrame))| {
         let count = collector.whole.samples.len() + collector.single.len() + collector.cracks.len();
         if count < FEWEST_SAMPLES {
@@ -88,7 +134,7 @@ pub(crate) fn assign_particles(
         }
         surface
     };
-    collectors.into_iter().zip(lookup.pieces).map(finish).collect()
+    collectors.into_iter().zip(pieces).map(finish).collect()
 }
 
 /// The regions' planes, in the parent's body frame.

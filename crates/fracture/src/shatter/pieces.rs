@@ -7,6 +7,7 @@ use super::{
 };
 use crate::pattern::Region;
 use frangible_geometry::{GridSolid, HalfSpace, Span};
+use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
 /// region.
@@ -39,16 +40,7 @@ pub(crate) fn intersect_level_sets(
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
     let solid = |(members, share): (&Vec<u32>, &Vec<(u32, Span)>)| {
-        // A film of surface voxels does not take the region that it lies in along.
-        let mut own: Vec<u32> = Vec::new();
-        let any_inside = members.iter().any(|&component| components.has_inside[component as usize]);
-        for &component in members {
-            let region = components.region[component as usize];
-            let counts = components.has_inside[component as usize] || !any_inside;
-            if counts && !own.contains(&region) {
-                own.push(region);
-            }
-        }
+        let (own, any_inside) = regions_of_piece(members, components);
         let planes: Vec<Vec<HalfSpace>> = own.iter().map(|&region| planes_of(region)).collect();
         let planes: Vec<&[HalfSpace]> = planes.iter().map(Vec::as_slice).collect();
         let clipped = parent.clipped(share, &planes);
@@ -56,6 +48,39 @@ pub(crate) fn intersect_level_sets(
         if is_all && any_inside { clipped } else { clipped.sampled() }
     };
     pieces.components.iter().zip(&shares_of_pieces).map(solid).collect()
+}
+
+/// The same for cells of any form: `distance(cell, point)` [m] in the grid frame, sampled at the pieces' nodes.
+pub(crate) fn intersect_sampled(
+    parent: &GridSolid,
+    distance: impl Fn(usize, DVec3) -> f64,
+    shares: &Shares,
+    components: &Components,
+    pieces: &Pieces,
+) -> Vec<GridSolid> {
+    let shares_of_pieces = shares_of_pieces(shares, components, pieces);
+    let solid = |(members, share): (&Vec<u32>, &Vec<(u32, Span)>)| {
+        let (own, _) = regions_of_piece(members, components);
+        parent.intersected(share, |point| {
+            own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
+        })
+    };
+    pieces.components.iter().zip(&shares_of_pieces).map(solid).collect()
+}
+
+/// The regions that a piece is made of, and whether it has any node inside. A film of surface voxels does not take the region
+/// that it lies in along.
+fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool) {
+    let mut own: Vec<u32> = Vec::new();
+    let any_inside = members.iter().any(|&component| components.has_inside[component as usize]);
+    for &component in members {
+        let region = components.region[component as usize];
+        let counts = components.has_inside[component as usize] || !any_inside;
+        if counts && !own.contains(&region) {
+            own.push(region);
+        }
+    }
+    (own, any_inside)
 }
 
 /// Rows and spans of each piece's material, in order.

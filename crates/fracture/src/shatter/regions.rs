@@ -78,6 +78,28 @@ pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     shares
 }
 
+/// Shares out a solid's material among cells of any form: `cell_at` says which one a point of the grid frame [m] lies in.
+pub(crate) fn share_out_nodes(solid: &GridSolid, cell_at: impl Fn(DVec3) -> u32) -> Shares {
+    let (grid, material) = (solid.grid(), solid.material());
+    let mut shares = Shares::default();
+    for row in 0..material.rows() {
+        shares.first_of_row.push(shares.all.len() as u32);
+        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+        for span in material.row(row) {
+            let first_of_span = shares.all.len();
+            for i in span.start..span.end {
+                let region = cell_at(grid.node(i as usize, j, k));
+                match shares.all[first_of_span..].last_mut() {
+                    Some(last) if last.region == region => last.span.end = i + 1,
+                    _ => shares.all.push(Share { span: Span { start: i, end: i + 1, ..*span }, region }),
+                }
+            }
+        }
+    }
+    shares.first_of_row.push(shares.all.len() as u32);
+    shares
+}
+
 /// An interval of a row's nodes that lies in a region; both ends belong to it.
 #[derive(Clone, Copy, Debug)]
 struct Claim {

@@ -2,11 +2,11 @@
 #![allow(dead_code, unreachable_pub, reason = "each test uses some of these")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
 
-use frangible_fracture::{Impact, Pattern, Radial, Voronoi};
+use frangible_fracture::{Fragment, Impact, Pattern, Radial, Voronoi, fragment_velocity};
 use frangible_geometry::{
     ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, surface_samples::surface_samples,
 };
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -98,4 +98,77 @@ pub fn patterns(seed: u64) -> Vec<Pattern> {
 
 pub fn random(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
+}
+
+/// Mass [m^3 at unit density], momentum, angular momentum about the parent's centre of mass, kinetic energy.
+#[derive(Debug)]
+pub struct Motion {
+    pub mass: f64,
+    pub momentum: DVec3,
+    pub angular_momentum: DVec3,
+    pub energy: f64,
+}
+
+/// Of a body at `center` [m] that moves with `velocity` and turns with `omega`; all in one frame.
+pub fn motion(shape: &Shape, axes: DMat3, center: DVec3, velocity: DVec3, omega: DVec3) -> Motion {
+    let spin = axes * (shape.unit_moments * (axes.transpose() * omega));
+    let momentum = shape.volume * velocity;
+    Motion {
+        mass: shape.volume,
+        momentum,
+        angular_momentum: spin + center.cross(momentum),
+        energy: 0.5 * (momentum.dot(velocity) + spin.dot(omega)),
+    }
+}
+
+/// The largest relative difference between the parent's motion and the sum of its fragments'.
+pub fn defect(parent: &Shape, fragments: &[Fragment], random: &mut Pcg64Mcg) -> f64 {
+    let (velocity, omega) = (3.0 * direction(random), 5.0 * direction(random));
+    let before = motion(parent, DMat3::IDENTITY, DVec3::ZERO, velocity, omega);
+    let mut after = Motion { mass: 0.0, momentum: DVec3::ZERO, angular_momentum: DVec3::ZERO, energy: 0.0 };
+    for fragment in fragments {
+        let center = fragment.parent_from_fragment.translation;
+        let velocity = fragment_velocity(velocity, omega, DVec3::ZERO, center);
+        let part = motion(&fragment.shape, fragment.parent_from_fragment.matrix(), center, velocity, omega);
+        after.mass += part.mass;
+        after.momentum += part.momentum;
+        after.angular_momentum += part.angular_momentum;
+        after.energy += part.energy;
+    }
+    let radius = (0.5 * (parent.bounds.1 - parent.bounds.0)).length();
+    let momentum = before.mass * velocity.length();
+    [
+        (after.mass - before.mass) / before.mass,
+        (after.momentum - before.momentum).length() / momentum,
+        (after.angular_momentum - before.angular_momentum).length() / (momentum * radius),
+        (after.energy - before.energy) / before.energy,
+    ]
+    .into_iter()
+    .fold(0.0, |worst, defect: f64| worst.max(defect.abs()))
+}
+
+/// Each voxel of the parent is in exactly one fragment, with all of its material.
+pub fn assert_voxels_shared_out(parent: &Shape, fragments: &[Fragment]) {
+    let parent = solid(parent);
+    let grid = parent.grid();
+    let mut found = vec![0.0f32; grid.len()];
+    let mut owners = vec![0; grid.len()];
+    for fragment in fragments {
+        let solid = solid(&fragment.shape);
+        let own = solid.grid();
+        assert_eq!(own.spacing, grid.spacing);
+        let shift = grid.lattice_from_point(own.origin);
+        assert!((shift - shift.round()).length() < 1e-9, "the same lattice");
+        for (node, &coverage) in solid.coverage().iter().enumerate() {
+            if coverage > 0.0 {
+                let [i, j, k] = own.coordinates(node);
+                let at = shift.round() + DVec3::new(i as f64, j as f64, k as f64);
+                let index = grid.index(at.x as usize, at.y as usize, at.z as usize);
+                found[index] += coverage;
+                owners[index] += 1;
+            }
+        }
+    }
+    assert_eq!(found, parent.coverage(), "coverage is shared out bit by bit");
+    assert!(owners.iter().all(|&count| count <= 1), "no voxel twice");
 }
