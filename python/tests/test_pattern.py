@@ -39,6 +39,24 @@ def test_a_pattern_is_saved_drawn_and_read_back(tmp_path: Path, capsys: pytest.C
     assert again.read_bytes() == saved.read_bytes()
 
 
+@pytest.mark.parametrize("lost", [None, 3])
+def test_a_drawn_pattern_is_told_where_it_has_a_gap(tmp_path: Path, capsys: pytest.CaptureFixture[str], lost: int | None) -> None:
+    pattern, text, first = Pattern.named("voronoi", cells=8), "", 1
+    for cell in range(8):
+        vertices, triangles = pattern.region_mesh(cell)
+        if cell != lost:
+            text += "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist())
+            text += "".join(f"f {a} {b} {c}\n" for a, b, c in (triangles + first).tolist())
+            first += len(vertices)
+    path = tmp_path / "drawn.obj"
+    path.write_text(text)
+    if lost is None:
+        assert main(["pattern", str(path)]) == 0
+    else:
+        assert main(["pattern", str(path)]) == 2
+        assert f"{path}: a gap of 0.78 m^3 (9.8 % of the box) around (-0.7236, 0.086, 0.5948)" in capsys.readouterr().err
+
+
 def test_pieces_are_pulled_apart_from_the_middle() -> None:
     pattern = Pattern.named("voronoi", cells=10)
     together, apart = exploded(pattern, 1.0), exploded(pattern, 2.0)
