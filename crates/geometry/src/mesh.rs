@@ -2,7 +2,7 @@
 
 use crate::MassProperties;
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3Swizzles};
 
 /// Indexed triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,14 +74,16 @@ pub(crate) fn enclosed_mass(triangles: impl Iterator<Item = [DVec3; 3]> + Clone)
     // Sum the signed tetrahedra from the origin to each triangle.
     let mut six_volume = 0.0;
     let mut first_moment = DVec3::ZERO;
-    let mut second_moment = DMat3::ZERO;
+    // Of the second moment's six numbers, the squares and the products of x y, y z, z x.
+    let (mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO);
     for corners in triangles {
         let [a, b, c] = corners.map(|corner| corner - origin);
         let determinant = a.dot(b.cross(c));
         let sum = a + b + c;
         six_volume += determinant;
         first_moment += determinant * sum;
-        second_moment += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * determinant;
+        squares += (a * a + b * b + c * c + sum * sum) * determinant;
+        products += (a * a.yzx() + b * b.yzx() + c * c.yzx() + sum * sum.yzx()) * determinant;
     }
 
     // Move the moments from the origin to the centre of mass.
@@ -89,6 +91,11 @@ pub(crate) fn enclosed_mass(triangles: impl Iterator<Item = [DVec3; 3]> + Clone)
     if volume == 0.0 {
         return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
     }
+    let second_moment = DMat3::from_cols(
+        DVec3::new(squares.x, products.x, products.z),
+        DVec3::new(products.x, squares.y, products.y),
+        DVec3::new(products.z, products.y, squares.z),
+    );
     let offset = first_moment / (24.0 * volume);
     let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
     let inertia = inertia_from_second_moments(central);

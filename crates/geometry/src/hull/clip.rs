@@ -1,7 +1,7 @@
 //! A hull cut by planes.
 
+use super::Hull;
 use super::loops::Loops;
-use super::{Hull, sides};
 use crate::HalfSpace;
 use glam::DVec3;
 
@@ -12,24 +12,60 @@ const ON_THE_CUT: [f64; 3] = [1e-10, 1e-8, 1e-6];
 /// Vertices closer than this, relative to the hull's longest side, are one: an edge must have a direction.
 const SAME: f64 = 1e-13;
 
+/// Nothing, in lists of indices.
+const NONE: u32 = u32::MAX;
+
+// Where a vertex is, seen from a cut.
+const BELOW: u8 = 1;
+const ON: u8 = 2;
+const ABOVE: u8 = 4;
+
+fn side(height: f64) -> u8 {
+    if height < 0.0 {
+        BELOW
+    } else if height > 0.0 {
+        ABOVE
+    } else {
+        ON
+    }
+}
+
 /// Cuts hulls, in memory that it keeps from one to the next.
 #[derive(Debug, Default)]
 pub struct Clipper {
+    /// The longest side of the hull before any cut [m].
+    size: f64,
     vertices: Vec<DVec3>,
     planes: Vec<HalfSpace>,
     loops: Loops,
-    /// Of the vertices over the cut [m].
-    heights: Vec<f64>,
-    /// New vertices on sides that cross the cut: the side, lower end first, and the vertex.
-    crossings: Vec<([u32; 2], u32)>,
-    /// Sides of the cut's own face.
-    rim: Vec<[u32; 2]>,
-    /// What is left of one face.
-    kept: Vec<u32>,
     // What becomes of the three above.
     next_vertices: Vec<DVec3>,
     next_planes: Vec<HalfSpace>,
     next_loops: Loops,
+    /// Of the vertices over the cut [m].
+    heights: Vec<f64>,
+    /// The same, as one of [`BELOW`], [`ON`] and [`ABOVE`].
+    sides: Vec<u8>,
+    /// What the vertices that are kept become.
+    number: Vec<u32>,
+    /// New vertices on sides that cross the cut, in lists that begin at the lower ends.
+    first_crossing: Vec<u32>,
+    crossings: Vec<Crossing>,
+    /// Next vertex around the cut's own face, for each vertex.
+    rim: Vec<u32>,
+    /// How many of them are on it.
+    on_rim: usize,
+    /// A loop that is made.
+    kept: Vec<u32>,
+}
+
+/// A new vertex on a side from one below the cut to one above it.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    upper: u32,
+    vertex: u32,
+    /// From the same lower end.
+    next: u32,
 }
 
 impl Hull {
@@ -46,6 +82,8 @@ impl Clipper {
         self.vertices.clone_from(&hull.vertices);
         self.planes.clone_from(&hull.planes);
         self.loops.copy_from(&hull.net.loops);
+        let (low, high) = hull.bounds();
+        self.size = (high - low).max_element();
         let mut is_whole = true;
         for cut in cuts {
             match self.cut(cut) {
@@ -57,21 +95,12 @@ impl Clipper {
         if is_whole {
             return Some(hull.clone());
         }
-        let (planes, loops) = (self.planes.clone(), self.loops.clone());
-        let mut collapsed = loops.clone();
-        if collapsed.collapse(&self.vertices, SAME * self.size())
-            && let Some(hull) = Hull::from_loops(&self.vertices, planes.clone(), collapsed)
+        if let Some(collapsed) = self.loops.collapsed(&self.vertices, SAME * self.size)
+            && let Some(hull) = Hull::from_loops(&self.vertices, self.planes.clone(), collapsed)
         {
             return Some(hull);
         }
-        Hull::from_loops(&self.vertices, planes, loops)
-    }
-
-    /// The longest side of what is left [m].
-    fn size(&self) -> f64 {
-        let low = self.vertices.iter().fold(DVec3::INFINITY, |low, &vertex| low.min(vertex));
-        let high = self.vertices.iter().fold(DVec3::NEG_INFINITY, |high, &vertex| high.max(vertex));
-        (high - low).max_element()
+        Hull::from_loops(&self.vertices, self.planes.clone(), self.loops.clone())
     }
 
     fn cut(&mut self, cut: &HalfSpace) -> Side {
@@ -81,20 +110,33 @@ impl Clipper {
         if self.heights.iter().all(|&height| height <= 0.0) {
             return Side::Inside;
         }
-        let size = self.size();
         for part in ON_THE_CUT {
             // Sort the vertices into inside, on the cut (0), and outside.
+            let close = part * self.size;
+            let (mut inside, mut outside, mut on_cut) = (false, false, false);
             for height in &mut self.heights {
-                *height = if height.abs() <= part * size { 0.0 } else { *height };
+                if height.abs() <= close {
+                    *height = 0.0;
+                }
+                inside |= *height < 0.0;
+                outside |= *height > 0.0;
+                on_cut |= *height == 0.0;
             }
-            if self.heights.iter().all(|&height| height <= 0.0) {
+            if !outside {
                 return Side::Inside;
             }
-            if self.heights.iter().all(|&height| height >= 0.0) {
+            if !inside {
                 return Side::Outside;
             }
             self.clip_faces();
             if self.close(cut) {
+                if on_cut {
+                    // Only vertices that were there may have come to lie on a straight edge.
+                    self.next_loops.straighten(self.next_vertices.len(), &mut self.next_planes);
+                }
+                std::mem::swap(&mut self.vertices, &mut self.next_vertices);
+                std::mem::swap(&mut self.loops, &mut self.next_loops);
+                std::mem::swap(&mut self.planes, &mut self.next_planes);
                 return Side::Cut;
             }
         }
@@ -104,71 +146,126 @@ impl Clipper {
 
     /// What is left of each face, and the rim that they leave open.
     fn clip_faces(&mut self) {
-        self.next_vertices.clone_from(&self.vertices);
+        self.number_kept();
         self.next_loops.clear();
         self.next_planes.clear();
-        self.crossings.clear();
         self.rim.clear();
+        self.rim.resize(self.next_vertices.len(), NONE);
+        self.on_rim = 0;
         for face in 0..self.loops.len() {
             // What only touches the cut vanishes, or is the rim's.
-            let height = |vertex: u32| self.heights[vertex as usize];
             let corners = self.loops.of(face);
-            if !corners.iter().any(|&vertex| height(vertex) < 0.0) {
+            let sides = corners.iter().fold(0, |sides, &vertex| sides | self.sides[vertex as usize]);
+            if sides == BELOW {
+                self.next_loops.add(corners.iter().map(|&vertex| self.number[vertex as usize]));
+            } else if sides & BELOW != 0 {
+                self.clip_face(face);
+            } else {
                 continue;
             }
-            if corners.iter().all(|&vertex| height(vertex) < 0.0) {
-                self.next_loops.push(self.loops.is_inner(face), corners.iter().copied());
-                self.next_planes.push(self.planes[face]);
-                continue;
-            }
-            self.kept.clear();
-            for [a, b] in sides(corners) {
-                let (from, to) = (height(a), height(b));
-                if from <= 0.0 {
-                    self.kept.push(a);
-                }
-                if from * to < 0.0 {
-                    self.kept.push(crossing(
-                        &mut self.next_vertices,
-                        &mut self.crossings,
-                        ([a, b], from / (from - to)),
-                    ));
-                }
-            }
-            // Where two corners in a row lie on the cut, its own face is beside.
-            if self.kept.len() > 2 {
-                let is_on =
-                    |&vertex: &u32| self.heights.get(vertex as usize).is_none_or(|&height| height == 0.0);
-                for [a, b] in sides(&self.kept).filter(|side| side.iter().all(is_on)) {
-                    match self.rim.iter().position(|side| *side == [a, b]) {
-                        Some(opposite) => _ = self.rim.swap_remove(opposite),
-                        None => self.rim.push([b, a]),
-                    }
-                }
-                self.next_loops.push(self.loops.is_inner(face), self.kept.iter().copied());
+            if self.next_loops.finish(self.loops.is_inner(face)) {
                 self.next_planes.push(self.planes[face]);
             }
         }
     }
 
-    /// Puts the cut's face in, and takes over what has become of the hull. False if the rim is not one loop.
-    fn close(&mut self, cut: &HalfSpace) -> bool {
-        let Some(start) = self.rim.iter().map(|side| side[0]).min() else { return false };
-        self.kept.clear();
-        let mut at = start;
-        while let Some(side) = self.rim.iter().position(|side| side[0] == at) {
-            self.kept.push(at);
-            at = self.rim.swap_remove(side)[1];
+    /// Copies the vertices that are not above the cut.
+    fn number_kept(&mut self) {
+        self.next_vertices.clear();
+        self.number.clear();
+        self.sides.clear();
+        self.sides.extend(self.heights.iter().map(|&height| side(height)));
+        for (&vertex, &side) in self.vertices.iter().zip(&self.sides) {
+            self.number.push(self.next_vertices.len() as u32);
+            if side != ABOVE {
+                self.next_vertices.push(vertex);
+            }
         }
-        if at != start || !self.rim.is_empty() || self.kept.len() < 3 {
+        self.first_crossing.clear();
+        self.first_crossing.resize(self.vertices.len(), NONE);
+        self.crossings.clear();
+    }
+
+    /// The part of a face that is not above the cut, and its sides along the cut.
+    fn clip_face(&mut self, face: usize) {
+        let range = self.loops.range(face);
+        let count = range.len();
+        // The last corner that was kept, if it lies on the cut; the first, to close the loop.
+        let (mut last_on, mut first_on, mut is_first) = (NONE, NONE, true);
+        for at in 0..count {
+            let (a, b) =
+                (self.loops.corner(range.start + at), self.loops.corner(range.start + (at + 1) % count));
+            let side = self.sides[a as usize];
+            if side != ABOVE {
+                let vertex = self.number[a as usize];
+                let on = if side == ON { vertex } else { NONE };
+                self.add_to_rim(last_on, on);
+                (last_on, first_on, is_first) = (on, if is_first { on } else { first_on }, false);
+                self.next_loops.add([vertex]);
+            }
+            if self.sides[a as usize] | self.sides[b as usize] == BELOW | ABOVE {
+                let vertex = self.crossing(a, b);
+                self.add_to_rim(last_on, vertex);
+                (last_on, first_on, is_first) = (vertex, if is_first { vertex } else { first_on }, false);
+                self.next_loops.add([vertex]);
+            }
+        }
+        self.add_to_rim(last_on, first_on);
+    }
+
+    /// Where two corners in a row lie on the cut, its own face runs the other way; where two faces have the same, there is none.
+    fn add_to_rim(&mut self, from: u32, to: u32) {
+        if from == NONE || to == NONE || from == to {
+            return;
+        }
+        if self.rim[from as usize] == to {
+            self.rim[from as usize] = NONE;
+            self.on_rim -= 1;
+        } else {
+            self.rim[to as usize] = from;
+            self.on_rim += 1;
+        }
+    }
+
+    /// The vertex where a side crosses the cut; the same for the side's two faces.
+    fn crossing(&mut self, a: u32, b: u32) -> u32 {
+        let (from, to) = (self.heights[a as usize], self.heights[b as usize]);
+        let (lower, upper) = if from < 0.0 { (a, b) } else { (b, a) };
+        let mut known = self.first_crossing[lower as usize];
+        while known != NONE {
+            let crossing = self.crossings[known as usize];
+            if crossing.upper == upper {
+                return crossing.vertex;
+            }
+            known = crossing.next;
+        }
+        let (start, end) = (self.vertices[a as usize], self.vertices[b as usize]);
+        let vertex = self.next_vertices.len() as u32;
+        self.next_vertices.push(start + (end - start) * (from / (from - to)));
+        self.rim.push(NONE);
+        let next = self.first_crossing[lower as usize];
+        self.first_crossing[lower as usize] = self.crossings.len() as u32;
+        self.crossings.push(Crossing { upper, vertex, next });
+        vertex
+    }
+
+    /// Puts the cut's face in. False if the rim is not one loop.
+    fn close(&mut self, cut: &HalfSpace) -> bool {
+        let Some(start) = self.rim.iter().position(|&next| next != NONE) else { return false };
+        self.kept.clear();
+        let mut at = start as u32;
+        while at != NONE && self.kept.len() <= self.on_rim {
+            self.kept.push(at);
+            at = self.rim[at as usize];
+            if at == start as u32 {
+                break;
+            }
+        }
+        if at != start as u32 || self.kept.len() != self.on_rim || self.on_rim < 3 {
             return false;
         }
         self.next_loops.push(true, self.kept.iter().copied());
         self.next_planes.push(*cut);
-        self.next_loops.straighten(self.next_vertices.len(), &mut self.next_planes);
-        self.next_loops.renumber(&self.next_vertices, &mut self.vertices);
-        std::mem::swap(&mut self.loops, &mut self.next_loops);
-        std::mem::swap(&mut self.planes, &mut self.next_planes);
         true
     }
 }
@@ -178,21 +275,4 @@ enum Side {
     Inside,
     Outside,
     Cut,
-}
-
-/// The vertex where a side crosses the cut at a part of its length; the same for the side's two faces.
-fn crossing(
-    vertices: &mut Vec<DVec3>,
-    crossings: &mut Vec<([u32; 2], u32)>,
-    ([a, b], part): ([u32; 2], f64),
-) -> u32 {
-    let ends = [a.min(b), a.max(b)];
-    if let Some(&(_, vertex)) = crossings.iter().find(|(side, _)| *side == ends) {
-        return vertex;
-    }
-    let (start, end) = (vertices[a as usize], vertices[b as usize]);
-    let vertex = vertices.len() as u32;
-    vertices.push(start + (end - start) * part);
-    crossings.push((ends, vertex));
-    vertex
 }

@@ -16,11 +16,43 @@ pub(super) struct Loops {
     inner: Vec<bool>,
 }
 
+/// Nothing, in lists of indices.
+const NONE: u32 = u32::MAX;
+
+/// From a corner of a loop to the next.
+#[derive(Clone, Copy)]
+struct Side {
+    to: u32,
+    face: u32,
+    /// Another side from the same vertex.
+    next: u32,
+    /// The side that runs along it the other way, once it is known.
+    opposite: u32,
+}
+
 impl Loops {
     pub(super) fn push(&mut self, inner: bool, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);
         self.inner.push(inner);
+    }
+
+    /// Adds corners to a loop that is not finished.
+    pub(super) fn add(&mut self, corners: impl IntoIterator<Item = u32>) {
+        self.corners.extend(corners);
+    }
+
+    /// Makes a face of the corners that were added, if they are three at least.
+    pub(super) fn finish(&mut self, inner: bool) -> bool {
+        let start = self.ends.last().map_or(0, |&end| end as usize);
+        let is_face = self.corners.len() > start + 2;
+        if is_face {
+            self.ends.push(self.corners.len() as u32);
+            self.inner.push(inner);
+        } else {
+            self.corners.truncate(start);
+        }
+        is_face
     }
 
     pub(super) fn clear(&mut self) {
@@ -49,6 +81,11 @@ impl Loops {
     /// The loop of a face.
     pub(super) fn of(&self, face: usize) -> &[u32] {
         &self.corners[self.range(face)]
+    }
+
+    /// One of all corners.
+    pub(super) fn corner(&self, at: usize) -> u32 {
+        self.corners[at]
     }
 
     pub(super) fn is_inner(&self, face: usize) -> bool {
@@ -92,30 +129,30 @@ impl Loops {
         }
     }
 
-    /// Makes one vertex of both ends of each side that is shorter than `shortest` [m]. False if there is none.
-    pub(super) fn collapse(&mut self, vertices: &[DVec3], shortest: f64) -> bool {
+    /// With one vertex for both ends of each side that is shorter than `shortest` [m]; `None` if there is none.
+    pub(super) fn collapsed(&self, vertices: &[DVec3], shortest: f64) -> Option<Self> {
         let is_short = |[a, b]: [u32; 2]| {
             vertices[a as usize].distance_squared(vertices[b as usize]) < shortest * shortest
         };
         if !(0..self.len()).any(|face| sides(self.of(face)).any(is_short)) {
-            return false;
+            return None;
         }
         let mut stands_for: Vec<u32> = (0..vertices.len() as u32).collect();
         for side in (0..self.len()).flat_map(|face| sides(self.of(face))).filter(|&side| is_short(side)) {
             let [a, b] = side.map(|vertex| stands_for[vertex as usize]);
             stands_for.iter_mut().filter(|vertex| **vertex == a.max(b)).for_each(|vertex| *vertex = a.min(b));
         }
-        let old = std::mem::take(self);
-        for face in 0..old.len() {
+        let mut collapsed = Self::default();
+        for face in 0..self.len() {
             let mut corners: Vec<u32> =
-                old.of(face).iter().map(|&vertex| stands_for[vertex as usize]).collect();
+                self.of(face).iter().map(|&vertex| stands_for[vertex as usize]).collect();
             corners.dedup();
             while corners.len() > 1 && corners.first() == corners.last() {
                 corners.pop();
             }
-            self.push(old.inner[face], corners);
+            collapsed.push(self.inner[face], corners);
         }
-        true
+        Some(collapsed)
     }
 
     /// Copies the vertices that are used to `used`, in their order, and numbers them anew.
@@ -134,44 +171,40 @@ impl Loops {
     /// The edge along each side of the loops and all edges, in the order of the faces; `None` if a side does not have one that
     /// runs along it in the opposite direction.
     pub(super) fn connected(&self) -> Option<(Vec<u32>, Vec<HullEdge>)> {
-        // A side and its opposite have the same two ends: side by side when sorted by them.
-        let mut by_ends: Vec<(u64, u32, u32)> = Vec::with_capacity(self.corners.len());
+        // The sides that begin at each vertex, in lists; where they end, and whose they are.
+        let count = self.corners.iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));
+        let mut first_from = vec![NONE; count];
+        let mut sides_of: Vec<Side> = Vec::with_capacity(self.corners.len());
         for face in 0..self.len() {
-            let first = self.range(face).start;
-            for (at, [a, b]) in sides(self.of(face)).enumerate() {
-                let ends = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-                by_ends.push((ends, (first + at) as u32, face as u32));
+            for [a, to] in sides(self.of(face)) {
+                let next = std::mem::replace(&mut first_from[a as usize], sides_of.len() as u32);
+                sides_of.push(Side { to, face: face as u32, next, opposite: NONE });
             }
-        }
-        by_ends.sort_unstable();
-        let mut beside = vec![(0_u32, 0_u32); self.corners.len()];
-        for pair in by_ends.chunks(2) {
-            let &[(ends, first, face), (ends_too, second, other)] = pair else { return None };
-            if ends != ends_too || self.corners[first as usize] == self.corners[second as usize] {
-                return None;
-            }
-            beside[first as usize] = (second, other);
-            beside[second as usize] = (first, face);
-        }
-        if by_ends.windows(3).any(|three| three[0].0 == three[2].0) {
-            return None;
         }
 
         // Number the edges where they are met first.
         let mut edges = Vec::with_capacity(self.corners.len() / 2);
         let mut edges_along = vec![0_u32; self.corners.len()];
-        for face in 0..self.len() {
-            let first = self.range(face).start;
-            for (at, vertices) in sides(self.of(face)).enumerate() {
-                let side = first + at;
-                let (opposite, other) = beside[side];
-                edges_along[side] = if (opposite as usize) < side {
-                    edges_along[opposite as usize]
-                } else {
-                    edges.push(HullEdge { vertices, faces: [face as u32, other] });
-                    edges.len() as u32 - 1
-                };
+        for at in 0..sides_of.len() {
+            let (from, Side { to, face, opposite: known, .. }) = (self.corners[at], sides_of[at]);
+            let mut opposite = first_from[to as usize];
+            while opposite != NONE && sides_of[opposite as usize].to != from {
+                opposite = sides_of[opposite as usize].next;
             }
+            if opposite == NONE || known != NONE && known != opposite {
+                return None;
+            }
+            let beside = &mut sides_of[opposite as usize];
+            if beside.opposite != NONE && beside.opposite != at as u32 {
+                return None;
+            }
+            beside.opposite = at as u32;
+            edges_along[at] = if (opposite as usize) < at {
+                edges_along[opposite as usize]
+            } else {
+                edges.push(HullEdge { vertices: [from, to], faces: [face, beside.face] });
+                edges.len() as u32 - 1
+            };
         }
         Some((edges_along, edges))
     }
