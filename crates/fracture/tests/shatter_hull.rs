@@ -7,7 +7,7 @@ mod common;
 use frangible_fracture::{
     Cells, Cut, Fragment, Impact, Pattern, Region, ShatterSettings, fragment_velocity, shatter,
 };
-use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape, Surface};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -303,4 +303,88 @@ fn faces_of_cells_coincide() {
     assert!(faces.len() > 20, "{}", faces.len());
     let alone = faces.values().filter(|&&sides| sides != 2).count();
     assert_eq!(alone, 0, "of {}", faces.len());
+}
+
+/// Area in space and in texture of the triangles with a tag [m^2].
+fn areas(surface: &Surface, inner: bool) -> (f64, f64) {
+    let mut sums = (0.0, 0.0);
+    for (triangle, &[p, q, r]) in surface.coordinates.iter().enumerate() {
+        if surface.interior[triangle] == inner {
+            let [a, b, c] = surface.mesh.corners(triangle);
+            sums.0 += 0.5 * (b - a).cross(c - a).length();
+            sums.1 += 0.5 * f64::from((q - p).perp_dot(r - p)).abs();
+        }
+    }
+    sums
+}
+
+/// Surfaces are closed, tagged as the faces are, and laid out flat: inner triangles are as large in the texture as they are, and
+/// equal on both sides of a crack. After a second break as well.
+#[test]
+fn surfaces_are_closed_tagged_and_laid_out() {
+    let mut random = common::random(31);
+    let mut parent = Shape::breakable(ClosedForm::Sphere { radius: 0.4 }, 0.05).unwrap();
+    assert!(!parent.surface().interior.contains(&true));
+    for pattern in common::patterns(5).into_iter().skip(1) {
+        let impact = common::random_impact(&parent, &mut random);
+        let mut fragments = shatter(&parent, &pattern, &impact, &ShatterSettings::default());
+        let mut layout: BTreeMap<([u64; 3], [u64; 3]), [f32; 2]> = BTreeMap::new();
+        let mut met = 0;
+        for fragment in &fragments {
+            let surface = fragment.shape.surface();
+            assert!(surface.mesh.is_watertight());
+            assert!((surface.mesh.mass_properties().volume / fragment.shape.volume - 1.0).abs() < 1e-9);
+            for inner in [false, true] {
+                let (in_space, in_texture) = areas(&surface, inner);
+                assert!((in_space - area(hull(fragment), inner)).abs() < 1e-9);
+                assert!(!inner || (in_texture / in_space - 1.0).abs() < 1e-4, "{in_texture} {in_space}");
+            }
+            // The same corner of the same plane has the same coordinates in all fragments.
+            let tagged = hull(fragment).tagged_surface();
+            let faces =
+                hull(fragment).faces().flat_map(|face| std::iter::repeat_n(face, face.vertices.len() - 2));
+            for ((triangle, face), at) in tagged.mesh.triangles.iter().zip(faces).zip(0..) {
+                let plane = if face.plane.normal.x < 0.0 { -face.plane.normal } else { face.plane.normal };
+                let key = (plane * 1e6).round().to_array().map(f64::to_bits);
+                for (&vertex, place) in triangle.iter().zip(tagged.coordinates[at]) {
+                    let corner = tagged.mesh.positions[vertex as usize].to_array().map(f64::to_bits);
+                    if face.inner
+                        && let Some(other) = layout.insert((key, corner), place.to_array())
+                    {
+                        let away = (place - glam::Vec2::from_array(other)).length();
+                        assert!(away < 1e-6, "{away}");
+                        met += 1;
+                    }
+                }
+            }
+        }
+        assert!(met > 50, "{met}");
+        fragments.sort_by(|a, b| b.shape.volume.total_cmp(&a.shape.volume));
+        parent = fragments.swap_remove(0).shape;
+    }
+    // Without a face the surface is open: the check can fail.
+    let mut open = parent.surface().mesh;
+    open.triangles.pop();
+    assert!(!open.is_watertight());
+}
+
+/// On the grid, too, cracks are laid out in their planes.
+#[test]
+fn cracks_on_the_grid_are_laid_out_flat() {
+    let mut random = common::random(32);
+    for parent in [common::wall(), common::bitten_box()] {
+        let impact = common::random_impact(&parent, &mut random);
+        let pattern = common::patterns(6).swap_remove(2);
+        let fragments = shatter(&parent, &pattern, &impact, &ShatterSettings::default());
+        let (mut in_space, mut in_texture) = (0.0, 0.0);
+        for fragment in &fragments {
+            let surface = fragment.shape.surface();
+            assert!(surface.mesh.is_watertight());
+            assert_eq!(surface.coordinates.len(), surface.mesh.triangles.len());
+            let sums = areas(&surface, true);
+            in_space += sums.0;
+            in_texture += sums.1;
+        }
+        assert!(in_space > 0.1 && (in_texture / in_space - 1.0_f64).abs() < 0.01, "{in_texture} {in_space}");
+    }
 }

@@ -3,7 +3,7 @@
 use crate::bvh::Bvh;
 use crate::hull::hull_samples;
 use crate::mass_properties::parallel_axis;
-use crate::{HalfSpace, Hull, MassProperties, RigidTransform, Surface, TriMesh};
+use crate::{HalfSpace, Hull, MassProperties, RigidTransform, Surface};
 use glam::{DMat3, DVec3, Vec3};
 
 /// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*: what is between them is inside. Where
@@ -186,17 +186,11 @@ impl Compound {
         samples
     }
 
-    /// The parts' surfaces, each closed; glued faces count as interior.
+    /// The parts' surfaces, each closed; glued faces count as interior, and so do cracks.
     pub fn surface(&self) -> Surface {
-        let mut surface = Surface { mesh: TriMesh::default(), interior: Vec::new() };
+        let mut surface = Surface::default();
         for part in &self.parts {
-            let TriMesh { positions, triangles } = part.hull.surface();
-            let first = surface.mesh.positions.len() as u32;
-            surface.mesh.positions.extend(positions);
-            surface.mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|c| first + c)));
-            for (face, &glued) in part.hull.faces().zip(&part.glued) {
-                surface.interior.extend(std::iter::repeat_n(glued, face.vertices.len() - 2));
-            }
+            part.hull.add_surface(&mut surface, |face| part.glued[face] || part.hull.face(face).inner);
         }
         surface
     }

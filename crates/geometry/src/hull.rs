@@ -14,7 +14,7 @@ pub use samples::hull_samples;
 pub use weld::weld_hulls;
 
 use crate::mesh::enclosed_mass;
-use crate::{HalfSpace, MassProperties, RigidTransform, TriMesh};
+use crate::{HalfSpace, MassProperties, RigidTransform, Surface, TriMesh};
 use glam::DVec3;
 use loops::Loops;
 use std::sync::Arc;
@@ -157,6 +157,30 @@ impl Hull {
     /// The closed surface, its faces cut into fans of triangles.
     pub fn surface(&self) -> TriMesh {
         TriMesh { positions: self.vertices.clone(), triangles: self.triangles().collect() }
+    }
+
+    /// The closed surface with its cracks' faces tagged.
+    pub fn tagged_surface(&self) -> Surface {
+        let mut surface = Surface::default();
+        self.add_surface(&mut surface, |face| self.net.loops.is_inner(face));
+        surface
+    }
+
+    /// Adds the closed surface to another one, with a tag for each face.
+    pub(crate) fn add_surface(&self, to: &mut Surface, is_inner: impl Fn(usize) -> bool) {
+        let count = |face: usize| self.net.loops.of(face).len() - 2;
+        let of_triangle: Vec<usize> =
+            (0..self.planes.len()).flat_map(|face| std::iter::repeat_n(face, count(face))).collect();
+        let normals: Vec<DVec3> = of_triangle.iter().map(|&face| self.planes[face].normal).collect();
+        let interior = of_triangle.iter().map(|&face| is_inner(face)).collect();
+        let own = Surface::with_coordinates(self.surface(), interior, &normals);
+        let first = to.mesh.positions.len() as u32;
+        to.mesh.positions.extend(own.mesh.positions);
+        to.mesh
+            .triangles
+            .extend(own.mesh.triangles.iter().map(|corners| corners.map(|corner| first + corner)));
+        to.interior.extend(own.interior);
+        to.coordinates.extend(own.coordinates);
     }
 
     /// A fan for each face, in their order.

@@ -37,6 +37,7 @@ mod solid_boundary;
 pub mod surface_samples;
 mod sweep;
 mod symmetric;
+mod texture;
 pub mod winding_number;
 
 pub use clip::Clip;

@@ -2,7 +2,7 @@
 
 use crate::MassProperties;
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use glam::{DMat3, DVec3, Vec3Swizzles};
+use glam::{DMat3, DVec3, Vec2, Vec3Swizzles};
 
 /// Indexed triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +21,9 @@ pub struct Surface {
     pub mesh: TriMesh,
     /// For each triangle, whether a crack made it.
     pub interior: Vec<bool>,
+    /// For each corner of each triangle, texture coordinates [m]: of an inner one in its crack's own plane, of an outer one along
+    /// the axes of the grid frame.
+    pub coordinates: Vec<[Vec2; 3]>,
 }
 
 impl TriMesh {

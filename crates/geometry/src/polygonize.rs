@@ -13,6 +13,7 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
     let contour = DualContour::new(solid);
     let mut triangles = Vec::with_capacity(2 * contour.quads.len());
     let mut interior = Vec::with_capacity(2 * contour.quads.len());
+    let mut normals = Vec::with_capacity(2 * contour.quads.len());
     for quad in &contour.quads {
         let [a, b, c, d] = quad.vertices;
         triangles.extend(if splits_at_first(&contour, quad, solid.grid().spacing) {
@@ -23,9 +24,10 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
         // What the outline does not know was made by a merged sliver's cracks.
         let cracked = quad.piece.map_or(contour.pieces.has_cuts(), |piece| contour.pieces.is_cut(piece));
         interior.extend([cracked; 2]);
+        normals.extend([quad.normal; 2]);
     }
     let positions = contour.vertices.iter().map(|vertex| vertex.position).collect();
-    Surface { mesh: TriMesh { positions, triangles }, interior }
+    Surface::with_coordinates(TriMesh { positions, triangles }, interior, &normals)
 }
 
 /// Whether a quad's diagonal from its first vertex is the better one.

@@ -251,10 +251,9 @@ impl Shape {
 
     /// The closed surface in the body frame; empty for a half-space.
     pub fn surface(&self) -> Surface {
-        let without_cracks = |mesh: TriMesh| Surface { interior: vec![false; mesh.triangles.len()], mesh };
         let mut surface = match &self.geometry {
             Geometry::ClosedForm(form) => without_cracks(closed_form_surface(form)),
-            Geometry::Hull(hull) => without_cracks(hull.surface()),
+            Geometry::Hull(hull) => hull.tagged_surface(),
             Geometry::Compound(compound) => compound.surface(),
             Geometry::Grid(solid) => polygonize(solid),
         };
@@ -263,6 +262,16 @@ impl Shape {
         }
         surface
     }
+}
+
+/// The surface of what has never been broken.
+fn without_cracks(mesh: TriMesh) -> Surface {
+    let normal = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle);
+        (b - a).cross(c - a)
+    };
+    let normals: Vec<DVec3> = (0..mesh.triangles.len()).map(normal).collect();
+    Surface::with_coordinates(mesh, vec![false; normals.len()], &normals)
 }
 
 /// Lowest and highest corner, in the body frame, around all voxels with material and all samples.
