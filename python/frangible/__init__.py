@@ -8,8 +8,10 @@ Quantities are SI, y is up, quaternions are x, y, z, w.
 """
 
 from ._frangible import BuildError, Pattern, World, claims, mesh_info, patterns, shot_defaults, shot_frames, shot_scene, shots
+from .breaking import break_mesh
 from .cache import CacheError
 from .output import OutputError
+from .pieces import Piece, Pieces
 from .recording import Body, Recorder, Recording
 from .report import StepReport
 from .simulation import run
@@ -23,11 +25,14 @@ __all__ = [
     "Finding",
     "OutputError",
     "Pattern",
+    "Piece",
+    "Pieces",
     "Recorder",
     "Recording",
     "StepReport",
     "Verdict",
     "World",
+    "break_mesh",
     "claims",
     "mesh_info",
     "patterns",

@@ -1,10 +1,12 @@
 """The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
 
+from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
 
+from .pieces import Contact
 from .report import StepReport
 from .verification import Finding
 
@@ -12,10 +14,18 @@ __all__ = [
     "BuildError",
     "Pattern",
     "World",
+    "bounds_a_solid",
+    "break_mesh_on_grid",
     "check_claim",
     "claims",
+    "fill_holes",
+    "load_mesh",
     "mesh_info",
+    "mesh_mass",
+    "pattern_cutters",
     "patterns",
+    "piece_contacts",
+    "resurface",
     "shot_defaults",
     "shot_frames",
     "shot_scene",
@@ -100,6 +110,55 @@ def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read.
 
     `unit_inertia_m5` is the tensor (3, 3) about `center_m` at unit density: times kg/m^3 it is in kg m^2.
+    """
+
+def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file, vertices at the same place made one.
+
+    `BuildError` if it cannot be read or encloses no volume.
+    """
+
+def fill_holes(
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]],
+) -> tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], int]:
+    """The mesh with each hole closed by triangles between the vertices of its rim, and the number of holes."""
+
+def bounds_a_solid(mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], spacing: float) -> bool:
+    """Whether outside lies in front of the whole surface and inside behind it: nothing crosses or lies in the solid.
+
+    Probed at places `spacing` [m] apart on large triangles, once on smaller ones.
+    """
+
+def resurface(
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], voxels: int
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """The surface of what a mesh encloses made anew, closed and free of crossings, on a grid of so many voxels along the longest
+    side; `BuildError` if the grid does not resolve it."""
+
+def mesh_mass(mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]) -> dict[str, Any]:
+    """`volume_m3`, `center_m` (3) and `unit_inertia_m5` (3, 3) about it, of what a closed mesh encloses."""
+
+def piece_contacts(
+    pieces: list[tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], npt.NDArray[np.bool_]]],
+) -> list[Contact]:
+    """Contacts of pieces that were cut out of a mesh: for each the surface, and whether a crack made each triangle (t,)."""
+
+def pattern_cutters(
+    pattern: Pattern, bounds: tuple[Sequence[float], Sequence[float]], at: Sequence[float], normal: Sequence[float]
+) -> list[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint32]]]:
+    """The cells of a pattern, laid onto the box of a mesh (lowest and highest corner [m]) that is struck at a point: for each its
+    closed surface, and for each triangle the face that it is a part of: a plane, or a rough crack towards one neighbour."""
+
+def break_mesh_on_grid(
+    pattern: Pattern,
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]],
+    at: Sequence[float],
+    normal: Sequence[float],
+    voxels: int,
+) -> dict[str, Any]:
+    """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
+
+    A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3) and `inner` (t,): whether a crack made each.
     """
 
 @final

@@ -8,14 +8,18 @@ import math
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
 
 from . import _frangible
+from .breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
 from .cache import CacheError
 from .output import Output, OutputError, open_output, open_plot
+from .pieces import describe_pieces
+from .pieces_files import open_pieces_output
 from .progress import report_progress
 from .recording import Recorder, Recording, step_frames
 from .report import StepReport
@@ -91,6 +95,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--frame", type=_natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
+    _add_break(commands)
+
     plot = commands.add_parser("plot", help="draw energy by cause and momentum over time")
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="FILE", help="what `frangible run --out FILE` wrote, .npz")
@@ -125,6 +131,55 @@ def _parser() -> argparse.ArgumentParser:
     info.set_defaults(command=_info)
     info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb) or cache (.npz, .usda, .usdc)")
     return parser
+
+
+def _add_break(commands: Any) -> None:
+    breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
+    breaker.set_defaults(command=_break)
+    breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb)")
+    breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
+    breaker.add_argument("--cells", type=_positive(int, "a whole number"), metavar="N", help="number of cells [the pattern's]")
+    breaker.add_argument("--seed", type=_natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
+    breaker.add_argument(
+        "--at",
+        nargs=3,
+        type=_finite,
+        metavar=("X", "Y", "Z"),
+        help="point that is struck, in the mesh's own frame [where a blow through the middle of the bounding box lands]",
+    )
+    breaker.add_argument(
+        "--normal",
+        nargs=3,
+        type=_finite,
+        default=DEFAULT_NORMAL,
+        metavar=("X", "Y", "Z"),
+        help="from the point towards what strikes it [0 1 0: struck from above]",
+    )
+    breaker.add_argument("--exact", action="store_true", help="cut the mesh's own triangles, not samples of it on a grid")
+    breaker.add_argument(
+        "--voxels",
+        type=_natural(MOST_VOXELS),
+        default=DEFAULT_VOXELS,
+        metavar="N",
+        help="of the grid, along the mesh's longest side [%(default)s]; with --exact only for a mesh that must be closed so",
+    )
+    breaker.add_argument(
+        "--out",
+        required=True,
+        metavar="FILE|FOLDER",
+        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and neighbours go beside it as .json",
+    )
+    breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
+
+
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a finite number")
+    return value
 
 
 def _positive(kind: Callable[[str], Any], noun: str) -> Callable[[str], Any]:
@@ -203,6 +258,24 @@ def _write(outputs: list[Output], recording: Recording) -> None:
         output.write(recording)
         size = os.path.getsize(output.path)
         print(f"wrote {output.path}, {size / 2**20:.3g} MiB", file=sys.stderr)
+
+
+def _break(options: argparse.Namespace) -> None:
+    output = open_pieces_output(options.out)
+    pattern = _frangible.Pattern.named(options.pattern, cells=options.cells, seed=options.seed)
+    begin = time.perf_counter()
+    pieces = break_mesh(
+        options.mesh,
+        pattern,
+        at=options.at,
+        normal=options.normal,
+        exact=options.exact,
+        voxels=options.voxels,
+    )
+    summary = pieces.summary(time.perf_counter() - begin)
+    output.write(pieces)
+    print(f"wrote {output.path} and {output.report}", file=sys.stderr)
+    print(json.dumps(summary) if options.json else describe_pieces(summary))
 
 
 def _plot(options: argparse.Namespace) -> None:

@@ -6,6 +6,7 @@ one time accessor per channel, which at thousands of pieces makes the JSON large
 
 from __future__ import annotations
 
+import base64
 import json
 import struct
 from typing import Any
@@ -14,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from .ground import with_visible_ground
-from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE_ROUGHNESS, Colour, source_colours
+from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE, OUTSIDE_ROUGHNESS, Colour, source_colours
 from .normals import shaded_mesh
 from .paths import by_source, unique_names
+from .pieces import Pieces
 from .recording import Body, Recording
 
 Json = dict[str, Any]
@@ -33,7 +35,7 @@ _POSITIONS, _NORMALS, _INDICES, _MOTION = range(4)
 
 def write_glb(recording: Recording, path: str) -> None:
     """Write a recording; lengths are metres, times seconds, y is up."""
-    gltf = _Gltf(recording)
+    gltf = _Gltf({"shot": recording.shot, "frames": recording.frames, "fps": recording.fps}, recording.fps)
     families = by_source(with_visible_ground(recording).bodies)
     colours = source_colours(families)
 
@@ -52,16 +54,28 @@ def write_glb(recording: Recording, path: str) -> None:
         file.write(gltf.to_bytes())
 
 
+def write_pieces(pieces: Pieces, path: str) -> None:
+    """Write a broken mesh, ``.glb`` or ``.gltf``: a node with the pieces as children, each with its origin at its centre of mass."""
+    gltf = _Gltf({"mesh": pieces.name}, 1.0)
+    outer = gltf.add_material("outer", OUTSIDE[0], OUTSIDE_ROUGHNESS)
+    inner = gltf.add_material("inner", INSIDE, INSIDE_ROUGHNESS)
+    children = [gltf.add_body(piece.body(index), piece.name, outer, inner) for index, piece in enumerate(pieces.pieces)]
+    (name,) = unique_names([pieces.name])
+    gltf.document["scenes"] = [{"name": name, "nodes": [gltf.add("nodes", {"name": name, "children": children})]}]
+    with open(path, "wb") as file:
+        file.write(gltf.to_bytes() if path.endswith(".glb") else gltf.to_text())
+
+
 class _Gltf:
     """The JSON document and the binary data, as they grow."""
 
-    def __init__(self, recording: Recording) -> None:
-        self.recording = recording
+    def __init__(self, extras: Json, fps: float) -> None:
+        self.fps = fps
         self.document: Json = {
             "asset": {
                 "version": "2.0",
                 "generator": GENERATOR,
-                "extras": {"shot": recording.shot, "frames": recording.frames, "fps": recording.fps},
+                "extras": extras,
             },
             "scene": 0,
             "nodes": [],
@@ -160,7 +174,7 @@ class _Gltf:
     def add_channel(
         self, node: int, target: str, frames: npt.NDArray[Any], values: npt.NDArray[Any], interpolation: str
     ) -> None:
-        times = (frames / self.recording.fps).astype(np.float32)
+        times = (frames / self.fps).astype(np.float32)
         key = times.tobytes()
         if key not in self.times:
             self.times[key] = self.add_accessor(_MOTION, times, bounds=True)
@@ -169,6 +183,25 @@ class _Gltf:
         self.channels.append({"sampler": len(self.samplers) - 1, "target": {"node": node, "path": target}})
 
     def to_bytes(self) -> bytes:
+        """As a ``.glb``."""
+        document, data = self._finished()
+        # The header and the two chunks, each padded to four bytes; all data is made of four-byte words already.
+        text = json.dumps(document, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I4s", len(text), b"JSON") + text
+        if data:
+            chunks += struct.pack("<I4s", len(data), b"BIN\0") + data
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+    def to_text(self) -> bytes:
+        """As a ``.gltf`` that holds its data as well."""
+        document, data = self._finished()
+        for buffer in document.get("buffers", []):
+            buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        return json.dumps(document).encode()
+
+    def _finished(self) -> tuple[Json, bytes]:
+        """The document, and its data."""
         # Buffer views, without those that hold nothing.
         views: list[Json] = []
         renumbered: dict[int, int] = {}
@@ -196,14 +229,7 @@ class _Gltf:
         if data:
             document["buffers"] = [{"byteLength": len(data)}]
             document["bufferViews"] = views
-
-        # The header and the two chunks, each padded to four bytes; all data is made of four-byte words already.
-        text = json.dumps(document, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text
-        if data:
-            chunks += struct.pack("<I4s", len(data), b"BIN\0") + data
-        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+        return document, data
 
 
 def describe_glb(path: str) -> dict[str, object] | None:

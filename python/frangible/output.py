@@ -74,7 +74,7 @@ def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
 
 
 #: Modules that each extra of the installation brings.
-_EXTRAS = {"plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
+_EXTRAS = {"exact": ("manifold3d",), "plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
 
 _FORMATS = {
     ".glb": _Format(_write_glb),
@@ -102,12 +102,15 @@ def _open(path: str, formats: dict[str, _Format], frame: int | None) -> Output:
     return Output(path, formats[ending].writer, frame)
 
 
-def check_destination(path: str, extras: Mapping[str, str | None]) -> str:
-    """The ending of a file that can be written, given the extra that each known ending needs; `OutputError` if it cannot."""
+def check_destination(path: str, extras: Mapping[str, str | None], besides: str = "") -> str:
+    """The ending of a file that can be written, given the extra that each known ending needs; `OutputError` if it cannot.
+
+    ``besides`` ends the sentence's list of what can be written.
+    """
     folder = os.path.dirname(path) or "."
     ending = os.path.splitext(path)[1].lower()
     if ending not in extras:
-        known = ", ".join(sorted(extras))
+        known = ", ".join([*sorted(extras), *([besides] if besides else [])])
         raise OutputError(f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}")
     if not os.path.isdir(folder):
         raise OutputError(f"{path}: the folder {folder!r} does not exist, create it first")

@@ -10,9 +10,10 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from .cache import CacheError
 from .ground import with_visible_ground
-from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE_ROUGHNESS, Colour, source_colours
+from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE, OUTSIDE_ROUGHNESS, Colour, source_colours
 from .normals import shaded_mesh
 from .paths import by_source, telling_samples, unique_names
+from .pieces import Pieces
 from .recording import Body, Recording
 
 
@@ -47,6 +48,28 @@ def write_usd(recording: Recording, path: str) -> None:
             mesh = _mesh(stage, f"/World/{name}/{piece}", body, outside, inside)
             _motion(mesh, body)
             _life(mesh, body)
+    _save(stage)
+
+
+def write_pieces(pieces: Pieces, path: str) -> None:
+    """Write a broken mesh: a Mesh for each piece, with its origin at its centre of mass."""
+    stage = Usd.Stage.CreateNew(path)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    (name,) = unique_names([pieces.name])
+    root = UsdGeom.Xform.Define(stage, f"/{name}")
+    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
+    stage.SetDefaultPrim(root.GetPrim())
+    UsdGeom.Scope.Define(stage, f"/{name}/Materials")
+    outer = _material(stage, f"/{name}/Materials/outer", OUTSIDE[0], OUTSIDE_ROUGHNESS)
+    inner = _material(stage, f"/{name}/Materials/inner", INSIDE, INSIDE_ROUGHNESS)
+    for index, piece in enumerate(pieces.pieces):
+        body = piece.body(index)
+        _motion(_mesh(stage, f"/{name}/{piece.name}", body, outer, inner), body)
+    _save(stage)
+
+
+def _save(stage: Any) -> None:
     try:
         stage.GetRootLayer().Save()
     except Tf.ErrorException as error:

@@ -62,6 +62,16 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["plot", __file__, "--out", "energy.glb"], ["energy.glb", ".pdf, .png, .svg"]),
         (["plot", __file__, "--out", "no/such/energy.png"], ["no/such/energy.png", "does not exist"]),
         (["plot", __file__], ["--out"]),
+        (["break", "no/such.obj", "--pattern", "voronoi", "--out", "p.glb"], ["no/such.obj", "no such file"]),
+        (["break", "no.obj", "--pattern", "glass", "--out", "p.glb"], ["glass", "radial", "voronoi", "file"]),
+        (["break", "no.obj", "--pattern", "no/such.json", "--out", "p.glb"], ["no/such.json"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--out", "p.fbx"], ["p.fbx", ".glb", ".usdc", "folder"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--out", "no/such/p.glb"], ["'no/such'", "does not exist"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--out", str(HERE)], [str(HERE), "must be new, empty"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"], ["--cells", "> 0"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--at", "0", "x", "0", "--out", "p.glb"], ["--at", "'x'", "finite"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--voxels", "9999", "--out", "p.glb"], ["--voxels", "1024"]),
+        (["break", "no.obj", "--out", "p.glb"], ["--pattern"]),
     ],
 )
 def test_arguments(arguments: list[str], words: list[str], complain: Callable[..., str]) -> None:
@@ -117,3 +127,17 @@ def test_a_frame_rate_that_is_none_says_so(fps: float) -> None:
 def test_caches(name: str, complain: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / name).write_text("not a cache")
     assert name in complain("info", tmp_path / name)
+
+
+def test_a_mesh_to_break_must_enclose_something(complain: Callable[..., str], tmp_path: Path) -> None:
+    flat = tmp_path / "flat.obj"
+    flat.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    line = complain("break", flat, "--pattern", "voronoi", "--out", tmp_path / "flat.glb")
+    assert "flat.obj" in line and "volume" in line
+
+
+def test_a_blow_must_come_from_somewhere(complain: Callable[..., str], tmp_path: Path) -> None:
+    mesh = tmp_path / "tetrahedron.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    line = complain("break", mesh, "--pattern", "voronoi", "--normal", 0, 0, 0, "--out", tmp_path / "pieces.glb")
+    assert "normal" in line and "zero" in line

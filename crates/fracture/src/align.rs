@@ -37,15 +37,25 @@ impl Placement {
     /// across the normal, so that long pieces of a pattern lie along a long body, and equal blows break equally.
     pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
         let grid_from_body = struck.body_from_grid.inverse();
-        let point_grid = grid_from_body.point(impact.point_body);
+        let impact_grid = Impact {
+            point_body: grid_from_body.point(impact.point_body),
+            normal_body: grid_from_body.direction(impact.normal_body),
+        };
         let corners_grid = corners(struck.bounds).map(|corner| grid_from_body.point(corner));
-        let z = grid_from_body.direction(impact.normal_body).normalize();
-        let x = longest_axis_across(z, &corners_grid);
+        Self::around(pattern, &impact_grid, &corners_grid)
+    }
+
+    /// The same for a body of which only the corners of a box around it are known, in the frame of the impact: the grid
+    /// frame is that one.
+    pub fn around(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8]) -> Self {
+        let point_grid = impact.point_body;
+        let z = impact.normal_body.normalize();
+        let x = longest_axis_across(z, corners_grid);
         let grid_from_pattern = DMat3::from_cols(x, z.cross(x), z);
 
         // The scale at which the farthest corner reaches the wall of the box on its side.
         let mut scale = 0.0f64;
-        for corner in corners_grid {
+        for &corner in corners_grid {
             let reach = grid_from_pattern.transpose() * (corner - point_grid);
             let to_upper = reach / (pattern.half_extent - pattern.center);
             let to_lower = -reach / (pattern.half_extent + pattern.center);
@@ -89,7 +99,7 @@ pub fn align_pattern(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Vec<
 }
 
 /// The eight corners of a box.
-fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
+pub(crate) fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
     std::array::from_fn(|corner| {
         let pick = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
         DVec3::new(pick(0), pick(1), pick(2))

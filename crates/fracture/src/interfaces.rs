@@ -1,7 +1,10 @@
 //! Which pieces of a break touch, where and over what area: what glue holds, and what a crack has laid bare.
 
 mod hulls;
+mod meshes;
 mod voxels;
+
+pub use meshes::{CutPiece, mesh_interfaces};
 
 use crate::Fragment;
 use frangible_geometry::{Geometry, Hull};

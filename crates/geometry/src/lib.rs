@@ -15,6 +15,7 @@ mod dual_contour;
 pub mod grid;
 pub mod grid_solid;
 pub mod half_space;
+mod hole_filling;
 mod hole_patches;
 pub mod hull;
 pub mod level_set;

@@ -1,5 +1,6 @@
 //! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi` documents it.
 
+mod breaking;
 mod convert;
 mod patterns;
 mod world;
@@ -148,5 +149,13 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(shot_scene, module)?)?;
     module.add_function(wrap_pyfunction!(claims, module)?)?;
     module.add_function(wrap_pyfunction!(check_claim, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::pattern_cutters, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::break_mesh_on_grid, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::load_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::fill_holes, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::bounds_a_solid, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::mesh_mass, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::piece_contacts, module)?)?;
     module.add_function(wrap_pyfunction!(mesh_info, module)?)
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Faces this close together, relative to the longest side of all the pieces' bounding boxes, lie in one plane: far above what
 /// clipping and turning round off, far below any gap that is meant.
-const SAME_PLANE: f64 = 1e-7;
+pub(super) const SAME_PLANE: f64 = 1e-7;
 /// An overlap smaller than this part of the smaller face is where two faces touch along an edge.
 const SMALLEST_OVERLAP: f64 = 1e-9;
 
@@ -47,10 +47,7 @@ fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &H
             if !in_plane || face.plane.normal.dot(other.plane.normal) > 0.0 {
                 continue;
             }
-            let overlap = overlap(&polygon_a, &polygon_b, face.plane.normal);
-            let smaller = polygon::area(&polygon_a).min(polygon::area(&polygon_b));
-            let (area, centroid) = area_and_centroid(&overlap);
-            if area > SMALLEST_OVERLAP * smaller {
+            if let Some((area, centroid)) = overlap_of_faces(&polygon_a, &polygon_b, face.plane.normal) {
                 contacts.add(pair, area * face.plane.normal, centroid);
             }
         }
@@ -62,7 +59,19 @@ fn separates(plane: &HalfSpace, hull: &Hull, near: f64) -> bool {
     hull.vertices().iter().all(|&vertex| plane.distance(vertex) >= -near)
 }
 
-/// The common part of two convex polygons in the plane with this normal.
+/// Area [m^2] and centroid [m] of the common part of two convex polygons in the plane with this normal, which is that of the first and
+/// the other way round that of the second; `None` if they touch along an edge at most.
+pub(super) fn overlap_of_faces(
+    polygon_a: &[DVec3],
+    polygon_b: &[DVec3],
+    normal: DVec3,
+) -> Option<(f64, DVec3)> {
+    let smaller = polygon::area(polygon_a).min(polygon::area(polygon_b));
+    let (area, centroid) = area_and_centroid(&overlap(polygon_a, polygon_b, normal));
+    (area > SMALLEST_OVERLAP * smaller).then_some((area, centroid))
+}
+
+/// The common part of the two.
 fn overlap(polygon_a: &[DVec3], polygon_b: &[DVec3], normal: DVec3) -> Vec<DVec3> {
     // Polygon b runs clockwise about the normal, so that its inside is on the right of each side.
     let mut kept = polygon_a.to_vec();

@@ -1,0 +1,67 @@
+//! Contacts of pieces that were cut out of a mesh: where triangles of their cracks lie on one another.
+
+use super::hulls::{SAME_PLANE, overlap_of_faces};
+use super::{Contacts, Interface};
+use frangible_geometry::TriMesh;
+use glam::DVec3;
+
+/// A piece of a mesh: a connected part of what one cell of a pattern cut out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutPiece {
+    /// Closed [m].
+    pub mesh: TriMesh,
+    /// For each triangle, whether a crack made it.
+    pub inner: Vec<bool>,
+}
+
+/// A triangle of a crack.
+struct CrackTriangle {
+    piece: usize,
+    corners: [DVec3; 3],
+    /// Unit, outward.
+    normal: DVec3,
+    low: DVec3,
+    high: DVec3,
+}
+
+/// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's frame. Exact: the two sides of a
+/// crack are cut into different triangles, but lie in the same planes.
+pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
+    let mut triangles: Vec<CrackTriangle> =
+        pieces.iter().enumerate().flat_map(|(number, piece)| crack_triangles(number, piece)).collect();
+    let low = triangles.iter().fold(DVec3::INFINITY, |low, triangle| low.min(triangle.low));
+    let high = triangles.iter().fold(DVec3::NEG_INFINITY, |high, triangle| high.max(triangle.high));
+    let near = SAME_PLANE * (high - low).max_element();
+
+    // Sweep along x: a triangle can lie on those only that begin before it ends.
+    triangles.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    let mut contacts = Contacts::default();
+    for (at, first) in triangles.iter().enumerate() {
+        for second in triangles[at + 1..].iter().take_while(|other| other.low.x <= first.high.x + near) {
+            let apart =
+                second.low.cmpgt(first.high + near).any() || first.low.cmpgt(second.high + near).any();
+            if first.piece == second.piece || apart || first.normal.dot(second.normal) > 0.0 {
+                continue;
+            }
+            let (a, b) = if first.piece < second.piece { (first, second) } else { (second, first) };
+            let from_plane = |corner: &DVec3| (a.normal.dot(*corner - a.corners[0])).abs();
+            if b.corners.iter().all(|corner| from_plane(corner) <= near)
+                && let Some((area, centroid)) = overlap_of_faces(&a.corners, &b.corners, a.normal)
+            {
+                contacts.add((a.piece, b.piece), area * a.normal, centroid);
+            }
+        }
+    }
+    contacts.into_interfaces()
+}
+
+/// The triangles of a piece's cracks, without those that have no area.
+fn crack_triangles(number: usize, piece: &CutPiece) -> impl Iterator<Item = CrackTriangle> {
+    let inner = (0..piece.mesh.triangles.len()).filter(|&triangle| piece.inner[triangle]);
+    inner.filter_map(move |triangle| {
+        let corners = piece.mesh.corners(triangle);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        Some(CrackTriangle { piece: number, corners, normal, low: a.min(b).min(c), high: a.max(b).max(c) })
+    })
+}

@@ -1,0 +1,177 @@
+"""Meshes cut by the closed cells of a pattern, with a robust Boolean library: watertight pieces that fit without a gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from manifold3d import Error, Manifold, Mesh64, OpType
+
+from . import _frangible
+from .recording import Bool, Float32, Float64, UInt32
+
+Mesh = tuple[Float64, UInt32]
+#: Vertices, triangles, and the face of the cell that each triangle is a part of.
+Cutter = tuple[Float64, UInt32, UInt32]
+
+#: A part with less of the whole's volume is what rounding leaves where faces touch, no piece.
+LEAST_PART = 1e-12
+#: Probes for crossings are this part of the bounding box's diagonal apart.
+PROBE_SPACING = 1 / 200
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """A connected part of what one cell cut out of a mesh."""
+
+    vertices: Float64
+    triangles: UInt32
+    #: (t,) the face of the cell, -1 on the mesh's own surface.
+    face: npt.NDArray[np.int64]
+
+    @property
+    def inner(self) -> Bool:
+        """(t,) whether a crack made the triangle."""
+        return self.face >= 0
+
+
+def closed(mesh: Mesh, voxels: int) -> tuple[Manifold, list[str]]:
+    """The solid that a mesh bounds, and what had to be done to it in sentences."""
+    (vertices, triangles), holes = _frangible.fill_holes(mesh)
+    notes = [f"{holes} {'hole' if holes == 1 else 'holes'} closed by triangles between the rim's vertices"] if holes else []
+    solid = _manifold(vertices, triangles)
+    if solid.status() != Error.NoError:
+        return _resurfaced(mesh, voxels, "edges of more than two triangles, or neighbours that face opposite ways")
+    if _bounds_a_solid((vertices, triangles)):
+        return solid, notes
+
+    # Parts that cross one another become one; one that crosses itself cannot be helped by that.
+    parts = solid.decompose()
+    if len(parts) > 1:
+        united = _united(parts)
+        if _bounds_a_solid(_arrays(united)):
+            return united, [*notes, f"{len(parts)} parts that cross or lie in one another made one"]
+    return _resurfaced(mesh, voxels, "a surface that crosses itself")
+
+
+def _resurfaced(mesh: Mesh, voxels: int, why: str) -> tuple[Manifold, list[str]]:
+    solid = _manifold(*_frangible.resurface(mesh, voxels))
+    return solid, [f"the mesh has {why}: its surface was made anew, on a grid of {voxels} voxels along the longest side"]
+
+
+def _united(parts: list[Manifold]) -> Manifold:
+    """The union of the parts that face outward, without those that face inward: cavities."""
+    solids = [part for part in parts if part.volume() > 0.0]
+    cavities = []
+    for part in parts:
+        if part.volume() < 0.0:
+            vertices, triangles = _arrays(part)
+            cavities.append(_manifold(vertices, triangles[:, ::-1]))
+    return Manifold.batch_boolean([Manifold.batch_boolean(solids, OpType.Add), *cavities], OpType.Subtract)
+
+
+def _bounds_a_solid(mesh: Mesh) -> bool:
+    diagonal = float(np.linalg.norm(np.ptp(mesh[0], axis=0)))
+    return _frangible.bounds_a_solid(mesh, PROBE_SPACING * diagonal)
+
+
+def _manifold(vertices: Float64, triangles: UInt32, original: int | None = None) -> Manifold:
+    """With an original id, each triangle keeps its number through all cuts."""
+    corners = np.ascontiguousarray(triangles, np.uint64)
+    if original is None:
+        return Manifold(Mesh64(np.ascontiguousarray(vertices), corners))
+    return Manifold(
+        Mesh64(
+            np.ascontiguousarray(vertices),
+            corners,
+            run_index=np.array([0, 3 * len(corners)], np.uint64),
+            run_original_id=np.array([original], np.uint32),
+            face_id=np.arange(len(corners), dtype=np.uint64),
+        )
+    )
+
+
+def _arrays(solid: Manifold) -> Mesh:
+    mesh = solid.to_mesh64()
+    return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.uint32)
+
+
+def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
+    """The connected parts of a solid in each cell, cell by cell, the largest first."""
+    # Body and cells are told apart by the ids of their triangles.
+    first = Manifold.reserve_ids(len(cutters) + 1)
+    body = _manifold(*_arrays(solid), first)
+    least = LEAST_PART * body.volume()
+    parts = []
+    for cell, (vertices, triangles, face) in enumerate(cutters):
+        if len(triangles) == 0:
+            continue
+        inside = body ^ _manifold(vertices, triangles, first + 1 + cell)
+        shells = [shell for shell in inside.decompose() if abs(shell.volume()) > least]
+        parts += [_part(group, first, face) for group in _with_cavities(shells)]
+    return parts
+
+
+def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
+    """Each outer shell with the cavities in it, the largest first."""
+    def order(shell: Manifold) -> tuple[float, ...]:
+        return (-shell.volume(), *shell.bounding_box())
+
+    outer = sorted((shell for shell in shells if shell.volume() > 0.0), key=order)
+    around: list[list[Manifold]] = [[shell] for shell in outer]
+    for cavity in (shell for shell in shells if shell.volume() < 0.0):
+        # Among the shells whose box holds the cavity's: the smallest.
+        low, high = np.split(np.array(cavity.bounding_box()), 2)
+        for group in reversed(around):
+            outer_low, outer_high = np.split(np.array(group[0].bounding_box()), 2)
+            if np.all(outer_low <= low) and np.all(high <= outer_high):
+                group.append(cavity)
+                break
+    return around
+
+
+def _part(shells: list[Manifold], body: int, face_of_cutter: UInt32) -> Part:
+    """The shells as one surface, with the face that each triangle comes from."""
+    vertices, triangles, faces = [], [], []
+    count = 0
+    for shell in shells:
+        mesh = shell.to_mesh64()
+        # Which triangles of which original mesh these are.
+        bounds = np.asarray(mesh.run_index, np.int64) // 3
+        lengths: npt.NDArray[np.int64] = bounds[1:] - bounds[:-1]
+        from_cutter = np.repeat(np.asarray(mesh.run_original_id, np.int64), lengths) != body
+        face = np.full(len(from_cutter), -1, np.int64)
+        face[from_cutter] = face_of_cutter[np.asarray(mesh.face_id, np.int64)[from_cutter]]
+        own_vertices, own_triangles = _merged(mesh)
+        vertices.append(own_vertices)
+        triangles.append(own_triangles + np.uint32(count))
+        faces.append(face)
+        count += len(own_vertices)
+    return Part(np.concatenate(vertices), np.concatenate(triangles), np.concatenate(faces))
+
+
+def _merged(mesh: Any) -> Mesh:
+    """Vertices and triangles, with one vertex at each place."""
+    target = np.arange(len(mesh.vert_properties))
+    target[np.asarray(mesh.merge_from_vert, np.int64)] = np.asarray(mesh.merge_to_vert, np.int64)
+    used, triangles = np.unique(target[np.asarray(mesh.tri_verts, np.int64)], return_inverse=True)
+    return np.array(mesh.vert_properties[used, :3]), triangles.reshape(-1, 3).astype(np.uint32)
+
+
+def crack_coordinates(part: Part) -> Float32:
+    """(t, 3, 2) coordinates of all corners in the mean planes of their cracks [m]; both sides of a crack have the same."""
+    coordinates = np.zeros((len(part.triangles), 3, 2), np.float32)
+    corners = part.vertices[part.triangles]
+    area_vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    for face in np.unique(part.face[part.inner]):
+        triangles = part.face == face
+        normal = area_vectors[triangles].sum(axis=0)
+        normal /= np.linalg.norm(normal)
+        # Of the two sides of a crack, the one whose normal is positive along its longest component decides.
+        normal *= np.sign(normal[np.argmax(np.round(np.abs(normal), 6))])
+        u = np.cross(normal, np.eye(3)[np.argmin(np.round(np.abs(normal), 6))])
+        u /= np.linalg.norm(u)
+        coordinates[triangles] = corners[triangles] @ np.column_stack([u, np.cross(normal, u)])
+    return coordinates
