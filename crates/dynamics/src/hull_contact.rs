@@ -83,16 +83,19 @@ pub(crate) fn hull_contact(
     // The best of each kind of axis.
     let (a, b) = (View::own(first), View::from_elsewhere(second, first_from_second));
     let close = PREFERENCE * size;
-    let of_first = face_axis(&a, &b);
+    let of_first = face_axis(&a, &b, most);
     if of_first.separation > most {
         return None;
     }
-    let of_second = face_axis(&b, &a);
+    let of_second = face_axis(&b, &a, most);
     if of_second.separation > most {
         return None;
     }
-    let of_edges = edge_axis(&a, &b);
+    // Edges that are nearest, or overlap less than the faces do, are within that distance of each other.
     let face = of_first.separation.max(of_second.separation);
+    let within = most.max(-face);
+    let (edges_a, edges_b) = (a.edges_in(b.bounds(within)), b.edges_in(a.bounds(within)));
+    let of_edges = edge_axis(&a, &b, [&edges_a, &edges_b]);
     let gap = of_edges.map_or(face, |edges| edges.separation.max(face));
     if gap > most {
         return None;
@@ -131,7 +134,11 @@ pub(crate) fn hull_contact(
     }
 
     // What is nearest, or the edges if they overlap.
-    let point = if gap > 0.0 { nearest_points(&a, &b, first_from_second) } else { on_edges() }?;
+    let point = if gap > 0.0 {
+        nearest_points(&a, &b, [&edges_a, &edges_b], first_from_second, most)
+    } else {
+        on_edges()
+    }?;
     let gap = if gap > 0.0 { point.gap } else { gap };
     (gap <= most).then(|| HullContact { normal: point.normal, gap, points: vec![point] })
 }

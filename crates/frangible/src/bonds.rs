@@ -369,6 +369,7 @@ fn island_body(world: &World, parent: usize, index: usize, glued: Glued) -> Opti
     let label = Label {
         name: format!("{}.{index}", world.labels[parent].name),
         parent: Some(world.bodies.ids[parent]),
+        look: world.labels[parent].look,
         breaking: None,
         bonds,
     };

@@ -1,13 +1,14 @@
 //! Where a blow becomes a break: bodies are replaced by their fragments [Su09 sec. 4.2].
 
 use crate::World;
+use crate::desc::LookDesc;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::world::{Breaking, Label};
 use frangible_dynamics::blows::Blow;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::payment::{energy_at, pay_at};
 use frangible_dynamics::{Bodies, Contactant, Inertia, Motion, NewBody, Pose, Tally, Velocity};
-use frangible_fracture::{Fragment, Impact, fragment_velocity, interfaces, shatter};
+use frangible_fracture::{Fragment, Impact, Pattern, fragment_velocity, interfaces, shatter};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ struct Break {
     /// By dense index.
     parent: usize,
     breaking: Breaking,
+    /// Of the patterns, the one that it had the energy for.
+    pattern: Arc<Pattern>,
     fragments: Vec<Fragment>,
     /// What its cracks took [J].
     spent: f64,
@@ -44,12 +47,13 @@ pub(crate) fn break_bodies(
     // Fragments are born where they were in their parents.
     let mut born = Vec::new();
     let mut fractures = Vec::new();
-    for Break { blow, parent, breaking, fragments, spent } in breaks {
+    for mut broken in breaks {
         let first = born.len();
-        for (index, fragment) in fragments.into_iter().enumerate() {
-            let label = fragment_label(world, parent, index, &breaking, &fragment);
-            born.push((fragment_body(&world.bodies, parent, fragment, &label), label));
+        for (index, fragment) in std::mem::take(&mut broken.fragments).into_iter().enumerate() {
+            let label = fragment_label(world, &broken, index, &fragment);
+            born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
+        let Break { blow, parent, spent, .. } = broken;
         fractures.push(Fracture {
             body: id_number(blow.body),
             striker: id_number(blow.striker),
@@ -99,7 +103,8 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
             if spent > 0.0 {
                 pay_at(&mut world.bodies, pair, blow.acts_at, spent, tally);
             }
-            return Some(Break { blow: *blow, parent, breaking, fragments, spent });
+            let pattern = pattern.clone();
+            return Some(Break { blow: *blow, parent, breaking, pattern, fragments, spent });
         }
     }
     if can_split {
@@ -113,19 +118,17 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
 }
 
 /// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the smallest size.
-fn fragment_label(
-    world: &World,
-    parent: usize,
-    index: usize,
-    breaking: &Breaking,
-    fragment: &Fragment,
-) -> Label {
+fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragment) -> Label {
+    let Break { parent, breaking, pattern, .. } = broken;
+    let parent_label = &world.labels[*parent];
     let (low, high) = fragment.shape.bounds;
     let breaks = breaking.generations > 1 && (high - low).max_element() >= breaking.smallest;
-    let strength = || breaking.strength.of_fragment(&world.bodies.shapes[parent], &fragment.shape);
+    let strength = || breaking.strength.of_fragment(&world.bodies.shapes[*parent], &fragment.shape);
+    let is_joint = pattern.is_joint(fragment.cell as usize);
     Label {
-        name: format!("{}.{index}", world.labels[parent].name),
-        parent: Some(world.bodies.ids[parent]),
+        name: format!("{}.{index}", parent_label.name),
+        parent: Some(world.bodies.ids[*parent]),
+        look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
         breaking: breaks.then(|| Breaking {
             generations: breaking.generations - 1,
             strength: strength(),

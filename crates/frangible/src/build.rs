@@ -6,7 +6,7 @@ use crate::books::Books;
 use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
 use crate::patterns::build_pattern;
-use crate::shapes::ShapeLibrary;
+use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
 use frangible_dynamics::ledger::Ledger;
@@ -42,7 +42,7 @@ impl World {
         let mut library = ShapeLibrary::default();
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) = build_body(body, &at, &mut library)?;
+            let (new_body, label) = build_body(body, scene.method, &at, &mut library)?;
             world.spawn(new_body, label);
         }
         Ok(world)
@@ -60,6 +60,7 @@ fn settings_of(method: Method) -> StepSettings {
 
 fn build_body(
     desc: &BodyDesc,
+    method: Method,
     at: &Checker,
     library: &mut ShapeLibrary,
 ) -> Result<(NewBody, Label), BuildError> {
@@ -79,7 +80,12 @@ fn build_body(
         Some(breaking) => Some(build_breaking(breaking, &at.field("breaking"))?),
         None => None,
     };
-    let shape = library.shape(&desc.shape, breaking.is_some(), &at.field("shape"))?;
+    let make = match &breaking {
+        Some(breaking) => make_to_break(desc, breaking, method),
+        None if desc.bonds.is_some() && desc.shape.is_convex() => Make::Polyhedron,
+        None => Make::Whole,
+    };
+    let shape = library.shape(&desc.shape, make, &at.field("shape"))?;
     if shape.volume == 0.0 && desc.motion != MotionDesc::Static {
         return Err(at
             .field("motion")
@@ -113,8 +119,18 @@ fn build_body(
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
     let contactant = Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
-    let label = Label { name: desc.name.clone(), parent: None, breaking, bonds };
+    let label = Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds };
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
+}
+
+/// What convex bodies and flat cracks make is convex, and exact. The paper's method breaks and collides level sets.
+fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
+    let flat = breaking.patterns.iter().all(|pattern| pattern.planar().is_some());
+    if method == Method::FrameRate && flat && desc.shape.is_convex() {
+        Make::Polyhedron
+    } else {
+        Make::Voxels
+    }
 }
 
 /// Cracks are sampled as densely as the surface was.

@@ -80,6 +80,44 @@ pub struct BodyDesc {
     /// The glue between the pieces that it is made of, if it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bonds: Option<BondsDesc>,
+    /// What it looks like in pictures and files. Physics does not see it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub look: Option<LookDesc>,
+}
+
+/// What a body looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LookDesc {
+    /// Clear, green at the edges.
+    Glass,
+    /// Grey, with gravel inside.
+    Concrete,
+    /// Fired clay.
+    Brick,
+    /// Between bricks; pieces of a joint look like it whatever their parent does.
+    Mortar,
+    /// Softwood.
+    Wood,
+    /// Limestone.
+    Stone,
+    /// Steel.
+    Metal,
+}
+
+impl LookDesc {
+    /// As it is written in a file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Glass => "glass",
+            Self::Concrete => "concrete",
+            Self::Brick => "brick",
+            Self::Mortar => "mortar",
+            Self::Wood => "wood",
+            Self::Stone => "stone",
+            Self::Metal => "metal",
+        }
+    }
 }
 
 /// What decides where a body goes.
@@ -400,6 +438,18 @@ impl MotionDesc {
 }
 
 impl ShapeDesc {
+    /// Whether it has no dents by its kind.
+    pub(crate) fn is_convex(&self) -> bool {
+        match self {
+            Self::HalfSpace
+            | Self::Sphere { .. }
+            | Self::Box { .. }
+            | Self::Cylinder { .. }
+            | Self::Hull { .. } => true,
+            Self::Compound { .. } | Self::Mesh { .. } | Self::Triangles { .. } => false,
+        }
+    }
+
     /// How finely it is sampled.
     pub fn resolution(&self) -> &Resolution {
         const NONE: &Resolution = &Resolution { voxels: None, sample_spacing: None };
@@ -455,6 +505,7 @@ impl BodyDesc {
             restitution: defaults::half(),
             breaking: None,
             bonds: None,
+            look: None,
         }
     }
 

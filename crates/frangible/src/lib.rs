@@ -36,8 +36,8 @@ mod world;
 pub use bonds::Bonds;
 pub use check::BuildError;
 pub use desc::{
-    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, Method, MotionDesc, PartDesc,
-    PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
+    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method, MotionDesc,
+    PartDesc, PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
 };
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;

@@ -27,30 +27,41 @@ const MOST_SAMPLES_ALONG: f64 = 1000.0;
 /// Parts of a compound: contact points know them by a 16-bit number.
 const MOST_PARTS: usize = 1 << 16;
 
+/// What a shape is made into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Make {
+    /// What it is; on a grid if a number of voxels is given.
+    Whole,
+    /// What breaks into convex polyhedra.
+    Polyhedron,
+    /// What breaks into parts of its voxels: on a grid.
+    Voxels,
+}
+
 /// Every shape of a scene, once.
 #[derive(Default)]
 pub(crate) struct ShapeLibrary {
-    shapes: Vec<(ShapeDesc, bool, Arc<Shape>)>,
+    shapes: Vec<(ShapeDesc, Make, Arc<Shape>)>,
 }
 
 impl ShapeLibrary {
-    /// The shape of a description; sampled on a grid if it breaks.
+    /// The shape of a description.
     pub(crate) fn shape(
         &mut self,
         desc: &ShapeDesc,
-        breaks: bool,
+        make: Make,
         at: &Checker,
     ) -> Result<Arc<Shape>, BuildError> {
-        if let Some((_, _, shape)) = self.shapes.iter().find(|(other, b, _)| other == desc && *b == breaks) {
+        if let Some((_, _, shape)) = self.shapes.iter().find(|(other, m, _)| other == desc && *m == make) {
             return Ok(shape.clone());
         }
-        let shape = Arc::new(build_shape(desc, breaks, at)?);
-        self.shapes.push((desc.clone(), breaks, shape.clone()));
+        let shape = Arc::new(build_shape(desc, make, at)?);
+        self.shapes.push((desc.clone(), make, shape.clone()));
         Ok(shape)
     }
 }
 
-fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, BuildError> {
+fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, BuildError> {
     match desc {
         ShapeDesc::HalfSpace => {
             let ground = HalfSpace { normal: DVec3::Y, offset: 0.0 };
@@ -58,22 +69,22 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
         }
         ShapeDesc::Sphere { radius, resolution } => {
             let radius = at.field("radius").length(*radius)?;
-            from_form(ClosedForm::Sphere { radius }, resolution, breaks, at)
+            from_form(ClosedForm::Sphere { radius }, resolution, make, at)
         }
         ShapeDesc::Box { size, resolution } => {
             let size = DVec3::from_array(*size);
             for edge in size.to_array() {
                 at.field("size").length(edge)?;
             }
-            from_form(ClosedForm::Box { half: 0.5 * size }, resolution, breaks, at)
+            from_form(ClosedForm::Box { half: 0.5 * size }, resolution, make, at)
         }
         ShapeDesc::Cylinder { radius, height, resolution } => {
             let radius = at.field("radius").length(*radius)?;
             let half_height = 0.5 * at.field("height").length(*height)?;
-            from_form(ClosedForm::Cylinder { radius, half_height }, resolution, breaks, at)
+            from_form(ClosedForm::Cylinder { radius, half_height }, resolution, make, at)
         }
-        ShapeDesc::Hull { points, resolution } => from_points(points, resolution, breaks, at),
-        ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, breaks, at),
+        ShapeDesc::Hull { points, resolution } => from_points(points, resolution, make, at),
+        ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, make, at),
         ShapeDesc::Mesh { path, scale, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let mut mesh = mesh_io::load(Path::new(path))?;
@@ -89,15 +100,20 @@ fn build_shape(desc: &ShapeDesc, breaks: bool, at: &Checker) -> Result<Shape, Bu
     }
 }
 
-/// A formula, or its samples if it breaks or a number of voxels is given.
+/// A formula, one that breaks into polyhedra, or its samples.
 fn from_form(
     form: ClosedForm,
     resolution: &Resolution,
-    breaks: bool,
+    make: Make,
     at: &Checker,
 ) -> Result<Shape, BuildError> {
     let (low, high) = form.bounds();
-    if !breaks && resolution.voxels.is_none() {
+    if make == Make::Polyhedron {
+        let spacing = spacing_of_exact(resolution, high - low, at)?;
+        let no_volume = |_| at.broken("a half-space", "a shape with a volume to be broken");
+        return Shape::breakable(form, spacing).map_err(no_volume);
+    }
+    if make == Make::Whole && resolution.voxels.is_none() {
         return Ok(Shape::closed_form(form, spacing_of_exact(resolution, high - low, at)?));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
@@ -106,19 +122,17 @@ fn from_form(
     sampled(solid, resolution, at)
 }
 
-/// The convex hull of points, or its samples if it breaks or a number of voxels is given.
+/// The convex hull of points, or its samples.
 fn from_points(
     points: &[[f64; 3]],
     resolution: &Resolution,
-    breaks: bool,
+    make: Make,
     at: &Checker,
 ) -> Result<Shape, BuildError> {
-    let (at_points, given) = (at.field("points"), format!("{} points", points.len()));
     let hull = hull_of(points, at)?;
     let (low, high) = hull.bounds();
-    if !breaks && resolution.voxels.is_none() {
-        let spacing = spacing_of_exact(resolution, high - low, at)?;
-        return Shape::convex(hull, spacing).map_err(|error| at_points.broken(&given, &error.to_string()));
+    if make == Make::Polyhedron || make == Make::Whole && resolution.voxels.is_none() {
+        return convex(hull, resolution, &at.field("points"));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
     sampled(GridSolid::from_hull(hull, voxels, MARGIN), resolution, at)
@@ -141,7 +155,7 @@ fn hull_of(points: &[[f64; 3]], at: &Checker) -> Result<Hull, BuildError> {
 fn from_parts(
     parts: &[PartDesc],
     resolution: &Resolution,
-    breaks: bool,
+    make: Make,
     at: &Checker,
 ) -> Result<Shape, BuildError> {
     let at_parts = at.field("parts");
@@ -166,7 +180,7 @@ fn from_parts(
     }
     let compound = Compound::new(hulls);
     let (low, high) = compound.bounds();
-    if !breaks && resolution.voxels.is_none() {
+    if make != Make::Voxels && resolution.voxels.is_none() {
         let spacing = spacing_of_exact(resolution, high - low, at)?;
         let given = format!("{} parts", parts.len());
         return Shape::compound(compound, spacing)
@@ -175,6 +189,14 @@ fn from_parts(
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
     let level_set = LevelSet::sample(grid, |point| compound.distance_and_gradient(point).0);
     sampled(GridSolid::from_level_set(level_set), resolution, at)
+}
+
+/// A convex polyhedron as it is.
+fn convex(hull: Hull, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+    let (low, high) = hull.bounds();
+    let spacing = spacing_of_exact(resolution, high - low, at)?;
+    let given = format!("{} vertices", hull.vertices().len());
+    Shape::convex(hull, spacing).map_err(|error| at.broken(&given, &error.to_string()))
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.

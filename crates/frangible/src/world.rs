@@ -3,7 +3,7 @@
 use crate::bonds::Bonds;
 use crate::books::{Books, Totals};
 use crate::check::{BuildError, Checker};
-use crate::desc::Method;
+use crate::desc::{LookDesc, Method};
 use crate::report::id_number;
 use crate::strength::Strength;
 use frangible_dynamics::ledger::Ledger;
@@ -40,6 +40,8 @@ pub struct Label {
     pub name: String,
     /// Whose fragment it is.
     pub parent: Option<BodyId>,
+    /// What it looks like; physics does not see it.
+    pub look: Option<LookDesc>,
     /// How it breaks, if it can.
     pub breaking: Option<Breaking>,
     /// The pieces that it is glued together of, if it is.

@@ -123,8 +123,7 @@ fn a_hull_breaks() {
         scene.bodies.push(BodyDesc::ground(0.0));
         let ShapeDesc::Hull { points, .. } = rock(DVec3::ONE, 20, &mut random) else { unreachable!() };
         let resolution = Resolution { voxels: Some([24; 3]), sample_spacing: None };
-        let pattern =
-            PatternDesc::Voronoi(Voronoi { cells: 60, clustering: 0.0, seed: 1, ..Voronoi::default() });
+        let pattern = PatternDesc::Voronoi(Voronoi { cells: 60, seed: 1, ..Voronoi::default() });
         let breaking = BreakingDesc::once(100.0, pattern);
         scene.bodies.push(BodyDesc {
             position: [0.0, 2.0, 0.0],

@@ -2,7 +2,7 @@
 
 use crate::{build_error, convert};
 use frangible::dynamics::Motion;
-use frangible::{SceneDesc, id_from_number, id_number};
+use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -119,6 +119,11 @@ impl World {
     #[getter]
     fn parents(&self) -> Vec<Option<u64>> {
         self.world.labels().iter().map(|label| label.parent.map(id_number)).collect()
+    }
+
+    #[getter]
+    fn looks(&self) -> Vec<Option<&'static str>> {
+        self.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect()
     }
 
     /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.

@@ -2,12 +2,19 @@
 
 mod bonded_pillar;
 pub mod claims;
+mod concrete;
+mod cylinder;
 mod impact;
 mod incline;
+mod masonry;
+mod pane;
 mod pillar;
 mod plank;
+mod rain;
 mod random;
+mod refracture;
 mod stack;
+mod timber;
 mod wall;
 
 use frangible::geometry::MeshError;
@@ -76,6 +83,17 @@ pub const SHOTS: &[Shot] = &[
     wall::MIDDLE,
     wall::LOWER,
     wall::BALL,
+    wall::NATURAL,
+    cylinder::CYLINDER,
+    impact::BUNNY,
+    refracture::REFRACTURE,
+    rain::RAIN_25,
+    rain::RAIN_100,
+    rain::RAIN_1000,
+    pane::PANE,
+    masonry::MASONRY,
+    timber::TIMBER,
+    concrete::CONCRETE,
     impact::IMPACT,
     pillar::PILLAR,
     bonded_pillar::BONDED_PILLAR,

@@ -1,8 +1,9 @@
 //! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09 fig. 4].
 
 use crate::{Shot, ShotError, ShotOptions};
-use frangible::fracture::Radial;
+use frangible::fracture::{Natural, Radial};
 use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use glam::DVec3;
 
 /// Struck above the middle, towards one side.
 pub(crate) const UPPER: Shot = Shot {
@@ -31,6 +32,21 @@ pub(crate) const LOWER: Shot = Shot {
     build: |options| struck_at([3.0, -1.0, -2.0], options),
 };
 
+/// Broken as stone breaks.
+pub(crate) const NATURAL: Shot = Shot {
+    name: "wall-natural",
+    caption: "the wall breaks as stone does (figure 9)",
+    frames: 120,
+    takes_mesh: false,
+    build: |options| {
+        // A flat box: the cells are as large across the wall as it is thick.
+        let half_extent = DVec3::new(1.0, 1.0, 0.12);
+        let pattern = Natural { cells: 110, seed: options.seed, half_extent, ..Natural::default() };
+        let pattern = PatternDesc::Natural(pattern);
+        Ok(scene(BreakingDesc::once(WEAK, pattern), kinematic_ball([3.0, 0.5, 1.5])))
+    },
+};
+
 /// The thresholds exchanged.
 pub(crate) const BALL: Shot = Shot {
     name: "wall-ball",
@@ -41,7 +57,7 @@ pub(crate) const BALL: Shot = Shot {
 };
 
 /// Edge lengths of the wall along x, y and z [m]: 0.4 m thick, 4 m high, 6 m wide.
-const WALL: [f64; 3] = [0.4, 4.0, 6.0];
+pub(crate) const WALL: [f64; 3] = [0.4, 4.0, 6.0];
 
 /// Voxels along the same axes: cubes of 4 cm [Su09 fig. 4].
 const WALL_VOXELS: [usize; 3] = [10, 100, 150];
@@ -50,10 +66,10 @@ const WALL_VOXELS: [usize; 3] = [10, 100, 150];
 const WALL_SAMPLES: f64 = 0.2;
 
 /// The ground [m]; the wall's centre is the origin.
-const GROUND: f64 = -2.0;
+pub(crate) const GROUND: f64 = -2.0;
 
 /// Of the ball [m/s].
-const SPEED: f64 = 15.0;
+pub(crate) const SPEED: f64 = 15.0;
 
 /// What the weaker of the two bears [N s]: much less than the collision of either ball.
 const WEAK: f64 = 500.0;
@@ -62,31 +78,37 @@ const WEAK: f64 = 500.0;
 const STRONG: f64 = 1e6;
 
 fn struck_at(center: [f64; 3], options: &ShotOptions) -> Result<SceneDesc, ShotError> {
-    // A ball that nothing deflects, as in the paper.
-    let shape = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
-    let ball = BodyDesc { motion: MotionDesc::Kinematic, ..ball(shape, center) };
-    scene(WEAK, ball, options)
+    Ok(scene(breaking(WEAK, options), kinematic_ball(center)))
 }
 
 fn ball_breaks(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some([55; 3]), sample_spacing: Some(0.04) };
     let shape = ShapeDesc::Sphere { radius: 0.25, resolution };
     let ball = BodyDesc { breaking: Some(breaking(WEAK, options)), ..ball(shape, [3.0, 0.5, 1.5]) };
-    scene(STRONG, ball, options)
+    Ok(scene(breaking(STRONG, options), ball))
 }
 
-fn ball(shape: ShapeDesc, center: [f64; 3]) -> BodyDesc {
+/// That nothing deflects, as in the paper.
+fn kinematic_ball(center: [f64; 3]) -> BodyDesc {
+    let shape = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
+    BodyDesc { motion: MotionDesc::Kinematic, ..ball(shape, center) }
+}
+
+pub(crate) fn ball(shape: ShapeDesc, center: [f64; 3]) -> BodyDesc {
     BodyDesc { position: center, linear_velocity: [-SPEED, 0.0, 0.0], ..BodyDesc::new("ball", shape) }
 }
 
-fn scene(wall_strength: f64, ball: BodyDesc, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+pub(crate) fn wall_of(breaking: BreakingDesc) -> BodyDesc {
     let resolution = Resolution { voxels: Some(WALL_VOXELS), sample_spacing: Some(WALL_SAMPLES) };
     let shape = ShapeDesc::Box { size: WALL, resolution };
-    let wall = BodyDesc { breaking: Some(breaking(wall_strength, options)), ..BodyDesc::new("wall", shape) };
+    BodyDesc { breaking: Some(breaking), ..BodyDesc::new("wall", shape) }
+}
+
+fn scene(breaking: BreakingDesc, ball: BodyDesc) -> SceneDesc {
     let mut scene = SceneDesc::new("");
     scene.gravity = [0.0, -9.8, 0.0];
-    scene.bodies = vec![BodyDesc::ground(GROUND), wall, ball];
-    Ok(scene)
+    scene.bodies = vec![BodyDesc::ground(GROUND), wall_of(breaking), ball];
+    scene
 }
 
 /// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.

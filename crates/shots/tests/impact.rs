@@ -2,36 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
+mod common;
+
+use common::bunny;
 use frangible::geometry::TriMesh;
 use frangible::{World, step};
 use frangible_shots::{Shot, ShotError, ShotOptions};
-use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// The bunny of the npm package, as an OBJ file in `folder`.
-fn bunny(folder: &Path, without_triangle: impl Fn(usize) -> bool) -> PathBuf {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/tools/node_modules/bunny/index.js");
-    let script = fs::read_to_string(source).expect("the bunny is not installed, run `make test`");
-    let array = |name: &str| -> Vec<[f64; 3]> {
-        let start = script.find(&format!("exports.{name}=")).unwrap() + format!("exports.{name}=").len();
-        let text = &script[start..];
-        let end = text.find("]]").unwrap() + 2;
-        serde_json::from_str(&text[..end]).unwrap()
-    };
-    let mut obj = String::new();
-    for [x, y, z] in array("positions") {
-        writeln!(obj, "v {x} {y} {z}").unwrap();
-    }
-    for (number, [a, b, c]) in array("cells").into_iter().enumerate() {
-        if !without_triangle(number) {
-            writeln!(obj, "f {} {} {}", a + 1.0, b + 1.0, c + 1.0).unwrap();
-        }
-    }
-    let path = folder.join("bunny.obj");
-    fs::write(&path, obj).unwrap();
-    path
-}
+use std::path::PathBuf;
 
 fn breaks_well(mesh: PathBuf) {
     let options = ShotOptions { mesh: Some(mesh), ..ShotOptions::default() };
@@ -130,7 +108,9 @@ fn what_cannot_be_run_says_why() {
     let error = Shot::find("wall-e").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "unknown shot 'wall-e', must be one of: wall, wall-middle, wall-corner, wall-ball, impact, pillar, plank, stack, incline"
+        "unknown shot 'wall-e', must be one of: wall, wall-middle, wall-corner, wall-ball, wall-natural, cylinder, \
+         bunny, refracture, rain-25, rain-100, rain-1000, pane, masonry, timber, concrete, impact, pillar, \
+         bonded-pillar, plank, stack, incline"
     );
     let impact = Shot::find("impact").unwrap();
     assert!(matches!(impact.scene(&ShotOptions::default()), Err(ShotError::NeedsMesh("impact"))));

@@ -33,7 +33,8 @@ fn break_it(world: &mut World) -> Fracture {
 fn fragments_at(world: &World, point: DVec3) -> usize {
     let at = |shape: &frangible::geometry::Shape| match &shape.geometry {
         Geometry::Grid(solid) => f64::from(solid.value(point)) < VOXEL,
-        Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => false,
+        Geometry::Hull(hull) => hull.distance_and_gradient(point).0 < VOXEL,
+        Geometry::ClosedForm(_) | Geometry::Compound(_) => false,
     };
     world.bodies().shapes.iter().filter(|shape| at(shape)).count()
 }

@@ -1,6 +1,6 @@
 //! The axis along which two hulls are furthest apart, or overlap least: separating axis test over faces and edges [Gregorius13].
 
-use frangible_geometry::{HalfSpace, Hull, HullEdge, RigidTransform};
+use frangible_geometry::{HalfSpace, Hull, RigidTransform};
 use glam::DVec3;
 
 /// A hull seen from the frame in which two of them meet.
@@ -30,6 +30,31 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Lowest and highest corner of all that is within `reach` [m].
+    pub(crate) fn bounds(&self, reach: f64) -> (DVec3, DVec3) {
+        let low = self.vertices.iter().fold(DVec3::INFINITY, |low, &vertex| low.min(vertex));
+        let high = self.vertices.iter().fold(DVec3::NEG_INFINITY, |high, &vertex| high.max(vertex));
+        (low - reach, high + reach)
+    }
+
+    /// The vertices in a box, by number.
+    pub(crate) fn vertices_in(&self, (low, high): (DVec3, DVec3)) -> Vec<usize> {
+        let is_in = |&vertex: &usize| {
+            let point = self.vertices[vertex];
+            point.cmple(high).all() && point.cmpge(low).all()
+        };
+        (0..self.vertices.len()).filter(is_in).collect()
+    }
+
+    /// The edges that come into a box, by number.
+    pub(crate) fn edges_in(&self, (low, high): (DVec3, DVec3)) -> Vec<usize> {
+        let comes_in = |&edge: &usize| {
+            let [start, end] = self.ends(edge);
+            start.min(end).cmple(high).all() && start.max(end).cmpge(low).all()
+        };
+        (0..self.hull.edges().len()).filter(comes_in).collect()
+    }
+
     /// The ends of an edge [m].
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
         self.hull.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
@@ -47,8 +72,8 @@ pub(crate) struct FaceAxis {
     pub(crate) separation: f64,
 }
 
-/// The face of `hull` that `other` is furthest away from.
-pub(crate) fn face_axis(hull: &View, other: &View) -> FaceAxis {
+/// The face of `hull` that `other` is furthest away from; the first that it is more than `most` [m] away from.
+pub(crate) fn face_axis(hull: &View, other: &View, most: f64) -> FaceAxis {
     let mut best = FaceAxis { face: 0, vertex: 0, separation: f64::NEG_INFINITY };
     for (face, plane) in hull.planes.iter().enumerate() {
         let (mut lowest, mut vertex) = (f64::INFINITY, 0);
@@ -61,6 +86,9 @@ pub(crate) fn face_axis(hull: &View, other: &View) -> FaceAxis {
         let separation = lowest - plane.offset;
         if separation > best.separation {
             best = FaceAxis { face, vertex, separation };
+            if separation > most {
+                break;
+            }
         }
     }
     best
@@ -79,29 +107,30 @@ pub(crate) struct EdgeAxis {
 
 /// An edge and the normals beside it.
 struct Ridge {
+    edge: usize,
     start: DVec3,
     along: DVec3,
     normals: [DVec3; 2],
 }
 
-fn ridges(view: &View) -> Vec<Ridge> {
-    let ridge = |(number, edge): (usize, &HullEdge)| {
-        let [start, end] = view.ends(number);
-        let normals = edge.faces.map(|face| view.planes[face as usize].normal);
-        Ridge { start, along: end - start, normals }
+fn ridges(view: &View, edges: &[usize]) -> Vec<Ridge> {
+    let ridge = |&edge: &usize| {
+        let [start, end] = view.ends(edge);
+        let normals = view.hull.edges()[edge].faces.map(|face| view.planes[face as usize].normal);
+        Ridge { edge, start, along: end - start, normals }
     };
-    view.hull.edges().iter().enumerate().map(ridge).collect()
+    edges.iter().map(ridge).collect()
 }
 
-/// The pair of edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
+/// The pair of some edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
 /// parallel.
-pub(crate) fn edge_axis(first: &View, second: &View) -> Option<EdgeAxis> {
+pub(crate) fn edge_axis(first: &View, second: &View, edges: [&[usize]; 2]) -> Option<EdgeAxis> {
     // Sine of the angle below which edges count as parallel: then a face's normal does as well.
     const PARALLEL: f64 = 1e-3;
     let mut best: Option<EdgeAxis> = None;
-    let (ridges_first, ridges_second) = (ridges(first), ridges(second));
-    for (a, of_first) in ridges_first.iter().enumerate() {
-        for (b, of_second) in ridges_second.iter().enumerate() {
+    let (ridges_first, ridges_second) = (ridges(first, edges[0]), ridges(second, edges[1]));
+    for of_first in &ridges_first {
+        for of_second in &ridges_second {
             // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
             // cross, else other features are further apart.
             let [c, d] = of_second.normals.map(|normal| normal.dot(of_first.along));
@@ -124,7 +153,7 @@ pub(crate) fn edge_axis(first: &View, second: &View) -> Option<EdgeAxis> {
             let normal = if across.dot(outward) < 0.0 { -across } else { across };
             let separation = normal.dot(of_first.start - of_second.start);
             if best.is_none_or(|best| separation > best.separation) {
-                best = Some(EdgeAxis { edges: [a, b], normal, separation });
+                best = Some(EdgeAxis { edges: [of_first.edge, of_second.edge], normal, separation });
             }
         }
     }

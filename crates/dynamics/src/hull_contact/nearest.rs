@@ -5,11 +5,14 @@ use super::{Feature, HullPoint};
 use frangible_geometry::RigidTransform;
 use glam::DVec3;
 
-/// The nearest points of two hulls: a vertex against anything, or two edges. `None` if they touch or overlap.
+/// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they touch or overlap, or are more than
+/// `most` [m] apart.
 pub(crate) fn nearest_points(
     first: &View,
     second: &View,
+    edges: [&[usize]; 2],
     first_from_second: &RigidTransform,
+    most: f64,
 ) -> Option<HullPoint> {
     let mut best: Option<HullPoint> = None;
     let mut consider = |on: [DVec3; 2], feature: Feature| {
@@ -18,18 +21,20 @@ pub(crate) fn nearest_points(
             best = Some(HullPoint { on, normal: DVec3::ZERO, gap, feature });
         }
     };
-    for (vertex, &point) in first.hull.vertices().iter().enumerate() {
+    for &vertex in &first.vertices_in(second.bounds(most)) {
+        let point = first.vertices[vertex];
         let (distance, gradient) =
             second.hull.distance_and_gradient(first_from_second.inverse().point(point));
         let foot = point - distance.max(0.0) * first_from_second.direction(gradient);
         consider([point, foot], Feature::VertexOfFirst(vertex as u32));
     }
-    for (vertex, &point) in second.vertices.iter().enumerate() {
+    for &vertex in &second.vertices_in(first.bounds(most)) {
+        let point = second.vertices[vertex];
         let (distance, gradient) = first.hull.distance_and_gradient(point);
         consider([point - distance.max(0.0) * gradient, point], Feature::VertexOfSecond(vertex as u32));
     }
-    for a in 0..first.hull.edges().len() {
-        for b in 0..second.hull.edges().len() {
+    for &a in edges[0] {
+        for &b in edges[1] {
             if let Some(on) = between_edges(first.ends(a), second.ends(b)) {
                 consider(on, Feature::Edges(a as u32, b as u32));
             }
