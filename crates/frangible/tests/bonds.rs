@@ -159,11 +159,13 @@ fn wrong_bonds_are_explained() {
         scene.bodies.push(body);
         World::build(&scene).unwrap_err().to_string()
     };
-    let ball = BodyDesc {
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mesh = BodyDesc {
         bonds: Some(bonds(1e6)),
-        ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.2, resolution: NONE })
+        ..BodyDesc::new("mesh", ShapeDesc::Triangles { positions, triangles, resolution: NONE })
     };
-    assert!(error(ball).starts_with("bodies[0].bonds: "));
+    assert!(error(mesh).starts_with("bodies[0].bonds: "));
     let mut beam = cantilever(1e6);
     beam.bonds.as_mut().unwrap().anchors[0].high = [-5.0; 3];
     assert!(error(beam).starts_with("bodies[0].bonds.anchors: "));
