@@ -56,6 +56,7 @@ fn impact(
     // The mesh stands on the ground, in the middle.
     let path = options.mesh.as_ref().ok_or(ShotError::NeedsMesh(name))?;
     let mesh = mesh_io::load(path)?;
+    mesh.check_volume(&path.display().to_string())?;
     let (low, high) = mesh.bounds();
     let scale = LONGEST_SIDE / (high - low).max_element();
     let (low, high) = (scale * low, scale * high);
