@@ -158,7 +158,8 @@ def break_mesh_on_grid(
 ) -> dict[str, Any]:
     """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
 
-    A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3) and `inner` (t,): whether a crack made each.
+    A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3), `inner` (t,): whether a crack made each, and
+    texture `coordinates` (t, 3, 2) of their corners [m].
     """
 
 @final
@@ -227,6 +228,10 @@ class World:
     def parents(self) -> list[int | None]:
         """(n) id of the body that each fragment broke off from, `None` for the bodies of the scene."""
 
+    @property
+    def looks(self) -> list[str | None]:
+        """(n) what each body is drawn as: glass, concrete, brick, mortar, wood, stone or metal; `None` if nobody said."""
+
     def set_velocity(
         self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike
     ) -> None:
@@ -237,8 +242,11 @@ class World:
 
     def surface(
         self, id: int
-    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32], npt.NDArray[np.bool_]]:
-        """Vertices (v, 3) in the body frame [m], triangles (t, 3), and whether a crack made each (t,).
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32], npt.NDArray[np.bool_], npt.NDArray[np.float32]]:
+        """Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and texture coordinates.
+
+        The coordinates (t, 3, 2) of the triangles' corners are metres: of a crack in its own plane, of all else along the axes
+        of the body's material.
 
         `KeyError` if no living body has the id.
         """

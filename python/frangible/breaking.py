@@ -104,8 +104,8 @@ def _break_on_grid(
         if number in specks:
             continue
         number_of[number] = len(pieces)
-        empty = np.zeros((len(piece["triangles"]), 3, 2), np.float32)
-        pieces.append(_piece(len(pieces), (piece["vertices"], piece["triangles"]), piece["inner"], empty, piece))
+        surface = (piece["vertices"], piece["triangles"])
+        pieces.append(_piece(len(pieces), surface, piece["inner"], piece["coordinates"], piece))
     found: list[Contact] = broken["contacts"]
     contacts: list[Contact] = [
         {**contact, "a": number_of[contact["a"]], "b": number_of[contact["b"]]}

@@ -3,7 +3,7 @@
 ===================== ================== =====================================================================
 key                   shape and type     meaning
 ===================== ================== =====================================================================
-``format``            () int64           version of this table, 2
+``format``            () int64           version of this table, 3
 ``shot``              () str             name of the shot
 ``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
@@ -15,9 +15,11 @@ key                   shape and type     meaning
 ``birth_frames``      (b,) int64         first frame that shows the body
 ``death_frames``      (b,) int64         first frame that no longer shows it, -1 if it outlives the recording
 ``masses``            (b,) float64       [kg], infinite for static and kinematic bodies
+``looks``             (b,) str           what they are drawn as, empty if nobody said
 ``vertices``          (v, 3) float32     body frame [m]; those of body i are rows ``vertex_offsets[i:i+2]``
 ``triangles``         (t, 3) uint32      indices within the body; rows ``triangle_offsets[i:i+2]``
 ``interior``          (t,) bool          whether a crack made the triangle
+``coordinates``       (t, 3, 2) float32  texture coordinates of its corners [m]
 ``positions``         (p, 3) float64     centre of mass, world frame [m]; rows ``pose_offsets[i:i+2]``
 ``orientations``      (p, 4) float64     ``world_from_body``, quaternions x, y, z, w; the same rows
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
@@ -38,7 +40,7 @@ import numpy.typing as npt
 
 from .recording import Body, Recording
 
-FORMAT = 2
+FORMAT = 3
 
 
 class CacheError(ValueError):
@@ -61,11 +63,13 @@ def write_npz(recording: Recording, path: str) -> None:
         "birth_frames": np.array([body.birth_frame for body in bodies], np.int64),
         "death_frames": np.array([-1 if body.death_frame is None else body.death_frame for body in bodies], np.int64),
         "masses": np.array([body.mass for body in bodies], np.float64),
+        "looks": np.array([body.look or "" for body in bodies], np.str_),
         "vertices": _rows([body.vertices for body in bodies], (0, 3), np.float32),
         "vertex_offsets": _offsets([body.vertices for body in bodies]),
         "triangles": _rows([body.triangles for body in bodies], (0, 3), np.uint32),
         "triangle_offsets": _offsets([body.triangles for body in bodies]),
         "interior": _rows([body.interior for body in bodies], (0,), np.bool_),
+        "coordinates": _rows([body.coordinates for body in bodies], (0, 3, 2), np.float32),
         "positions": _rows([body.positions for body in bodies], (0, 3), np.float64),
         "orientations": _rows([body.orientations for body in bodies], (0, 4), np.float64),
         "pose_offsets": _offsets([body.positions for body in bodies]),
@@ -116,9 +120,11 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
                 birth_frame=int(arrays["birth_frames"][i]),
                 death_frame=None if death < 0 else death,
                 mass=float(arrays["masses"][i]),
+                look=str(arrays["looks"][i]) or None,
                 vertices=arrays["vertices"][vertex_rows],
                 triangles=arrays["triangles"][triangle_rows],
                 interior=arrays["interior"][triangle_rows],
+                coordinates=arrays["coordinates"][triangle_rows],
                 positions=arrays["positions"][pose_rows],
                 orientations=arrays["orientations"][pose_rows],
             )

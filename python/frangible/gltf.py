@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .ground import with_visible_ground
-from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE, OUTSIDE_ROUGHNESS, Colour, source_colours
-from .normals import shaded_mesh
+from .materials import OUTSIDE, Material, Palette, plain
+from .normals import shaded_mesh, textured_corners
 from .paths import by_source, unique_names
 from .pieces import Pieces
 from .recording import Body, Recording
@@ -28,26 +28,24 @@ GENERATOR = "Frangible"
 
 _FLOAT, _UINT32 = 5126, 5125
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
-_TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+_TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 # The binary chunk holds one buffer view for each kind of data.
-_POSITIONS, _NORMALS, _INDICES, _MOTION = range(4)
+_POSITIONS, _NORMALS, _COORDINATES, _INDICES, _MOTION = range(5)
 
 
 def write_glb(recording: Recording, path: str) -> None:
     """Write a recording; lengths are metres, times seconds, y is up."""
     gltf = _Gltf({"shot": recording.shot, "frames": recording.frames, "fps": recording.fps}, recording.fps)
     families = by_source(with_visible_ground(recording).bodies)
-    colours = source_colours(families)
+    palette = Palette(families, gltf.add_material)
 
     # One node for each source, with its pieces as children.
-    inside = gltf.add_material("inside", INSIDE, INSIDE_ROUGHNESS)
     roots = []
-    for (source, family), name in zip(
-        families.items(), unique_names(family[0].name for family in families.values()), strict=True
+    for family, name in zip(
+        families.values(), unique_names(family[0].name for family in families.values()), strict=True
     ):
-        outside = gltf.add_material(name, colours[source], OUTSIDE_ROUGHNESS)
         pieces = zip(family, unique_names(body.name for body in family), strict=True)
-        children = [gltf.add_body(body, piece, outside, inside) for body, piece in pieces]
+        children = [gltf.add_body(body, piece, *palette.sides(body)) for body, piece in pieces]
         roots.append(gltf.add("nodes", {"name": name, "children": children}))
     gltf.document["scenes"] = [{"name": recording.shot or "World", "nodes": roots}]
     with open(path, "wb") as file:
@@ -57,8 +55,8 @@ def write_glb(recording: Recording, path: str) -> None:
 def write_pieces(pieces: Pieces, path: str) -> None:
     """Write a broken mesh, ``.glb`` or ``.gltf``: a node with the pieces as children, each with its origin at its centre of mass."""
     gltf = _Gltf({"mesh": pieces.name}, 1.0)
-    outer = gltf.add_material("outer", OUTSIDE[0], OUTSIDE_ROUGHNESS)
-    inner = gltf.add_material("inner", INSIDE, INSIDE_ROUGHNESS)
+    look = plain(OUTSIDE[0])
+    outer, inner = gltf.add_material("outer", look.outside), gltf.add_material("inner", look.inside)
     children = [gltf.add_body(piece.body(index), piece.name, outer, inner) for index, piece in enumerate(pieces.pieces)]
     (name,) = unique_names([pieces.name])
     gltf.document["scenes"] = [{"name": name, "nodes": [gltf.add("nodes", {"name": name, "children": children})]}]
@@ -85,8 +83,8 @@ class _Gltf:
         }
         self.channels: list[Json] = []
         self.samplers: list[Json] = []
-        self.parts: list[list[bytes]] = [[], [], [], []]
-        self.sizes = [0, 0, 0, 0]
+        self.parts: list[list[bytes]] = [[], [], [], [], []]
+        self.sizes = [0, 0, 0, 0, 0]
         # Equal shapes share a mesh, and equal times an accessor.
         self.meshes: dict[bytes, int] = {}
         self.times: dict[bytes, int] = {}
@@ -111,9 +109,16 @@ class _Gltf:
         self.sizes[view] += data.nbytes
         return self.add("accessors", accessor)
 
-    def add_material(self, name: str, colour: Colour, roughness: float) -> int:
-        surface = {"baseColorFactor": [*colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness}
-        return self.add("materials", {"name": name, "pbrMetallicRoughness": surface})
+    def add_material(self, name: str, material: Material) -> int:
+        surface = {
+            "baseColorFactor": [*material.colour, 1.0 - material.clear],
+            "metallicFactor": material.metallic,
+            "roughnessFactor": material.roughness,
+        }
+        item: Json = {"name": name, "pbrMetallicRoughness": surface}
+        if material.clear > 0.0:
+            item["alphaMode"] = "BLEND"
+        return self.add("materials", item)
 
     def add_body(self, body: Body, name: str, outside: int, inside: int) -> int:
         # The node rests in the state of frame 0, where what is not yet born has no size.
@@ -146,7 +151,8 @@ class _Gltf:
         return index
 
     def add_mesh(self, body: Body, name: str, outside: int, inside: int) -> int:
-        key = b"".join([body.vertices.tobytes(), body.triangles.tobytes(), body.interior.tobytes(), struct.pack("<I", outside)])
+        arrays = (body.vertices, body.triangles, body.interior, body.coordinates)
+        key = b"".join([*(array.tobytes() for array in arrays), struct.pack("<I", outside)])
         if key in self.meshes:
             return self.meshes[key]
 
@@ -156,10 +162,12 @@ class _Gltf:
         for material, faces in ((outside, ~body.interior), (inside, body.interior)):
             if not faces.any():
                 continue
-            used, indices = np.unique(shaded.triangles[faces], return_inverse=True)
+            # A vertex for each place in space and in the texture.
+            used, coordinates, indices = textured_corners(shaded.triangles[faces], body.coordinates[faces])
             attributes = {
                 "POSITION": self.add_accessor(_POSITIONS, body.vertices[shaded.vertex[used]], bounds=True),
                 "NORMAL": self.add_accessor(_NORMALS, shaded.normals[used]),
+                "TEXCOORD_0": self.add_accessor(_COORDINATES, coordinates),
             }
             primitives.append(
                 {
@@ -213,6 +221,8 @@ class _Gltf:
             item: Json = {"buffer": 0, "byteOffset": len(data), "byteLength": self.sizes[view]}
             if view in (_POSITIONS, _NORMALS):
                 item |= {"byteStride": 12, "target": _ARRAY_BUFFER}
+            if view == _COORDINATES:
+                item |= {"byteStride": 8, "target": _ARRAY_BUFFER}
             if view == _INDICES:
                 item["target"] = _ELEMENT_ARRAY_BUFFER
             views.append(item)

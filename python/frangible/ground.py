@@ -38,9 +38,11 @@ def patch(body: Body, below: Float64, size: float) -> Float64:
 
 
 def _patched(body: Body, below: Float64, size: float) -> Body:
+    corners, triangles = patch(body, below, size).astype(np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
     return replace(
         body,
-        vertices=patch(body, below, size).astype(np.float32),
-        triangles=np.array([[0, 1, 2], [0, 2, 3]], np.uint32),
+        vertices=corners,
+        triangles=triangles,
         interior=np.zeros(2, np.bool_),
+        coordinates=corners[triangles][:, :, [0, 2]],
     )

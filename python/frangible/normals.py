@@ -63,3 +63,11 @@ def shaded_mesh(vertices: Float32, triangles: UInt32, interior: Bool) -> ShadedM
         normals=corner_normals[keep].astype(np.float32),
         triangles=split.reshape(-1, 3).astype(np.uint32),
     )
+
+
+def textured_corners(triangles: UInt32, coordinates: Float32) -> tuple[UInt32, Float32, UInt32]:
+    """Distinct pairs of a vertex (n,) and its place in the texture (n, 2), and each triangle's three pairs (3 t,)."""
+    corners = np.column_stack([triangles.ravel(), coordinates.reshape(-1, 2).astype(np.float32).view(np.uint32)])
+    pairs, indices = np.unique(corners, axis=0, return_inverse=True)
+    places = np.ascontiguousarray(pairs[:, 1:]).astype(np.uint32).view(np.float32)
+    return pairs[:, 0].astype(np.uint32), places, indices.ravel().astype(np.uint32)

@@ -53,9 +53,11 @@ def _piece(pattern: Pattern, cell: int, apart: float) -> Body:
         birth_frame=0,
         death_frame=None,
         mass=float(np.prod(high - low)),
+        look=None,
         vertices=(vertices - centre).astype(np.float32),
         triangles=triangles,
         interior=np.full(len(triangles), pattern.is_joint(cell)),
+        coordinates=np.zeros((len(triangles), 3, 2), np.float32),
         positions=apart * centre[None],
         orientations=np.array([[0.0, 0.0, 0.0, 1.0]]),
     )

@@ -34,7 +34,7 @@ class Piece:
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     inner: Bool
-    #: (t, 3, 2) of the corners, in the plane of the crack [m]; zero on the mesh's own surface.
+    #: (t, 3, 2) of the corners, in the plane of the crack [m]; zero on the mesh's own surface where its own triangles are cut.
     coordinates: Float32
     #: [m^3].
     volume: float
@@ -56,9 +56,11 @@ class Piece:
             birth_frame=0,
             death_frame=None,
             mass=self.volume,
+            look=None,
             vertices=(self.vertices - self.center).astype(np.float32),
             triangles=self.triangles,
             interior=self.inner,
+            coordinates=self.coordinates,
             positions=self.center[None],
             orientations=np.array([[0.0, 0.0, 0.0, 1.0]]),
         )

@@ -48,12 +48,16 @@ class Body:
     death_frame: int | None
     #: [kg]; infinite for static and kinematic bodies.
     mass: float
+    #: What it is drawn as: glass, concrete, brick, mortar, wood, stone or metal; ``None`` for a colour of no meaning.
+    look: str | None
     #: (v, 3), body frame [m].
     vertices: Float32
     #: (t, 3) vertex indices, counter-clockwise seen from outside.
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     interior: Bool
+    #: (t, 3, 2) texture coordinates of the triangles' corners [m].
+    coordinates: Float32
     #: (k, 3) centre of mass, world frame [m].
     positions: Float64
     #: (k, 4) ``world_from_body`` as unit quaternions x, y, z, w; neighbours never flip sign.
@@ -173,8 +177,8 @@ class Recorder:
         self._ids: list[npt.NDArray[np.uint64]] = []
         self._positions: list[Float64] = []
         self._orientations: list[Float64] = []
-        # Kept for each body, in order of appearance: name, mass and surface.
-        self._seen: dict[int, tuple[str, float, Float32, UInt32, Bool]] = {}
+        # Kept for each body, in order of appearance: name, mass, look and surface.
+        self._seen: dict[int, tuple[str, float, str | None, Float32, UInt32, Bool, Float32]] = {}
         # Also knows the fragments that broke again before a frame showed them.
         self._parents: dict[int, int] = {}
         self._capture_state()
@@ -203,10 +207,10 @@ class Recorder:
         new = [row for row, body_id in enumerate(ids.tolist()) if body_id not in self._seen]
         if not new:
             return
-        names, parents, masses = world.names, world.parents, world.masses
+        names, parents, masses, looks = world.names, world.parents, world.masses, world.looks
         for row in new:
             body_id = int(ids[row])
-            self._seen[body_id] = (names[row], float(masses[row]), *world.surface(body_id))
+            self._seen[body_id] = (names[row], float(masses[row]), looks[row], *world.surface(body_id))
             parent = parents[row]
             if parent is not None:
                 self._parents[body_id] = parent
@@ -226,7 +230,7 @@ class Recorder:
         last_frame = len(self._ids) - 1
         bodies = []
         for body_id, begin, end in zip(unique_ids.tolist(), first.tolist(), past.tolist(), strict=True):
-            name, mass, vertices, triangles, interior = self._seen[body_id]
+            name, mass, look, vertices, triangles, interior, coordinates = self._seen[body_id]
             death = int(frame_of_row[end - 1]) + 1
             bodies.append(
                 Body(
@@ -237,9 +241,11 @@ class Recorder:
                     birth_frame=int(frame_of_row[begin]),
                     death_frame=None if death > last_frame else death,
                     mass=mass,
+                    look=look,
                     vertices=vertices,
                     triangles=triangles,
                     interior=interior,
+                    coordinates=coordinates,
                     positions=positions[begin:end],
                     orientations=without_sign_flips(orientations[begin:end]),
                 )

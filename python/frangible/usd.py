@@ -10,7 +10,7 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from .cache import CacheError
 from .ground import with_visible_ground
-from .materials import INSIDE, INSIDE_ROUGHNESS, OUTSIDE, OUTSIDE_ROUGHNESS, Colour, source_colours
+from .materials import OUTSIDE, Material, Palette, plain
 from .normals import shaded_mesh
 from .paths import by_source, telling_samples, unique_names
 from .pieces import Pieces
@@ -29,23 +29,21 @@ def write_usd(recording: Recording, path: str) -> None:
     stage.SetStartTimeCode(0.0)
     stage.SetEndTimeCode(float(recording.frames))
 
-    # The root and the material of cracks.
+    # The root.
     root = UsdGeom.Xform.Define(stage, "/World")
     Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     UsdGeom.Scope.Define(stage, "/World/Materials")
-    inside = _material(stage, "/World/Materials/inside", INSIDE, INSIDE_ROUGHNESS)
 
-    # One Xform for each source, with its material and its pieces.
+    # One Xform for each source, with its pieces.
     families = by_source(with_visible_ground(recording).bodies)
-    colours = source_colours(families)
+    palette = Palette(families, lambda name, material: _material(stage, f"/World/Materials/{name}", material))
     names = unique_names(["Materials", *(family[0].name for family in families.values())])
     next(names)
-    for (source, family), name in zip(families.items(), names, strict=True):
-        outside = _material(stage, f"/World/Materials/{name}", colours[source], OUTSIDE_ROUGHNESS)
+    for family, name in zip(families.values(), names, strict=True):
         UsdGeom.Xform.Define(stage, f"/World/{name}")
         for body, piece in zip(family, unique_names(body.name for body in family), strict=True):
-            mesh = _mesh(stage, f"/World/{name}/{piece}", body, outside, inside)
+            mesh = _mesh(stage, f"/World/{name}/{piece}", body, *palette.sides(body))
             _motion(mesh, body)
             _life(mesh, body)
     _save(stage)
@@ -61,8 +59,9 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     UsdGeom.Scope.Define(stage, f"/{name}/Materials")
-    outer = _material(stage, f"/{name}/Materials/outer", OUTSIDE[0], OUTSIDE_ROUGHNESS)
-    inner = _material(stage, f"/{name}/Materials/inner", INSIDE, INSIDE_ROUGHNESS)
+    look = plain(OUTSIDE[0])
+    outer = _material(stage, f"/{name}/Materials/outer", look.outside)
+    inner = _material(stage, f"/{name}/Materials/inner", look.inside)
     for index, piece in enumerate(pieces.pieces):
         body = piece.body(index)
         _motion(_mesh(stage, f"/{name}/{piece.name}", body, outer, inner), body)
@@ -76,12 +75,14 @@ def _save(stage: Any) -> None:
         raise OSError(errno.EIO, "the USD library could not write all of it; is the disk full?") from error
 
 
-def _material(stage: Any, path: str, colour: Colour, roughness: float) -> Any:
+def _material(stage: Any, path: str, side: Material) -> Any:
     material = UsdShade.Material.Define(stage, path)
     shader = UsdShade.Shader.Define(stage, f"{path}/surface")
     shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
-    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness)
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*side.colour))
+    numbers = {"roughness": side.roughness, "metallic": side.metallic, "opacity": 1.0 - side.clear}
+    for name, number in numbers.items():
+        shader.CreateInput(name, Sdf.ValueTypeNames.Float).Set(number)
     surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface)
     return material
@@ -103,14 +104,21 @@ def _mesh(stage: Any, path: str, body: Body, outside: Any, inside: Any) -> Any:
     normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
     normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
 
-    # What cracks laid bare is a subset with a material of its own.
+    coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+    )
+    coordinates.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(body.coordinates.reshape(-1, 2), np.float32)))
+
+    # What cracks laid bare has a material of its own, and what was outside all along keeps the mesh's; a subset for each.
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(outside)
-    faces = np.flatnonzero(body.interior).astype(np.int32)
-    if len(faces):
-        subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
-            "inside", Vt.IntArray.FromNumpy(faces), UsdGeom.Tokens.face
-        )
-        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(inside)
+    if body.interior.any():
+        for name, faces, material in (("outside", ~body.interior, outside), ("inside", body.interior, inside)):
+            if not faces.any():
+                continue
+            subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
+                name, Vt.IntArray.FromNumpy(np.flatnonzero(faces).astype(np.int32)), UsdGeom.Tokens.face
+            )
+            UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
     return mesh
 
 

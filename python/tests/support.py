@@ -68,9 +68,17 @@ class ScriptedWorld:
     def parents(self) -> list[int | None]:
         return [{2: 1, 4: 3, 5: 3}.get(i) for i in self.ids.tolist()]
 
-    def surface(self, body_id: int) -> tuple[Any, Any, Any]:
+    @property
+    def looks(self) -> list[str | None]:
+        return ["glass" if i == 5 else None for i in self.ids.tolist()]
+
+    def surface(self, body_id: int) -> tuple[Any, Any, Any, Any]:
         size = {0: [99, 1, 99], 1: [2, 1, 1], 2: [1, 1, 1]}.get(body_id, [0.5, 1, 1])
         # The cracks are perpendicular to x.
         interior = np.zeros(12, bool)
         interior[{2: slice(2, 4), 4: slice(0, 4), 5: slice(0, 2)}.get(body_id, slice(0))] = True
-        return (CUBE_VERTICES * np.array(size)).astype(np.float32), CUBE_TRIANGLES, interior
+        vertices = (CUBE_VERTICES * np.array(size)).astype(np.float32)
+        # Each triangle is laid out across the axis that it faces.
+        corners = vertices[CUBE_TRIANGLES]
+        flat = [np.delete(three, np.argmin(np.ptp(three, axis=0)), axis=1) for three in corners]
+        return vertices, CUBE_TRIANGLES, interior, np.array(flat, np.float32)

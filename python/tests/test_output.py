@@ -93,6 +93,7 @@ def test_a_missing_optional_package_is_named(monkeypatch: pytest.MonkeyPatch, tm
 def test_a_picture_shows_the_bodies_on_the_floor(scripted: Recording) -> None:
     from frangible.render import picture
 
+    scripted = replace(scripted, bodies=[replace(body, look=None) for body in scripted.bodies])
     image = picture(scripted, 5, width=160, height=90).astype(int)
     assert image.shape == (90, 160, 3)
     # Limestone and clay are warm, the floor and the sky are not.
@@ -126,3 +127,18 @@ def test_the_compiled_module_names_no_folder_of_the_machine_that_built_it() -> N
     assert b"crates/geometry/src/" in module, "panics must say where they come from"
     for folder in (b"/registry/src/", bytes(Path.home()) + b"/"):
         assert folder not in module
+
+
+def test_glass_lets_through_what_lies_behind(scripted: Recording) -> None:
+    from frangible.camera import VIEW_FROM
+    from frangible.render import picture
+
+    brick = replace(scripted.body(4), interior=np.zeros(12, bool), look="brick")
+    before_it = brick.positions + 1.3 * VIEW_FROM
+
+    def red(look: str) -> float:
+        front = replace(brick, id=6, look=look, positions=before_it)
+        image = picture(replace(scripted, bodies=[brick, front]), 5, width=96, height=54).astype(int)
+        return float((image[:, :, 0] > 1.6 * image[:, :, 2]).mean())
+
+    assert red("glass") > 3.0 * red("stone")

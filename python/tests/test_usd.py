@@ -83,11 +83,28 @@ def test_what_does_not_move_has_no_samples(stage: Any) -> None:
 
 def test_cracks_have_a_material_of_their_own(stage: Any) -> None:
     mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/World/slab/slab_4"))
-    (subset,) = UsdShade.MaterialBindingAPI(mesh).GetMaterialBindSubsets()
-    assert list(subset.GetIndicesAttr().Get()) == [0, 1, 2, 3]
+    outside, inside = UsdShade.MaterialBindingAPI(mesh).GetMaterialBindSubsets()
+    assert list(inside.GetIndicesAttr().Get()) == [0, 1, 2, 3]
+    assert list(outside.GetIndicesAttr().Get()) == [4, 5, 6, 7, 8, 9, 10, 11]
 
     def material(prim: Any) -> str:
         return str(UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPath())
 
-    assert material(mesh) == "/World/Materials/slab"
-    assert material(subset) == "/World/Materials/inside"
+    assert material(mesh) == material(outside) == "/World/Materials/slab"
+    assert material(inside) == "/World/Materials/inside"
+
+
+def test_corners_have_places_in_the_texture(stage: Any, scripted: Recording) -> None:
+    primvar = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/slab/slab_4")).GetPrimvar("st")
+    assert (primvar.GetInterpolation(), str(primvar.GetTypeName())) == ("faceVarying", "texCoord2f[]")
+    assert np.array(primvar.Get()) == pytest.approx(scripted.body(4).coordinates.reshape(-1, 2))
+
+
+def test_glass_is_clear_and_the_rest_is_not(stage: Any) -> None:
+    def opacity(path: str) -> float:
+        prim = UsdGeom.Mesh(stage.GetPrimAtPath(path))
+        material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        return float(material.ComputeSurfaceSource()[0].GetInput("opacity").Get())
+
+    assert opacity("/World/slab/slab_5") < 0.2
+    assert opacity("/World/slab/slab_4") == 1.0

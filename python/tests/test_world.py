@@ -74,10 +74,11 @@ def test_bodies_can_be_told_a_velocity() -> None:
 
 def test_a_surface_lies_on_its_shape_and_faces_outward() -> None:
     world = build(GROUND, BALL)
-    vertices, triangles, interior = world.surface(int(world.ids[1]))
+    vertices, triangles, interior, coordinates = world.surface(int(world.ids[1]))
     assert (vertices.dtype, triangles.dtype, interior.dtype) == (np.float32, np.uint32, np.bool_)
     assert len(interior) == len(triangles) > 0
     assert not interior.any()
+    assert (coordinates.dtype, coordinates.shape) == (np.float32, (len(triangles), 3, 2))
     assert np.linalg.norm(vertices, axis=1) == pytest.approx(np.full(len(vertices), 0.5), abs=0.02)
     a, b, c = vertices[triangles].astype(float).swapaxes(0, 1)
     assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(np.pi / 6, rel=0.05)

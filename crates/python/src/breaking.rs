@@ -73,6 +73,7 @@ pub(crate) fn break_mesh_on_grid<'py>(
         let (vertices, triangles) = mesh_arrays(py, &surface.mesh)?;
         facts.set_item("vertices", vertices)?;
         facts.set_item("triangles", triangles)?;
+        facts.set_item("coordinates", convert::coordinates(py, &surface.coordinates)?)?;
         facts.set_item("inner", PyArray1::from_vec(py, surface.interior))?;
         list.append(facts)?;
     }

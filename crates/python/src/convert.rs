@@ -1,7 +1,8 @@
 //! Values on their way to Python and back.
 
 use crate::build_error;
-use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
+use glam::Vec2;
+use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -44,6 +45,14 @@ pub(crate) fn rows<'py, T: Element + Copy, const N: usize>(
     let flat: Vec<T> = rows.flatten().collect();
     let count = flat.len() / N;
     PyArray1::from_vec(py, flat).reshape([count, N])
+}
+
+/// Texture coordinates of triangles' corners as an array (t, 3, 2).
+pub(crate) fn coordinates<'py>(
+    py: Python<'py>,
+    triangles: &[[Vec2; 3]],
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    rows(py, triangles.iter().flatten().map(|place| place.to_array()))?.reshape([triangles.len(), 3, 2])
 }
 
 /// A vector of three numbers.

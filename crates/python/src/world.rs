@@ -3,13 +3,18 @@
 use crate::{build_error, convert};
 use frangible::dynamics::Motion;
 use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
-use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Vertices [m], triangles, and whether a crack made each.
-type SurfaceArrays<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<bool>>);
+type SurfaceArrays<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray3<f32>>,
+);
 
 /// More threads than any machine has processors only take memory.
 const MOST_THREADS: usize = 4096;
@@ -137,7 +142,8 @@ impl World {
         self.world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
     }
 
-    /// Vertices (v, 3) in the body frame [m], triangles (t, 3), and whether a crack made each (t,).
+    /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and texture coordinates of their
+    /// corners (t, 3, 2) [m].
     fn surface<'py>(&self, py: Python<'py>, id: u64) -> PyResult<SurfaceArrays<'py>> {
         let surface = py.detach(|| self.pool.install(|| self.world.surface(id_from_number(id))));
         let surface =
@@ -147,6 +153,7 @@ impl World {
             convert::rows(py, vertices)?,
             convert::rows(py, surface.mesh.triangles.iter().copied())?,
             PyArray1::from_vec(py, surface.interior),
+            convert::coordinates(py, &surface.coordinates)?,
         ))
     }
 
