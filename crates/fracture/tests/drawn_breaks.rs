@@ -117,7 +117,10 @@ fn drawn_cells_break_as_the_planes_they_were_drawn_from() {
             assert!(found.len() >= 2);
             for cell in 0..planar.len() {
                 let [a, b] = [held(&exact, cell), held(&found, cell)];
-                assert!((a - b).abs() <= 0.1 * h * 6.0 * a.max(b).powf(2.0 / 3.0) + 30.0 * h.powi(3), "{a} {b}");
+                assert!(
+                    (a - b).abs() <= 0.1 * h * 6.0 * a.max(b).powf(2.0 / 3.0) + 30.0 * h.powi(3),
+                    "{a} {b}"
+                );
             }
         }
     }

@@ -1,7 +1,7 @@
 //! How much of each voxel is material, and the sums over it.
 
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use crate::{Grid, LevelSet, MassProperties, Material};
+use crate::{Grid, LevelSet, MassProperties, Run};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -175,26 +175,13 @@ impl VoxelMoments {
 }
 
 /// Sums over voxels, spans in closed form.
-pub fn mass_properties(grid: &Grid, material: &Material) -> MassProperties {
+pub fn mass_properties(grid: &Grid, runs: &[Run]) -> MassProperties {
     // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
-    let [half_x, half_y, half_z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
+    let [_, half_y, half_z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
     let mut moments = VoxelMoments::ZERO;
-    for row in 0..material.rows() {
-        let spans = material.row(row);
-        if spans.is_empty() {
-            continue;
-        }
-        let mut sums = [0.0; 3];
-        for span in spans {
-            let count = f64::from(span.end - span.start);
-            let middle = 0.5 * f64::from(span.start + span.end - 1) - half_x;
-            let material = count * f64::from(span.coverage);
-            sums[0] += material;
-            sums[1] += material * middle;
-            sums[2] += material * (middle * middle + (count * count - 1.0) / 12.0);
-        }
-        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
-        moments.add_row(DVec3::new(0.0, j as f64 - half_y, k as f64 - half_z), sums);
+    for run in runs {
+        let [y, z] = run.row.map(f64::from);
+        moments.add_row(DVec3::new(0.0, y - half_y, z - half_z), run.moments);
     }
     let (low, high) = grid.bounds();
     moments.mass_properties(0.5 * (low + high), grid.spacing)
@@ -205,12 +192,13 @@ mod tests {
     use super::*;
     use crate::ClosedForm;
     use crate::RigidTransform;
+    use crate::material::{Held, Material};
     use glam::DQuat;
     use proptest::prelude::*;
 
     fn dense_mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
         let outside = LevelSet::new(*grid, vec![1.0; grid.len()]);
-        mass_properties(grid, &Material::from_nodes(&outside, coverage))
+        mass_properties(grid, &Held::all(grid, Material::from_nodes(&outside, coverage)).runs)
     }
 
     proptest! {

@@ -1,7 +1,8 @@
 //! A solid on a grid: what can break.
 
 use crate::clip::{RowScratch, distances_over, larger};
-use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Material, Span, coverage};
+use crate::material::{Held, Material, Run};
+use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, coverage};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -22,7 +23,7 @@ pub struct GridSolid {
     /// Whether it is known to be a convex body, however the grid resolves it.
     convex: bool,
     /// What the fragments of a solid share out exactly.
-    material: Material,
+    held: Held,
     /// The exact surfaces behind the samples, so that edges stay sharp.
     pub outline: Outline,
     /// Distances at the nodes of `grid`, made when they are asked for.
@@ -104,7 +105,7 @@ impl GridSolid {
     fn whole(field: Arc<LevelSet>, coverage: &[f32], root: Root) -> Self {
         Self {
             grid: *field.grid(),
-            material: Material::from_nodes(&field, coverage),
+            held: Held::all(field.grid(), Material::from_nodes(&field, coverage)),
             field,
             shift: [0; 3],
             parts: Vec::new(),
@@ -118,7 +119,7 @@ impl GridSolid {
     /// says which material is the part's, with the rows of this solid's grid, in order.
     ///
     /// Its outline knows the first of the intersections: the others are slivers that joined it.
-    pub fn clipped(&self, share: &[(u32, Span)], regions: &[&[HalfSpace]]) -> Self {
+    pub fn clipped(&self, share: &[Run], regions: &[&[HalfSpace]]) -> Self {
         let mut part = self.part(share);
         let extent = part.extent();
         let old: Vec<&[HalfSpace]> = if self.parts.is_empty() {
@@ -143,7 +144,7 @@ impl GridSolid {
     }
 
     /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
-    pub fn intersected(&self, share: &[(u32, Span)], distance: impl Fn(DVec3) -> f64) -> Self {
+    pub fn intersected(&self, share: &[Run], distance: impl Fn(DVec3) -> f64) -> Self {
         let mut part = self.part(share);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
@@ -170,14 +171,13 @@ impl GridSolid {
     }
 
     /// Grid, field and material of a part, without its planes.
-    fn part(&self, share: &[(u32, Span)]) -> Self {
-        let [_, rows_y, _] = self.grid.dims;
+    fn part(&self, share: &[Run]) -> Self {
         let mut low = [usize::MAX; 3];
         let mut high = [0; 3];
-        for (row, span) in share {
-            let row = *row as usize;
-            let first = [span.start as usize, row % rows_y, row / rows_y];
-            let last = [span.end as usize - 1, first[1], first[2]];
+        for run in share {
+            let [j, k] = run.row.map(|n| n as usize);
+            let first = [run.start as usize, j, k];
+            let last = [run.end as usize - 1, j, k];
             for axis in 0..3 {
                 low[axis] = low[axis].min(first[axis]);
                 high[axis] = high[axis].max(last[axis]);
@@ -189,15 +189,10 @@ impl GridSolid {
         let from = low.map(|n| n as i64 - MARGIN as i64);
         let h = self.grid.spacing;
         let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
-        let moved = share.iter().map(|&(row, span)| {
-            let row = row as usize;
-            let [j, k] = [row % rows_y + MARGIN - low[1], row / rows_y + MARGIN - low[2]];
-            let along = |i: u32| i + MARGIN as u32 - low[0] as u32;
-            (j + dims[1] * k, Span { start: along(span.start), end: along(span.end), ..span })
-        });
+        let grid = Grid { origin, spacing: h, dims };
         Self {
-            grid: Grid { origin, spacing: h, dims },
-            material: Material::from_rows(dims[1] * dims[2], moved),
+            held: self.held.part(share, from, (&self.grid, &grid)),
+            grid,
             field: self.field.clone(),
             shift: std::array::from_fn(|axis| self.shift[axis] + from[axis]),
             parts: Vec::new(),
@@ -231,12 +226,17 @@ impl GridSolid {
 
     /// Which voxels of [`GridSolid::grid`] are this solid's, and how much of them.
     pub fn material(&self) -> &Material {
-        &self.material
+        self.held.material()
+    }
+
+    /// The same by stretches of rows, in order: between their ends is no gap.
+    pub fn runs(&self) -> &[Run] {
+        &self.held.runs
     }
 
     /// The fraction of each node's voxel that is this solid's material, x fastest.
     pub fn coverage(&self) -> Vec<f32> {
-        self.material.coverage(&self.grid)
+        self.material().coverage(&self.grid)
     }
 
     /// Whether the solid is a convex body, however the grid resolves it; `false` if that is not known.
@@ -252,7 +252,7 @@ impl GridSolid {
 
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
-        coverage::mass_properties(&self.grid, &self.material)
+        coverage::mass_properties(&self.grid, self.runs())
     }
 
     /// Signed distance [m] at the nodes of [`GridSolid::grid`]: made when it is first asked for, then kept.
@@ -357,7 +357,7 @@ impl GridSolid {
 
             // Signs by ownership.
             let mut next = 0;
-            for span in self.material.row(row) {
+            for span in self.material().row(row) {
                 let own = span.start as usize..span.end as usize;
                 force_outside(&mut phi[first + next..first + own.start], on_crack, half_cell);
                 next = own.end;

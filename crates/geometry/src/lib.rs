@@ -50,7 +50,7 @@ pub use half_space::HalfSpace;
 pub use hull::{Clipper, Hull, HullEdge, HullError, HullFace};
 pub use level_set::LevelSet;
 pub use mass_properties::MassProperties;
-pub use material::{Material, Span};
+pub use material::{Material, Run, Span};
 pub use mesh::{Surface, TriMesh};
 pub use mesh_check::MeshError;
 pub use mesh_to_level_set::{MeshToLevelSetError, mesh_to_level_set};

@@ -1,6 +1,8 @@
 //! What of a grid's voxels is material, row by row in runs.
 
 use crate::{Grid, LevelSet};
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// Consecutive nodes of a row whose voxels are filled alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +21,136 @@ impl Span {
     /// Whether a span behind this one goes on in the same way.
     fn continues_in(&self, next: &Self) -> bool {
         self.end == next.start && self.coverage == next.coverage && self.inside == next.inside
+    }
+}
+
+/// Consecutive nodes of a row, and what their voxels hold together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run {
+    /// Numbers of its nodes along y and z.
+    pub row: [u32; 2],
+    /// Number of the first node, along x.
+    pub start: u32,
+    /// One past the last.
+    pub end: u32,
+    /// How many of the nodes are inside.
+    pub inside: u32,
+    /// Volume of the material and its first and second moments along x, which counts from the middle of the grid; the unit of length
+    /// is the grid's spacing.
+    pub moments: [f64; 3],
+}
+
+impl Run {
+    /// No nodes yet, from `start` on.
+    pub fn empty(row: [u32; 2], start: u32) -> Self {
+        Self { row, start, end: start, inside: 0, moments: [0.0; 3] }
+    }
+
+    /// Adds some nodes of a span of the same row, in a grid with `width` nodes along x.
+    #[inline]
+    pub fn add(&mut self, span: &Span, nodes: Range<u32>, width: usize) {
+        let count = nodes.end - nodes.start;
+        self.end = nodes.end;
+        self.inside += if span.inside { count } else { 0 };
+        let middle = 0.5 * (f64::from(nodes.start + nodes.end - 1) - (width - 1) as f64);
+        let count = f64::from(count);
+        let volume = count * f64::from(span.coverage);
+        self.moments[0] += volume;
+        self.moments[1] += volume * middle;
+        self.moments[2] += volume * (middle * middle + (count * count - 1.0) / 12.0);
+    }
+
+    /// Whether nodes from `start` on, of a row, follow this run's.
+    pub fn is_followed_by(&self, row: [u32; 2], start: u32) -> bool {
+        self.row == row && self.end == start
+    }
+
+    /// Number of its row in a grid with `rows_y` of them along y.
+    #[inline]
+    pub fn number(&self, rows_y: usize) -> usize {
+        self.row[0] as usize + rows_y * self.row[1] as usize
+    }
+}
+
+/// Some of a solid's material, in runs: its spans are copied when they are asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    /// In order; on the holder's own grid.
+    pub(crate) runs: Vec<Run>,
+    source: Arc<Material>,
+    /// The first node of the holder's grid on the source's, and how many rows both have along y.
+    shift: [i64; 3],
+    rows_y: [usize; 2],
+    rows: usize,
+    own: OnceLock<Arc<Material>>,
+}
+
+impl Held {
+    /// All of a grid's material.
+    pub(crate) fn all(grid: &Grid, material: Material) -> Self {
+        let width = grid.dims[0];
+        let mut runs: Vec<Run> = Vec::new();
+        for row in 0..material.rows() {
+            for span in material.row(row) {
+                let place = [row % grid.dims[1], row / grid.dims[1]].map(|n| n as u32);
+                match runs.last_mut().filter(|run| run.is_followed_by(place, span.start)) {
+                    Some(run) => run.add(span, span.start..span.end, width),
+                    None => {
+                        let mut run = Run::empty(place, span.start);
+                        run.add(span, span.start..span.end, width);
+                        runs.push(run);
+                    }
+                }
+            }
+        }
+        let source = Arc::new(material);
+        let (rows_y, rows) = ([grid.dims[1]; 2], source.rows());
+        Self { runs, own: OnceLock::from(source.clone()), source, shift: [0; 3], rows_y, rows }
+    }
+
+    /// Some of it, `share` in order, on a grid whose first node is `from` here.
+    pub(crate) fn part(&self, share: &[Run], from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
+        // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
+        let ahead = 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64;
+        let moved = |run: &Run| {
+            let across = |axis: usize| (i64::from(run.row[axis]) - from[axis + 1]) as u32;
+            let along = |i: u32| (i64::from(i) - from[0]) as u32;
+            let [volume, first, second] = run.moments;
+            Run {
+                row: [across(0), across(1)],
+                start: along(run.start),
+                end: along(run.end),
+                inside: run.inside,
+                moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
+            }
+        };
+        Self {
+            runs: share.iter().map(moved).collect(),
+            source: self.material().clone(),
+            shift: from,
+            rows_y: [own.dims[1], grid.dims[1]],
+            rows: own.dims[1] * own.dims[2],
+            own: OnceLock::new(),
+        }
+    }
+
+    /// In spans, of the holder's grid.
+    pub(crate) fn material(&self) -> &Arc<Material> {
+        self.own.get_or_init(|| {
+            let [rows_y, source_rows_y] = self.rows_y;
+            let spans = self.runs.iter().flat_map(|run| {
+                let row = run.number(rows_y);
+                let [j, k] = [0, 1].map(|axis| i64::from(run.row[axis]) + self.shift[axis + 1]);
+                let of_row = self.source.row((j + source_rows_y as i64 * k) as usize);
+                let along = |i: u32| (i64::from(i) - self.shift[0]).max(0) as u32;
+                let cut = move |span: &Span| {
+                    let (start, end) = (along(span.start).max(run.start), along(span.end).min(run.end));
+                    (start < end).then_some((row, Span { start, end, ..*span }))
+                };
+                of_row.iter().filter_map(cut)
+            });
+            Arc::new(Material::from_rows(self.rows, spans))
+        })
     }
 }
 

@@ -280,22 +280,21 @@ fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &
     let rotation = body_from_grid.matrix();
     let half_voxel =
         0.5 * grid.spacing * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
-    let along_row = rotation.x_axis * grid.spacing;
+    // The voxels of a run lie on a line, so that its two ends bound them all.
+    let steps = rotation * grid.spacing;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for row in 0..solid.material().rows() {
-        // The voxels of a row lie on a line, so that its two ends bound them all.
-        let mut spans = solid.material().row(row).iter().filter(|span| span.coverage > 0.0);
-        let Some(first) = spans.next() else { continue };
-        let last = spans.next_back().unwrap_or(first);
-        let start = rotation * grid.node(0, row % grid.dims[1], row / grid.dims[1]);
-        for i in [first.start, last.end - 1] {
-            let point = start + along_row * f64::from(i);
+    for run in solid.runs() {
+        let [j, k] = run.row.map(f64::from);
+        let of_row = steps.y_axis * j + steps.z_axis * k;
+        for i in [run.start, run.end - 1] {
+            let point = of_row + steps.x_axis * f64::from(i);
             low = low.min(point);
             high = high.max(point);
         }
     }
-    low += body_from_grid.translation - half_voxel;
-    high += body_from_grid.translation + half_voxel;
+    let origin = body_from_grid.point(grid.origin);
+    low += origin - half_voxel;
+    high += origin + half_voxel;
     for sample in samples {
         low = low.min(sample.as_dvec3());
         high = high.max(sample.as_dvec3());

@@ -2,7 +2,7 @@
 
 use super::regions::{NONE, Share, Shares};
 use frangible_geometry::disjoint_sets::DisjointSets;
-use frangible_geometry::{Grid, GridSolid};
+use frangible_geometry::{Grid, GridSolid, Run, Span};
 use glam::DVec3;
 
 /// Which connected part each share belongs to.
@@ -59,7 +59,7 @@ pub(crate) fn connected_components(
         components.weigh(shares);
         return components;
     }
-    split_surface(shares);
+    split_surface(solid, shares);
     let mut components = connect_inside(solid, shares);
     let pending = attach_surface_voxels(solid, shares, &mut components);
     found_islands(solid, shares, &mut components, &pending);
@@ -84,31 +84,40 @@ impl Components {
     fn weigh(&mut self, shares: &Shares) {
         self.has_inside = vec![false; self.region.len()];
         self.material = vec![0.0; self.region.len()];
-        for (Share { span, .. }, &component) in shares.all.iter().zip(&self.of_share) {
-            self.has_inside[component as usize] |= span.inside;
-            self.material[component as usize] += f64::from(span.end - span.start) * f64::from(span.coverage);
+        for (Share { run, .. }, &component) in shares.all.iter().zip(&self.of_share) {
+            self.has_inside[component as usize] |= run.inside > 0;
+            self.material[component as usize] += run.moments[0];
         }
     }
 }
 
-/// Cuts the shares of surface voxels into single nodes.
-fn split_surface(shares: &mut Shares) {
+/// Cuts the shares of surface voxels, each filled alike, into single nodes.
+fn split_surface(solid: &GridSolid, shares: &mut Shares) {
+    let width = solid.grid().dims[0];
     let mut split = Shares::default();
     for row in 0..shares.rows() {
         split.first_of_row.push(split.all.len() as u32);
         for share in &shares.all[shares.row(row)] {
-            if share.span.inside {
+            let whole = share.run;
+            if whole.inside > 0 {
                 split.all.push(*share);
                 continue;
             }
-            split.all.extend((share.span.start..share.span.end).map(|start| {
-                let span = frangible_geometry::Span { start, end: start + 1, ..share.span };
-                Share { span, ..*share }
+            let span = Span { start: whole.start, end: whole.end, coverage: fill(&whole), inside: false };
+            split.all.extend((whole.start..whole.end).map(|start| {
+                let mut run = Run::empty(whole.row, start);
+                run.add(&span, start..start + 1, width);
+                Share { run, ..*share }
             }));
         }
     }
     split.first_of_row.push(split.all.len() as u32);
     *shares = split;
+}
+
+/// Fraction of each voxel of a run that is material, where they are filled alike.
+fn fill(run: &Run) -> f32 {
+    (run.moments[0] / f64::from(run.end - run.start)) as f32
 }
 
 /// Components of what is inside, numbered in the order of their first nodes.
@@ -118,8 +127,8 @@ fn connect_inside(solid: &GridSolid, shares: &Shares) -> Components {
     for row in 0..shares.rows() {
         for at in shares.row(row).skip(1) {
             let (before, here) = (&shares.all[at - 1], &shares.all[at]);
-            let touch = before.span.end == here.span.start && before.region == here.region;
-            if touch && before.span.inside && here.span.inside {
+            let touch = before.run.end == here.run.start && before.region == here.region;
+            if touch && before.run.inside > 0 && here.run.inside > 0 {
                 sets.unite(at as u32 - 1, at as u32);
             }
         }
@@ -133,7 +142,7 @@ fn connect_inside(solid: &GridSolid, shares: &Shares) -> Components {
 
     // A root is the first share of its set: number the sets in that order.
     let mut components = Components::empty(shares);
-    for (at, share) in shares.all.iter().enumerate().filter(|(_, share)| share.span.inside) {
+    for (at, share) in shares.all.iter().enumerate().filter(|(_, share)| share.run.inside > 0) {
         let root = sets.root(at as u32) as usize;
         if root == at {
             components.of_share[at] = components.region.len() as u32;
@@ -150,11 +159,11 @@ fn unite_touching(shares: &Shares, lower: usize, upper: usize, sets: &mut Disjoi
     let (mut a, mut b) = (lower.start, upper.start);
     while a < lower.end && b < upper.end {
         let (below, above) = (&shares.all[a], &shares.all[b]);
-        let overlap = below.span.start < above.span.end && above.span.start < below.span.end;
-        if overlap && below.region == above.region && below.span.inside && above.span.inside {
+        let overlap = below.run.start < above.run.end && above.run.start < below.run.end;
+        if overlap && below.region == above.region && below.run.inside > 0 && above.run.inside > 0 {
             sets.unite(a as u32, b as u32);
         }
-        if below.span.end <= above.span.end {
+        if below.run.end <= above.run.end {
             a += 1;
         } else {
             b += 1;
@@ -166,17 +175,17 @@ fn unite_touching(shares: &Shares, lower: usize, upper: usize, sets: &mut Disjoi
 fn share_at(shares: &Shares, row: usize, i: u32) -> Option<usize> {
     let range = shares.row(row);
     let in_row = &shares.all[range.clone()];
-    let at = in_row.partition_point(|share| share.span.end <= i);
-    (at < in_row.len() && in_row[at].span.start <= i).then_some(range.start + at)
+    let at = in_row.partition_point(|share| share.run.end <= i);
+    (at < in_row.len() && in_row[at].run.start <= i).then_some(range.start + at)
 }
 
 /// The shares that share a face with a single voxel's.
 fn shares_beside(grid: &Grid, shares: &Shares, row: usize, at: usize) -> impl Iterator<Item = usize> {
-    let span = shares.all[at].span;
+    let run = shares.all[at].run;
     let range = shares.row(row);
-    let before = (at > range.start && shares.all[at - 1].span.end == span.start).then(|| at - 1);
-    let behind = (at + 1 < range.end && shares.all[at + 1].span.start == span.end).then_some(at + 1);
-    let across = rows_beside(grid, row).filter_map(move |row| share_at(shares, row, span.start));
+    let before = (at > range.start && shares.all[at - 1].run.end == run.start).then(|| at - 1);
+    let behind = (at + 1 < range.end && shares.all[at + 1].run.start == run.end).then_some(at + 1);
+    let across = rows_beside(grid, row).filter_map(move |row| share_at(shares, row, run.start));
     [before, behind].into_iter().flatten().chain(across)
 }
 
@@ -193,7 +202,7 @@ fn attach_surface_voxels(
     let grid = solid.grid();
     let mut pending: Vec<SurfaceVoxel> = (0..shares.rows())
         .flat_map(|row| shares.row(row).map(move |at| (row, at)))
-        .filter(|&(_, at)| !shares.all[at].span.inside)
+        .filter(|&(_, at)| shares.all[at].run.inside == 0)
         .collect();
     for own_region_only in [true, false] {
         loop {
@@ -206,7 +215,7 @@ fn attach_surface_voxels(
                 };
                 let mut fullest: Option<usize> = None;
                 for other in shares_beside(grid, shares, row, at).filter(fits) {
-                    let holds = |at: usize| shares.all[at].span.coverage;
+                    let holds = |at: usize| fill(&shares.all[at].run);
                     if fullest.is_none_or(|best| holds(other) > holds(best)) {
                         fullest = Some(other);
                     }
@@ -260,7 +269,7 @@ fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Components, 
         for at in shares.row(row) {
             let sliver = components.of_share[at];
             let known = sets.root(sliver) != sliver;
-            let is_sliver = components.material[sliver as usize] < smallest && shares.all[at].span.inside;
+            let is_sliver = components.material[sliver as usize] < smallest && shares.all[at].run.inside > 0;
             if is_sliver
                 && !known
                 && let Some(host) = rest_of_tip(solid, shares, components, (row, at))
@@ -287,21 +296,21 @@ fn rest_of_tip(
     (row, at): (usize, usize),
 ) -> Option<u32> {
     let grid = solid.grid();
-    let Share { span, region } = shares.all[at];
+    let Share { run, region } = shares.all[at];
     let sliver = components.of_share[at];
     let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
-    let from = grid.node(span.start as usize, j, k);
+    let from = grid.node(run.start as usize, j, k);
     for to_k in k.saturating_sub(TIP)..(k + TIP + 1).min(grid.dims[2]) {
         for to_j in j.saturating_sub(TIP)..(j + TIP + 1).min(grid.dims[1]) {
             for other in shares.row(to_j + grid.dims[1] * to_k) {
                 let there = &shares.all[other];
                 let component = components.of_share[other];
                 let heavier = components.material[component as usize] > components.material[sliver as usize];
-                if there.region != region || !there.span.inside || component == sliver || !heavier {
+                if there.region != region || there.run.inside == 0 || component == sliver || !heavier {
                     continue;
                 }
-                let i = span.start.clamp(there.span.start, there.span.end - 1);
-                if i.abs_diff(span.start) as usize > TIP {
+                let i = run.start.clamp(there.run.start, there.run.end - 1);
+                if i.abs_diff(run.start) as usize > TIP {
                     continue;
                 }
                 if is_inside_all_along(solid, from, grid.node(i as usize, to_j, to_k)) {
@@ -341,8 +350,10 @@ mod tests {
             for span in solid.material().row(row) {
                 for i in span.start..span.end {
                     let region = region_of_node[row * solid.grid().dims[0] + i as usize];
-                    let span = frangible_geometry::Span { start: i, end: i + 1, ..*span };
-                    shares.all.push(Share { span, region });
+                    let place = [row % solid.grid().dims[1], row / solid.grid().dims[1]];
+                    let mut run = Run::empty(place.map(|n| n as u32), i);
+                    run.add(span, i..i + 1, solid.grid().dims[0]);
+                    shares.all.push(Share { run, region });
                 }
             }
         }
@@ -389,7 +400,7 @@ mod tests {
         let mut nodes = vec![NONE; solid.grid().len()];
         for row in 0..shares.rows() {
             for at in shares.row(row) {
-                for i in shares.all[at].span.start..shares.all[at].span.end {
+                for i in shares.all[at].run.start..shares.all[at].run.end {
                     nodes[row * solid.grid().dims[0] + i as usize] = of_share[at];
                 }
             }

@@ -19,14 +19,17 @@ pub(crate) fn crack_samples(parent: &Parent, region: &Region, spacing: f64) -> V
     let mut sampler =
         Sampler { parent, spacing, samples: Vec::new(), edges: Vec::new(), corners: Vec::new() };
     for cut in &region.cuts {
+        if parent.misses(&cut.half_space) {
+            continue;
+        }
         // What is flat cuts the face exactly, so that its corners are the fragment's corners.
-        let mut face = cut.face.clone();
+        let mut face = std::borrow::Cow::Borrowed(cut.face.as_slice());
         for wall in &parent.walls {
             if face.is_empty() {
                 break;
             }
             if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
-                face = polygon::clip(&face, wall);
+                face = polygon::clip(&face, wall).into();
             }
         }
         if face.len() >= 3 {
@@ -87,6 +90,14 @@ impl<'a> Parent<'a> {
         // Slivers that joined it make a convex body something else.
         let curved = if solid.is_convex() { of_root } else { Curved::Sampled(solid) };
         Self { walls, curved }
+    }
+
+    /// Whether a plane is known to miss the parent.
+    fn misses(&self, plane: &HalfSpace) -> bool {
+        match self.curved {
+            Curved::Sphere { radius } => plane.offset.abs() > radius,
+            Curved::Cylinder { .. } | Curved::Nothing | Curved::Sampled(_) => false,
+        }
     }
 
     /// Signed distance [m] where only samples know it.

@@ -6,7 +6,7 @@ use super::{
     slivers::Pieces,
 };
 use crate::pattern::Region;
-use frangible_geometry::{GridSolid, HalfSpace, Span};
+use frangible_geometry::{GridSolid, HalfSpace, Run};
 use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
@@ -39,7 +39,7 @@ pub(crate) fn intersect_level_sets(
     let planes_of = |region: u32| -> Vec<HalfSpace> {
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
-    let solid = |(members, share): (&Vec<u32>, &Vec<(u32, Span)>)| {
+    let solid = |(members, share): (&Vec<u32>, &Vec<Run>)| {
         let (own, any_inside) = regions_of_piece(members, components);
         let planes: Vec<Vec<HalfSpace>> = own.iter().map(|&region| planes_of(region)).collect();
         let planes: Vec<&[HalfSpace]> = planes.iter().map(Vec::as_slice).collect();
@@ -59,7 +59,7 @@ pub(crate) fn intersect_sampled(
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let shares_of_pieces = shares_of_pieces(shares, components, pieces);
-    let solid = |(members, share): (&Vec<u32>, &Vec<(u32, Span)>)| {
+    let solid = |(members, share): (&Vec<u32>, &Vec<Run>)| {
         let (own, _) = regions_of_piece(members, components);
         parent.intersected(share, |point| {
             own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
@@ -83,15 +83,20 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// Rows and spans of each piece's material, in order.
-fn shares_of_pieces(shares: &Shares, components: &Components, pieces: &Pieces) -> Vec<Vec<(u32, Span)>> {
-    let mut of_pieces: Vec<Vec<(u32, Span)>> = vec![Vec::new(); pieces.components.len()];
-    for row in 0..shares.rows() {
-        for at in shares.row(row) {
-            let piece = pieces.of_component[components.of_share[at] as usize];
-            if piece != NONE {
-                of_pieces[piece as usize].push((row as u32, shares.all[at].span));
-            }
+/// The runs of each piece's material, in order.
+fn shares_of_pieces(shares: &Shares, components: &Components, pieces: &Pieces) -> Vec<Vec<Run>> {
+    let mut counts = vec![0; pieces.components.len()];
+    for &component in &components.of_share {
+        let piece = pieces.of_component[component as usize];
+        if piece != NONE {
+            counts[piece as usize] += 1;
+        }
+    }
+    let mut of_pieces: Vec<Vec<Run>> = counts.into_iter().map(Vec::with_capacity).collect();
+    for (share, &component) in shares.all.iter().zip(&components.of_share) {
+        let piece = pieces.of_component[component as usize];
+        if piece != NONE {
+            of_pieces[piece as usize].push(share.run);
         }
     }
     of_pieces

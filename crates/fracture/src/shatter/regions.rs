@@ -1,16 +1,16 @@
 //! Which region of the pattern each node lies in, row by row in spans.
 
 use crate::pattern::{Region, nearest_region};
-use frangible_geometry::{Grid, GridSolid, Span};
+use frangible_geometry::{Grid, GridSolid, Material, Run};
 use glam::DVec3;
 
 /// No region, no component, no piece.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Consecutive nodes of a row, alike and in one region.
+/// Consecutive nodes of a row in one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Share {
-    pub(crate) span: Span,
+    pub(crate) run: Run,
     pub(crate) region: u32,
 }
 
@@ -46,33 +46,27 @@ const TILE: usize = 8;
 /// compared by distance.
 pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
-    let tiles = Tiles::new(solid, regions);
-    let mut shares = Shares { all: Vec::with_capacity(2 * material.len()), first_of_row: Vec::new() };
+    let mut tiles = Tiles::new(solid, regions);
+    let mut shares = Shares { all: Vec::with_capacity(4 * solid.runs().len()), first_of_row: Vec::new() };
     let mut claims = Vec::new();
+    let mut runs = solid.runs();
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
         let spans = material.row(row);
+        let of_row = runs.iter().take_while(|run| run.number(grid.dims[1]) == row).count();
+        let (of_row, rest) = runs.split_at(of_row);
+        runs = rest;
         let (Some(first), Some(last)) = (spans.first(), spans.last()) else { continue };
         let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
         let bounds = (i64::from(first.start), i64::from(last.end) - 1);
         tiles.claim_row([j, k], bounds, &mut claims);
         settle(grid, [j, k], bounds, regions, &mut claims);
-
-        // Cut the spans where the regions change.
-        let mut at_claim = 0;
-        for span in spans {
-            let mut start = span.start;
-            while start < span.end {
-                while claims[at_claim].high < i64::from(start) {
-                    at_claim += 1;
-                }
-                let end = span.end.min(claims[at_claim].high as u32 + 1);
-                shares
-                    .all
-                    .push(Share { span: Span { start, end, ..*span }, region: claims[at_claim].region });
-                start = end;
-            }
+        if let ([run], [claim], true) = (of_row, claims.as_slice(), solid.is_convex()) {
+            shares.all.push(Share { run: *run, region: claim.region });
+            continue;
         }
+        let claimed = claims.iter().map(|claim| (claim.high as u32 + 1, claim.region));
+        shares.cut_row(material, (row, [j, k]), claimed, (grid.dims[0], !solid.is_convex()));
     }
     shares.first_of_row.push(shares.all.len() as u32);
     shares
@@ -85,19 +79,49 @@ pub(crate) fn share_out_nodes(solid: &GridSolid, cell_at: impl Fn(DVec3) -> u32)
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
         let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
-        for span in material.row(row) {
-            let first_of_span = shares.all.len();
-            for i in span.start..span.end {
-                let region = cell_at(grid.node(i as usize, j, k));
-                match shares.all[first_of_span..].last_mut() {
-                    Some(last) if last.region == region => last.span.end = i + 1,
-                    _ => shares.all.push(Share { span: Span { start: i, end: i + 1, ..*span }, region }),
-                }
-            }
-        }
+        let nodes = material.row(row).iter().flat_map(|span| span.start..span.end);
+        let claimed = nodes.map(|i| (i + 1, cell_at(grid.node(i as usize, j, k))));
+        shares.cut_row(material, (row, [j, k]), claimed, (grid.dims[0], true));
     }
     shares.first_of_row.push(shares.all.len() as u32);
     shares
+}
+
+impl Shares {
+    /// Cuts a row's spans where the regions change: `claimed` says in order where each stretch ends and whose it is.
+    /// With `by_span` no share holds parts of two spans, so that it is alike all along.
+    fn cut_row(
+        &mut self,
+        material: &Material,
+        (row, place): (usize, [usize; 2]),
+        mut claimed: impl Iterator<Item = (u32, u32)>,
+        (width, by_span): (usize, bool),
+    ) {
+        let place = place.map(|n| n as u32);
+        let first = self.all.len();
+        let (mut until, mut region) = (0, NONE);
+        for span in material.row(row) {
+            let mut start = span.start;
+            while start < span.end {
+                while until <= start {
+                    let Some(next) = claimed.next() else { return };
+                    (until, region) = next;
+                }
+                let end = span.end.min(until);
+                let begins = by_span && start == span.start;
+                let goes_on = |last: &&mut Share| last.region == region && last.run.end == start && !begins;
+                match self.all[first..].last_mut().filter(goes_on) {
+                    Some(last) => last.run.add(span, start..end, width),
+                    None => {
+                        let mut run = Run::empty(place, start);
+                        run.add(span, start..end, width);
+                        self.all.push(Share { run, region });
+                    }
+                }
+                start = end;
+            }
+        }
+    }
 }
 
 /// An interval of a row's nodes that lies in a region; both ends belong to it.
@@ -123,9 +147,19 @@ struct Tiles {
     count_y: usize,
     /// Where each tile begins in `regions`, and one more entry at the end.
     first_of_tile: Vec<u32>,
-    /// Region, and where its planes end.
-    regions: Vec<(u32, u32)>,
+    regions: Vec<TileRegion>,
     planes: Vec<LatticePlane>,
+    /// Where in the list the region is that the last row began in.
+    begin: u32,
+}
+
+/// A region that reaches into a tile.
+struct TileRegion {
+    number: u32,
+    /// Where its planes begin and end.
+    planes: [u32; 2],
+    /// Where in the list the region is that the last row passed through behind this one.
+    next: u32,
 }
 
 impl Tiles {
@@ -145,7 +179,8 @@ impl Tiles {
         };
         let regions: Vec<Vec<LatticePlane>> = regions.iter().map(on_lattice).collect();
         let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
-        let mut tiles = Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), planes: Vec::new() };
+        let mut tiles =
+            Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), planes: Vec::new(), begin: NONE };
         for tile in 0..count_y * count_z {
             tiles.first_of_tile.push(tiles.regions.len() as u32);
             if let Some(bounds) = tile_bounds(solid, [tile % count_y, tile / count_y]) {
@@ -174,44 +209,84 @@ impl Tiles {
                 }
             }
             if reaches_in {
-                self.regions.push((number, self.planes.len() as u32));
+                let planes = [first, self.planes.len()].map(|plane| plane as u32);
+                self.regions.push(TileRegion { number, planes, next: NONE });
             } else {
                 self.planes.truncate(first);
             }
         }
     }
 
-    /// The intervals of a row within the bounds that lie inside of a region or on its cracks, in order.
-    fn claim_row(&self, [j, k]: [usize; 2], (first, last): (i64, i64), claims: &mut Vec<Claim>) {
+    /// The intervals of a row within the bounds that lie inside of a region or on its cracks, in order: from each to the one
+    /// that holds the node behind it. There may be others where intervals overlap or leave a gap.
+    fn claim_row(&mut self, [j, k]: [usize; 2], (first, last): (i64, i64), claims: &mut Vec<Claim>) {
         claims.clear();
         let tile = j / TILE + self.count_y * (k / TILE);
         let regions = self.first_of_tile[tile] as usize..self.first_of_tile[tile + 1] as usize;
-        let mut plane = if regions.start == 0 { 0 } else { self.regions[regions.start - 1].1 } as usize;
         let (y, z) = (j as f64, k as f64);
-        for &(region, end) in &self.regions[regions] {
-            let planes = &self.planes[plane..end as usize];
-            plane = end as usize;
-            let (mut low, mut high) = (first as f64, last as f64);
-            for plane in planes {
-                let at_row = ON_CRACK - (plane.normal.y * y + plane.normal.z * z + plane.at_origin);
-                if plane.per_slope > 0.0 {
-                    high = high.min(at_row * plane.per_slope);
-                } else if plane.per_slope < 0.0 {
-                    low = low.max(at_row * plane.per_slope);
-                } else if at_row < 0.0 {
-                    high = f64::NEG_INFINITY;
-                }
-            }
-            if low > high {
+        let (mut next, mut guess) = (first, self.begin);
+        let mut before = None;
+        while next <= last {
+            // Rows beside each other pass through the same regions.
+            let order = std::iter::once(guess as usize).filter(|at| regions.contains(at));
+            let holds = |at: usize| {
+                let interval = self.interval(at, [y, z], (first, last));
+                (interval.low <= next && next <= interval.high).then_some((at, interval))
+            };
+            let Some((at, interval)) = order.chain(regions.clone()).find_map(holds) else {
+                next += 1;
                 continue;
+            };
+            if interval.grazes {
+                claims.clear();
+                let all = regions.map(|at| (at, self.interval(at, [y, z], (first, last))));
+                let held = all.filter(|(_, interval)| interval.low <= interval.high);
+                claims.extend(held.map(|(at, Interval { low, high, .. })| Claim {
+                    low,
+                    high,
+                    region: self.regions[at].number,
+                }));
+                break;
             }
-            let (low, high) = (ceil(low), floor(high));
-            if low <= high {
-                let place = claims.partition_point(|claim: &Claim| claim.low <= low);
-                claims.insert(place, Claim { low, high, region });
+            *before.map_or(&mut self.begin, |before: usize| &mut self.regions[before].next) = at as u32;
+            claims.push(Claim { low: interval.low, high: interval.high, region: self.regions[at].number });
+            (next, guess, before) = (interval.high + 1, self.regions[at].next, Some(at));
+        }
+        claims.sort_by_key(|claim| claim.low);
+    }
+
+    /// The nodes of a row within the bounds that lie inside of a tile's region or on its cracks.
+    #[inline]
+    fn interval(&self, at: usize, [y, z]: [f64; 2], (first, last): (i64, i64)) -> Interval {
+        let TileRegion { planes, .. } = &self.regions[at];
+        let (mut low, mut high) = (first as f64, last as f64);
+        let mut grazes = false;
+        for plane in &self.planes[planes[0] as usize..planes[1] as usize] {
+            let at_row = ON_CRACK - (plane.normal.y * y + plane.normal.z * z + plane.at_origin);
+            let crossing = at_row * plane.per_slope;
+            if plane.per_slope > 0.0 {
+                high = if crossing < high { crossing } else { high };
+            } else if plane.per_slope < 0.0 {
+                low = if crossing > low { crossing } else { low };
+            } else if at_row < 0.0 {
+                high = f64::NEG_INFINITY;
+            } else {
+                grazes |= at_row <= 2.0 * ON_CRACK;
             }
         }
+        if low > high {
+            return Interval { low: 1, high: 0, grazes: false };
+        }
+        Interval { low: ceil(low), high: floor(high), grazes }
     }
+}
+
+/// What a row passes through of a region.
+struct Interval {
+    low: i64,
+    high: i64,
+    /// Whether it lies on a crack all along.
+    grazes: bool,
 }
 
 /// The box of the material in a tile of rows, in lattice units.

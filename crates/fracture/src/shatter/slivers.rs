@@ -99,14 +99,14 @@ fn closest_neighbour(
         }
     };
     for &(row, at) in sliver {
-        let span = shares.all[at].span;
+        let span = shares.all[at].run;
         for other in shares.row(row) {
-            let there = shares.all[other].span;
+            let there = shares.all[other].run;
             count(other, u32::from(there.end == span.start || span.end == there.start));
         }
         for beside in rows_beside(solid.grid(), row) {
             for other in shares.row(beside) {
-                let there = shares.all[other].span;
+                let there = shares.all[other].run;
                 count(other, there.end.min(span.end).saturating_sub(there.start.max(span.start)));
             }
         }
