@@ -234,6 +234,39 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        /// What a part on a grid of its own holds is what its runs held of the whole, moments included.
+        #[test]
+        fn runs_of_a_part_are_those_of_its_spans(
+            phi in prop::collection::vec(prop::sample::select(vec![-1.0f32, 1.0]), 60),
+            coverage in prop::collection::vec(prop::sample::select(vec![0.0f32, 0.25, 1.0]), 60),
+            (low, high) in (0..3u32, 3..6u32),
+        ) {
+            let grid = Grid { origin: DVec3::ZERO, spacing: 1.0, dims: [5, 4, 3] };
+            let material = Material::from_nodes(&LevelSet::new(grid, phi), &coverage);
+            let whole = Held::all(&grid, material.clone());
+            let mut share = Vec::new();
+            for run in &whole.runs {
+                let mut cut = Run::empty(run.row, run.start.max(low));
+                for span in material.row(run.number(4)) {
+                    let nodes = span.start.max(cut.start)..span.end.min(run.end).min(high);
+                    if nodes.start < nodes.end {
+                        cut.add(span, nodes, 5);
+                    }
+                }
+                share.extend((cut.start < cut.end).then_some(cut));
+            }
+            let own = Grid { dims: [10, 7, 6], ..grid };
+            let part = whole.part(&share, [-2, -1, -3], (&grid, &own));
+            let again = Held::all(&own, part.material().as_ref().clone());
+            prop_assert_eq!(part.runs.len(), again.runs.len());
+            for (a, b) in part.runs.iter().zip(&again.runs) {
+                prop_assert_eq!((a.row, a.start, a.end, a.inside), (b.row, b.start, b.end, b.inside));
+                for (a, b) in a.moments.iter().zip(b.moments) {
+                    prop_assert!((a - b).abs() < 1e-12, "{} {}", a, b);
+                }
+            }
+        }
+
         /// Spans hold what the nodes held, each is as long as it can be, and only nodes with something are in one.
         #[test]
         fn spans_are_the_nodes(

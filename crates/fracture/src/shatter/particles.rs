@@ -190,12 +190,59 @@ impl BodyRegions {
     }
 }
 
+/// The regions that reach into a ball, with those of their planes that pass through it.
+#[derive(Default)]
+struct Neighbourhood {
+    /// Each with where its planes end.
+    regions: Vec<(usize, usize)>,
+    planes: Vec<(DVec3, f64)>,
+}
+
+impl Neighbourhood {
+    fn look(&mut self, regions: &BodyRegions, center: DVec3, radius: f64) {
+        self.regions.clear();
+        self.planes.clear();
+        for region in 0..regions.first.len() - 1 {
+            let first = self.planes.len();
+            let mut reaches_in = true;
+            for &(normal, offset) in &regions.planes[regions.first[region]..regions.first[region + 1]] {
+                let distance = normal.dot(center) - offset;
+                if distance > radius {
+                    reaches_in = false;
+                    break;
+                }
+                if distance >= -radius {
+                    self.planes.push((normal, offset));
+                }
+            }
+            if reaches_in {
+                self.regions.push((region, self.planes.len()));
+            } else {
+                self.planes.truncate(first);
+            }
+        }
+    }
+
+    /// The region that a point of the ball lies inside of; `None` on a crack.
+    fn region_around(&self, point: DVec3) -> Option<usize> {
+        let mut first = 0;
+        for &(region, end) in &self.regions {
+            if self.planes[first..end].iter().all(|(normal, offset)| normal.dot(point) < *offset) {
+                return Some(region);
+            }
+            first = end;
+        }
+        None
+    }
+}
+
 impl Lookup<'_> {
     /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
         let regions = BodyRegions::new(self.regions, &parent.body_from_grid);
         let grid_from_body = parent.body_from_grid.inverse();
         let mut region = 0;
+        let mut around = Neighbourhood::default();
         for cluster in parent.sample_clusters() {
             let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
             let (center, radius) = (cluster.center.as_dvec3(), f64::from(cluster.radius));
@@ -210,8 +257,10 @@ impl Lookup<'_> {
                 collector.whole.push_cluster(moved, center, cluster.radius);
                 continue;
             }
+            around.look(&regions, center, radius);
             for &sample in samples {
-                region = regions.nearest(sample.as_dvec3(), region);
+                let inside = around.region_around(sample.as_dvec3());
+                region = inside.unwrap_or_else(|| regions.nearest(sample.as_dvec3(), region));
                 let point = grid_from_body.point(sample.as_dvec3());
                 if let Some(piece) = self.piece_at(region, point) {
                     let collector = &mut collectors[piece];
