@@ -3,7 +3,7 @@
 use crate::pillar::HALF;
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Voronoi;
-use frangible::{BodyDesc, BondsDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// With bonds as strong as concrete.
 pub(crate) const BONDED_PILLAR: Shot = Shot {
@@ -42,6 +42,7 @@ fn bonded_pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         position: [0.0, HALF.y, 0.0],
         restitution: 0.1,
         bonds: Some(bonds),
+        look: Some(LookDesc::Concrete),
         ..BodyDesc::new("pillar", shape)
     };
     // It flies for a second and strikes the upper half.
@@ -50,6 +51,7 @@ fn bonded_pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         linear_velocity: [12.0, 4.9, 0.0],
         density: STEEL,
         restitution: 0.1,
+        look: Some(LookDesc::Metal),
         ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() })
     };
     let mut scene = SceneDesc::new("");

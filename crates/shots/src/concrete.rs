@@ -35,10 +35,11 @@ const SPEED: f64 = 10.0;
 fn concrete(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let pattern = Concrete {
         cells: 220,
+        roughness: 1.0,
+        grain: 0.3,
         clustering: 1.2,
         seed: options.seed,
         half_extent: DVec3::new(1.0, 0.4, 0.4),
-        ..Concrete::default()
     };
     let breaking =
         BreakingDesc::once(StrengthDesc::Named(MaterialName::Concrete), PatternDesc::Concrete(pattern));

@@ -29,7 +29,7 @@ const RADIUS: f64 = 0.06;
 const SPEED: f64 = 12.0;
 
 fn pane(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
-    let pattern = Radial { spokes: 17, rings: 6, jitter: 0.8, seed: options.seed };
+    let pattern = Radial { spokes: 26, rings: 9, jitter: 0.8, seed: options.seed };
     let breaking = BreakingDesc::once(StrengthDesc::Named(MaterialName::Glass), PatternDesc::Radial(pattern));
     let resolution = Resolution { voxels: Some([400, 300, 2]), sample_spacing: None };
     let pane = BodyDesc {

@@ -32,10 +32,10 @@ const RADIUS: f64 = 0.11;
 fn timber(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     // Long, sharp splinters: the grain runs along the plank.
     let pattern = Splinters {
-        fibres: 60,
-        pieces: 3,
-        sharpness: 9.0,
-        spread: 0.35,
+        fibres: 44,
+        pieces: 2,
+        sharpness: 14.0,
+        spread: 0.3,
         seed: options.seed,
         half_extent: DVec3::new(1.0, 0.1, 0.06),
         ..Splinters::default()
