@@ -75,6 +75,7 @@ def summarise(
             "max": _percentile(depths, 100),
         },
         "ms_per_frame": {
+            "mean": float(np.mean(step_ms)),
             "median": _percentile(step_ms, 50),
             "p95": _percentile(step_ms, 95),
             "max": _percentile(step_ms, 100),
