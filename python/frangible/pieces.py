@@ -77,7 +77,7 @@ class Pieces:
     contacts: list[Contact]
     #: Of what was broken [m^3]: the mesh as it was closed or sampled.
     volume: float
-    #: Where the pattern's centre lay, and the direction of the blow (3,).
+    #: Where the pattern's centre lay, and the direction from there towards what strikes (3,).
     at: Float64
     normal: Float64
     #: What was done to the mesh before it was cut, in sentences.

@@ -151,7 +151,7 @@ impl Drawn {
         if nearest == point { value } else { value.max(nearest.distance(point)) }
     }
 
-    /// The two least distances to the meshes, the cell of the least, and the distance to `cell` itself.
+    /// The two least distances to the meshes, each with its cell.
     fn nearest(&self, point: DVec3) -> [(f64, usize); 2] {
         let mut least = [(f64::INFINITY, usize::MAX); 2];
         for cell in 0..self.meshes.len() {

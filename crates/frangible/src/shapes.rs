@@ -223,16 +223,16 @@ fn check_spacing(spacing: f64, extent: DVec3, at: &Checker) -> Result<f64, Build
 /// Surface samples, mass and principal axes of a solid on a grid.
 fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
     let voxels = at.field("resolution.voxels");
+    let [x, y, z] = solid.grid().dims.map(|nodes| nodes - 2 * MARGIN);
+    let given = format!("[{x}, {y}, {z}]");
     if !solid.level_set().phi().iter().any(|&phi| phi < 0.0) {
-        return Err(voxels
-            .broken(&format!("{:?}", resolution.voxels), "so many that a node lies inside of the shape"));
+        return Err(voxels.broken(&given, "so many that a node lies inside of the shape"));
     }
     let spacing = resolution.sample_spacing.unwrap_or(SAMPLE_VOXELS * solid.grid().spacing);
     let (low, high) = solid.grid().bounds();
     let spacing = check_spacing(spacing, high - low, at)?;
     let samples = surface_samples(&solid, spacing);
-    Shape::from_grid_solid(solid, samples)
-        .map_err(|error| voxels.broken(&format!("{:?}", resolution.voxels), &format!("finer: {error}")))
+    Shape::from_grid_solid(solid, samples).map_err(|error| voxels.broken(&given, &format!("finer: {error}")))
 }
 
 /// Voxels along each side of the bounding box.

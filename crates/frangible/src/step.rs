@@ -29,11 +29,16 @@ use std::time::Instant;
 /// the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
+    let mut clock = StageClock::new();
+
+    // Bonds give way to what they carry.
     let Freed { fractures: mut freed, felt } = free_overloaded(world, &frame);
+    clock.lap("free_overloaded");
+
+    // Open the books.
     let before = Totals::of(&world.bodies, &frame);
     let opening = Opening::new(&world.bodies, &frame);
     let bank = world.ledger.bank();
-    let mut clock = StageClock::new();
 
     // Bonds give way to blows.
     let (mut broken, bonds_tally) = strike_bonds(world, felt, &frame);

@@ -3,7 +3,7 @@
 use crate::{build_error, convert};
 use frangible::{PatternDesc, fracture};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,13 @@ impl Pattern {
     /// One that a file holds, if the name has an ending, else one by its name.
     pub(crate) fn find(name: &str, cells: Option<usize>, seed: Option<u64>) -> PyResult<Self> {
         if Path::new(name).extension().is_some() {
+            for (field, given) in [("cells", cells.is_some()), ("seed", seed.is_some())] {
+                if given {
+                    let sentence =
+                        format!("{field}: must be left out for the pattern in {name}, which is what it is");
+                    return Err(PyValueError::new_err(sentence));
+                }
+            }
             return fracture::Pattern::load(Path::new(name)).map(Self).map_err(build_error);
         }
         let desc = PatternDesc::named(name, cells, seed).map_err(build_error)?;
