@@ -6,7 +6,7 @@
 use crate::pattern::Region;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings};
 use frangible_geometry::hull::weld_hulls;
-use frangible_geometry::{Clipper, HalfSpace, Hull, Shape};
+use frangible_geometry::{Carver, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
 /// What has less of the parent's volume than this is round-off, not a piece.
@@ -69,20 +69,19 @@ pub fn shatter_hull(
 
 /// The parent and what cuts it, in its grid frame.
 struct Workshop<'a> {
-    parent: &'a Hull,
     /// Middle and half of the edges of the parent's bounding box [m].
     middle: DVec3,
     half: DVec3,
     /// [m^3]
     volume: f64,
-    clipper: Clipper,
+    carver: Carver<'a>,
 }
 
 impl<'a> Workshop<'a> {
     fn new(parent: &'a Hull) -> Self {
         let (low, high) = parent.bounds();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        Self { parent, middle, half, volume: parent.volume(), clipper: Clipper::default() }
+        Self { middle, half, volume: parent.volume(), carver: Carver::new(parent) }
     }
 
     /// The parent's longest side [m].
@@ -111,7 +110,7 @@ impl<'a> Workshop<'a> {
 
     /// The part of the parent inside of all cuts.
     fn piece(&mut self, cuts: Vec<HalfSpace>, cell: u32) -> Option<Piece> {
-        let hull = self.clipper.clipped(self.parent, &cuts)?;
+        let hull = self.carver.part(&cuts)?;
         let volume = hull.volume();
         (volume > NO_VOLUME * self.volume).then_some(Piece { hull, cuts, volume, cell })
     }

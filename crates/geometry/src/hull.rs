@@ -1,5 +1,6 @@
 //! Convex polyhedra in double precision: exact, and cut exactly.
 
+mod carve;
 mod clip;
 mod distance;
 mod loops;
@@ -8,6 +9,7 @@ mod round;
 mod samples;
 mod weld;
 
+pub use carve::Carver;
 pub use clip::Clipper;
 pub use of_points::HullError;
 pub use samples::hull_samples;
@@ -139,8 +141,10 @@ impl Hull {
 
     /// Volume, centre and inertia at unit density, by the divergence theorem.
     pub fn mass_properties(&self) -> MassProperties {
+        // From the middle of the vertices, so that nothing large cancels.
+        let middle = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
         let corners = |triangle: [u32; 3]| triangle.map(|vertex| self.vertices[vertex as usize]);
-        enclosed_mass(self.triangles().map(corners))
+        enclosed_mass(middle, self.triangles().map(corners))
     }
 
     /// [m^3]

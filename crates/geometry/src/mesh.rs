@@ -48,7 +48,8 @@ impl TriMesh {
     /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is negative if the
     /// triangles face inward, and zero volume has its centre at the surface's centroid.
     pub fn mass_properties(&self) -> MassProperties {
-        enclosed_mass((0..self.triangles.len()).map(|triangle| self.corners(triangle)))
+        let triangles = (0..self.triangles.len()).map(|triangle| self.corners(triangle));
+        enclosed_mass(surface_centroid(triangles.clone()), triangles)
     }
 
     /// Sum of the triangles' areas [m^2].
@@ -70,10 +71,9 @@ impl TriMesh {
     }
 }
 
-/// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see [`TriMesh::mass_properties`].
-pub(crate) fn enclosed_mass(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> MassProperties {
-    let origin = surface_centroid(triangles.clone());
-
+/// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see [`TriMesh::mass_properties`]. Rounding is least
+/// from an origin in their middle.
+pub(crate) fn enclosed_mass(origin: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> MassProperties {
     // Sum the signed tetrahedra from the origin to each triangle.
     let mut six_volume = 0.0;
     let mut first_moment = DVec3::ZERO;

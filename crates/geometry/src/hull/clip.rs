@@ -7,10 +7,10 @@ use glam::DVec3;
 
 /// A vertex this close to a cut, relative to the hull's longest side, lies on it: nothing shorter than what rounding moves is
 /// cut off. Should what lies that close leave no polyhedron, the next one is tried.
-const ON_THE_CUT: [f64; 3] = [1e-10, 1e-8, 1e-6];
+pub(super) const ON_THE_CUT: [f64; 3] = [1e-10, 1e-8, 1e-6];
 
 /// Vertices closer than this, relative to the hull's longest side, are one: an edge must have a direction.
-const SAME: f64 = 1e-13;
+pub(super) const SAME: f64 = 1e-13;
 
 /// Nothing, in lists of indices.
 const NONE: u32 = u32::MAX;

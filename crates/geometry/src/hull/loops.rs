@@ -31,6 +31,15 @@ struct Side {
 }
 
 impl Loops {
+    /// Without faces yet.
+    pub(super) fn with_capacity(corners: usize, faces: usize) -> Self {
+        Self {
+            corners: Vec::with_capacity(corners),
+            ends: Vec::with_capacity(faces),
+            inner: Vec::with_capacity(faces),
+        }
+    }
+
     pub(super) fn push(&mut self, inner: bool, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);
@@ -40,6 +49,11 @@ impl Loops {
     /// Adds corners to a loop that is not finished.
     pub(super) fn add(&mut self, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
+    }
+
+    /// Adds a corner to a loop that is not finished.
+    pub(super) fn add_one(&mut self, corner: u32) {
+        self.corners.push(corner);
     }
 
     /// Makes a face of the corners that were added, if they are three at least.
