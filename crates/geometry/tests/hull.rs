@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible_geometry::{
-    ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace, MassProperties, RigidTransform,
-    Shape,
+    Carver, Clipper, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace, MassProperties,
+    RigidTransform, Shape,
 };
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -368,4 +368,36 @@ fn a_hull_on_a_grid_keeps_its_edges() {
         assert!(nearest < 1e-6, "{nearest}");
     }
     assert!(matches!(shape.geometry, Geometry::Grid(_)) && shape.hull.is_none());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Parts carved out of a hull are those that a clipper leaves, whether cuts pass by vertices or through them.
+    #[test]
+    fn carved_parts_are_the_clipped_ones(
+        points in points(), cuts in prop::collection::vec((vector(1.0), -0.2..0.8f64), 1..12), through in 0..3_usize,
+    ) {
+        let Ok(hull) = Hull::of_points(&points) else { return Ok(()) };
+        let cut = |(at, (direction, offset)): (usize, (DVec3, f64))| {
+            let normal = direction.try_normalize().unwrap_or(DVec3::X);
+            // Some go through a vertex.
+            let vertex = hull.vertices()[at % hull.vertices().len()];
+            HalfSpace { normal, offset: if at < through { normal.dot(vertex) } else { offset } }
+        };
+        let cuts: Vec<HalfSpace> = cuts.into_iter().enumerate().map(cut).collect();
+        let mut carver = Carver::new(&hull);
+        // What was carved before does not matter.
+        carver.part(&cuts[..1]);
+        let (carved, clipped) = (carver.part(&cuts), Clipper::default().clipped(&hull, &cuts));
+        prop_assert_eq!(carved.is_some(), clipped.is_some());
+        if let (Some(carved), Some(clipped)) = (carved, clipped) {
+            check(&carved, 1e-9);
+            prop_assert!((carved.volume() - clipped.volume()).abs() < 1e-12);
+            prop_assert_eq!(carved.planes(), clipped.planes());
+            prop_assert_eq!(carved.vertices().len(), clipped.vertices().len());
+            let inner = |hull: &Hull| hull.faces().map(|face| face.inner).collect::<Vec<_>>();
+            prop_assert_eq!(inner(&carved), inner(&clipped));
+        }
+    }
 }
