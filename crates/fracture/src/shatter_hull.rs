@@ -20,6 +20,10 @@ const SAME_VOLUME: f64 = 1e-12;
 /// them by some 1e-15.
 const SAME_VERTEX: f64 = 1e-12;
 
+/// Pieces of which so much of the parent's volume is missing, or is there twice, are none: a rod a thousand times as long as thick
+/// cannot be cut lengthwise again and again in the precision that its length leaves.
+const NOT_FILLED: f64 = 1e-10;
+
 /// A part of the parent, on its way to a fragment.
 struct Piece {
     hull: Hull,
@@ -29,6 +33,8 @@ struct Piece {
     volume: f64,
     /// Where it, or its larger part, comes from.
     cell: u32,
+    /// Whether it is a sliver that fits to no neighbour.
+    alone: bool,
 }
 
 /// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid onto the point of impact. The
@@ -37,7 +43,7 @@ struct Piece {
 ///
 /// A piece with less than the smallest part of the parent's volume joins a neighbour if the two without their crack are convex;
 /// if they are with none, it stays as it is: it is exact however small. Empty if the body has no polyhedron or the pattern is not
-/// planar.
+/// planar, and if it is too thin for its length to be cut exactly.
 pub fn shatter_hull(
     parent: &Shape,
     pattern: &Pattern,
@@ -64,7 +70,12 @@ pub fn shatter_hull(
         let shape = Shape::convex(hull, parent.sample_spacing()).ok()?;
         Some(Fragment::new(parent, shape, cell))
     };
-    hulls.into_iter().zip(cells).filter_map(fragment).collect()
+    let fragments: Option<Vec<Fragment>> = hulls.into_iter().zip(cells).map(fragment).collect();
+
+    // Nothing is lost, and nothing is there twice.
+    let fragments = fragments.unwrap_or_default();
+    let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
+    if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume { fragments } else { Vec::new() }
 }
 
 /// The parent and what cuts it, in its grid frame.
@@ -112,16 +123,15 @@ impl<'a> Workshop<'a> {
     fn piece(&mut self, cuts: Vec<HalfSpace>, cell: u32) -> Option<Piece> {
         let hull = self.carver.part(&cuts)?;
         let volume = hull.volume();
-        (volume > NO_VOLUME * self.volume).then_some(Piece { hull, cuts, volume, cell })
+        (volume > NO_VOLUME * self.volume).then_some(Piece { hull, cuts, volume, cell, alone: false })
     }
 
     /// Joins each piece of less than `smallest` of the parent's volume with a neighbour if the two are convex together, the
     /// lightest first, until each has grown up or stands alone.
     fn merge_slivers(&mut self, pieces: &mut Vec<Piece>, smallest: f64) {
         let least = smallest * self.volume;
-        let mut alone: Vec<f64> = Vec::new();
         loop {
-            let is_open = |piece: &Piece| piece.volume < least && !alone.contains(&piece.volume);
+            let is_open = |piece: &Piece| piece.volume < least && !piece.alone;
             let lightest = (0..pieces.len())
                 .filter(|&piece| is_open(&pieces[piece]))
                 .min_by(|&a, &b| pieces[a].volume.total_cmp(&pieces[b].volume).then(a.cmp(&b)));
@@ -131,7 +141,7 @@ impl<'a> Workshop<'a> {
                     pieces[host] = joined;
                     pieces.remove(sliver);
                 }
-                None => alone.push(pieces[sliver].volume),
+                None => pieces[sliver].alone = true,
             }
         }
     }

@@ -5,7 +5,8 @@
 mod common;
 
 use frangible_fracture::{
-    Cells, Cut, Fragment, Impact, Pattern, Region, ShatterSettings, fragment_velocity, shatter,
+    Cells, Cut, Fragment, Impact, Pattern, Radial, Region, ShatterSettings, fragment_velocity, shatter,
+    shatter_hull,
 };
 use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape, Surface};
 use glam::{DMat3, DVec3};
@@ -222,6 +223,36 @@ fn a_sliver_that_fits_to_nothing_stays() {
 }
 
 /// Three generations of a body with a scene's settings.
+/// Of a rod a thousand times as long as thick, cut lengthwise again and again, pieces add up to their parent or there are none.
+#[test]
+fn what_is_too_thin_to_be_cut_stays_whole() {
+    let rod = Shape::convex(Hull::cuboid(DVec3::new(0.005, 5.0, 0.005)), 0.8).unwrap();
+    let corner = DVec3::new(-0.005, 5.0, -0.005);
+    let (mut broken, mut whole) = (0, 0);
+    for seed in 0..40 {
+        let pattern = Pattern::radial(&Radial { spokes: 12, rings: 1, seed, ..Radial::default() }).unwrap();
+        let mut generation = vec![(rod.clone(), corner)];
+        for _ in 0..3 {
+            let mut next = Vec::new();
+            for (parent, point_body) in generation {
+                let impact = Impact { point_body, normal_body: point_body.normalize() };
+                let pieces = shatter_hull(&parent, &pattern, &impact, &ShatterSettings::default());
+                let volume: f64 = pieces.iter().map(|piece| piece.shape.volume).sum();
+                let complete = (volume / parent.volume - 1.0).abs() < 1e-9;
+                assert!(pieces.is_empty() || complete, "seed {seed}: {volume} of {} m^3", parent.volume);
+                *(if pieces.is_empty() { &mut whole } else { &mut broken }) += 1;
+                let chosen = pieces.into_iter().step_by(5);
+                next.extend(chosen.map(|piece| {
+                    let top = DVec3::new(0.0, piece.shape.bounds.1.y, 0.0);
+                    (piece.shape, top)
+                }));
+            }
+            generation = next;
+        }
+    }
+    assert!(broken > 100 && whole > 0, "{broken} broke, {whole} did not");
+}
+
 #[test]
 fn fragments_break_again() {
     let mut random = common::random(21);
