@@ -276,5 +276,5 @@ fn parameters_out_of_range_are_named() {
     let concrete = Concrete { grain: 0.0, ..Concrete::default() };
     assert_eq!(named(Pattern::concrete(&concrete)), "grain: 0, must be from 0.05 to 2");
     let voronoi = Voronoi { cells: 0, ..Voronoi::default() };
-    assert_eq!(named(Pattern::voronoi(&voronoi)), "cells: 0, must be from 1 to 100000");
+    assert_eq!(named(Pattern::voronoi(&voronoi)), "cells: 0, must be from 1 to 10000");
 }
