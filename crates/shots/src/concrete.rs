@@ -23,8 +23,11 @@ const PILLAR: [f64; 3] = [0.5, 3.0, 0.5];
 /// Where it is sampled: cubes of 2 cm, finer than the bumps of the cracks.
 const VOXELS: [usize; 3] = [25, 150, 25];
 
-/// Concrete, and steel [kg/m^3].
-const DENSITIES: [f64; 2] = [2400.0, 7800.0];
+/// Of concrete [kg/m^3].
+const CONCRETE_DENSITY: f64 = 2400.0;
+
+/// Of the ball, of steel [kg/m^3].
+const STEEL: f64 = 7800.0;
 
 /// Of the ball [m].
 const RADIUS: f64 = 0.3;
@@ -46,7 +49,7 @@ fn concrete(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some(VOXELS), sample_spacing: None };
     let pillar = BodyDesc {
         position: [0.0, 0.5 * PILLAR[1], 0.0],
-        density: DENSITIES[0],
+        density: CONCRETE_DENSITY,
         restitution: 0.1,
         breaking: Some(breaking),
         look: Some(LookDesc::Concrete),
@@ -56,7 +59,7 @@ fn concrete(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let ball = BodyDesc {
         position: [2.0, 1.7, 0.05],
         linear_velocity: [-SPEED, 0.0, 0.0],
-        density: DENSITIES[1],
+        density: STEEL,
         look: Some(LookDesc::Metal),
         ..BodyDesc::new("ball", ball)
     };

@@ -20,8 +20,11 @@ pub(crate) const MASONRY: Shot = Shot {
 /// Width, height and thickness [m].
 const WALL: [f64; 3] = [3.2, 2.2, 0.24];
 
-/// Fired clay, and steel [kg/m^3].
-const DENSITIES: [f64; 2] = [1800.0, 7800.0];
+/// Of fired clay [kg/m^3].
+const CLAY: f64 = 1800.0;
+
+/// Of the ball, of steel [kg/m^3].
+const STEEL: f64 = 7800.0;
 
 /// Of the ball [m].
 const RADIUS: f64 = 0.2;
@@ -42,7 +45,7 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some([160, 110, 12]), sample_spacing: None };
     let wall = BodyDesc {
         position: [0.0, 0.5 * WALL[1], 0.0],
-        density: DENSITIES[0],
+        density: CLAY,
         friction: 0.7,
         restitution: 0.05,
         breaking: Some(breaking),
@@ -53,7 +56,7 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let ball = BodyDesc {
         position: [0.2, 1.25, 2.0],
         linear_velocity: [0.0, 0.8, -SPEED],
-        density: DENSITIES[1],
+        density: STEEL,
         look: Some(LookDesc::Metal),
         ..BodyDesc::new("ball", ball)
     };

@@ -19,8 +19,11 @@ pub(crate) const PANE: Shot = Shot {
 /// Width, height and thickness [m].
 const PANE_SIZE: [f64; 3] = [1.6, 1.2, 0.008];
 
-/// Soda-lime glass, and steel [kg/m^3].
-const DENSITIES: [f64; 2] = [2500.0, 7800.0];
+/// Of soda-lime glass [kg/m^3].
+const GLASS: f64 = 2500.0;
+
+/// Of the ball, of steel [kg/m^3].
+const STEEL: f64 = 7800.0;
 
 /// Of the ball [m].
 const RADIUS: f64 = 0.06;
@@ -34,7 +37,7 @@ fn pane(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some([400, 300, 2]), sample_spacing: None };
     let pane = BodyDesc {
         position: [0.0, 0.5 * PANE_SIZE[1], 0.0],
-        density: DENSITIES[0],
+        density: GLASS,
         friction: 0.4,
         restitution: 0.2,
         breaking: Some(breaking),
@@ -45,7 +48,7 @@ fn pane(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let ball = BodyDesc {
         position: [0.15, 0.75, 1.0],
         linear_velocity: [0.0, 0.5, -SPEED],
-        density: DENSITIES[1],
+        density: STEEL,
         look: Some(LookDesc::Metal),
         ..BodyDesc::new("ball", ball)
     };

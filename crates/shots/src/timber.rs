@@ -23,8 +23,11 @@ const PLANK: [f64; 3] = [2.4, 0.05, 0.24];
 /// Height of the trestles, and how far they stand from the middle [m].
 const TRESTLE: [f64; 2] = [0.7, 0.95];
 
-/// Spruce, and steel [kg/m^3].
-const DENSITIES: [f64; 2] = [450.0, 7800.0];
+/// Of spruce [kg/m^3].
+const SPRUCE: f64 = 450.0;
+
+/// Of the ball, of steel [kg/m^3].
+const STEEL: f64 = 7800.0;
 
 /// Of the ball [m].
 const RADIUS: f64 = 0.11;
@@ -45,7 +48,7 @@ fn timber(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some([240, 5, 24]), sample_spacing: None };
     let plank = BodyDesc {
         position: [0.0, TRESTLE[0] + 0.5 * PLANK[1], 0.0],
-        density: DENSITIES[0],
+        density: SPRUCE,
         restitution: 0.1,
         breaking: Some(breaking),
         look: Some(LookDesc::Wood),
@@ -64,7 +67,7 @@ fn timber(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let ball = BodyDesc {
         position: [0.05, TRESTLE[0] + 1.2, 0.02],
         linear_velocity: [0.0, -7.0, 0.0],
-        density: DENSITIES[1],
+        density: STEEL,
         look: Some(LookDesc::Metal),
         ..BodyDesc::new("ball", ball)
     };
