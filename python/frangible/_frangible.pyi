@@ -251,5 +251,8 @@ class World:
         `KeyError` if no living body has the id.
         """
 
+    def penetrations(self) -> npt.NDArray[np.float64]:
+        """(k,) how deep each overlapping pair of bodies is now [m]; found without the interpreter lock."""
+
     def state_hash(self) -> str:
         """Hexadecimal digest of the whole state: equal states have equal hashes."""

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _frangible
 from .breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
@@ -222,9 +223,11 @@ def _run(options: argparse.Namespace) -> None:
     start_energy = world.energy
     recorder = Recorder(world) if outputs else None
     reports: list[StepReport] = []
+    depths: list[npt.NDArray[np.float64]] = []
 
     def keep(report: StepReport) -> None:
         reports.append(report)
+        depths.append(world.penetrations())
         if recorder is not None:
             recorder.capture(report)
 
@@ -243,6 +246,7 @@ def _run(options: argparse.Namespace) -> None:
         bodies=(start_bodies, len(world.ids)),
         mass=(start_mass, _mass(world)),
         energy=start_energy,
+        depths=depths,
         step_ms=step_ms,
     )
     print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))

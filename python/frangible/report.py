@@ -130,7 +130,5 @@ class StepReport(TypedDict):
     fractures: list[Fracture]
     #: Bodies whose numbers went bad and that were taken out of the world.
     quarantined: list[int]
-    #: For each overlapping pair, how deep [m].
-    penetrations: list[float]
     #: Wall-clock time of each stage [ms], in order.
     stages: list[tuple[str, float]]

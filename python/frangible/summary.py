@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from .report import StepReport
 
@@ -25,10 +26,11 @@ def summarise(
     bodies: tuple[int, int],
     mass: tuple[float, float],
     energy: tuple[float, float],
+    depths: Sequence[npt.NDArray[np.float64]],
     step_ms: Sequence[float],
 ) -> Summary:
     """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state, ``energy`` [J] the kinetic and the
-    potential one of the first.
+    potential one of the first; ``depths`` [m] are those of the overlapping pairs after each frame.
 
     Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, with what is in
     the ledger's bank counted as energy, ``scale`` the largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
@@ -37,7 +39,7 @@ def summarise(
     gains = [report["energy"]["gain"] for report in reports]
     kinetics = [energy[0], *(report["energy"]["kinetic"] for report in reports)]
     potentials = [energy[1], *(report["energy"]["potential"] for report in reports)]
-    depths = np.concatenate([np.asarray(report["penetrations"], np.float64) for report in reports])
+    penetrations = np.concatenate(depths)
     stages: dict[str, float] = {}
     for report in reports:
         for stage, milliseconds in report["stages"]:
@@ -70,9 +72,9 @@ def summarise(
             "angular_error": max(report["momentum"]["angular_error"] for report in reports),
         },
         "penetration_m": {
-            "p50": _percentile(depths, 50),
-            "p99": _percentile(depths, 99),
-            "max": _percentile(depths, 100),
+            "p50": _percentile(penetrations, 50),
+            "p99": _percentile(penetrations, 99),
+            "max": _percentile(penetrations, 100),
         },
         "ms_per_frame": {
             "mean": float(np.mean(step_ms)),

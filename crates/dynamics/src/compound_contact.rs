@@ -27,7 +27,7 @@ pub(crate) fn compound_points(bodies: &Bodies, pair: Pair, frame: &Frame) -> Opt
     }
 
     let mut points = Vec::new();
-    for parts in near_parts(bodies, pair, compounds, frame) {
+    for parts in near_parts(bodies, pair, compounds, reach(bodies, pair, frame)) {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => Solid::of(shapes[side]),
@@ -53,14 +53,13 @@ pub(crate) fn compound_points(bodies: &Bodies, pair: Pair, frame: &Frame) -> Opt
     Some(few(bodies, pair, points, size))
 }
 
-/// The pairs of parts, of those that are compounds, that may meet within the frame.
-fn near_parts(
+/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each other.
+pub(crate) fn near_parts(
     bodies: &Bodies,
     pair: Pair,
     compounds: [Option<&Compound>; 2],
-    frame: &Frame,
+    reach: f64,
 ) -> Vec<[Option<usize>; 2]> {
-    let reach = reach(bodies, pair, frame);
     let frames = [pair.first, pair.second].map(|i| bodies.poses[i].world_from_body());
     let second_from_first = frames[1].inverse().after(&frames[0]);
     let near = |compound: &Compound, of: Bounds| {

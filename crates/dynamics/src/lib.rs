@@ -30,6 +30,7 @@ pub mod manifold;
 pub mod pair;
 pub mod pair_rotation;
 pub mod payment;
+pub mod penetration;
 mod plane_contact;
 pub mod push_out;
 pub mod rigid_part;

@@ -52,7 +52,7 @@ pub struct Manifold {
 const MOST_POINTS: usize = 8;
 
 /// Pairs of edges of two hulls, above which samples are found faster than separating axes.
-const MOST_EDGE_PAIRS: usize = 1 << 16;
+pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
@@ -106,7 +106,7 @@ impl<'a> Solid<'a> {
     }
 
     /// Signed distance [m] and its unit gradient at a point in the body frame [m].
-    fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
+    pub(crate) fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
         match self {
             Self::Ball(radius) => {
                 (point_body.length() - radius, point_body.try_normalize().unwrap_or(DVec3::Y))

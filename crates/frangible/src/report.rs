@@ -26,8 +26,6 @@ pub struct StepReport {
     pub fractures: Vec<Fracture>,
     /// Bodies whose numbers went bad and that were taken out of the world.
     pub quarantined: Vec<u64>,
-    /// For each overlapping pair, how deep [m].
-    pub penetrations: Vec<f32>,
     /// Wall-clock time of each stage [ms], in order.
     pub stages: Vec<(&'static str, f64)>,
 }

@@ -13,15 +13,14 @@ use frangible_dynamics::collisions::{Collisions, Response, predict};
 use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_forces::contact_forces;
 use frangible_dynamics::contact_graph::contact_graph;
-use frangible_dynamics::detection::deepest;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::{Ballistic, Opening};
 use frangible_dynamics::manifold::find_manifolds;
-use frangible_dynamics::pair::{Pair, placed};
+use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
 use frangible_dynamics::substeps::{Solved, solve};
-use frangible_dynamics::{Bodies, Frame, Pose, Tally};
+use frangible_dynamics::{Frame, Pose, Tally};
 use glam::DVec3;
 use std::time::Instant;
 
@@ -70,7 +69,6 @@ pub fn step(world: &mut World) -> StepReport {
     } else {
         world.books.close(&after, &after, Default::default(), 0.0, &Tally::default())
     };
-    let penetrations = measure_penetrations(&world.bodies);
     world.frame += 1;
     clock.lap("report");
     StepReport {
@@ -92,7 +90,6 @@ pub fn step(world: &mut World) -> StepReport {
             freed
         },
         quarantined,
-        penetrations,
         stages: clock.laps,
     }
 }
@@ -244,15 +241,6 @@ fn break_and_book(
 /// How far bodies sag in one frame [m]: bounds that come this close may belong to resting contacts.
 fn reach(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
-}
-
-/// For each pair that overlaps at the end of the frame, how deep [m].
-fn measure_penetrations(bodies: &Bodies) -> Vec<f32> {
-    let depth = |&pair: &_| {
-        let (first, second) = placed(bodies, pair, &bodies.poses);
-        deepest(first, second).map(|phi| -phi)
-    };
-    find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
 /// Wall-clock time of each stage; a stage that runs several times has one sum.

@@ -7,6 +7,7 @@ use crate::desc::{LookDesc, Method};
 use crate::report::id_number;
 use crate::strength::Strength;
 use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::penetration::find_penetrations;
 use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
 use frangible_fracture::{Pattern, ShatterSettings};
@@ -137,6 +138,12 @@ impl World {
     pub fn energy(&self) -> (f64, f64) {
         let totals = Totals::of(&self.bodies, &self.frame_constants());
         (totals.kinetic, totals.potential)
+    }
+
+    /// For each pair of bodies that overlaps now, how deep [m]: the shortest way that parts balls, half-spaces and convex polyhedra; of
+    /// compounds, the deepest of their parts; of level sets, the deepest sample. Found when asked for.
+    pub fn penetrations(&self) -> Vec<f64> {
+        find_penetrations(&self.bodies).into_iter().map(|(_, depth)| depth).collect()
     }
 
     /// Adds a body behind all others.

@@ -157,6 +157,12 @@ impl World {
         ))
     }
 
+    /// How deep each overlapping pair is.
+    fn penetrations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let world = &self.world;
+        PyArray1::from_vec(py, py.detach(|| world.penetrations()))
+    }
+
     /// Hexadecimal digest of the whole state.
     fn state_hash(&self) -> String {
         format!("{:016x}", self.world.state_hash())
