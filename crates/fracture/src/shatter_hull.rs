@@ -6,8 +6,9 @@
 use crate::pattern::Region;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings};
 use frangible_geometry::hull::weld_hulls;
-use frangible_geometry::{Carver, HalfSpace, Hull, Shape};
+use frangible_geometry::{Carver, HalfSpace, Hull, MassProperties, Shape};
 use glam::DVec3;
+use std::ops::Range;
 
 /// What has less of the parent's volume than this is round-off, not a piece.
 const NO_VOLUME: f64 = 1e-13;
@@ -24,13 +25,16 @@ const SAME_VERTEX: f64 = 1e-12;
 /// cannot be cut lengthwise again and again in the precision that its length leaves.
 const NOT_FILLED: f64 = 1e-10;
 
+/// Two pieces are not convex together if a vertex of one lies this far, relative to the parent's longest side, beyond a plane of the
+/// other. Volumes tell of those that lie nearer.
+const BEYOND: f64 = 1e-6;
+
 /// A part of the parent, on its way to a fragment.
 struct Piece {
     hull: Hull,
-    /// What cut it out of the parent.
-    cuts: Vec<HalfSpace>,
-    /// [m^3]
-    volume: f64,
+    /// What cut it out of the parent: where in the workshop's list of cuts.
+    cuts: Range<usize>,
+    mass: MassProperties,
     /// Where it, or its larger part, comes from.
     cell: u32,
     /// Whether it is a sliver that fits to no neighbour.
@@ -54,23 +58,25 @@ pub fn shatter_hull(
     let placement = Placement::new(pattern, impact, parent);
 
     // Cut each cell's part out.
-    let mut workshop = Workshop::new(hull);
+    let mut workshop = Workshop::new(hull, parent.volume);
     let mut pieces: Vec<Piece> = regions
         .iter()
         .zip(0..)
         .filter_map(|(region, cell)| workshop.cell(&placement, region, cell))
         .collect();
     workshop.merge_slivers(&mut pieces, settings.smallest_fragment_part);
-    let (mut hulls, cells): (Vec<Hull>, Vec<u32>) =
-        pieces.into_iter().map(|piece| (piece.hull, piece.cell)).unzip();
+
+    // Neighbours share their vertices.
+    let masses: Vec<(MassProperties, u32)> = pieces.iter().map(|piece| (piece.mass, piece.cell)).collect();
+    let mut hulls: Vec<Hull> = pieces.into_iter().map(|piece| piece.hull).collect();
     weld_hulls(&mut hulls, SAME_VERTEX * workshop.size());
 
-    // Mass properties and principal frame.
-    let fragment = |(hull, cell): (Hull, u32)| {
-        let shape = Shape::convex(hull, parent.sample_spacing()).ok()?;
+    // Principal frame and body of each piece.
+    let fragment = |(hull, (mass, cell)): (Hull, (MassProperties, u32))| {
+        let shape = Shape::convex_with_mass(hull, &mass, parent.sample_spacing()).ok()?;
         Some(Fragment::new(parent, shape, cell))
     };
-    let fragments: Option<Vec<Fragment>> = hulls.into_iter().zip(cells).map(fragment).collect();
+    let fragments: Option<Vec<Fragment>> = hulls.into_iter().zip(masses).map(fragment).collect();
 
     // Nothing is lost, and nothing is there twice.
     let fragments = fragments.unwrap_or_default();
@@ -80,19 +86,27 @@ pub fn shatter_hull(
 
 /// The parent and what cuts it, in its grid frame.
 struct Workshop<'a> {
-    /// Middle and half of the edges of the parent's bounding box [m].
+    /// Middle and half of the edges of the parent's bounding box, and the radius of the ball around its middle that holds the parent [m].
     middle: DVec3,
     half: DVec3,
+    radius: f64,
     /// [m^3]
     volume: f64,
     carver: Carver<'a>,
+    /// Of all pieces.
+    cuts: Vec<HalfSpace>,
+    /// A region's planes that reach the parent, with the heights of its middle over them [m].
+    reaching: Vec<(f64, HalfSpace)>,
 }
 
 impl<'a> Workshop<'a> {
-    fn new(parent: &'a Hull) -> Self {
+    fn new(parent: &'a Hull, volume: f64) -> Self {
         let (low, high) = parent.bounds();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        Self { middle, half, volume: parent.volume(), carver: Carver::new(parent) }
+        let square = |vertex: &DVec3| vertex.distance_squared(middle);
+        let radius = parent.vertices().iter().map(square).fold(0.0, f64::max).sqrt();
+        let carver = Carver::new(parent);
+        Self { middle, half, radius, volume, carver, cuts: Vec::new(), reaching: Vec::new() }
     }
 
     /// The parent's longest side [m].
@@ -102,39 +116,46 @@ impl<'a> Workshop<'a> {
 
     /// The part of the parent in a region of the pattern.
     fn cell(&mut self, placement: &Placement, region: &Region, cell: u32) -> Option<Piece> {
-        // Only planes that reach the parent's box cut it; the deepest first, because the later ones then have less to do.
-        let mut cuts: Vec<(f64, HalfSpace)> = Vec::with_capacity(region.cuts.len());
+        // Only planes that reach the parent cut it; the deepest first, because the later ones then have less to do.
+        self.reaching.clear();
         for cut in &region.cuts {
             let plane = placement.half_space(&cut.half_space);
             let height = plane.distance(self.middle);
-            let reach = self.half.dot(plane.normal.abs());
+            let reach = self.half.dot(plane.normal.abs()).min(self.radius);
             if height > reach {
                 return None;
             }
             if height > -reach {
-                cuts.push((height, plane));
+                self.reaching.push((height, plane));
             }
         }
-        cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        self.piece(cuts.into_iter().map(|(_, cut)| cut).collect(), cell)
+        self.reaching.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let first = self.cuts.len();
+        self.cuts.extend(self.reaching.iter().map(|&(_, plane)| plane));
+        self.piece(first, cell)
     }
 
-    /// The part of the parent inside of all cuts.
-    fn piece(&mut self, cuts: Vec<HalfSpace>, cell: u32) -> Option<Piece> {
-        let hull = self.carver.part(&cuts)?;
-        let volume = hull.volume();
-        (volume > NO_VOLUME * self.volume).then_some(Piece { hull, cuts, volume, cell, alone: false })
+    /// The part of the parent inside of the last cuts, from `first` on.
+    fn piece(&mut self, first: usize, cell: u32) -> Option<Piece> {
+        let hull = self.carver.part(&self.cuts[first..]);
+        let piece = hull.map(|hull| (hull.mass_properties(), hull));
+        let Some((mass, hull)) = piece.filter(|(mass, _)| mass.volume > NO_VOLUME * self.volume) else {
+            self.cuts.truncate(first);
+            return None;
+        };
+        Some(Piece { hull, cuts: first..self.cuts.len(), mass, cell, alone: false })
     }
 
     /// Joins each piece of less than `smallest` of the parent's volume with a neighbour if the two are convex together, the
     /// lightest first, until each has grown up or stands alone.
     fn merge_slivers(&mut self, pieces: &mut Vec<Piece>, smallest: f64) {
         let least = smallest * self.volume;
+        let volume = |piece: &Piece| piece.mass.volume;
         loop {
-            let is_open = |piece: &Piece| piece.volume < least && !piece.alone;
+            let is_open = |piece: &Piece| volume(piece) < least && !piece.alone;
             let lightest = (0..pieces.len())
                 .filter(|&piece| is_open(&pieces[piece]))
-                .min_by(|&a, &b| pieces[a].volume.total_cmp(&pieces[b].volume).then(a.cmp(&b)));
+                .min_by(|&a, &b| volume(&pieces[a]).total_cmp(&volume(&pieces[b])).then(a.cmp(&b)));
             let Some(sliver) = lightest else { return };
             match self.join(pieces, sliver) {
                 Some((host, joined)) => {
@@ -148,7 +169,7 @@ impl<'a> Workshop<'a> {
 
     /// A neighbour of a sliver, and the two without the crack between them: behind the largest face of those where that is convex.
     fn join(&mut self, pieces: &[Piece], sliver: usize) -> Option<(usize, Piece)> {
-        let Piece { hull, cuts, volume, .. } = &pieces[sliver];
+        let Piece { hull, cuts, mass, .. } = &pieces[sliver];
         let mut faces: Vec<(f64, HalfSpace)> = hull
             .faces()
             .filter(|face| face.inner)
@@ -157,15 +178,27 @@ impl<'a> Workshop<'a> {
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, crack) in faces {
             for (number, other) in pieces.iter().enumerate() {
-                if number == sliver || !other.cuts.iter().any(|cut| self.same(&turned(cut), &crack)) {
+                let others = &self.cuts[other.cuts.clone()];
+                if number == sliver || !others.iter().any(|cut| self.same(&turned(cut), &crack)) {
                     continue;
                 }
-                let own = cuts.iter().filter(|&cut| !self.same(cut, &crack));
-                let others = other.cuts.iter().filter(|&cut| !self.same(&turned(cut), &crack));
-                let all = own.chain(others).copied().collect();
-                let (sum, tolerance) = (volume + other.volume, SAME_VOLUME * self.volume);
-                let joined = self.piece(all, other.cell);
-                if let Some(joined) = joined.filter(|joined| (joined.volume - sum).abs() <= tolerance) {
+                // All planes but the crack bound the two, if each piece lies inside of the other's.
+                let own = self.cuts[cuts.clone()].iter().filter(|&cut| !self.same(cut, &crack));
+                let others = others.iter().filter(|&cut| !self.same(&turned(cut), &crack));
+                let beyond = |cut: &HalfSpace, hull: &Hull| {
+                    hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
+                };
+                if own.clone().any(|cut| beyond(cut, &other.hull))
+                    || others.clone().any(|cut| beyond(cut, hull))
+                {
+                    continue;
+                }
+                let all: Vec<HalfSpace> = own.chain(others).copied().collect();
+                let first = self.cuts.len();
+                self.cuts.extend(all);
+                let (sum, tolerance) = (mass.volume + other.mass.volume, SAME_VOLUME * self.volume);
+                let joined = self.piece(first, other.cell);
+                if let Some(joined) = joined.filter(|joined| (joined.mass.volume - sum).abs() <= tolerance) {
                     return Some((number, joined));
                 }
             }

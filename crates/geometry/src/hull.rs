@@ -4,6 +4,7 @@ mod carve;
 mod clip;
 mod distance;
 mod loops;
+mod net;
 mod of_points;
 mod round;
 mod samples;
@@ -15,10 +16,11 @@ pub use of_points::HullError;
 pub use samples::hull_samples;
 pub use weld::weld_hulls;
 
-use crate::mesh::enclosed_mass;
+use crate::mesh::Tetrahedra;
 use crate::{HalfSpace, MassProperties, RigidTransform, Surface, TriMesh};
 use glam::DVec3;
 use loops::Loops;
+use net::Net;
 use std::sync::Arc;
 
 /// A convex polyhedron: vertices, the polygons between them and the edges between those.
@@ -28,17 +30,6 @@ pub struct Hull {
     /// Of the faces.
     planes: Vec<HalfSpace>,
     net: Arc<Net>,
-}
-
-/// How a hull's faces hang together: the same wherever the hull is moved.
-#[derive(Debug, PartialEq)]
-struct Net {
-    /// Loops of all faces, and which of them a crack made.
-    loops: Loops,
-    /// Edge from each corner of the loops to the next.
-    edges_along: Vec<u32>,
-    /// Each once.
-    edges: Vec<HullEdge>,
 }
 
 /// A polygon of a hull.
@@ -79,8 +70,7 @@ impl Hull {
             face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]);
             face(-DVec3::AXES[axis], [0, v, u + v, u]);
         }
-        let (edges_along, edges) = loops.connected().unwrap_or_default();
-        Self { vertices, planes, net: Arc::new(Net { loops, edges_along, edges }) }
+        Self { vertices, planes, net: Arc::new(Net::of(&loops).unwrap_or_default()) }
     }
 
     /// [m]
@@ -95,12 +85,11 @@ impl Hull {
 
     /// One of them.
     pub fn face(&self, face: usize) -> HullFace<'_> {
-        let range = self.net.loops.range(face);
         HullFace {
             plane: self.planes[face],
-            vertices: self.net.loops.of(face),
-            edges: &self.net.edges_along[range],
-            inner: self.net.loops.is_inner(face),
+            vertices: self.net.corners(face),
+            edges: self.net.edges_along(face),
+            inner: self.net.is_inner(face),
         }
     }
 
@@ -111,12 +100,12 @@ impl Hull {
 
     /// Each once.
     pub fn edges(&self) -> &[HullEdge] {
-        &self.net.edges
+        self.net.edges()
     }
 
     /// The two ends of an edge [m].
     pub fn edge_ends(&self, edge: usize) -> [DVec3; 2] {
-        self.net.edges[edge].vertices.map(|vertex| self.vertices[vertex as usize])
+        self.net.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
     }
 
     /// Lowest and highest corner of the bounding box [m].
@@ -128,12 +117,13 @@ impl Hull {
 
     /// The same polyhedron in another frame.
     pub fn transformed(&self, to_from_hull: &RigidTransform) -> Self {
+        let (rotation, translation) = (to_from_hull.matrix(), to_from_hull.translation);
         let plane = |plane: &HalfSpace| {
-            let normal = to_from_hull.direction(plane.normal);
-            HalfSpace { normal, offset: plane.offset + normal.dot(to_from_hull.translation) }
+            let normal = rotation * plane.normal;
+            HalfSpace { normal, offset: plane.offset + normal.dot(translation) }
         };
         Self {
-            vertices: self.vertices.iter().map(|&vertex| to_from_hull.point(vertex)).collect(),
+            vertices: self.vertices.iter().map(|&vertex| rotation * vertex + translation).collect(),
             planes: self.planes.iter().map(plane).collect(),
             net: self.net.clone(),
         }
@@ -143,8 +133,18 @@ impl Hull {
     pub fn mass_properties(&self) -> MassProperties {
         // From the middle of the vertices, so that nothing large cancels.
         let middle = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
-        let corners = |triangle: [u32; 3]| triangle.map(|vertex| self.vertices[vertex as usize]);
-        enclosed_mass(middle, self.triangles().map(corners))
+        let mut sums = Tetrahedra::default();
+        for face in 0..self.planes.len() {
+            let corners = self.net.corners(face);
+            let lever = |at: usize| self.vertices[corners[at] as usize] - middle;
+            let (apex, mut last) = (lever(0), lever(1));
+            for at in 2..corners.len() {
+                let next = lever(at);
+                sums.add([apex, last, next]);
+                last = next;
+            }
+        }
+        sums.mass_properties(middle)
     }
 
     /// [m^3]
@@ -166,13 +166,13 @@ impl Hull {
     /// The closed surface with its cracks' faces tagged.
     pub fn tagged_surface(&self) -> Surface {
         let mut surface = Surface::default();
-        self.add_surface(&mut surface, |face| self.net.loops.is_inner(face));
+        self.add_surface(&mut surface, |face| self.net.is_inner(face));
         surface
     }
 
     /// Adds the closed surface to another one, with a tag for each face.
     pub(crate) fn add_surface(&self, to: &mut Surface, is_inner: impl Fn(usize) -> bool) {
-        let count = |face: usize| self.net.loops.of(face).len() - 2;
+        let count = |face: usize| self.net.corners(face).len() - 2;
         let of_triangle: Vec<usize> =
             (0..self.planes.len()).flat_map(|face| std::iter::repeat_n(face, count(face))).collect();
         let normals: Vec<DVec3> = of_triangle.iter().map(|&face| self.planes[face].normal).collect();
@@ -190,8 +190,8 @@ impl Hull {
     /// A fan for each face, in their order.
     fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + Clone {
         (0..self.planes.len()).flat_map(move |face| {
-            let apex = self.net.loops.of(face)[0];
-            self.net.loops.of(face)[1..].windows(2).map(move |pair| [apex, pair[0], pair[1]])
+            let apex = self.net.corners(face)[0];
+            self.net.corners(face)[1..].windows(2).map(move |pair| [apex, pair[0], pair[1]])
         })
     }
 
@@ -203,13 +203,9 @@ impl Hull {
         loops.renumber(vertices, &mut corners);
 
         // Euler's formula tells a sphere from anything else that is closed.
-        let (edges_along, edges) = loops.connected()?;
-        let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == edges.len() + 2;
-        is_sphere.then(|| Self {
-            vertices: corners,
-            planes,
-            net: Arc::new(Net { loops, edges_along, edges }),
-        })
+        let net = Net::of(&loops)?;
+        let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == net.edges().len() + 2;
+        is_sphere.then(|| Self { vertices: corners, planes, net: Arc::new(net) })
     }
 }
 

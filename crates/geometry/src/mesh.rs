@@ -2,7 +2,7 @@
 
 use crate::MassProperties;
 use crate::mass_properties::{inertia_from_second_moments, outer};
-use glam::{DMat3, DVec3, Vec2, Vec3Swizzles};
+use glam::{DMat3, DVec3, Vec2};
 
 /// Indexed triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,36 +73,96 @@ impl TriMesh {
 
 /// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see [`TriMesh::mass_properties`]. Rounding is least
 /// from an origin in their middle.
-pub(crate) fn enclosed_mass(origin: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> MassProperties {
-    // Sum the signed tetrahedra from the origin to each triangle.
-    let mut six_volume = 0.0;
-    let mut first_moment = DVec3::ZERO;
-    // Of the second moment's six numbers, the squares and the products of x y, y z, z x.
-    let (mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO);
+fn enclosed_mass(origin: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> MassProperties {
+    let mut sums = Tetrahedra::default();
     for corners in triangles {
-        let [a, b, c] = corners.map(|corner| corner - origin);
-        let determinant = a.dot(b.cross(c));
-        let sum = a + b + c;
-        six_volume += determinant;
-        first_moment += determinant * sum;
-        squares += (a * a + b * b + c * c + sum * sum) * determinant;
-        products += (a * a.yzx() + b * b.yzx() + c * c.yzx() + sum * sum.yzx()) * determinant;
+        sums.add(corners.map(|corner| corner - origin));
+    }
+    sums.mass_properties(origin)
+}
+
+/// Tetrahedra that are summed up side by side.
+const LANES: usize = 4;
+
+/// Sums over tetrahedra with a corner in the origin, four at a time; each of their six volumes times ...
+#[derive(Default)]
+pub(crate) struct Tetrahedra {
+    /// ... one,
+    determinant: [f64; LANES],
+    /// the sum of the corners,
+    first: [[f64; LANES]; 3],
+    /// of the second moment's six numbers the squares
+    squares: [[f64; LANES]; 3],
+    /// and the products of x y, y z, z x.
+    products: [[f64; LANES]; 3],
+    /// Those that wait for others: the coordinates of their corners, and how many there are.
+    waiting: [[[f64; LANES]; 3]; 3],
+    count: usize,
+}
+
+impl Tetrahedra {
+    /// Adds the one to a triangle that is seen counter-clockwise from outside.
+    #[inline]
+    pub(crate) fn add(&mut self, corners: [DVec3; 3]) {
+        for (waiting, corner) in self.waiting.iter_mut().zip(corners) {
+            for (waiting, coordinate) in waiting.iter_mut().zip(corner.to_array()) {
+                waiting[self.count] = coordinate;
+            }
+        }
+        self.count += 1;
+        if self.count == LANES {
+            self.sum_up();
+        }
     }
 
-    // Move the moments from the origin to the centre of mass.
-    let volume = six_volume / 6.0;
-    if volume == 0.0 {
-        return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
+    fn sum_up(&mut self) {
+        let [a, b, c] = &self.waiting;
+        for lane in 0..LANES {
+            let cross = |u: usize, v: usize| b[u][lane] * c[v][lane] - b[v][lane] * c[u][lane];
+            let determinant = a[0][lane] * cross(1, 2) + a[1][lane] * cross(2, 0) + a[2][lane] * cross(0, 1);
+            self.determinant[lane] += determinant;
+            let sum: [f64; 3] = std::array::from_fn(|axis| a[axis][lane] + b[axis][lane] + c[axis][lane]);
+            for axis in 0..3 {
+                let product = |u: usize, v: usize| {
+                    a[u][lane] * a[v][lane]
+                        + b[u][lane] * b[v][lane]
+                        + c[u][lane] * c[v][lane]
+                        + sum[u] * sum[v]
+                };
+                self.first[axis][lane] += determinant * sum[axis];
+                self.squares[axis][lane] += determinant * product(axis, axis);
+                self.products[axis][lane] += determinant * product(axis, (axis + 1) % 3);
+            }
+        }
+        self.count = 0;
     }
-    let second_moment = DMat3::from_cols(
-        DVec3::new(squares.x, products.x, products.z),
-        DVec3::new(products.x, squares.y, products.y),
-        DVec3::new(products.z, products.y, squares.z),
-    );
-    let offset = first_moment / (24.0 * volume);
-    let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
-    let inertia = inertia_from_second_moments(central);
-    MassProperties { volume, center: origin + offset, inertia }
+
+    /// Of all of them, if the origin that they have a corner in is here.
+    pub(crate) fn mass_properties(mut self, origin: DVec3) -> MassProperties {
+        // What is left waits with tetrahedra of no volume.
+        for coordinates in self.waiting.iter_mut().flatten() {
+            coordinates[self.count..].fill(0.0);
+        }
+        self.sum_up();
+        let sum = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
+        let vector = |sums: [[f64; LANES]; 3]| DVec3::from_array(sums.map(sum));
+        let [first_moment, squares, products] = [self.first, self.squares, self.products].map(vector);
+
+        // Move the moments from the origin to the centre of mass.
+        let volume = sum(self.determinant) / 6.0;
+        if volume == 0.0 {
+            return MassProperties { volume, center: origin, inertia: DMat3::ZERO };
+        }
+        let second_moment = DMat3::from_cols(
+            DVec3::new(squares.x, products.x, products.z),
+            DVec3::new(products.x, squares.y, products.y),
+            DVec3::new(products.z, products.y, squares.z),
+        );
+        let offset = first_moment / (24.0 * volume);
+        let central = second_moment * (1.0 / 120.0) - outer(offset, offset) * volume;
+        let inertia = inertia_from_second_moments(central);
+        MassProperties { volume, center: origin + offset, inertia }
+    }
 }
 
 /// Area-weighted mean of the triangles' points [m].

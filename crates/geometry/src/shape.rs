@@ -6,7 +6,7 @@ use crate::hull::hull_samples;
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster};
 use crate::surface_samples::closed_form_samples;
-use crate::{ClosedForm, GridSolid, Hull, NoMass, RigidTransform, Surface, TriMesh};
+use crate::{ClosedForm, GridSolid, Hull, MassProperties, NoMass, RigidTransform, Surface, TriMesh};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -131,6 +131,14 @@ impl Shape {
     /// If it is so thin that its volume or a moment vanishes.
     pub fn convex(hull: Hull, sample_spacing: f64) -> Result<Self, NoMass> {
         let mass = hull.mass_properties();
+        Self::convex_with_mass(hull, &mass, sample_spacing)
+    }
+
+    /// The same, of a polyhedron whose mass properties are known.
+    ///
+    /// # Errors
+    /// If its volume or a moment vanishes.
+    pub fn convex_with_mass(hull: Hull, mass: &MassProperties, sample_spacing: f64) -> Result<Self, NoMass> {
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let in_body = hull.transformed(&body_from_grid);
         Ok(Self {

@@ -1,8 +1,8 @@
 //! Many parts cut out of one hull, in place.
 
 use super::clip::{Clipper, ON_THE_CUT, SAME};
-use super::loops::Loops;
-use super::{Hull, HullEdge, Net};
+use super::net::NetBuilder;
+use super::{Hull, HullEdge};
 use crate::HalfSpace;
 use glam::DVec3;
 use std::sync::Arc;
@@ -19,11 +19,15 @@ pub struct Carver<'a> {
     whole: Part,
     /// What is left of it.
     part: Part,
-    /// Of the part's vertices over the cut [m]. New ones have none.
+    /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by their numbers, where new ones have
+    /// none.
+    levels: Vec<f64>,
     heights: Vec<f64>,
     /// The vertices of what was cut out, and its edges, for each of the part's vertices and sides.
     numbers: Vec<u32>,
     edge_of: Vec<u32>,
+    /// The faces of what was cut out.
+    left: Vec<Face>,
     /// A vertex this close to a cut lies on it [m].
     close: f64,
     /// Edges have to be longer [m].
@@ -32,18 +36,36 @@ pub struct Carver<'a> {
 }
 
 /// A polyhedron as sides that know their neighbours. What was cut off stays in the lists.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug)]
 struct Part {
-    vertices: Vec<DVec3>,
-    /// A side that leaves each vertex.
-    leaving: Vec<u32>,
+    vertices: Vec<Vertex>,
     /// The vertices that are not cut off.
-    kept: Vec<u32>,
+    kept: Vec<Kept>,
     sides: Vec<Side>,
-    /// Of the faces, a side of each, and whether a cut made it.
-    planes: Vec<HalfSpace>,
-    first: Vec<u32>,
-    inner: Vec<bool>,
+    faces: Vec<Face>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Vertex {
+    position: DVec3,
+    /// A side that begins here.
+    leaving: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    plane: HalfSpace,
+    /// One of its sides.
+    first: u32,
+    /// Whether a cut made it.
+    inner: bool,
+}
+
+/// A vertex that is not cut off.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    position: DVec3,
+    number: u32,
 }
 
 /// From a vertex to the next around a face, counter-clockwise seen from outside.
@@ -75,11 +97,13 @@ impl<'a> Carver<'a> {
         let whole = Part::of(hull);
         Self {
             hull,
-            part: whole.clone(),
+            part: Part::with_room_for(&whole),
+            levels: Vec::with_capacity(2 * whole.vertices.len()),
+            heights: Vec::with_capacity(2 * whole.vertices.len()),
+            numbers: Vec::with_capacity(2 * whole.vertices.len()),
+            edge_of: Vec::with_capacity(2 * whole.sides.len()),
+            left: Vec::with_capacity(whole.faces.len()),
             whole,
-            heights: Vec::new(),
-            numbers: Vec::new(),
-            edge_of: Vec::new(),
             close: ON_THE_CUT[0] * size,
             shortest: SAME * size,
             clipper: Clipper::default(),
@@ -109,19 +133,16 @@ impl<'a> Carver<'a> {
     }
 
     fn cut(&mut self, cut: &HalfSpace) -> Cut {
-        // Where all vertices are, and the lowest of those outside.
-        let (mut lowest, mut highest, mut touching) = (f64::INFINITY, f64::NEG_INFINITY, false);
-        let (mut least_above, mut start) = (f64::INFINITY, NONE);
-        self.heights.resize(self.part.vertices.len(), 0.0);
-        for &vertex in &self.part.kept {
-            let height = cut.distance(self.part.vertices[vertex as usize]);
-            self.heights[vertex as usize] = height;
+        // Where all vertices are.
+        let (mut lowest, mut highest, mut nearest) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+        self.levels.resize(self.part.kept.len(), 0.0);
+        for (kept, level) in self.part.kept.iter().zip(&mut self.levels) {
+            let height = cut.distance(kept.position);
+            let away = height.abs();
             lowest = if height < lowest { height } else { lowest };
             highest = if height > highest { height } else { highest };
-            touching |= height.abs() <= self.close;
-            if height > 0.0 && height < least_above {
-                (least_above, start) = (height, vertex);
-            }
+            nearest = if away < nearest { away } else { nearest };
+            *level = height;
         }
         if highest <= self.close {
             return Cut::Inside;
@@ -129,20 +150,20 @@ impl<'a> Carver<'a> {
         if lowest >= -self.close {
             return Cut::Outside;
         }
-        if touching {
+        if nearest <= self.close {
             return Cut::Touching;
         }
 
-        // Walk around the section, then forget what is outside.
-        let before = self.part.vertices.len() as u32;
+        // Forget what is outside, and walk around the section: downhill from the lowest vertex there.
+        self.heights.resize(self.part.vertices.len(), 0.0);
+        let start = self.part.keep_below(&self.levels, &mut self.heights);
+        let before = self.part.vertices.len();
         let is_closed =
             self.part.crossing(&self.heights, start).is_some_and(|start| self.walk_around(start, cut));
         if !is_closed {
             return Cut::Touching;
         }
-        let heights = &self.heights;
-        self.part.kept.retain(|&vertex| heights[vertex as usize] < 0.0);
-        self.part.kept.extend(before..self.part.vertices.len() as u32);
+        self.part.keep_new(before);
         Cut::Through
     }
 
@@ -150,11 +171,11 @@ impl<'a> Carver<'a> {
     /// section is not one loop.
     fn walk_around(&mut self, start: u32, cut: &HalfSpace) -> bool {
         let Self { part, heights, .. } = self;
-        let (face, first_rim) = (part.planes.len() as u32, part.sides.len() as u32);
+        let (face, first_rim) = (part.faces.len() as u32, part.sides.len() as u32);
         let first_vertex = part.vertices.len() as u32;
         part.add_crossing(heights, start);
         let (mut side, mut from, mut last) = (start, first_vertex, NONE);
-        for _ in 0..part.planes.len() {
+        for _ in 0..part.faces.len() {
             // Along the face to the side that comes back in.
             let mut back = part.sides[side as usize].next;
             loop {
@@ -174,8 +195,8 @@ impl<'a> Carver<'a> {
             part.sides.push(Side { origin: to, next: last, twin: rim, face });
             part.sides[side as usize].next = rim;
             part.sides[back as usize].origin = to;
-            part.leaving[to as usize] = back;
-            part.first[of as usize] = side;
+            part.vertices[to as usize].leaving = back;
+            part.faces[of as usize].first = side;
             (side, from, last) = (twin, to, rim + 1);
             if side == start {
                 break;
@@ -185,122 +206,140 @@ impl<'a> Carver<'a> {
             return false;
         }
         part.sides[first_rim as usize + 1].next = last;
-        part.planes.push(*cut);
-        part.first.push(last);
-        part.inner.push(true);
+        part.faces.push(Face { plane: *cut, first: last, inner: true });
         true
     }
 
     /// What is left, as a hull of its own. `None` if it has an edge without a length or is not closed.
     fn finished(&mut self) -> Option<Hull> {
-        let Self { part, numbers, edge_of, .. } = self;
+        let Self { part, numbers, edge_of, left, .. } = self;
         numbers.clear();
         numbers.resize(part.vertices.len(), NONE);
-        for (&vertex, number) in part.kept.iter().zip(0..) {
-            numbers[vertex as usize] = number;
+        for (kept, number) in part.kept.iter().zip(0..) {
+            numbers[kept.number as usize] = number;
         }
         edge_of.clear();
         edge_of.resize(part.sides.len(), NONE);
-        let vertices: Vec<DVec3> = part.kept.iter().map(|&vertex| part.vertices[vertex as usize]).collect();
+        let vertices: Vec<DVec3> = part.kept.iter().map(|kept| kept.position).collect();
 
         // Faces that have kept a vertex. Euler's formula tells a sphere from anything else.
-        let is_left = |face: &usize| {
-            let first = part.sides[part.first[*face] as usize];
-            numbers[first.origin as usize] != NONE
-        };
-        let faces = (0..part.planes.len()).filter(is_left).count();
-        let count = vertices.len() + faces - 2;
-        let mut planes = Vec::with_capacity(faces);
-        let mut loops = Loops::with_capacity(2 * count, faces);
-        let mut edges_along: Vec<u32> = Vec::with_capacity(2 * count);
-        let mut edges: Vec<HullEdge> = Vec::with_capacity(count);
-        for face in (0..part.planes.len()).filter(is_left) {
-            let first = part.first[face];
-            let mut at = first;
+        let (numbers, sides, edge_of) = (numbers.as_slice(), part.sides.as_slice(), edge_of.as_mut_slice());
+        left.clear();
+        left.extend(
+            part.faces.iter().filter(|face| numbers[sides[face.first as usize].origin as usize] != NONE),
+        );
+        let count = (vertices.len() + left.len()).checked_sub(2).filter(|_| left.len() > 3)?;
+        let mut net = NetBuilder::new(count, left.len());
+        for (face, number) in left.iter().zip(0..) {
+            let mut at = face.first;
             loop {
-                let Side { origin, next, twin, .. } = part.sides[at as usize];
-                let known = edge_of[twin as usize];
-                if known == NONE {
-                    let vertices = [origin, part.sides[next as usize].origin];
-                    edge_of[at as usize] = edges.len() as u32;
-                    edges_along.push(edges.len() as u32);
-                    let vertices = vertices.map(|vertex| numbers[vertex as usize]);
-                    edges.push(HullEdge { vertices, faces: [planes.len() as u32; 2] });
-                } else {
-                    edges_along.push(known);
-                    edges[known as usize].faces[1] = planes.len() as u32;
-                }
-                loops.add_one(numbers[origin as usize]);
+                let Side { origin, next, twin, .. } = sides[at as usize];
+                let origin = numbers[origin as usize];
+                let edge = match edge_of[twin as usize] {
+                    NONE => {
+                        let end = numbers[sides[next as usize].origin as usize];
+                        let edge = net.add_edge([origin, end], number)?;
+                        edge_of[at as usize] = edge;
+                        edge
+                    }
+                    known => net.close_edge(known, number),
+                };
+                net.add_side(origin, edge)?;
                 at = next;
-                if at == first {
+                if at == face.first {
                     break;
                 }
-                if edges_along.len() >= 2 * count {
-                    return None;
-                }
             }
-            loops.finish(part.inner[face]);
-            planes.push(part.planes[face]);
+            net.end_face(face.inner);
         }
-        let is_sphere = faces >= 4 && edges.len() == count && edges_along.len() == 2 * count;
+        let net = net.finished()?;
+        let planes = left.iter().map(|face| face.plane).collect();
         let least = self.shortest * self.shortest;
         let is_long = |edge: &HullEdge| {
             let [a, b] = edge.vertices.map(|vertex| vertices[vertex as usize]);
             a.distance_squared(b) >= least
         };
-        (is_sphere && edges.iter().all(is_long)).then(|| Hull {
-            vertices,
-            planes,
-            net: Arc::new(Net { loops, edges_along, edges }),
-        })
+        net.edges().iter().all(is_long).then(|| Hull { vertices, planes, net: Arc::new(net) })
     }
 }
 
 impl Part {
     fn of(hull: &Hull) -> Self {
-        let Net { loops, edges_along, edges } = &*hull.net;
+        let net = &*hull.net;
+        let vertex = |&position: &DVec3| Vertex { position, leaving: NONE };
+        let kept = |(&position, number): (&DVec3, u32)| Kept { position, number };
         let mut part = Self {
-            vertices: hull.vertices.clone(),
-            leaving: vec![NONE; hull.vertices.len()],
-            kept: (0..hull.vertices.len() as u32).collect(),
-            sides: Vec::with_capacity(edges_along.len()),
-            planes: hull.planes.clone(),
-            first: Vec::with_capacity(hull.planes.len()),
-            inner: (0..hull.planes.len()).map(|face| loops.is_inner(face)).collect(),
+            vertices: hull.vertices.iter().map(vertex).collect(),
+            kept: hull.vertices.iter().zip(0..).map(kept).collect(),
+            sides: Vec::with_capacity(2 * net.edges().len()),
+            faces: Vec::with_capacity(hull.planes.len()),
         };
-        let mut side_of = vec![NONE; edges.len()];
-        for face in 0..hull.planes.len() {
-            let range = loops.range(face);
-            part.first.push(range.start as u32);
-            for at in range.clone() {
-                let next = if at + 1 == range.end { range.start } else { at + 1 } as u32;
-                let twin = std::mem::replace(&mut side_of[edges_along[at] as usize], at as u32);
+        let mut side_of = vec![NONE; net.edges().len()];
+        for (face, &plane) in hull.planes.iter().enumerate() {
+            let first = part.sides.len() as u32;
+            let (corners, edges) = (net.corners(face), net.edges_along(face));
+            part.faces.push(Face { plane, first, inner: net.is_inner(face) });
+            for (&origin, &edge) in corners.iter().zip(edges) {
+                let at = part.sides.len() as u32;
+                let next = if at + 1 == first + corners.len() as u32 { first } else { at + 1 };
+                let twin = std::mem::replace(&mut side_of[edge as usize], at);
                 if twin != NONE {
-                    part.sides[twin as usize].twin = at as u32;
+                    part.sides[twin as usize].twin = at;
                 }
-                let origin = loops.corner(at);
-                part.leaving[origin as usize] = at as u32;
+                part.vertices[origin as usize].leaving = at;
                 part.sides.push(Side { origin, next, twin, face: face as u32 });
             }
         }
         part
     }
 
+    /// Without anything yet, with room for what cuts add to another.
+    fn with_room_for(other: &Self) -> Self {
+        Self {
+            vertices: Vec::with_capacity(2 * other.vertices.len()),
+            kept: Vec::with_capacity(2 * other.vertices.len()),
+            sides: Vec::with_capacity(2 * other.sides.len()),
+            faces: Vec::with_capacity(2 * other.faces.len()),
+        }
+    }
+
     /// Becomes a copy of another, in the memory it has.
     fn copy_from(&mut self, other: &Self) {
         self.vertices.clone_from(&other.vertices);
-        self.leaving.clone_from(&other.leaving);
         self.kept.clone_from(&other.kept);
         self.sides.clone_from(&other.sides);
-        self.planes.clone_from(&other.planes);
-        self.first.clone_from(&other.first);
-        self.inner.clone_from(&other.inner);
+        self.faces.clone_from(&other.faces);
+    }
+
+    /// Forgets the vertices above a cut, where `levels` are the heights of those that were kept, and puts the heights in the order of
+    /// the vertices' numbers. Returns the lowest above.
+    fn keep_below(&mut self, levels: &[f64], heights: &mut [f64]) -> u32 {
+        let (mut least_above, mut lowest) = (f64::INFINITY, NONE);
+        let mut count = 0;
+        for (at, &height) in levels.iter().enumerate() {
+            let kept = self.kept[at];
+            heights[kept.number as usize] = height;
+            self.kept[count] = kept;
+            if height < 0.0 {
+                count += 1;
+            } else if height < least_above {
+                (least_above, lowest) = (height, kept.number);
+            }
+        }
+        self.kept.truncate(count);
+        lowest
+    }
+
+    /// Keeps the vertices that were added since there were `before`.
+    fn keep_new(&mut self, before: usize) {
+        let new = self.vertices[before..].iter().zip(before as u32..);
+        self.kept.extend(new.map(|(vertex, number)| Kept { position: vertex.position, number }));
     }
 
     /// A side that leaves the inside of a cut, found downhill from a vertex outside.
     fn crossing(&self, heights: &[f64], mut vertex: u32) -> Option<u32> {
         loop {
-            let first = self.leaving[vertex as usize];
+            let first = self.vertices[vertex as usize].leaving;
             let (mut side, mut lowest) = (first, vertex);
             loop {
                 let twin = self.sides[side as usize].twin;
@@ -328,9 +367,9 @@ impl Part {
         let Side { origin, next, .. } = self.sides[side as usize];
         let outside = self.sides[next as usize].origin;
         let (from, to) = (heights[origin as usize], heights[outside as usize]);
-        let (start, end) = (self.vertices[origin as usize], self.vertices[outside as usize]);
-        self.vertices.push(start + (end - start) * (from / (from - to)));
-        self.leaving.push(NONE);
+        let [start, end] = [origin, outside].map(|vertex| self.vertices[vertex as usize].position);
+        let position = start + (end - start) * (from / (from - to));
+        self.vertices.push(Vertex { position, leaving: NONE });
         self.vertices.len() as u32 - 1
     }
 }

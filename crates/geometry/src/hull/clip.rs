@@ -81,7 +81,7 @@ impl Clipper {
     pub fn clipped(&mut self, hull: &Hull, cuts: &[HalfSpace]) -> Option<Hull> {
         self.vertices.clone_from(&hull.vertices);
         self.planes.clone_from(&hull.planes);
-        self.loops.copy_from(&hull.net.loops);
+        self.loops.copy_from(&hull.net);
         let (low, high) = hull.bounds();
         self.size = (high - low).max_element();
         let mut is_whole = true;

@@ -1,6 +1,6 @@
 //! Faces as loops of vertices, in one list.
 
-use super::{HullEdge, sides};
+use super::{HullEdge, net::Net, sides};
 use crate::HalfSpace;
 use glam::DVec3;
 use std::ops::Range;
@@ -31,15 +31,6 @@ struct Side {
 }
 
 impl Loops {
-    /// Without faces yet.
-    pub(super) fn with_capacity(corners: usize, faces: usize) -> Self {
-        Self {
-            corners: Vec::with_capacity(corners),
-            ends: Vec::with_capacity(faces),
-            inner: Vec::with_capacity(faces),
-        }
-    }
-
     pub(super) fn push(&mut self, inner: bool, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);
@@ -49,11 +40,6 @@ impl Loops {
     /// Adds corners to a loop that is not finished.
     pub(super) fn add(&mut self, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
-    }
-
-    /// Adds a corner to a loop that is not finished.
-    pub(super) fn add_one(&mut self, corner: u32) {
-        self.corners.push(corner);
     }
 
     /// Makes a face of the corners that were added, if they are three at least.
@@ -75,11 +61,12 @@ impl Loops {
         self.inner.clear();
     }
 
-    /// Becomes a copy of another, in the memory it has.
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        self.corners.clone_from(&other.corners);
-        self.ends.clone_from(&other.ends);
-        self.inner.clone_from(&other.inner);
+    /// Becomes those of a net, in the memory it has.
+    pub(super) fn copy_from(&mut self, net: &Net) {
+        self.clear();
+        for face in 0..net.faces() {
+            self.push(net.is_inner(face), net.corners(face).iter().copied());
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -104,12 +91,6 @@ impl Loops {
 
     pub(super) fn is_inner(&self, face: usize) -> bool {
         self.inner[face]
-    }
-
-    /// The same faces, none of them made by a cut.
-    pub(super) fn all_outer(mut self) -> Self {
-        self.inner.fill(false);
-        self
     }
 
     /// How many faces each of `count` vertices has.

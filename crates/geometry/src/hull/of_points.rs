@@ -63,8 +63,8 @@ impl Hull {
         const LEAST_FREEDOM: f64 = 0.01;
         let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
         let Self { vertices, planes, net } = &mut self;
-        for (face, plane) in planes.iter().enumerate().filter(|(face, _)| net.loops.of(*face).len() > 3) {
-            for &vertex in net.loops.of(face) {
+        for (face, plane) in planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3) {
+            for &vertex in net.corners(face) {
                 // Along this the vertex leaves none of the planes that it is on already.
                 let taken = &mut freedom[vertex as usize];
                 let normal = plane.normal;
@@ -77,9 +77,8 @@ impl Hull {
                 }
             }
         }
-        for (face, plane) in planes.iter_mut().enumerate().filter(|(face, _)| net.loops.of(*face).len() == 3)
-        {
-            let corners = net.loops.of(face).iter().map(|&vertex| vertices[vertex as usize]);
+        for (face, plane) in planes.iter_mut().enumerate().filter(|(face, _)| net.corners(*face).len() == 3) {
+            let corners = net.corners(face).iter().map(|&vertex| vertices[vertex as usize]);
             *plane = plane_of(corners).unwrap_or(*plane);
         }
         self

@@ -1,6 +1,6 @@
 //! Round bodies as polyhedra of the same volume, so that they can be broken exactly.
 
-use super::{Clipper, Hull, Net, loops::Loops};
+use super::{Clipper, Hull, loops::Loops, net::Net};
 use crate::HalfSpace;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -49,22 +49,16 @@ impl Hull {
             let around = (0..CYLINDER_SIDES).map(|side| 2 * side + u32::from(top));
             if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
         }
-        let (edges_along, edges) = loops.connected().unwrap_or_default();
-        Self { vertices, planes, net: Arc::new(Net { loops, edges_along, edges }) }
+        Self { vertices, planes, net: Arc::new(Net::of(&loops).unwrap_or_default()) }
     }
 
     /// Larger by a factor, all faces outer ones.
     fn scaled(self, factor: f64) -> Self {
         let plane = |plane: &HalfSpace| HalfSpace { offset: factor * plane.offset, ..*plane };
-        let Net { loops, edges_along, edges } = &*self.net;
         Self {
             vertices: self.vertices.iter().map(|&vertex| factor * vertex).collect(),
             planes: self.planes.iter().map(plane).collect(),
-            net: Arc::new(Net {
-                loops: loops.clone().all_outer(),
-                edges_along: edges_along.clone(),
-                edges: edges.clone(),
-            }),
+            net: Arc::new(self.net.all_outer()),
         }
     }
 }

@@ -3,13 +3,21 @@
 use super::Hull;
 use glam::DVec3;
 
-/// A vertex in the order of a skew direction.
+/// A vertex of one of the hulls.
 #[derive(Clone, Copy)]
+struct Place {
+    position: DVec3,
+    hull: u32,
+    vertex: u32,
+}
+
+/// A vertex in the order of a skew direction.
+#[derive(Clone, Copy, Default)]
 struct Entry {
     /// Place along the direction [m].
     key: f64,
     /// Among those of all hulls.
-    vertex: u32,
+    place: u32,
     /// Which entry it is one with; itself, if it came first.
     one_with: u32,
 }
@@ -18,37 +26,84 @@ struct Entry {
 /// fixed direction. Neighbours that were cut by the same planes, but one after the other in different orders, differ by rounding,
 /// and then share their vertices bit for bit. Vertices of one hull stay apart.
 pub fn weld_hulls(hulls: &mut [Hull], close: f64) {
+    let places = places(hulls);
+    let mut entries = sorted(&places);
+    for at in 1..entries.len() {
+        let key = entries[at].key;
+        entries[at].one_with = at as u32;
+        if key - entries[at - 1].key >= close {
+            continue;
+        }
+
+        // Back through all that may be as close, first the nearest.
+        let Place { position, hull, vertex } = places[entries[at].place as usize];
+        let mut first = None;
+        let mut before = at;
+        while before > 0 && key - entries[before - 1].key < close {
+            before -= 1;
+            let Entry { place, one_with, .. } = entries[before];
+            let other = &places[place as usize];
+            let is_first = one_with as usize == before && other.hull != hull;
+            if is_first && other.position.distance_squared(position) < close * close {
+                first = Some((before as u32, other.position));
+                break;
+            }
+        }
+        let Some((first, position)) = first else { continue };
+        let as_close = entries[..at].iter().rev().take_while(|entry| key - entry.key < close);
+        let mut others = as_close.filter(|entry| places[entry.place as usize].hull == hull);
+        if others.all(|entry| entry.one_with != first) {
+            hulls[hull as usize].vertices[vertex as usize] = position;
+            entries[at].one_with = first;
+        }
+    }
+}
+
+/// The vertices of all hulls.
+fn places(hulls: &[Hull]) -> Vec<Place> {
+    let mut places = Vec::with_capacity(hulls.iter().map(|hull| hull.vertices.len()).sum());
+    for (hull, number) in hulls.iter().zip(0..) {
+        let of_hull = hull.vertices.iter().zip(0..);
+        places.extend(of_hull.map(|(&position, vertex)| Place { position, hull: number, vertex }));
+    }
+    places
+}
+
+/// In the order of their keys, and of their numbers where those are equal: as many buckets as there are vertices put them nearly in
+/// order.
+fn sorted(places: &[Place]) -> Vec<Entry> {
     // No plane of a pattern or of a box is likely to lie across this, so that few keys are close by chance.
     let direction = DVec3::new(0.612_9, 0.538_3, 0.578_1);
-    let count = hulls.iter().map(|hull| hull.vertices.len()).sum();
-    let mut entries: Vec<Entry> = Vec::with_capacity(count);
-    let mut places: Vec<(DVec3, u32, u32)> = Vec::with_capacity(count);
-    for (hull, number) in hulls.iter().zip(0..) {
-        for (&position, vertex) in hull.vertices.iter().zip(0..) {
-            entries.push(Entry { key: direction.dot(position), vertex: places.len() as u32, one_with: 0 });
-            places.push((position, number, vertex));
-        }
+    let keys: Vec<f64> = places.iter().map(|place| direction.dot(place.position)).collect();
+    let low = keys.iter().fold(f64::INFINITY, |low, &key| if key < low { key } else { low });
+    let high = keys.iter().fold(f64::NEG_INFINITY, |high, &key| if key > high { key } else { high });
+    let scale = keys.len() as f64 / (high - low).max(f64::MIN_POSITIVE);
+    let bucket = |key: f64| ((key - low) * scale) as usize;
+
+    // The highest keys have a bucket of their own, and one more entry makes room for where each begins.
+    let mut starts = vec![0_u32; keys.len() + 2];
+    for &key in &keys {
+        starts[bucket(key) + 1] += 1;
     }
-    entries.sort_unstable_by(|a, b| a.key.total_cmp(&b.key).then(a.vertex.cmp(&b.vertex)));
-    for at in 0..entries.len() {
-        let key = entries[at].key;
-        let (position, hull, vertex) = places[entries[at].vertex as usize];
-        entries[at].one_with = at as u32;
-        // Back through all that may be as close, first the nearest.
-        let window = || (0..at).rev().take_while(|&before| key - entries[before].key < close);
-        let place = |entry: usize| places[entries[entry].vertex as usize];
-        let first = window().find(|&before| {
-            let (other_position, other, _) = place(before);
-            other != hull
-                && entries[before].one_with as usize == before
-                && other_position.distance_squared(position) < close * close
-        });
-        let Some(first) = first else { continue };
-        let is_free =
-            window().all(|before| place(before).1 != hull || entries[before].one_with != first as u32);
-        if is_free {
-            hulls[hull as usize].vertices[vertex as usize] = place(first).0;
-            entries[at].one_with = first as u32;
-        }
+    let mut sum = 0;
+    for start in &mut starts {
+        sum += *start;
+        *start = sum;
     }
+    let mut entries = vec![Entry::default(); keys.len()];
+    for (&key, place) in keys.iter().zip(0..) {
+        let start = &mut starts[bucket(key)];
+        entries[*start as usize] = Entry { key, place, one_with: 0 };
+        *start += 1;
+    }
+    for at in 1..entries.len() {
+        let entry = entries[at];
+        let mut to = at;
+        while to > 0 && entry.key < entries[to - 1].key {
+            entries[to] = entries[to - 1];
+            to -= 1;
+        }
+        entries[to] = entry;
+    }
+    entries
 }

@@ -1,0 +1,138 @@
+//! How a hull's faces hang together.
+
+use super::HullEdge;
+use super::loops::Loops;
+
+/// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break makes thousands of them.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Net {
+    /// Sides of all faces.
+    sides: usize,
+    /// The vertex that each side begins at, face after face and counter-clockwise seen from outside; then each side's edge; then
+    /// where each face's sides end, with [`INNER`] for one that a cut made.
+    indices: Vec<u32>,
+    /// Each once.
+    edges: Vec<HullEdge>,
+}
+
+/// The bit that tells faces that a cut made.
+const INNER: u32 = 1 << 31;
+
+impl Net {
+    /// Of loops; `None` if a side has no other that runs along it in the opposite direction.
+    pub(super) fn of(loops: &Loops) -> Option<Self> {
+        let (edges_along, edges) = loops.connected()?;
+        let sides = edges_along.len();
+        let mut indices = Vec::with_capacity(2 * sides + loops.len());
+        indices.extend((0..sides).map(|side| loops.corner(side)));
+        indices.extend(edges_along);
+        indices.extend((0..loops.len()).map(|face| face_end(loops.range(face).end, loops.is_inner(face))));
+        Some(Self { sides, indices, edges })
+    }
+
+    /// How many there are.
+    pub(super) fn faces(&self) -> usize {
+        self.indices.len() - 2 * self.sides
+    }
+
+    /// Of a face.
+    #[inline]
+    pub(super) fn sides(&self, face: usize) -> std::ops::Range<usize> {
+        let ends = &self.indices[2 * self.sides..];
+        let start = if face == 0 { 0 } else { (ends[face - 1] & !INNER) as usize };
+        start..(ends[face] & !INNER) as usize
+    }
+
+    /// The vertices around a face.
+    #[inline]
+    pub(super) fn corners(&self, face: usize) -> &[u32] {
+        &self.indices[self.sides(face)]
+    }
+
+    /// The edges around a face, from each of its vertices to the next.
+    pub(super) fn edges_along(&self, face: usize) -> &[u32] {
+        let range = self.sides(face);
+        &self.indices[self.sides + range.start..self.sides + range.end]
+    }
+
+    pub(super) fn is_inner(&self, face: usize) -> bool {
+        self.indices[2 * self.sides + face] & INNER != 0
+    }
+
+    /// Each once.
+    pub(super) fn edges(&self) -> &[HullEdge] {
+        &self.edges
+    }
+
+    /// The same faces, none of them made by a cut.
+    pub(super) fn all_outer(&self) -> Self {
+        let mut net = Self { sides: self.sides, indices: self.indices.clone(), edges: self.edges.clone() };
+        for end in &mut net.indices[2 * self.sides..] {
+            *end &= !INNER;
+        }
+        net
+    }
+}
+
+/// The entry of a face in [`Net::indices`].
+fn face_end(side: usize, inner: bool) -> u32 {
+    side as u32 | if inner { INNER } else { 0 }
+}
+
+/// A net of which the sides come face after face, two for each edge.
+pub(super) struct NetBuilder {
+    net: Net,
+    /// How many sides, edges and faces there are so far.
+    sides: usize,
+    edges: u32,
+    faces: usize,
+}
+
+impl NetBuilder {
+    /// For so many edges and faces.
+    pub(super) fn new(edges: usize, faces: usize) -> Self {
+        let none = HullEdge { vertices: [0; 2], faces: [0; 2] };
+        let net = Net { sides: 2 * edges, indices: vec![0; 4 * edges + faces], edges: vec![none; edges] };
+        Self { net, sides: 0, edges: 0, faces: 0 }
+    }
+
+    /// Adds an edge, of which the second face is not known yet; `None` if there are too many.
+    #[inline]
+    pub(super) fn add_edge(&mut self, vertices: [u32; 2], face: u32) -> Option<u32> {
+        *self.net.edges.get_mut(self.edges as usize)? = HullEdge { vertices, faces: [face; 2] };
+        self.edges += 1;
+        Some(self.edges - 1)
+    }
+
+    /// Says which face is on the other side of an edge.
+    #[inline]
+    pub(super) fn close_edge(&mut self, edge: u32, face: u32) -> u32 {
+        self.net.edges[edge as usize].faces[1] = face;
+        edge
+    }
+
+    /// Adds a side of the face that is being made; `None` if there are too many.
+    #[inline]
+    pub(super) fn add_side(&mut self, vertex: u32, edge: u32) -> Option<()> {
+        if self.sides == self.net.sides {
+            return None;
+        }
+        self.net.indices[self.sides] = vertex;
+        self.net.indices[self.net.sides + self.sides] = edge;
+        self.sides += 1;
+        Some(())
+    }
+
+    /// Makes a face of the sides that were added since the last one.
+    #[inline]
+    pub(super) fn end_face(&mut self, inner: bool) {
+        self.net.indices[2 * self.net.sides + self.faces] = face_end(self.sides, inner);
+        self.faces += 1;
+    }
+
+    /// The net if it has as many sides, edges and faces as it was made for.
+    pub(super) fn finished(self) -> Option<Net> {
+        let Self { net, sides, edges, faces } = self;
+        (sides == net.sides && edges as usize == net.edges.len() && faces == net.faces()).then_some(net)
+    }
+}
