@@ -1,9 +1,9 @@
 //! Where a ball touches another body within a frame: the other's signed distance from its centre says, without samples.
 
+use crate::Pose;
+use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::manifold::{ManifoldPoint, reach};
-use crate::pair::Pair;
-use crate::{Bodies, Frame, Pose};
+use crate::manifold::ManifoldPoint;
 use glam::DVec3;
 
 /// Steps along the ball's way through a frame; each goes as far as the distance allows.
@@ -17,8 +17,7 @@ const CAUTION: f64 = 0.9;
 
 /// A ball and what it may touch.
 pub(crate) struct BallContact<'a> {
-    pub(crate) bodies: &'a Bodies,
-    pub(crate) pair: Pair,
+    pub(crate) encounter: &'a Encounter<'a>,
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
@@ -29,20 +28,19 @@ pub(crate) struct BallContact<'a> {
 impl BallContact<'_> {
     /// The ball's point of contact: where the two first touch on their ballistic ways through the frame (conservative advancement
     /// [Mir96]), or the nearest point at its start if they do not.
-    pub(crate) fn point(&self, frame: &Frame) -> Option<ManifoldPoint> {
-        let (ball, other) = self.ball_and_other();
-        let start = self.gap(0.0, frame);
-        let reach = reach(self.bodies, self.pair, frame);
-        if start.phi > reach {
+    pub(crate) fn point(&self) -> Option<ManifoldPoint> {
+        let [ball, other] = self.ball_and_other();
+        let start = self.gap(0.0);
+        if start.phi > self.encounter.reach {
             return None;
         }
-        let gap = self.first_touch(reach, frame).unwrap_or(start);
+        let gap = self.first_touch(start).unwrap_or(start);
 
         // The ball's centre, and the material point of the other that it touches or will touch.
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
         let on_other = on_ball - gap.phi * gap.outward;
         let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
-        let velocity = |i: usize| Flight::of(self.bodies, i, frame).velocity(on_ball, gap.time);
+        let velocity = |flight: &Flight| flight.velocity(on_ball, gap.time);
         let closing = -gap.outward.dot(velocity(ball) - velocity(other));
         let (normal, anchor_first, anchor_second, rounding) = if self.ball_is_first {
             (gap.outward, DVec3::ZERO, anchor_other, [self.radius, 0.0])
@@ -54,35 +52,35 @@ impl BallContact<'_> {
         Some(ManifoldPoint { anchor_first, anchor_second, rounding, normal, sample, approach })
     }
 
-    fn ball_and_other(&self) -> (usize, usize) {
-        let Pair { first, second } = self.pair;
-        if self.ball_is_first { (first, second) } else { (second, first) }
+    fn ball_and_other(&self) -> [&Flight; 2] {
+        let [first, second] = &self.encounter.flights;
+        if self.ball_is_first { [first, second] } else { [second, first] }
     }
 
     /// The two at an instant of the frame, on their ballistic ways.
-    fn gap(&self, time: f64, frame: &Frame) -> Gap {
-        let (ball, other) = self.ball_and_other();
-        let [pose_ball, pose_other] = [ball, other].map(|i| Flight::of(self.bodies, i, frame).pose(time));
+    fn gap(&self, time: f64) -> Gap {
+        let [pose_ball, pose_other] = self.ball_and_other().map(|flight| flight.pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
         let (distance, gradient) = (self.surface)(center_other);
         let outward = pose_other.orientation * gradient;
         Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
     }
 
-    /// The instant of the first touch within the frame; `None` if they pass or do not get there. `reach` [m] is more than any
-    /// of their points move relative to each other.
-    fn first_touch(&self, reach: f64, frame: &Frame) -> Option<Gap> {
+    /// The instant of the first touch within the frame, after `start`; `None` if they pass or do not get there.
+    fn first_touch(&self, start: Gap) -> Option<Gap> {
+        // No two of their points move faster relative to each other.
+        let Encounter { reach, frame, .. } = *self.encounter;
         let fastest = reach / frame.dt;
-        let mut time = 0.0;
+        let mut gap = start;
         for _ in 0..MOST_STEPS {
-            let gap = self.gap(time, frame);
             if gap.phi <= TOUCH * self.radius {
                 return Some(gap);
             }
-            time += CAUTION * gap.phi / fastest;
+            let time = gap.time + CAUTION * gap.phi / fastest;
             if time > frame.dt {
                 break;
             }
+            gap = self.gap(time);
         }
         None
     }

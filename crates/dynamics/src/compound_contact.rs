@@ -1,11 +1,11 @@
 //! Where a compound of convex polyhedra touches another body: part by part, without what glued parts hide of each other.
 
+use crate::Bodies;
 use crate::broad_phase::Bounds;
-use crate::detection::radius;
-use crate::hull_contact::{Feature, HullPoint, PREFERENCE, reduce};
-use crate::manifold::{ManifoldPoint, Solid, exact_points, reach};
+use crate::encounter::Encounter;
+use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
+use crate::manifold::{ManifoldPoint, Solid, exact_points};
 use crate::pair::Pair;
-use crate::{Bodies, Frame};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
@@ -16,23 +16,32 @@ const FLAT: f64 = 0.9998;
 /// Gaps of one flat contact differ by less, relative to the smaller body's size.
 const LEVEL: f64 = 5e-3;
 
-/// The points of a pair of which one is a compound; `None` if none is, or they meet by their samples.
-pub(crate) fn compound_points(bodies: &Bodies, pair: Pair, frame: &Frame) -> Option<Vec<ManifoldPoint>> {
+/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their samples.
+pub(crate) fn compound_points(
+    encounter: &Encounter,
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) -> bool {
+    let Encounter { bodies, pair, .. } = *encounter;
     let shapes = [pair.first, pair.second].map(|i| &*bodies.shapes[i]);
     let compounds = shapes.map(|shape| shape.compound.as_deref());
     let meets_by_samples =
         |side: usize| compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_));
     if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {
-        return None;
+        return false;
     }
 
-    let mut points = Vec::new();
-    for parts in near_parts(bodies, pair, compounds, reach(bodies, pair, frame)) {
+    let (mut all, mut of_parts) = (Vec::new(), Vec::new());
+    for parts in near_parts(bodies, pair, compounds, encounter.reach) {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => Solid::of(shapes[side]),
         };
-        for point in exact_points(bodies, pair, [solid(0), solid(1)], frame)? {
+        of_parts.clear();
+        if !exact_points(encounter, [solid(0), solid(1)], room, &mut of_parts) {
+            return false;
+        }
+        for point in &of_parts {
             let is_inner = |side: usize| {
                 let (Some(compound), Some(part)) = (compounds[side], parts[side]) else { return false };
                 let (i, at) = if side == 0 {
@@ -45,12 +54,12 @@ pub(crate) fn compound_points(bodies: &Bodies, pair: Pair, frame: &Frame) -> Opt
                 compound.is_covered(part, at, body_from_world.direction(outward))
             };
             if !is_inner(0) && !is_inner(1) {
-                points.push(ManifoldPoint { sample: sample_of(point.sample, parts), ..point });
+                all.push(ManifoldPoint { sample: sample_of(point.sample, parts), ..*point });
             }
         }
     }
-    let size = radius(shapes[0]).min(radius(shapes[1]));
-    Some(few(bodies, pair, points, size))
+    points.extend(few(encounter, &all, room));
+    true
 }
 
 /// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each other.
@@ -112,7 +121,8 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
 }
 
 /// At most four points of each flat contact, from whichever parts.
-fn few(bodies: &Bodies, pair: Pair, points: Vec<ManifoldPoint>, size: f64) -> Vec<ManifoldPoint> {
+fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
+    let Encounter { bodies, pair, size, .. } = *encounter;
     let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
     for (index, point) in points.iter().enumerate() {
         let on = point.on_surfaces(bodies, pair);
@@ -127,11 +137,12 @@ fn few(bodies: &Bodies, pair: Pair, points: Vec<ManifoldPoint>, size: f64) -> Ve
             None => flats.push((point.normal, gap, vec![candidate])),
         }
     }
-    let kept =
-        |(normal, _, candidates): (DVec3, f64, Vec<HullPoint>)| reduce(candidates, normal, PREFERENCE * size);
+    for (normal, _, candidates) in &mut flats {
+        reduce(candidates, &mut room.spare, *normal, PREFERENCE * size);
+    }
     let index = |point: HullPoint| match point.feature {
         Feature::VertexOfFirst(index) => Some(index as usize),
         Feature::VertexOfSecond(_) | Feature::Edges(..) => None,
     };
-    flats.into_iter().flat_map(kept).filter_map(index).map(|index| points[index]).collect()
+    flats.into_iter().flat_map(|flat| flat.2).filter_map(index).map(|index| points[index]).collect()
 }

@@ -1,5 +1,6 @@
 //! Bodies on their ways through a frame, without contact.
 
+use crate::detection::radius;
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Motion, Pose};
 use glam::DVec3;
@@ -7,13 +8,17 @@ use glam::DVec3;
 /// A body's way from the frame's start: ballistic, its spin taken as constant.
 #[derive(Clone, Copy)]
 pub(crate) struct Flight {
-    start: Pose,
+    pub(crate) start: Pose,
     /// Of the centre of mass, at the start [m/s].
     pub(crate) linear: DVec3,
     /// [rad/s]
     pub(crate) angular: DVec3,
     /// [m/s^2]
     pub(crate) acceleration: DVec3,
+    /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
+    pub(crate) radius: f64,
+    /// No point of the body turns faster [m/s].
+    pub(crate) spin_speed: f64,
 }
 
 impl Flight {
@@ -28,7 +33,10 @@ impl Flight {
                 (velocity.linear, angular, frame.gravity)
             }
         };
-        Self { start, linear, angular, acceleration }
+        let (spin, radius) = (angular.length(), radius(&bodies.shapes[i]));
+        // What has no bounds does not spin.
+        let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
+        Self { start, linear, angular, acceleration, radius, spin_speed }
     }
 
     /// Where the body is after `time` [s].
@@ -37,14 +45,18 @@ impl Flight {
             return self.start;
         }
         Pose {
-            position: self.start.position + time * (self.linear + 0.5 * time * self.acceleration),
+            position: self.position(time),
             orientation: (rotation_by(time * self.angular) * self.start.orientation).normalize(),
         }
     }
 
+    fn position(&self, time: f64) -> DVec3 {
+        self.start.position + time * (self.linear + 0.5 * time * self.acceleration)
+    }
+
     /// Velocity of its material at a point of the world [m/s] after `time` [s].
     pub(crate) fn velocity(&self, point: DVec3, time: f64) -> DVec3 {
-        let lever = point - self.pose(time).position;
+        let lever = point - self.position(time);
         self.linear + time * self.acceleration + self.angular.cross(lever)
     }
 }

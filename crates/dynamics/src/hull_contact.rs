@@ -1,17 +1,14 @@
 //! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or edges across edges [Gregorius13].
 
+mod approach;
 mod axis;
 mod clip;
 mod nearest;
 mod reduce;
 
-use crate::detection::radius;
-use crate::flight::Flight;
-use crate::manifold::{ManifoldPoint, reach, surface_speed};
-use crate::pair::Pair;
-use crate::{Bodies, Frame, Pose};
-use axis::{View, edge_axis, face_axis};
-use clip::face_points;
+pub(crate) use approach::hull_points;
+use axis::{EdgeAxis, FaceAxis, Placement, Ridge, Seen, View, edge_axis, face_axis, gather_ridges};
+use clip::{Corner, face_points};
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
 use nearest::{between_edges, nearest_points};
@@ -58,215 +55,197 @@ pub(crate) struct HullPoint {
     pub(crate) feature: Feature,
 }
 
-/// How two hulls meet, in the first one's frame.
-#[derive(Clone, Debug)]
+/// How two hulls meet, in the first one's frame; their points are in a [`Room`].
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
     /// Unit, from the second to the first: they are apart by at least `gap` along it.
     pub(crate) normal: DVec3,
     /// [m]; negative if they overlap.
     pub(crate) gap: f64,
+}
+
+/// Room for what is found on the way to a pair's points, used again from pair to pair; nothing in it lasts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Room {
+    /// The points where two hulls meet.
     pub(crate) points: Vec<HullPoint>,
+    pub(crate) spare: Vec<HullPoint>,
+    polygon: Vec<Corner>,
+    clipped: Vec<Corner>,
+    seen: [Vec<Seen>; 2],
+    ridges: [Vec<Ridge>; 2],
 }
 
 /// How much better an axis must be than the one before it in the order of preference, relative to the size of the smaller hull: what
 /// rests does not change its features for less.
 pub(crate) const PREFERENCE: f64 = 5e-4;
 
-/// How two hulls of which the smaller one is of `size` [m] meet; `None` if they are more than `most` [m] apart.
-pub(crate) fn hull_contact(
-    first: &Hull,
-    second: &Hull,
-    first_from_second: &RigidTransform,
-    size: f64,
-    most: f64,
-) -> Option<HullContact> {
-    // The best of each kind of axis.
-    let (a, b) = (View::own(first), View::from_elsewhere(second, first_from_second));
-    let close = PREFERENCE * size;
-    let of_first = face_axis(&a, &b, most);
-    if of_first.separation > most {
-        return None;
-    }
-    let of_second = face_axis(&b, &a, most);
-    if of_second.separation > most {
-        return None;
-    }
-    // Edges that are nearest, or overlap less than the faces do, are within that distance of each other.
-    let face = of_first.separation.max(of_second.separation);
-    let within = most.max(-face);
-    let (edges_a, edges_b) = (a.edges_in(b.bounds(within)), b.edges_in(a.bounds(within)));
-    let of_edges = edge_axis(&a, &b, [&edges_a, &edges_b]);
-    let gap = of_edges.map_or(face, |edges| edges.separation.max(face));
-    if gap > most {
-        return None;
+/// Two hulls where they are.
+#[derive(Clone, Copy)]
+pub(crate) struct HullPair<'a> {
+    pub(crate) hulls: [&'a Hull; 2],
+    first_from_second: Placement,
+    second_from_first: Placement,
+    /// Lengths that differ by less are equal [m].
+    close: f64,
+}
+
+impl<'a> HullPair<'a> {
+    /// The smaller one is of `size` [m].
+    pub(crate) fn new(hulls: [&'a Hull; 2], first_from_second: &RigidTransform, size: f64) -> Self {
+        let first_from_second = Placement::new(first_from_second);
+        let second_from_first = first_from_second.inverse();
+        Self { hulls, first_from_second, second_from_first, close: PREFERENCE * size }
     }
 
-    // Edges, if they are clearly better than faces; then the first one's face, unless the second's is clearly better. A face
-    // that does not lie over the other hull is none.
-    let on_edges = || {
-        let axis = of_edges?;
+    /// In the first one's frame.
+    fn views(&self) -> [View<'_>; 2] {
+        [(self.hulls[0], None), (self.hulls[1], Some(&self.first_from_second))]
+            .map(|(hull, here_from_hull)| View { hull, here_from_hull })
+    }
+
+    /// The faces of each hull that the other is furthest away from; `None` if that is more than `most` [m].
+    fn face_axes(&self, most: f64) -> Option<[FaceAxis; 2]> {
+        let ([first, second], to_first, to_second) =
+            (self.hulls, &self.first_from_second, &self.second_from_first);
+        let of_first = face_axis(first, second, to_first, to_second, most);
+        if of_first.separation > most {
+            return None;
+        }
+        let of_second = face_axis(second, first, to_second, to_first, most);
+        (of_second.separation <= most).then_some([of_first, of_second])
+    }
+
+    /// The better one of two hulls' faces.
+    fn apart_by(&self, [of_first, of_second]: &[FaceAxis; 2]) -> HullContact {
+        let [first, second] = self.hulls;
+        if of_second.separation > of_first.separation {
+            let normal = self.first_from_second.direction(second.planes()[of_second.face].normal);
+            HullContact { normal, gap: of_second.separation }
+        } else {
+            HullContact { normal: -first.planes()[of_first.face].normal, gap: of_first.separation }
+        }
+    }
+
+    /// Signed distance along the axis that separates them best [m]; infinite if that is more than `most` [m].
+    pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
+        let of_faces = self.face_axes(most);
+        let contact = of_faces
+            .and_then(|axes| Some(self.contact(&axes, most, room)?.gap.max(self.apart_by(&axes).gap)));
+        contact.unwrap_or(f64::INFINITY)
+    }
+
+    /// How the two meet, given the best face of each, with their points in `room`; `None` if they are more than `most` [m] apart.
+    fn contact(&self, axes: &[FaceAxis; 2], most: f64, room: &mut Room) -> Option<HullContact> {
+        // The first one's face, unless the second's is clearly better. A face that does not lie over the other hull is none.
+        let face = axes[0].separation.max(axes[1].separation);
+        let prefer_first = axes[1].separation <= axes[0].separation + self.close;
+        let mut is_preferred = true;
+        self.face_points(axes, prefer_first, room);
+        if room.points.is_empty() {
+            is_preferred = false;
+            self.face_points(axes, !prefer_first, room);
+        }
+        if is_preferred
+            && let Some(point) = room.points.first()
+            && self.is_least(face, &room.points)
+        {
+            return Some(HullContact { normal: point.normal, gap: face });
+        }
+
+        // Edges, if they are clearly better than faces.
+        let within = self.furthest(axes, most, &room.points);
+        gather_ridges(self, axes, within, room);
+        let of_edges = edge_axis(&room.ridges);
+        let gap = of_edges.map_or(face, |edges| edges.separation.max(face));
+        if gap > most {
+            return None;
+        }
+        let on_edges = of_edges.and_then(|axis| self.on_edges(&axis));
+        if let Some(point) = on_edges
+            && point.gap > face + self.close
+        {
+            // What is over a face meets it when they turn about the edges.
+            room.points.retain(|point| is_preferred && point.gap > 0.0);
+            room.points.push(point);
+            return Some(HullContact { normal: point.normal, gap });
+        }
+        if let Some(point) = room.points.first() {
+            let of_other = axes[0].separation.min(axes[1].separation);
+            return Some(HullContact {
+                normal: point.normal,
+                gap: if is_preferred || gap > 0.0 { gap } else { of_other },
+            });
+        }
+
+        // What is nearest, or the edges if they overlap.
+        let point = if gap > 0.0 { nearest_points(self, &room.ridges, within) } else { on_edges }?;
+        room.points.push(point);
+        let gap = if gap > 0.0 { point.gap } else { gap };
+        (gap <= most).then_some(HullContact { normal: point.normal, gap })
+    }
+
+    /// Puts the points of one hull's face into `room`.
+    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, room: &mut Room) {
+        let [a, b] = self.views();
+        if of_first {
+            face_points([a, b], &axes[0], true, self.close, room);
+        } else {
+            face_points([b, a], &axes[1], false, self.close, room);
+        }
+    }
+
+    /// Whether points over a face show that no axis separates the hulls clearly better than the faces, which do by `face` [m].
+    fn is_least(&self, face: f64, points: &[HullPoint]) -> bool {
+        // Nothing is further apart than two of its points.
+        if face >= -self.close {
+            return points.iter().any(|point| point.gap <= face + self.close);
+        }
+        // What overlaps by less than the width of a ball that is inside of both overlaps by no less along any axis.
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for point in points.iter().filter(|point| point.gap <= 0.0) {
+            sum += 0.5 * (point.on[0] + point.on[1]);
+            count += 1.0;
+        }
+        if count == 0.0 {
+            return false;
+        }
+        let center = sum / count;
+        let centers = [center, self.second_from_first.point(center)];
+        let out = |side: usize| {
+            let heights = self.hulls[side].planes().iter().map(|plane| plane.distance(centers[side]));
+            heights.fold(f64::NEG_INFINITY, f64::max)
+        };
+        2.0 * out(0).max(out(1)) <= face + self.close
+    }
+
+    /// A distance that edges must come within if they are nearest, or overlap less than the faces do [m].
+    fn furthest(&self, axes: &[FaceAxis; 2], most: f64, points: &[HullPoint]) -> f64 {
+        let [of_first, of_second] = axes;
+        let [first, second] = self.hulls;
+        let least = points.iter().map(|point| point.gap).reduce(f64::min).unwrap_or_else(|| {
+            if of_first.separation >= of_second.separation {
+                let vertex = second.vertices()[of_first.vertex];
+                first.distance_and_gradient(self.first_from_second.point(vertex)).0
+            } else {
+                let vertex = first.vertices()[of_second.vertex];
+                second.distance_and_gradient(self.second_from_first.point(vertex)).0
+            }
+        });
+        least.min(most).max(-of_first.separation.max(of_second.separation)) + self.close
+    }
+
+    /// The point where the edges of an axis cross, if they do.
+    fn on_edges(&self, axis: &EdgeAxis) -> Option<HullPoint> {
+        let [a, b] = self.views();
         let on = between_edges(a.ends(axis.edges[0]), b.ends(axis.edges[1]))?;
         let [edge_a, edge_b] = axis.edges.map(|edge| edge as u32);
-        let (normal, gap) = (axis.normal, axis.separation);
-        Some(HullPoint { on, normal, gap, feature: Feature::Edges(edge_a, edge_b) })
-    };
-    let on_face = |of_first_hull: bool| {
-        if of_first_hull {
-            face_points(&a, &b, &of_first, true, close)
-        } else {
-            face_points(&b, &a, &of_second, false, close)
-        }
-    };
-    let edges_first = of_edges.is_some_and(|edges| edges.separation > face + close);
-    let prefer_first = of_second.separation <= of_first.separation + close;
-    if edges_first && let Some(point) = on_edges() {
-        // What is over a face meets it when they turn about the edges.
-        let mut points = on_face(prefer_first);
-        points.retain(|point| point.gap > 0.0);
-        points.push(point);
-        return Some(HullContact { normal: point.normal, gap, points });
-    }
-    for of_first_hull in [prefer_first, !prefer_first] {
-        let points = on_face(of_first_hull);
-        if let Some(point) = points.first() {
-            return Some(HullContact { normal: point.normal, gap, points });
-        }
-    }
-
-    // What is nearest, or the edges if they overlap.
-    let point = if gap > 0.0 {
-        nearest_points(&a, &b, [&edges_a, &edges_b], first_from_second, most)
-    } else {
-        on_edges()
-    }?;
-    let gap = if gap > 0.0 { point.gap } else { gap };
-    (gap <= most).then(|| HullContact { normal: point.normal, gap, points: vec![point] })
-}
-
-/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest; from further away, where they
-/// first touch.
-const NEAR: f64 = 0.02;
-
-/// What counts as touching on the way, relative to the smaller hull's size.
-const TOUCH: f64 = 1e-3;
-
-/// Steps along the way to the first touch.
-const MOST_STEPS: u32 = 32;
-
-/// Two hulls on their ballistic ways through a frame.
-struct Approach<'a> {
-    bodies: &'a Bodies,
-    pair: Pair,
-    hulls: [&'a Hull; 2],
-    flights: [Flight; 2],
-    frame: &'a Frame,
-    /// Of the smaller one [m].
-    size: f64,
-    /// How far apart they may be and still meet within the frame [m].
-    reach: f64,
-}
-
-/// An instant of it.
-struct Instant {
-    time: f64,
-    poses: [Pose; 2],
-    contact: HullContact,
-}
-
-/// The points at which two hulls touch, or first will within the frame: at most four.
-pub(crate) fn hull_points(
-    bodies: &Bodies,
-    pair: Pair,
-    hulls: [&Hull; 2],
-    frame: &Frame,
-) -> Vec<ManifoldPoint> {
-    let [first, second] = [pair.first, pair.second];
-    let approach = Approach {
-        bodies,
-        pair,
-        hulls,
-        flights: [first, second].map(|i| Flight::of(bodies, i, frame)),
-        frame,
-        size: radius(&bodies.shapes[first]).min(radius(&bodies.shapes[second])),
-        reach: reach(bodies, pair, frame),
-    };
-    let Some(mut instant) = approach.meeting() else { return Vec::new() };
-    let points = std::mem::take(&mut instant.contact.points);
-    let points = points.into_iter().filter(|point| approach.can_touch(&instant, point)).collect();
-    let points = reduce(points, instant.contact.normal, PREFERENCE * approach.size);
-    points.iter().map(|point| approach.manifold_point(&instant, point)).collect()
-}
-
-impl Approach<'_> {
-    /// When they meet: at the frame's start if they are near then, else when they first touch (conservative advancement along
-    /// separating axes [Mir96]). If they pass each other, when an axis that keeps them apart is found: their points hold in case
-    /// that others push them. `None` if they are out of reach.
-    fn meeting(&self) -> Option<Instant> {
-        let mut instant = self.at(0.0)?;
-        let mut enough = NEAR * self.size;
-        for _ in 0..MOST_STEPS {
-            let time = instant.time + instant.contact.gap / self.fastest_closing(&instant);
-            let is_passing = !(instant.time..=self.frame.dt).contains(&time);
-            if instant.contact.gap <= enough || is_passing {
-                break;
-            }
-            instant = self.at(time)?;
-            enough = TOUCH * self.size;
-        }
-        Some(instant)
-    }
-
-    fn at(&self, time: f64) -> Option<Instant> {
-        let poses = [self.flights[0].pose(time), self.flights[1].pose(time)];
-        let first_from_second = poses[0].world_from_body().inverse().after(&poses[1].world_from_body());
-        let [first, second] = self.hulls;
-        let contact = hull_contact(first, second, &first_from_second, self.size, self.reach)?;
-        Some(Instant { time, poses, contact })
-    }
-
-    /// No point of the pair closes faster along the normal until the frame's end [m/s]; negative if all separate.
-    fn fastest_closing(&self, instant: &Instant) -> f64 {
-        let normal = instant.poses[0].orientation * instant.contact.normal;
-        let towards = |flight: &Flight, i: usize, direction: DVec3| {
-            let turning = flight.angular.cross(normal).length() * radius(&self.bodies.shapes[i]);
-            let falling = self.frame.dt * flight.acceleration.dot(direction).max(0.0);
-            let begun = instant.time * flight.acceleration.dot(direction).min(0.0);
-            flight.linear.dot(direction) + begun + falling + turning
-        };
-        let [first, second] = &self.flights;
-        towards(first, self.pair.first, -normal) + towards(second, self.pair.second, normal)
-    }
-
-    /// Speed at which the surfaces close at a point [m/s].
-    fn closing(&self, instant: &Instant, point: &HullPoint) -> f64 {
-        let world_from_first = instant.poses[0].world_from_body();
-        let [on_first, on_second] = point.on.map(|point| world_from_first.point(point));
-        let [first, second] = &self.flights;
-        let velocity = first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
-        -velocity.dot(world_from_first.direction(point.normal))
-    }
-
-    /// Whether a point can touch within the frame, and comes from outside.
-    fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
-        let touch = self.manifold_point(instant, point);
-        let [on_first, on_second] = touch.on_surfaces(self.bodies, self.pair);
-        let is_outside = (on_first - on_second).dot(touch.normal) >= point.gap.min(0.0);
-        point.gap <= self.reach && (instant.time == 0.0 || is_outside)
-    }
-
-    fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
-        let world_from_first = instant.poses[0].world_from_body();
-        let second_from_world = instant.poses[1].world_from_body().inverse();
-        let normal = world_from_first.direction(point.normal);
-        let closing = self.closing(instant, point);
-        ManifoldPoint {
-            anchor_first: point.on[0],
-            rounding: [0.0; 2],
-            anchor_second: second_from_world.point(world_from_first.point(point.on[1])),
-            normal,
-            sample: point.feature.sample(self.hulls[1].edges().len()),
-            approach: surface_speed(self.bodies, self.pair, normal, closing, point.gap, self.frame),
-        }
+        Some(HullPoint {
+            on,
+            normal: axis.normal,
+            gap: axis.separation,
+            feature: Feature::Edges(edge_a, edge_b),
+        })
     }
 }
 

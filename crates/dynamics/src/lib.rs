@@ -15,6 +15,7 @@ pub mod contact_graph;
 mod contact_rows;
 pub mod detection;
 pub mod displacements;
+mod encounter;
 pub mod energy_fix;
 pub mod evolve;
 pub mod exact_rotation;

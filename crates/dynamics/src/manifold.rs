@@ -3,9 +3,10 @@
 
 use crate::ball_contact::BallContact;
 use crate::compound_contact::compound_points;
-use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point, radius};
+use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::encounter::{Encounter, sag};
 use crate::flight::Flight;
-use crate::hull_contact::hull_points;
+use crate::hull_contact::{Room, hull_points};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
 use crate::warm_start::{WarmStart, sample_key};
@@ -57,29 +58,44 @@ pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
 pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Vec<Manifold> {
+    let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
+    let mut finder = ManifoldFinder::default();
     let manifold = |&pair: &Pair| {
-        let points = find_points(bodies, pair, warm, frame);
-        (!points.is_empty()).then_some(Manifold { pair, points })
+        let flights = [flights[pair.first], flights[pair.second]];
+        finder.of_encounter(&Encounter::new(bodies, pair, flights, frame), warm)
     };
     pairs.iter().filter_map(manifold).collect()
 }
 
-fn find_points(bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> Vec<ManifoldPoint> {
-    // Balls, polyhedra and planes need no samples.
-    let (first, second) = placed(bodies, pair, &bodies.poses);
-    if let Some(points) = compound_points(bodies, pair, frame) {
-        return points;
+/// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it found before.
+#[derive(Clone, Debug, Default)]
+pub struct ManifoldFinder {
+    room: Room,
+    points: Vec<ManifoldPoint>,
+}
+
+impl ManifoldFinder {
+    /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the last frame.
+    pub fn find(&mut self, bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> Option<Manifold> {
+        self.of_encounter(&Encounter::of(bodies, pair, frame), warm)
     }
-    if let Some(points) = exact_points(bodies, pair, [Solid::of(first.shape), Solid::of(second.shape)], frame)
-    {
-        return points;
+
+    fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold> {
+        let Encounter { bodies, pair, .. } = *encounter;
+        let Self { room, points } = self;
+        points.clear();
+        if encounter.is_out_of_reach() {
+            return None;
+        }
+        // Balls, polyhedra and planes need no samples; everything else has some.
+        let solids = [pair.first, pair.second].map(|i| Solid::of(&bodies.shapes[i]));
+        if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
+            let candidates = find_candidates(encounter);
+            let chosen = choose(bodies, pair, &candidates, warm);
+            points.extend(chosen.into_iter().map(|index| candidates[index].point(bodies, pair)));
+        }
+        (!points.is_empty()).then(|| Manifold { pair, points: points.clone() })
     }
-    // Everything else has samples.
-    let candidates = find_candidates(bodies, pair, frame);
-    choose(bodies, pair, &candidates, warm)
-        .into_iter()
-        .map(|index| candidates[index].point(bodies, pair))
-        .collect()
 }
 
 /// What a body, or a part of one, is to those it meets.
@@ -118,31 +134,32 @@ impl<'a> Solid<'a> {
     }
 }
 
-/// The points of a pair of which one is a ball, or that has features; `None` for others.
+/// Adds the points of a pair of which one is a ball, or that has features; `false` for others.
 pub(crate) fn exact_points(
-    bodies: &Bodies,
-    pair: Pair,
+    encounter: &Encounter,
     solids: [Solid; 2],
-    frame: &Frame,
-) -> Option<Vec<ManifoldPoint>> {
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) -> bool {
     let ball = |ball_is_first: bool, radius: f64, other: Solid| {
         let surface = &|point: DVec3| other.distance_and_gradient(point);
-        BallContact { bodies, pair, ball_is_first, radius, surface }.point(frame).into_iter().collect()
+        BallContact { encounter, ball_is_first, radius, surface }.point()
     };
     match solids {
-        [Solid::Ball(radius), other] => Some(ball(true, radius, other)),
-        [other, Solid::Ball(radius)] => Some(ball(false, radius, other)),
+        [Solid::Ball(radius), other] => points.extend(ball(true, radius, other)),
+        [other, Solid::Ball(radius)] => points.extend(ball(false, radius, other)),
         [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            Some(hull_points(bodies, pair, [a, b], frame))
+            hull_points(encounter, [a, b], room, points);
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
-            Some(plane_points(bodies, pair, hull, true, ground, frame))
+            plane_points(encounter, hull, true, ground, room, points);
         }
         [Solid::Ground(ground), Solid::Hull(hull)] => {
-            Some(plane_points(bodies, pair, hull, false, ground, frame))
+            plane_points(encounter, hull, false, ground, room, points);
         }
-        _ => None,
+        _ => return false,
     }
+    true
 }
 
 /// A sample that may touch within the frame.
@@ -156,16 +173,17 @@ struct Candidate {
 }
 
 /// All samples of a pair that may touch within the frame.
-fn find_candidates(bodies: &Bodies, pair: Pair, frame: &Frame) -> Vec<Candidate> {
+fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
+    let Encounter { bodies, pair, frame, .. } = *encounter;
     let (first, second) = placed(bodies, pair, &bodies.poses);
-    let reach = reach(bodies, pair, frame) as f32;
+    let reach = encounter.reach as f32;
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, reach).find_penetrations(first, second, reach, &mut penetrations);
     let candidate = |penetration: &Penetration| {
         let contact = contact_point(first, second, penetration);
         let phi = f64::from(penetration.phi);
         let closing = -approach_speed(bodies, pair, contact.point, contact.normal);
-        let approach = surface_speed(bodies, pair, contact.normal, closing, phi, frame);
+        let approach = encounter.surface_speed(contact.normal, closing, phi);
         let sample = (penetration.sample_of_first, penetration.sample.into());
         // What separates, or is too far to get there, is left out.
         let touches = phi <= 0.0 || phi < frame.dt * closing + sag(frame);
@@ -235,36 +253,4 @@ pub(crate) fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: 
         bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever)
     };
     (velocity(pair.first) - velocity(pair.second)).dot(normal)
-}
-
-/// Speed at which a gap `phi` [m] that closes at `closing` [m/s] will be closed, gravity included [m/s].
-pub(crate) fn surface_speed(
-    bodies: &Bodies,
-    pair: Pair,
-    normal: DVec3,
-    closing: f64,
-    phi: f64,
-    frame: &Frame,
-) -> f64 {
-    let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
-    let acceleration = -(falls(pair.first) - falls(pair.second)).dot(normal);
-    let squared = closing * closing + 2.0 * acceleration * phi;
-    if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
-}
-
-/// How far apart two surfaces may be and still meet within the frame [m].
-pub(crate) fn reach(bodies: &Bodies, pair: Pair, frame: &Frame) -> f64 {
-    let speed = |i: usize| {
-        let Flight { linear, angular, .. } = Flight::of(bodies, i, frame);
-        let spin = angular.length();
-        // What has no bounds does not spin.
-        (linear, if spin > 0.0 { spin * radius(&bodies.shapes[i]) } else { 0.0 })
-    };
-    let ((first, spin_first), (second, spin_second)) = (speed(pair.first), speed(pair.second));
-    frame.dt * ((first - second).length() + spin_first + spin_second) + sag(frame)
-}
-
-/// How far a body falls in one frame from rest, twice over [m].
-pub(crate) fn sag(frame: &Frame) -> f64 {
-    frame.gravity.length() * frame.dt * frame.dt
 }

@@ -4,7 +4,7 @@ use crate::Bodies;
 use crate::broad_phase::find_pairs;
 use crate::compound_contact::near_parts;
 use crate::detection::{deepest, radius, second_from_first};
-use crate::hull_contact::hull_contact;
+use crate::hull_contact::{HullPair, Room};
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::{Pair, placed};
 use frangible_geometry::RigidTransform;
@@ -13,25 +13,26 @@ use frangible_geometry::RigidTransform;
 /// way that parts balls, half-spaces and convex polyhedra; of compounds, the deepest of their parts; of level sets, the deepest
 /// sample.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
-    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair)?));
+    let mut room = Room::default();
+    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &mut room)?));
     find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
 /// The same for one pair; `None` if it does not overlap.
-fn penetration(bodies: &Bodies, pair: Pair) -> Option<f64> {
+fn penetration(bodies: &Bodies, pair: Pair, room: &mut Room) -> Option<f64> {
     let (first, second) = placed(bodies, pair, &bodies.poses);
     let second_from_first = second_from_first(first, second);
     let solids = [Solid::of(first.shape), Solid::of(second.shape)];
     let compounds = [first, second].map(|body| body.shape.compound.as_deref());
 
     // Part by part, where there are some.
-    let depth_of = |parts: [Option<usize>; 2]| {
+    let mut depth_of = |parts: [Option<usize>; 2]| {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => solids[side],
         };
         let size = radius(first.shape).min(radius(second.shape));
-        separation([solid(0), solid(1)], &second_from_first, size)
+        separation([solid(0), solid(1)], &second_from_first, size, room)
     };
     let least = if compounds.iter().all(Option::is_none) {
         depth_of([None; 2])
@@ -46,7 +47,12 @@ fn penetration(bodies: &Bodies, pair: Pair) -> Option<f64> {
 
 /// How far apart two solids are along the axis that separates them best [m]; negative if they overlap, infinite or not if they do not.
 /// `None` for those that meet by their samples.
-fn separation(solids: [Solid; 2], second_from_first: &RigidTransform, size: f64) -> Option<f64> {
+fn separation(
+    solids: [Solid; 2],
+    second_from_first: &RigidTransform,
+    size: f64,
+    room: &mut Room,
+) -> Option<f64> {
     let first_from_second = second_from_first.inverse();
     match solids {
         [Solid::Ball(radius), other] => {
@@ -56,8 +62,7 @@ fn separation(solids: [Solid; 2], second_from_first: &RigidTransform, size: f64)
             Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
         }
         [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            let met = hull_contact(a, b, &first_from_second, size, 0.0);
-            Some(met.map_or(f64::INFINITY, |contact| contact.gap))
+            Some(HullPair::new([a, b], &first_from_second, size).separation(0.0, room))
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
             let heights = hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));

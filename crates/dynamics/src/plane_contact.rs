@@ -1,24 +1,21 @@
 //! Where a convex polyhedron touches a half-space within a frame: its vertices say.
 
-use crate::detection::radius;
-use crate::flight::Flight;
-use crate::hull_contact::{Feature, HullPoint, PREFERENCE, reduce};
-use crate::manifold::{ManifoldPoint, into_body, reach, sag, surface_speed};
-use crate::pair::Pair;
-use crate::{Bodies, Frame};
+use crate::encounter::{Encounter, sag};
+use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
+use crate::manifold::ManifoldPoint;
 use frangible_geometry::{HalfSpace, Hull};
 
-/// The vertices that touch a half-space, or may within the frame: at most four.
+/// Adds the vertices that touch a half-space, or may within the frame: at most four.
 pub(crate) fn plane_points(
-    bodies: &Bodies,
-    pair: Pair,
+    encounter: &Encounter,
     hull: &Hull,
     hull_is_first: bool,
     half_space: HalfSpace,
-    frame: &Frame,
-) -> Vec<ManifoldPoint> {
-    let (body, ground) = if hull_is_first { (pair.first, pair.second) } else { (pair.second, pair.first) };
-    let (flight, flight_ground) = (Flight::of(bodies, body, frame), Flight::of(bodies, ground, frame));
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) {
+    let [first, second] = &encounter.flights;
+    let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
 
     // The plane in the body's frame, now and at the frame's end.
     let plane_at = |time: f64| {
@@ -27,9 +24,13 @@ pub(crate) fn plane_points(
         let normal = body_from_ground.direction(half_space.normal);
         HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
     };
-    let (now, then) = (plane_at(0.0), plane_at(frame.dt));
-    let (reach, sag) = (reach(bodies, pair, frame), sag(frame));
-    let world_from_body = bodies.poses[body].world_from_body();
+    let Encounter { reach, frame, .. } = *encounter;
+    let now = plane_at(0.0);
+    if -now.offset > flight.radius + reach {
+        return;
+    }
+    let (then, sag) = (plane_at(frame.dt), sag(frame));
+    let world_from_body = flight.start.world_from_body();
     let outward = world_from_body.direction(now.normal);
     let closing = |point: &HullPoint| {
         let at = world_from_body.point(point.on[0]);
@@ -37,7 +38,7 @@ pub(crate) fn plane_points(
     };
 
     // What comes near now or later.
-    let mut points = Vec::new();
+    room.points.clear();
     for (number, &vertex) in hull.vertices().iter().enumerate() {
         let gap = now.distance(vertex);
         if gap > reach {
@@ -46,24 +47,28 @@ pub(crate) fn plane_points(
         let on = [vertex, vertex - gap * now.normal];
         let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
         if gap.min(then.distance(vertex)) <= sag || gap <= frame.dt * closing(&point) + sag {
-            points.push(point);
+            room.points.push(point);
         }
     }
 
+    let ground_from_world = flight_ground.start.world_from_body().inverse();
     let manifold_point = |point: &HullPoint| {
-        let [on_body, on_ground] = point.on.map(|at| world_from_body.point(at));
-        let (normal, on_first, on_second) =
-            if hull_is_first { (outward, on_body, on_ground) } else { (-outward, on_ground, on_body) };
+        let on_ground = ground_from_world.point(world_from_body.point(point.on[1]));
+        let (normal, anchor_first, anchor_second) = if hull_is_first {
+            (outward, point.on[0], on_ground)
+        } else {
+            (-outward, on_ground, point.on[0])
+        };
         let (_, vertex) = point.feature.sample(0);
         ManifoldPoint {
-            anchor_first: into_body(bodies, pair.first, on_first),
-            anchor_second: into_body(bodies, pair.second, on_second),
+            anchor_first,
+            anchor_second,
             rounding: [0.0; 2],
             normal,
             sample: (hull_is_first, vertex),
-            approach: surface_speed(bodies, pair, normal, closing(point), point.gap, frame),
+            approach: encounter.surface_speed(normal, closing(point), point.gap),
         }
     };
-    let close = PREFERENCE * radius(&bodies.shapes[body]);
-    reduce(points, now.normal, close).iter().map(manifold_point).collect()
+    reduce(&mut room.points, &mut room.spare, now.normal, PREFERENCE * flight.radius);
+    points.extend(room.points.iter().map(manifold_point));
 }

@@ -1,63 +1,89 @@
 //! The axis along which two hulls are furthest apart, or overlap least: separating axis test over faces and edges [Gregorius13].
 
+use super::{HullPair, Room};
 use frangible_geometry::{HalfSpace, Hull, RigidTransform};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
-/// A hull seen from the frame in which two of them meet.
-pub(crate) struct View<'a> {
-    pub(crate) hull: &'a Hull,
-    pub(crate) vertices: Vec<DVec3>,
-    pub(crate) planes: Vec<HalfSpace>,
+/// Where a frame is in another, ready to be used often.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    pub(crate) matrix: DMat3,
+    pub(crate) shift: DVec3,
 }
 
-impl<'a> View<'a> {
-    /// In its own frame.
-    pub(crate) fn own(hull: &'a Hull) -> Self {
-        let planes = hull.planes().to_vec();
-        Self { hull, vertices: hull.vertices().to_vec(), planes }
+impl Placement {
+    pub(crate) fn new(to_from_from: &RigidTransform) -> Self {
+        Self { matrix: to_from_from.matrix(), shift: to_from_from.translation }
     }
 
-    pub(crate) fn from_elsewhere(hull: &'a Hull, here_from_hull: &RigidTransform) -> Self {
-        let (matrix, shift) = (here_from_hull.matrix(), here_from_hull.translation);
-        let plane = |plane: HalfSpace| {
-            let normal = matrix * plane.normal;
-            HalfSpace { normal, offset: plane.offset + normal.dot(shift) }
-        };
-        Self {
-            hull,
-            vertices: hull.vertices().iter().map(|&vertex| matrix * vertex + shift).collect(),
-            planes: hull.planes().iter().map(|&each| plane(each)).collect(),
-        }
+    pub(crate) fn inverse(&self) -> Self {
+        let matrix = self.matrix.transpose();
+        Self { matrix, shift: -(matrix * self.shift) }
     }
 
-    /// Lowest and highest corner of all that is within `reach` [m].
-    pub(crate) fn bounds(&self, reach: f64) -> (DVec3, DVec3) {
-        let low = self.vertices.iter().fold(DVec3::INFINITY, |low, &vertex| low.min(vertex));
-        let high = self.vertices.iter().fold(DVec3::NEG_INFINITY, |high, &vertex| high.max(vertex));
-        (low - reach, high + reach)
+    pub(crate) fn point(&self, point: DVec3) -> DVec3 {
+        self.matrix * point + self.shift
     }
 
-    /// The vertices in a box, by number.
-    pub(crate) fn vertices_in(&self, (low, high): (DVec3, DVec3)) -> Vec<usize> {
-        let is_in = |&vertex: &usize| {
-            let point = self.vertices[vertex];
-            point.cmple(high).all() && point.cmpge(low).all()
-        };
-        (0..self.vertices.len()).filter(is_in).collect()
+    pub(crate) fn direction(&self, direction: DVec3) -> DVec3 {
+        self.matrix * direction
     }
 
-    /// The edges that come into a box, by number.
-    pub(crate) fn edges_in(&self, (low, high): (DVec3, DVec3)) -> Vec<usize> {
-        let comes_in = |&edge: &usize| {
-            let [start, end] = self.ends(edge);
-            start.min(end).cmple(high).all() && start.max(end).cmpge(low).all()
-        };
-        (0..self.hull.edges().len()).filter(comes_in).collect()
+    pub(crate) fn plane(&self, plane: HalfSpace) -> HalfSpace {
+        let normal = self.matrix * plane.normal;
+        HalfSpace { normal, offset: plane.offset + normal.dot(self.shift) }
+    }
+}
+
+/// A hull seen from the frame in which two of them meet.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) hull: &'a Hull,
+    /// `None` in its own frame.
+    pub(crate) here_from_hull: Option<&'a Placement>,
+}
+
+impl View<'_> {
+    pub(crate) fn vertex(&self, vertex: usize) -> DVec3 {
+        let point = self.hull.vertices()[vertex];
+        self.here_from_hull.map_or(point, |placement| placement.point(point))
+    }
+
+    pub(crate) fn plane(&self, face: usize) -> HalfSpace {
+        let plane = self.hull.planes()[face];
+        self.here_from_hull.map_or(plane, |placement| placement.plane(plane))
     }
 
     /// The ends of an edge [m].
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
-        self.hull.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
+        self.hull.edges()[edge].vertices.map(|vertex| self.vertex(vertex as usize))
+    }
+
+    /// A direction in the hull's own frame.
+    pub(crate) fn into_hull(self, direction: DVec3) -> DVec3 {
+        self.here_from_hull.map_or(direction, |placement| placement.matrix.transpose() * direction)
+    }
+}
+
+/// A ball inside of a hull, in the hull's frame [m].
+#[derive(Clone, Copy, Debug)]
+struct Core {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Core {
+    /// Around the centre of mass of a body, or the middle of the vertices if the frame has its origin elsewhere.
+    fn of(hull: &Hull) -> Self {
+        let least = |center: DVec3| {
+            hull.planes().iter().map(|plane| -plane.distance(center)).fold(f64::INFINITY, f64::min)
+        };
+        let radius = hull.planes().iter().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
+        if radius > 0.0 {
+            return Self { center: DVec3::ZERO, radius };
+        }
+        let center = hull.vertices().iter().sum::<DVec3>() / hull.vertices().len() as f64;
+        Self { center, radius: least(center) }
     }
 }
 
@@ -72,26 +98,69 @@ pub(crate) struct FaceAxis {
     pub(crate) separation: f64,
 }
 
-/// The face of `hull` that `other` is furthest away from; the first that it is more than `most` [m] away from.
-pub(crate) fn face_axis(hull: &View, other: &View, most: f64) -> FaceAxis {
-    let mut best = FaceAxis { face: 0, vertex: 0, separation: f64::NEG_INFINITY };
-    for (face, plane) in hull.planes.iter().enumerate() {
-        let (mut lowest, mut vertex) = (f64::INFINITY, 0);
-        for (index, &point) in other.vertices.iter().enumerate() {
-            let height = plane.normal.dot(point);
-            if height < lowest {
-                (lowest, vertex) = (height, index);
-            }
+/// The face of `hull` that `other` is furthest away from, the first of equals; any that it is more than `most` [m] away from.
+pub(crate) fn face_axis(
+    hull: &Hull,
+    other: &Hull,
+    hull_from_other: &Placement,
+    other_from_hull: &Placement,
+    most: f64,
+) -> FaceAxis {
+    // The face that looks most at a ball inside of the other.
+    let core = Core::of(other);
+    let center = hull_from_other.point(core.center);
+    let mut towards = (f64::NEG_INFINITY, 0);
+    for (face, plane) in hull.planes().iter().enumerate() {
+        let height = plane.distance(center);
+        if height > towards.0 {
+            towards = (height, face);
         }
-        let separation = lowest - plane.offset;
-        if separation > best.separation {
-            best = FaceAxis { face, vertex, separation };
-            if separation > most {
-                break;
-            }
+    }
+    let over = |face: usize| {
+        let plane = hull.planes()[face];
+        let (vertex, height) = lowest(other.vertices(), other_from_hull.direction(plane.normal));
+        FaceAxis { face, vertex, separation: height + plane.normal.dot(hull_from_other.shift) - plane.offset }
+    };
+    let deepest = |axis: &FaceAxis| hull_from_other.point(other.vertices()[axis.vertex]);
+    let mut best = over(towards.1);
+    let mut inside = deepest(&best);
+
+    // No other face is further away than from that ball, or from a vertex of the other.
+    for (face, plane) in hull.planes().iter().enumerate() {
+        if best.separation > most {
+            break;
+        }
+        let bound = (plane.distance(center) - core.radius).min(plane.distance(inside));
+        if bound < best.separation || face == best.face {
+            continue;
+        }
+        let next = over(face);
+        let is_first = face < best.face;
+        if next.separation > best.separation || (next.separation == best.separation && is_first) {
+            best = next;
+            inside = deepest(&best);
         }
     }
     best
+}
+
+/// The first of the points that are lowest in a direction, and how high that is [m].
+fn lowest(points: &[DVec3], direction: DVec3) -> (usize, f64) {
+    // Side by side, so that no comparison has to wait for the one before it.
+    const LANES: usize = 4;
+    let mut least = [f64::INFINITY; LANES];
+    let chunks = points.chunks_exact(LANES);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (least, point) in least.iter_mut().zip(chunk) {
+            let height = direction.dot(*point);
+            *least = if height < *least { height } else { *least };
+        }
+    }
+    let of_rest = rest.iter().map(|&point| direction.dot(point));
+    let least = least.into_iter().chain(of_rest).fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+    let at = points.iter().position(|&point| direction.dot(point) == least);
+    (at.unwrap_or(0), least)
 }
 
 /// A pair of edges whose common perpendicular separates two hulls.
@@ -105,32 +174,75 @@ pub(crate) struct EdgeAxis {
     pub(crate) separation: f64,
 }
 
-/// An edge and the normals beside it.
-struct Ridge {
-    edge: usize,
-    start: DVec3,
+/// An edge and the normals beside it, in the frame in which two hulls meet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ridge {
+    pub(crate) edge: usize,
+    pub(crate) ends: [DVec3; 2],
     along: DVec3,
     normals: [DVec3; 2],
 }
 
-fn ridges(view: &View, edges: &[usize]) -> Vec<Ridge> {
-    let ridge = |&edge: &usize| {
-        let [start, end] = view.ends(edge);
-        let normals = view.hull.edges()[edge].faces.map(|face| view.planes[face as usize].normal);
-        Ridge { edge, start, along: end - start, normals }
-    };
-    edges.iter().map(ridge).collect()
+/// A vertex, with its heights over the two best faces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    point: DVec3,
+    heights: [f64; 2],
+}
+
+/// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the best faces of both.
+pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
+    let views = pair.views();
+    let planes = [0, 1].map(|side| views[side].plane(axes[side].face));
+    for (view, seen) in views.iter().zip(&mut room.seen) {
+        let see = |vertex: usize| {
+            let point = view.vertex(vertex);
+            Seen { point, heights: planes.map(|plane| plane.distance(point)) }
+        };
+        seen.clear();
+        seen.extend((0..view.hull.vertices().len()).map(see));
+    }
+
+    // Each hull is below its own face; the other begins at the separation above it. What is of interest is in a box.
+    let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
+    for side in [1, 0] {
+        let (own, other) = (side, 1 - side);
+        let (least_own, most_other) = (axes[own].separation - within, within);
+        let (seen, ridges, view) = (&room.seen[side], &mut room.ridges[side], &views[side]);
+        let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        ridges.clear();
+        for (index, edge) in view.hull.edges().iter().enumerate() {
+            let [a, b] = edge.vertices.map(|vertex| seen[vertex as usize]);
+            let (low, high) = (a.point.min(b.point), a.point.max(b.point));
+            if a.heights[own].max(b.heights[own]) < least_own
+                || a.heights[other].min(b.heights[other]) > most_other
+                || low.cmpgt(bounds.1).any()
+                || high.cmplt(bounds.0).any()
+            {
+                continue;
+            }
+            // The part of it that is not too high above the other's face.
+            let part = [(a, b), (b, a)].map(|(from, to)| {
+                let above = from.heights[other] - most_other;
+                let part = above / (from.heights[other] - to.heights[other]);
+                if above > 0.0 { from.point.lerp(to.point, part) } else { from.point }
+            });
+            around = (around.0.min(part[0]).min(part[1]), around.1.max(part[0]).max(part[1]));
+            let normals = edge.faces.map(|face| view.plane(face as usize).normal);
+            ridges.push(Ridge { edge: index, ends: [a.point, b.point], along: b.point - a.point, normals });
+        }
+        bounds = (around.0 - within, around.1 + within);
+    }
 }
 
 /// The pair of some edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
 /// parallel.
-pub(crate) fn edge_axis(first: &View, second: &View, edges: [&[usize]; 2]) -> Option<EdgeAxis> {
+pub(crate) fn edge_axis([first, second]: &[Vec<Ridge>; 2]) -> Option<EdgeAxis> {
     // Sine of the angle below which edges count as parallel: then a face's normal does as well.
     const PARALLEL: f64 = 1e-3;
     let mut best: Option<EdgeAxis> = None;
-    let (ridges_first, ridges_second) = (ridges(first, edges[0]), ridges(second, edges[1]));
-    for of_first in &ridges_first {
-        for of_second in &ridges_second {
+    for of_first in first {
+        for of_second in second {
             // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
             // cross, else other features are further apart.
             let [c, d] = of_second.normals.map(|normal| normal.dot(of_first.along));
@@ -151,7 +263,7 @@ pub(crate) fn edge_axis(first: &View, second: &View, edges: [&[usize]; 2]) -> Op
             let across = across / squared.sqrt();
             let outward = of_second.normals[0] + of_second.normals[1];
             let normal = if across.dot(outward) < 0.0 { -across } else { across };
-            let separation = normal.dot(of_first.start - of_second.start);
+            let separation = normal.dot(of_first.ends[0] - of_second.ends[0]);
             if best.is_none_or(|best| separation > best.separation) {
                 best = Some(EdgeAxis { edges: [of_first.edge, of_second.edge], normal, separation });
             }

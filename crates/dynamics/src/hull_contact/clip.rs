@@ -1,11 +1,11 @@
 //! A face on a face: the part of one over the other [SH74].
 
 use super::axis::{FaceAxis, View};
-use super::{Feature, HullPoint};
+use super::{Feature, HullPoint, Room};
 use glam::DVec3;
 
 /// What a polygon's side lies on.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 enum Side {
     /// An edge of the incident hull.
     Incident(u32),
@@ -14,41 +14,60 @@ enum Side {
 }
 
 /// A corner of the polygon that is clipped.
-#[derive(Clone, Copy)]
-struct Corner {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
     point: DVec3,
     /// What it is, the reference hull being the first.
     feature: Feature,
     /// The polygon's side that begins here.
     side: Side,
+    /// Beyond the side of the reference face that clips, at first in any unit, then [m].
+    beyond: f64,
 }
 
-/// Points of the incident hull's face that lie over a reference face, each with its foot on it. Corners within `close` [m] of the
-/// reference face's sides count as lying on them, so that what is flush keeps its features.
+/// Finds the points of the incident hull's face that lie over a reference face, each with its foot on it. Corners within `close` [m]
+/// of the reference face's sides count as lying on them, so that what is flush keeps its features.
 pub(crate) fn face_points(
-    reference: &View,
-    incident: &View,
+    [reference, incident]: [View; 2],
     axis: &FaceAxis,
     reference_is_first: bool,
     close: f64,
-) -> Vec<HullPoint> {
-    let plane = reference.planes[axis.face];
+    room: &mut Room,
+) {
+    let Room { polygon, clipped, points, .. } = room;
+    let plane = reference.plane(axis.face);
     let face = reference.hull.face(axis.face);
     let count = face.vertices.len();
-    let mut polygon = incident_polygon(incident, axis.vertex as u32, plane.normal);
+    incident_polygon(&incident, axis.vertex as u32, plane.normal, polygon);
+    let mut start = reference.vertex(face.vertices[0] as usize);
     for at in 0..count {
-        let [start, end] =
-            [at, (at + 1) % count].map(|corner| reference.vertices[face.vertices[corner] as usize]);
-        let outward = (end - start).cross(plane.normal).normalize_or_zero();
-        let height = |point: DVec3| outward.dot(point - start);
+        // What is not beyond the side stays as it is.
+        let next = (at + 1) % count;
+        let end = reference.vertex(face.vertices[next] as usize);
+        let outward = (end - start).cross(plane.normal);
+        let mut highest = 0.0_f64;
+        for corner in polygon.iter_mut() {
+            corner.beyond = outward.dot(corner.point - start);
+            highest = highest.max(corner.beyond);
+        }
+        start = end;
+        if highest <= 0.0 {
+            continue;
+        }
+        let scale = 1.0 / outward.length();
+        if scale * highest <= close {
+            continue;
+        }
+        polygon.iter_mut().for_each(|corner| corner.beyond *= scale);
         let crossing = |side: Side| match side {
             Side::Incident(edge) => Feature::Edges(face.edges[at], edge),
             // The corner of the reference face between the two sides.
             Side::Reference(other) => {
-                Feature::VertexOfFirst(face.vertices[if (at + 1) % count == other { other } else { at }])
+                Feature::VertexOfFirst(face.vertices[if next == other { other } else { at }])
             }
         };
-        polygon = clip(&polygon, Side::Reference(at), close, height, crossing);
+        clip(polygon, Side::Reference(at), close, crossing, clipped);
+        std::mem::swap(polygon, clipped);
     }
 
     let point = |corner: &Corner| {
@@ -57,47 +76,49 @@ pub(crate) fn face_points(
         if reference_is_first {
             HullPoint { on: [foot, corner.point], normal: -plane.normal, gap, feature: corner.feature }
         } else {
-            HullPoint {
-                on: [corner.point, foot],
-                normal: plane.normal,
-                gap,
-                feature: corner.feature.swapped(),
-            }
+            let feature = corner.feature.swapped();
+            HullPoint { on: [corner.point, foot], normal: plane.normal, gap, feature }
         }
     };
-    polygon.iter().map(point).collect()
+    points.clear();
+    points.extend(polygon.iter().map(point));
 }
 
 /// Of the faces around a vertex, the one that looks most against `normal`.
-fn incident_polygon(incident: &View, vertex: u32, normal: DVec3) -> Vec<Corner> {
-    let (mut lowest, mut chosen) = (f64::INFINITY, None);
-    for (face, plane) in incident.hull.faces().zip(&incident.planes) {
+fn incident_polygon(incident: &View, vertex: u32, normal: DVec3, polygon: &mut Vec<Corner>) {
+    let hull = incident.hull;
+    let normal = incident.into_hull(normal);
+    let (mut lowest, mut chosen) = (f64::INFINITY, 0);
+    for (face, plane) in hull.planes().iter().enumerate() {
         let slope = plane.normal.dot(normal);
-        if slope < lowest && face.vertices.contains(&vertex) {
-            (lowest, chosen) = (slope, Some(face));
+        if slope < lowest && hull.face(face).vertices.contains(&vertex) {
+            (lowest, chosen) = (slope, face);
         }
     }
+    let face = hull.face(chosen);
     let corner = |(&vertex, &edge): (&u32, &u32)| Corner {
-        point: incident.vertices[vertex as usize],
+        point: incident.vertex(vertex as usize),
         feature: Feature::VertexOfSecond(vertex),
         side: Side::Incident(edge),
+        beyond: 0.0,
     };
-    chosen.map_or(Vec::new(), |face| face.vertices.iter().zip(face.edges).map(corner).collect())
+    polygon.clear();
+    polygon.extend(face.vertices.iter().zip(face.edges).map(corner));
 }
 
-/// The part of a polygon at heights of at most `close` [m]; sides that go further up are cut at height 0, where they are what
+/// The part of a polygon that is at most `close` [m] beyond a side; sides that go further are cut on it, where they are what
 /// `crossing` says.
 fn clip(
     polygon: &[Corner],
     cut: Side,
     close: f64,
-    height: impl Fn(DVec3) -> f64,
     crossing: impl Fn(Side) -> Feature,
-) -> Vec<Corner> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    kept: &mut Vec<Corner>,
+) {
+    kept.clear();
     for (at, corner) in polygon.iter().enumerate() {
-        let next = &polygon[(at + 1) % polygon.len()];
-        let (from, to) = (height(corner.point), height(next.point));
+        let next = &polygon[if at + 1 == polygon.len() { 0 } else { at + 1 }];
+        let (from, to) = (corner.beyond, next.beyond);
         let (is_out, next_is_out) = (from > close, to > close);
         if !is_out {
             // Where the polygon leaves, the cut takes over.
@@ -107,8 +128,7 @@ fn clip(
         if (from < -close && next_is_out) || (is_out && to < -close) {
             let point = corner.point.lerp(next.point, from / (from - to));
             let side = if is_out { corner.side } else { cut };
-            kept.push(Corner { point, feature: crossing(corner.side), side });
+            kept.push(Corner { point, feature: crossing(corner.side), side, beyond: 0.0 });
         }
     }
-    kept
 }

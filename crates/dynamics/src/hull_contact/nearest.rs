@@ -1,48 +1,55 @@
 //! The nearest points of two hulls that are apart.
 
-use super::axis::View;
-use super::{Feature, HullPoint};
-use frangible_geometry::RigidTransform;
+use super::axis::Ridge;
+use super::{Feature, HullPair, HullPoint};
+use frangible_geometry::Hull;
 use glam::DVec3;
 
 /// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they touch or overlap, or are more than
 /// `most` [m] apart.
-pub(crate) fn nearest_points(
-    first: &View,
-    second: &View,
-    edges: [&[usize]; 2],
-    first_from_second: &RigidTransform,
-    most: f64,
-) -> Option<HullPoint> {
+pub(crate) fn nearest_points(pair: &HullPair, ridges: &[Vec<Ridge>; 2], most: f64) -> Option<HullPoint> {
     let mut best: Option<HullPoint> = None;
     let mut consider = |on: [DVec3; 2], feature: Feature| {
         let gap = on[0].distance(on[1]);
         if best.is_none_or(|best| gap < best.gap) {
             best = Some(HullPoint { on, normal: DVec3::ZERO, gap, feature });
         }
+        best.map_or(most, |best| best.gap.min(most))
     };
-    for &vertex in &first.vertices_in(second.bounds(most)) {
-        let point = first.vertices[vertex];
-        let (distance, gradient) =
-            second.hull.distance_and_gradient(first_from_second.inverse().point(point));
-        let foot = point - distance.max(0.0) * first_from_second.direction(gradient);
-        consider([point, foot], Feature::VertexOfFirst(vertex as u32));
+
+    let [first, second] = pair.hulls;
+    let mut least = most;
+    for (vertex, &point) in first.vertices().iter().enumerate() {
+        if let Some(foot) = foot_on(second, pair.second_from_first.point(point), least) {
+            let on = [point, pair.first_from_second.point(foot)];
+            least = consider(on, Feature::VertexOfFirst(vertex as u32));
+        }
     }
-    for &vertex in &second.vertices_in(first.bounds(most)) {
-        let point = second.vertices[vertex];
-        let (distance, gradient) = first.hull.distance_and_gradient(point);
-        consider([point - distance.max(0.0) * gradient, point], Feature::VertexOfSecond(vertex as u32));
+    for (vertex, &point) in second.vertices().iter().enumerate() {
+        let point = pair.first_from_second.point(point);
+        if let Some(foot) = foot_on(first, point, least) {
+            least = consider([foot, point], Feature::VertexOfSecond(vertex as u32));
+        }
     }
-    for &a in edges[0] {
-        for &b in edges[1] {
-            if let Some(on) = between_edges(first.ends(a), second.ends(b)) {
-                consider(on, Feature::Edges(a as u32, b as u32));
+    for a in &ridges[0] {
+        for b in &ridges[1] {
+            if let Some(on) = between_edges(a.ends, b.ends) {
+                consider(on, Feature::Edges(a.edge as u32, b.edge as u32));
             }
         }
     }
-    let best = best?;
+    let best = best.filter(|best| best.gap <= most)?;
     let normal = (best.on[0] - best.on[1]).try_normalize()?;
     Some(HullPoint { normal, ..best })
+}
+
+/// The point of a hull that is nearest to a point, both in its frame; `None` if it is more than `most` [m] away.
+fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
+    if hull.planes().iter().any(|plane| plane.distance(point) > most) {
+        return None;
+    }
+    let (distance, gradient) = hull.distance_and_gradient(point);
+    (distance <= most).then(|| point - distance.max(0.0) * gradient)
 }
 
 /// The nearest points of the lines through two edges; `None` if they are not inside of the edges, or the edges are parallel.

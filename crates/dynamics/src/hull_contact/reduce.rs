@@ -9,49 +9,64 @@ const MOST_POINTS: usize = 4;
 /// A later candidate must be better by this to be taken instead of an earlier one, so that equal ones do not take turns.
 const BETTER: f64 = 1.05;
 
-/// At most four of the points: a deepest one, the one furthest from it, and those that span the largest area on both sides of the
-/// line between them. Depths that differ by less than `close` [m] are equal.
-pub(crate) fn reduce(mut points: Vec<HullPoint>, normal: DVec3, close: f64) -> Vec<HullPoint> {
+/// Leaves at most four of the points: a deepest one, the one furthest from it, and those that span the largest area on both sides of
+/// the line between them. Depths that differ by less than `close` [m] are equal. `all` is room.
+pub(crate) fn reduce(points: &mut Vec<HullPoint>, all: &mut Vec<HullPoint>, normal: DVec3, close: f64) {
     // A direction along no axis, to tell equal ones apart always in the same way.
     const SOMEWHERE: DVec3 = DVec3::new(0.43, 0.57, 0.7);
     if points.len() <= MOST_POINTS {
-        return points;
+        return;
     }
     let middle = |point: &HullPoint| 0.5 * (point.on[0] + point.on[1]);
-    let across = |a: &HullPoint, b: &HullPoint| {
+    let across_squared = |a: &HullPoint, b: &HullPoint| {
         let between = middle(a) - middle(b);
-        (between - between.dot(normal) * normal).length()
+        (between - between.dot(normal) * normal).length_squared()
     };
 
     // What is more above another point than beside it touches after it.
-    let all = points.clone();
-    points.retain(|point| all.iter().all(|other| point.gap - other.gap <= across(point, other).max(close)));
+    all.clear();
+    all.extend_from_slice(points);
+    points.retain(|point| {
+        all.iter().all(|other| {
+            let above = point.gap - other.gap;
+            above <= close || above * above <= across_squared(point, other)
+        })
+    });
 
+    // Those that are taken go to the front, in turn; the others keep their order.
     let deepest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
     let least = points.iter().map(|point| SOMEWHERE.dot(middle(point))).fold(f64::INFINITY, f64::min) - close;
-    let mut kept = Vec::with_capacity(MOST_POINTS);
-    take_best(&mut points, &mut kept, |point| {
+    let mut taken = 0;
+    let mut take = |score: &dyn Fn(&HullPoint) -> f64| {
+        let best = best_of(&points[taken..], score).map(|index| taken + index);
+        if let Some(index) = best {
+            points[taken..=index].rotate_right(1);
+            taken += 1;
+        }
+        best.map(|_| points[taken - 1])
+    };
+    let depth = |point: &HullPoint| {
         if point.gap <= deepest + close { SOMEWHERE.dot(middle(point)) - least } else { 0.0 }
-    });
-    let Some(&a) = kept.first() else { return kept };
-    take_best(&mut points, &mut kept, |point| across(point, &a));
-    let Some(&b) = kept.get(1) else { return kept };
+    };
     // Twice the area of the triangle with two kept points, positive to the left.
     let area = |p: &HullPoint, q: &HullPoint, point: &HullPoint| {
         normal.dot((middle(q) - middle(p)).cross(middle(point) - middle(p)))
     };
-    take_best(&mut points, &mut kept, |point| area(&a, &b, point).abs());
-    let Some(&c) = kept.get(2) else { return kept };
-    let side = if area(&a, &b, &c) < 0.0 { -1.0 } else { 1.0 };
-    take_best(&mut points, &mut kept, |point| {
-        let beyond = [area(&b, &a, point), area(&c, &b, point), area(&a, &c, point)];
-        beyond.into_iter().map(|area| side * area).fold(f64::NEG_INFINITY, f64::max)
-    });
-    kept
+    if let Some(a) = take(&depth)
+        && let Some(b) = take(&|point| across_squared(point, &a).sqrt())
+        && let Some(c) = take(&|point| area(&a, &b, point).abs())
+    {
+        let side = if area(&a, &b, &c) < 0.0 { -1.0 } else { 1.0 };
+        take(&|point| {
+            let beyond = [area(&b, &a, point), area(&c, &b, point), area(&a, &c, point)];
+            beyond.into_iter().map(|area| side * area).fold(f64::NEG_INFINITY, f64::max)
+        });
+    }
+    points.truncate(taken);
 }
 
-/// Moves the point of the highest score over, if that is positive.
-fn take_best(points: &mut Vec<HullPoint>, kept: &mut Vec<HullPoint>, score: impl Fn(&HullPoint) -> f64) {
+/// The point of the highest score, if that is positive.
+fn best_of(points: &[HullPoint], score: &dyn Fn(&HullPoint) -> f64) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for (index, point) in points.iter().enumerate() {
         let score = score(point);
@@ -59,7 +74,5 @@ fn take_best(points: &mut Vec<HullPoint>, kept: &mut Vec<HullPoint>, score: impl
             best = Some((index, score));
         }
     }
-    if let Some((index, _)) = best {
-        kept.push(points.remove(index));
-    }
+    best.map(|(index, _)| index)
 }

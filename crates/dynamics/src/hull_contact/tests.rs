@@ -1,7 +1,9 @@
 use super::*;
-use crate::manifold::find_manifolds;
+use crate::flight::Flight;
+use crate::manifold::{ManifoldPoint, find_manifolds};
+use crate::pair::Pair;
 use crate::warm_start::WarmStart;
-use crate::{Contactant, Motion, NewBody, StepSettings, Velocity};
+use crate::{Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -24,11 +26,21 @@ fn at(position: DVec3, turn: DVec3) -> RigidTransform {
     RigidTransform::new(DQuat::from_scaled_axis(turn), position)
 }
 
-fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> HullContact {
-    hull_contact(first, second, first_from_second, 1.0, 10.0).unwrap()
+/// How two hulls meet.
+struct Met {
+    normal: DVec3,
+    gap: f64,
+    points: Vec<HullPoint>,
 }
 
-fn names(contact: &HullContact) -> BTreeSet<(bool, u64)> {
+fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> Met {
+    let (pair, mut room) = (HullPair::new([first, second], first_from_second, 1.0), Room::default());
+    let axes = pair.face_axes(10.0).unwrap();
+    let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut room).unwrap();
+    Met { normal, gap, points: room.points }
+}
+
+fn names(contact: &Met) -> BTreeSet<(bool, u64)> {
     contact.points.iter().map(|point| point.feature.sample(100)).collect()
 }
 
@@ -191,7 +203,8 @@ proptest! {
             }
         };
         let points: Vec<HullPoint> = points.into_iter().map(point).collect();
-        let kept = reduce(points.clone(), DVec3::Y, 1e-4);
+        let mut kept = points.clone();
+        reduce(&mut kept, &mut Vec::new(), DVec3::Y, 1e-4);
         prop_assert!((1..=4).contains(&kept.len()));
         let deepest = |points: &[HullPoint]| points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
         prop_assert!(deepest(&kept) <= deepest(&points) + 1e-4);

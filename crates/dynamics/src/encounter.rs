@@ -1,0 +1,53 @@
+//! Two bodies on their ballistic ways through a frame.
+
+use crate::flight::Flight;
+use crate::pair::Pair;
+use crate::{Bodies, Frame};
+use glam::DVec3;
+
+/// A pair of bodies and how they fly through a frame.
+pub(crate) struct Encounter<'a> {
+    pub(crate) bodies: &'a Bodies,
+    pub(crate) pair: Pair,
+    pub(crate) flights: [Flight; 2],
+    pub(crate) frame: &'a Frame,
+    /// How far apart two surfaces may be and still meet within the frame [m].
+    pub(crate) reach: f64,
+    /// Radius of the smaller one [m].
+    pub(crate) size: f64,
+}
+
+impl<'a> Encounter<'a> {
+    /// Of a pair whose bodies fly as told.
+    pub(crate) fn new(bodies: &'a Bodies, pair: Pair, flights: [Flight; 2], frame: &'a Frame) -> Self {
+        let [first, second] = &flights;
+        let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
+        let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
+        Self { bodies, pair, flights, frame, reach, size }
+    }
+
+    /// The same for a pair alone.
+    pub(crate) fn of(bodies: &'a Bodies, pair: Pair, frame: &'a Frame) -> Self {
+        Self::new(bodies, pair, [pair.first, pair.second].map(|i| Flight::of(bodies, i, frame)), frame)
+    }
+
+    /// Whether balls around the two cannot meet within the frame.
+    pub(crate) fn is_out_of_reach(&self) -> bool {
+        let [first, second] = &self.flights;
+        let most = first.radius + second.radius + self.reach;
+        first.start.position.distance_squared(second.start.position) > most * most
+    }
+
+    /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed, gravity included [m/s].
+    pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
+        let [first, second] = &self.flights;
+        let acceleration = -(first.acceleration - second.acceleration).dot(normal);
+        let squared = closing * closing + 2.0 * acceleration * phi;
+        if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
+    }
+}
+
+/// How far a body falls in one frame from rest, twice over [m].
+pub(crate) fn sag(frame: &Frame) -> f64 {
+    frame.gravity.length() * frame.dt * frame.dt
+}

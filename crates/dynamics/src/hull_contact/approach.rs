@@ -1,0 +1,132 @@
+//! When two hulls meet on their ways through a frame.
+
+use super::{HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
+use crate::encounter::Encounter;
+use crate::flight::Flight;
+use crate::manifold::ManifoldPoint;
+use frangible_geometry::{Hull, RigidTransform};
+use glam::DVec3;
+
+/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest; from further away, where they
+/// first touch.
+const NEAR: f64 = 0.02;
+
+/// What counts as touching on the way, relative to the smaller hull's size.
+const TOUCH: f64 = 1e-3;
+
+/// Steps along the way to the first touch.
+const MOST_STEPS: u32 = 32;
+
+/// Two hulls on their ballistic ways through a frame.
+struct Approach<'a> {
+    encounter: &'a Encounter<'a>,
+    hulls: [&'a Hull; 2],
+}
+
+/// An instant of it.
+struct Instant<'a> {
+    time: f64,
+    world_from_first: RigidTransform,
+    pair: HullPair<'a>,
+    contact: HullContact,
+}
+
+/// Adds the points at which two hulls touch, or first will within the frame: at most four.
+pub(crate) fn hull_points(
+    encounter: &Encounter,
+    hulls: [&Hull; 2],
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) {
+    let approach = Approach { encounter, hulls };
+    let Some(instant) = approach.meeting(room) else { return };
+    room.points.retain(|point| approach.can_touch(&instant, point));
+    reduce(&mut room.points, &mut room.spare, instant.contact.normal, PREFERENCE * encounter.size);
+    points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
+}
+
+impl<'a> Approach<'a> {
+    /// When they meet, with their points in `room`: at the frame's start if they are near then, else when they first touch
+    /// (conservative advancement along separating axes [Mir96]). If they pass each other, when an axis that keeps them apart is
+    /// found: their points hold in case that others push them. `None` if they are out of reach.
+    fn meeting(&self, room: &mut Room) -> Option<Instant<'a>> {
+        let Encounter { size, reach, frame, .. } = *self.encounter;
+        let (mut time, mut enough) = (0.0, NEAR * size);
+        let mut steps_left = MOST_STEPS;
+        loop {
+            // Faces say how far they may go, until they no longer do.
+            let poses = [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
+            let [world_from_first, world_from_second] =
+                [poses[0].world_from_body(), poses[1].world_from_body()];
+            let first_from_second = world_from_first.inverse().after(&world_from_second);
+            let pair = HullPair::new(self.hulls, &first_from_second, size);
+            let axes = pair.face_axes(reach)?;
+            let mut apart = pair.apart_by(&axes);
+            let is_far = apart.gap > enough;
+            if !is_far {
+                apart = pair.contact(&axes, reach, room)?;
+            }
+
+            // On to where the gap cannot have closed before.
+            let next = time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
+            steps_left -= 1;
+            if apart.gap <= enough || !(time..=frame.dt).contains(&next) || steps_left == 0 {
+                let contact = if is_far { pair.contact(&axes, reach, room)? } else { apart };
+                return Some(Instant { time, world_from_first, pair, contact });
+            }
+            (time, enough) = (next, TOUCH * size);
+        }
+    }
+
+    /// No point of the pair closes faster along a normal, in the world frame, from an instant until the frame's end [m/s]; negative
+    /// if all separate.
+    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
+        let dt = self.encounter.frame.dt;
+        let towards = |flight: &Flight, direction: DVec3| {
+            let turning = flight.angular.cross(normal).length() * flight.radius;
+            let falling = dt * flight.acceleration.dot(direction).max(0.0);
+            let begun = time * flight.acceleration.dot(direction).min(0.0);
+            flight.linear.dot(direction) + begun + falling + turning
+        };
+        let [first, second] = &self.encounter.flights;
+        towards(first, -normal) + towards(second, normal)
+    }
+
+    /// Whether a point can touch within the frame, and comes from outside.
+    fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
+        if point.gap > self.encounter.reach {
+            return false;
+        }
+        if instant.time == 0.0 {
+            return true;
+        }
+        let [on_first, on_second] = [
+            self.encounter.flights[0].start.world_from_body().point(point.on[0]),
+            self.encounter.flights[1].start.world_from_body().point(instant.on_second(point)),
+        ];
+        let normal = instant.world_from_first.direction(point.normal);
+        (on_first - on_second).dot(normal) >= point.gap.min(0.0)
+    }
+
+    fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
+        let [on_first, on_second] = point.on.map(|on| instant.world_from_first.point(on));
+        let normal = instant.world_from_first.direction(point.normal);
+        let [first, second] = &self.encounter.flights;
+        let velocity = first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
+        ManifoldPoint {
+            anchor_first: point.on[0],
+            rounding: [0.0; 2],
+            anchor_second: instant.on_second(point),
+            normal,
+            sample: point.feature.sample(self.hulls[1].edges().len()),
+            approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
+        }
+    }
+}
+
+impl Instant<'_> {
+    /// Where a point is on the second hull, in that one's frame [m].
+    fn on_second(&self, point: &HullPoint) -> DVec3 {
+        self.pair.second_from_first.point(point.on[1])
+    }
+}
