@@ -68,16 +68,14 @@ impl BallContact<'_> {
 
     /// The instant of the first touch within the frame, after `start`; `None` if they pass or do not get there.
     fn first_touch(&self, start: Gap) -> Option<Gap> {
-        // No two of their points move faster relative to each other.
-        let Encounter { reach, frame, .. } = *self.encounter;
-        let fastest = reach / frame.dt;
+        let (most_speed, dt) = (self.encounter.most_speed(), self.encounter.frame.dt);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
                 return Some(gap);
             }
-            let time = gap.time + CAUTION * gap.phi / fastest;
-            if time > frame.dt {
+            let time = gap.time + CAUTION * gap.phi / most_speed;
+            if time > dt {
                 break;
             }
             gap = self.gap(time);

@@ -2,9 +2,11 @@
 
 use crate::contact_rows::Arm;
 use crate::detection::{ContactPoint, NearSamples};
+use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
-use crate::manifold::{ManifoldPoint, find_manifolds};
+use crate::manifold::{ManifoldFinder, ManifoldPoint};
 use crate::pair::{Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
+use crate::penetration::penetration;
 use crate::tally::Cause;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose, Tally};
@@ -85,11 +87,14 @@ pub fn strike(
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
     let mut broken = vec![false; bodies.len()];
+    let mut finder = ManifoldFinder::default();
     for &pair in pairs {
-        if broken[pair.first] || broken[pair.second] || borne_by(bodies, pair).is_infinite() {
+        if broken[pair.first] || broken[pair.second] || bears_all(bodies, pair, frame) {
             continue;
         }
-        let Some((approach, touch)) = next_touch(bodies, pair, predicted, frame) else { continue };
+        let Some((approach, touch)) = next_touch(bodies, pair, predicted, &mut finder, frame) else {
+            continue;
+        };
         let surfaces = bodies.pair_contactant(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
         let acts = (approach.contact.point, impulse.at_contact.length());
@@ -110,6 +115,14 @@ pub fn strike(
     blows
 }
 
+/// Whether both bodies of a pair bear whatever happens between them within the frame: no impulse that makes no energy, and so
+/// lets `|u + K j| <= |u|` in the measure of the pair's K, is larger than twice the reduced mass times their speed.
+fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
+    let borne = borne_by(bodies, pair);
+    let answer = bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
+    borne.is_infinite() || borne * answer >= 2.0 * Encounter::of(bodies, pair, frame).most_speed()
+}
+
 /// A collision within the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Coming {
@@ -125,7 +138,8 @@ pub struct Coming {
 
 /// The collision that a pair is about to have on its way to `predicted`, if any.
 pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<Coming> {
-    let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, frame)?;
+    let finder = &mut ManifoldFinder::default();
+    let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, finder, frame)?;
     let surfaces = bodies.pair_contactant(pair.first, pair.second);
     let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
     Some(Coming { approach, impulse, point: contact.point, poses })
@@ -150,9 +164,15 @@ pub fn pass_on(
 }
 
 /// How a pair approaches where it will touch first within the frame, seen at its start, and the touch itself.
-fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<(Approach, Touch)> {
+fn next_touch(
+    bodies: &Bodies,
+    pair: Pair,
+    predicted: &[Pose],
+    finder: &mut ManifoldFinder,
+    frame: &Frame,
+) -> Option<(Approach, Touch)> {
     // Of the points of its manifold, the one whose gap closes first.
-    let manifold = find_manifolds(bodies, &[pair], &WarmStart::default(), frame).into_iter().next();
+    let manifold = finder.find(bodies, pair, &WarmStart::default(), frame);
     let due = |point: &ManifoldPoint| {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
@@ -174,6 +194,7 @@ fn next_touch(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) ->
     }
 
     // What turns fast may touch though no point of it approaches now: look at the frame's end.
+    penetration(bodies, pair, predicted, &mut finder.room)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, 0.0).find_penetrations(first, second, 0.0, &mut penetrations);

@@ -1,11 +1,11 @@
 //! Where a compound of convex polyhedra touches another body: part by part, without what glued parts hide of each other.
 
-use crate::Bodies;
 use crate::broad_phase::Bounds;
+use crate::detection::{Placed, second_from_first};
 use crate::encounter::Encounter;
 use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{ManifoldPoint, Solid, exact_points};
-use crate::pair::Pair;
+use crate::pair::placed;
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
@@ -32,7 +32,8 @@ pub(crate) fn compound_points(
     }
 
     let (mut all, mut of_parts) = (Vec::new(), Vec::new());
-    for parts in near_parts(bodies, pair, compounds, encounter.reach) {
+    let (first, second) = placed(bodies, pair, &bodies.poses);
+    for parts in near_parts([first, second], compounds, encounter.reach) {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => Solid::of(shapes[side]),
@@ -64,20 +65,19 @@ pub(crate) fn compound_points(
 
 /// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each other.
 pub(crate) fn near_parts(
-    bodies: &Bodies,
-    pair: Pair,
+    placed: [Placed; 2],
     compounds: [Option<&Compound>; 2],
     reach: f64,
 ) -> Vec<[Option<usize>; 2]> {
-    let frames = [pair.first, pair.second].map(|i| bodies.poses[i].world_from_body());
-    let second_from_first = frames[1].inverse().after(&frames[0]);
+    let of_second = bounds_of(placed[1].shape);
+    let second_from_first = second_from_first(placed[0], placed[1]);
     let near = |compound: &Compound, of: Bounds| {
         let Bounds { low, high } = of.grown(reach);
         compound.parts_near(low, high)
     };
     match compounds {
         [Some(first), Some(second)] => {
-            let of_second = bounds_of(&bodies.shapes[pair.second]).seen_from(&second_from_first.inverse());
+            let of_second = of_second.seen_from(&second_from_first.inverse());
             let with_second = |a: usize| {
                 let (low, high) = first.parts()[a].bounds;
                 let of_part = Bounds { low, high }.seen_from(&second_from_first);
@@ -88,9 +88,9 @@ pub(crate) fn near_parts(
         [Some(compound), None] | [None, Some(compound)] => {
             let is_first = compounds[0].is_some();
             let (other, compound_from_other) = if is_first {
-                (&bodies.shapes[pair.second], second_from_first.inverse())
+                (placed[1].shape, second_from_first.inverse())
             } else {
-                (&bodies.shapes[pair.first], second_from_first)
+                (placed[0].shape, second_from_first)
             };
             let parts = if let Solid::Ground(ground) = Solid::of(other) {
                 let normal = compound_from_other.direction(ground.normal);

@@ -31,6 +31,11 @@ impl<'a> Encounter<'a> {
         Self::new(bodies, pair, [pair.first, pair.second].map(|i| Flight::of(bodies, i, frame)), frame)
     }
 
+    /// No two points of the pair move faster against each other at any time of the frame [m/s].
+    pub(crate) fn most_speed(&self) -> f64 {
+        self.reach / self.frame.dt
+    }
+
     /// Whether balls around the two cannot meet within the frame.
     pub(crate) fn is_out_of_reach(&self) -> bool {
         let [first, second] = &self.flights;

@@ -58,8 +58,12 @@ pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
 pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Vec<Manifold> {
-    let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
     let mut finder = ManifoldFinder::default();
+    if pairs.len() < bodies.len() {
+        return pairs.iter().filter_map(|&pair| finder.find(bodies, pair, warm, frame)).collect();
+    }
+    // Most bodies are in some pairs: how each flies is found out once.
+    let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
     let manifold = |&pair: &Pair| {
         let flights = [flights[pair.first], flights[pair.second]];
         finder.of_encounter(&Encounter::new(bodies, pair, flights, frame), warm)
@@ -70,7 +74,7 @@ pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: 
 /// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it found before.
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldFinder {
-    room: Room,
+    pub(crate) room: Room,
     points: Vec<ManifoldPoint>,
 }
 

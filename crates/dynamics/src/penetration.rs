@@ -1,12 +1,12 @@
 //! How deep bodies are in each other.
 
-use crate::Bodies;
 use crate::broad_phase::find_pairs;
 use crate::compound_contact::near_parts;
 use crate::detection::{deepest, radius, second_from_first};
 use crate::hull_contact::{HullPair, Room};
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::{Pair, placed};
+use crate::{Bodies, Pose};
 use frangible_geometry::RigidTransform;
 
 /// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in increasing order of the pairs: the shortest
@@ -14,13 +14,13 @@ use frangible_geometry::RigidTransform;
 /// sample.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut room = Room::default();
-    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &mut room)?));
+    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut room)?));
     find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
-/// The same for one pair; `None` if it does not overlap.
-fn penetration(bodies: &Bodies, pair: Pair, room: &mut Room) -> Option<f64> {
-    let (first, second) = placed(bodies, pair, &bodies.poses);
+/// The same for one pair with its bodies at the given poses; `None` if it does not overlap.
+pub(crate) fn penetration(bodies: &Bodies, pair: Pair, poses: &[Pose], room: &mut Room) -> Option<f64> {
+    let (first, second) = placed(bodies, pair, poses);
     let second_from_first = second_from_first(first, second);
     let solids = [Solid::of(first.shape), Solid::of(second.shape)];
     let compounds = [first, second].map(|body| body.shape.compound.as_deref());
@@ -37,7 +37,7 @@ fn penetration(bodies: &Bodies, pair: Pair, room: &mut Room) -> Option<f64> {
     let least = if compounds.iter().all(Option::is_none) {
         depth_of([None; 2])
     } else {
-        let of_parts = near_parts(bodies, pair, compounds, 0.0).into_iter().map(depth_of);
+        let of_parts = near_parts([first, second], compounds, 0.0).into_iter().map(depth_of);
         of_parts.reduce(|a, b| Some(a?.min(b?))).unwrap_or(Some(f64::INFINITY))
     };
     // What has no features has samples.
@@ -79,7 +79,7 @@ fn separation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
+    use crate::{Contactant, Motion, NewBody, Velocity};
     use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;
