@@ -29,6 +29,9 @@ const NOT_FILLED: f64 = 1e-10;
 /// other. Volumes tell of those that lie nearer.
 const BEYOND: f64 = 1e-6;
 
+/// Planes or pieces that there are room for at first.
+const FEW: usize = 16;
+
 /// A part of the parent, on its way to a fragment.
 struct Piece {
     hull: Hull,
@@ -59,11 +62,9 @@ pub fn shatter_hull(
 
     // Cut each cell's part out.
     let mut workshop = Workshop::new(hull, parent.volume);
-    let mut pieces: Vec<Piece> = regions
-        .iter()
-        .zip(0..)
-        .filter_map(|(region, cell)| workshop.cell(&placement, region, cell))
-        .collect();
+    let mut pieces: Vec<Piece> = Vec::with_capacity(regions.len());
+    let cells = regions.iter().zip(0..);
+    pieces.extend(cells.filter_map(|(region, cell)| workshop.cell(&placement, region, cell)));
     workshop.merge_slivers(&mut pieces, settings.smallest_fragment_part);
 
     // Neighbours share their vertices.
@@ -72,14 +73,15 @@ pub fn shatter_hull(
     weld_hulls(&mut hulls, SAME_VERTEX * workshop.size());
 
     // Principal frame and body of each piece.
-    let fragment = |(hull, (mass, cell)): (Hull, (MassProperties, u32))| {
-        let shape = Shape::convex_with_mass(hull, &mass, parent.sample_spacing()).ok()?;
-        Some(Fragment::new(parent, shape, cell))
-    };
-    let fragments: Option<Vec<Fragment>> = hulls.into_iter().zip(masses).map(fragment).collect();
+    let mut fragments = Vec::with_capacity(hulls.len());
+    for (hull, (mass, cell)) in hulls.into_iter().zip(masses) {
+        let Ok(shape) = Shape::convex_with_mass(hull, &mass, parent.sample_spacing()) else {
+            return Vec::new();
+        };
+        fragments.push(Fragment::new(parent, shape, cell));
+    }
 
     // Nothing is lost, and nothing is there twice.
-    let fragments = fragments.unwrap_or_default();
     let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
     if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume { fragments } else { Vec::new() }
 }
@@ -106,7 +108,9 @@ impl<'a> Workshop<'a> {
         let square = |vertex: &DVec3| vertex.distance_squared(middle);
         let radius = parent.vertices().iter().map(square).fold(0.0, f64::max).sqrt();
         let carver = Carver::new(parent);
-        Self { middle, half, radius, volume, carver, cuts: Vec::new(), reaching: Vec::new() }
+        // A few planes of each cell reach the parent.
+        let (cuts, reaching) = (Vec::with_capacity(FEW * FEW), Vec::with_capacity(FEW));
+        Self { middle, half, radius, volume, carver, cuts, reaching }
     }
 
     /// The parent's longest side [m].

@@ -95,8 +95,8 @@ pub(crate) struct Tetrahedra {
     squares: [[f64; LANES]; 3],
     /// and the products of x y, y z, z x.
     products: [[f64; LANES]; 3],
-    /// Those that wait for others: the coordinates of their corners, and how many there are.
-    waiting: [[[f64; LANES]; 3]; 3],
+    /// Those that wait for others: their corners, and how many there are.
+    waiting: [[DVec3; 3]; LANES],
     count: usize,
 }
 
@@ -104,11 +104,7 @@ impl Tetrahedra {
     /// Adds the one to a triangle that is seen counter-clockwise from outside.
     #[inline]
     pub(crate) fn add(&mut self, corners: [DVec3; 3]) {
-        for (waiting, corner) in self.waiting.iter_mut().zip(corners) {
-            for (waiting, coordinate) in waiting.iter_mut().zip(corner.to_array()) {
-                waiting[self.count] = coordinate;
-            }
-        }
+        self.waiting[self.count] = corners;
         self.count += 1;
         if self.count == LANES {
             self.sum_up();
@@ -116,19 +112,14 @@ impl Tetrahedra {
     }
 
     fn sum_up(&mut self) {
-        let [a, b, c] = &self.waiting;
-        for lane in 0..LANES {
-            let cross = |u: usize, v: usize| b[u][lane] * c[v][lane] - b[v][lane] * c[u][lane];
-            let determinant = a[0][lane] * cross(1, 2) + a[1][lane] * cross(2, 0) + a[2][lane] * cross(0, 1);
+        for (lane, corners) in self.waiting.iter().enumerate() {
+            let [a, b, c] = corners.map(|corner| corner.to_array());
+            let cross = |u: usize, v: usize| b[u] * c[v] - b[v] * c[u];
+            let determinant = a[0] * cross(1, 2) + a[1] * cross(2, 0) + a[2] * cross(0, 1);
             self.determinant[lane] += determinant;
-            let sum: [f64; 3] = std::array::from_fn(|axis| a[axis][lane] + b[axis][lane] + c[axis][lane]);
+            let sum: [f64; 3] = std::array::from_fn(|axis| a[axis] + b[axis] + c[axis]);
             for axis in 0..3 {
-                let product = |u: usize, v: usize| {
-                    a[u][lane] * a[v][lane]
-                        + b[u][lane] * b[v][lane]
-                        + c[u][lane] * c[v][lane]
-                        + sum[u] * sum[v]
-                };
+                let product = |u: usize, v: usize| a[u] * a[v] + b[u] * b[v] + c[u] * c[v] + sum[u] * sum[v];
                 self.first[axis][lane] += determinant * sum[axis];
                 self.squares[axis][lane] += determinant * product(axis, axis);
                 self.products[axis][lane] += determinant * product(axis, (axis + 1) % 3);
@@ -140,9 +131,7 @@ impl Tetrahedra {
     /// Of all of them, if the origin that they have a corner in is here.
     pub(crate) fn mass_properties(mut self, origin: DVec3) -> MassProperties {
         // What is left waits with tetrahedra of no volume.
-        for coordinates in self.waiting.iter_mut().flatten() {
-            coordinates[self.count..].fill(0.0);
-        }
+        self.waiting[self.count..].fill([DVec3::ZERO; 3]);
         self.sum_up();
         let sum = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
         let vector = |sums: [[f64; LANES]; 3]| DVec3::from_array(sums.map(sum));

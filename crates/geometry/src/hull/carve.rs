@@ -279,15 +279,20 @@ impl Part {
             let first = part.sides.len() as u32;
             let (corners, edges) = (net.corners(face), net.edges_along(face));
             part.faces.push(Face { plane, first, inner: net.is_inner(face) });
-            for (&origin, &edge) in corners.iter().zip(edges) {
-                let at = part.sides.len() as u32;
-                let next = if at + 1 == first + corners.len() as u32 { first } else { at + 1 };
-                let twin = std::mem::replace(&mut side_of[edge as usize], at);
-                if twin != NONE {
-                    part.sides[twin as usize].twin = at;
-                }
+            part.sides.extend(corners.iter().zip(edges).zip(first..).map(|((&origin, &edge), at)| {
                 part.vertices[origin as usize].leaving = at;
-                part.sides.push(Side { origin, next, twin, face: face as u32 });
+                let twin = std::mem::replace(&mut side_of[edge as usize], at);
+                Side { origin, next: at + 1, twin, face: face as u32 }
+            }));
+            if let Some(last) = part.sides.last_mut() {
+                last.next = first;
+            }
+        }
+        // The second side of an edge knows the first.
+        for at in 0..part.sides.len() {
+            let twin = part.sides[at].twin;
+            if twin != NONE {
+                part.sides[twin as usize].twin = at as u32;
             }
         }
         part
