@@ -135,24 +135,24 @@ struct VoxelMoments {
     volume: f64,
     /// Volume times position.
     first: DVec3,
-    /// Volume times position times position transposed, of the voxels' middles.
-    second: DMat3,
+    /// Volume times x x, y y, z z of the voxels' middles.
+    squares: DVec3,
+    /// Volume times x y, y z, z x.
+    products: DVec3,
 }
 
 impl VoxelMoments {
     /// Of nothing.
-    const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+    const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, squares: DVec3::ZERO, products: DVec3::ZERO };
 
-    /// Adds voxels along x: the sums of their coverage, and of coverage times x and times x^2, with x counted from `point`.
-    fn add_row(&mut self, point: DVec3, [volume, along, square]: [f64; 3]) {
-        let along = DVec3::new(along, 0.0, 0.0);
+    /// Adds voxels along x at some y and z: the sums of their coverage, and of coverage times x and times x^2.
+    #[inline]
+    fn add_row(&mut self, [y, z]: [f64; 2], [volume, along, square]: [f64; 3]) {
+        let (along_y, along_z) = (volume * y, volume * z);
         self.volume += volume;
-        self.first += volume * point + along;
-        let mixed = outer(along, point);
-        self.second += outer(volume * point, point)
-            + mixed
-            + mixed.transpose()
-            + DMat3::from_diagonal(DVec3::new(square, 0.0, 0.0));
+        self.first += DVec3::new(along, along_y, along_z);
+        self.squares += DVec3::new(square, along_y * y, along_z * z);
+        self.products += DVec3::new(along * y, along_y * z, along * z);
     }
 
     /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m], of voxels of
@@ -164,7 +164,12 @@ impl VoxelMoments {
         }
         let center = self.first / self.volume;
         let own = DMat3::from_diagonal(DVec3::splat(self.volume / 12.0));
-        let inertia = inertia_from_second_moments(self.second - outer(self.first, center) + own);
+        let second = DMat3::from_cols(
+            DVec3::new(self.squares.x, self.products.x, self.products.z),
+            DVec3::new(self.products.x, self.squares.y, self.products.y),
+            DVec3::new(self.products.z, self.products.y, self.squares.z),
+        );
+        let inertia = inertia_from_second_moments(second - outer(self.first, center) + own);
         let voxel = spacing * spacing * spacing;
         MassProperties {
             volume: self.volume * voxel,
@@ -181,7 +186,7 @@ pub fn mass_properties(grid: &Grid, runs: &[Run]) -> MassProperties {
     let mut moments = VoxelMoments::ZERO;
     for run in runs {
         let [y, z] = run.row.map(f64::from);
-        moments.add_row(DVec3::new(0.0, y - half_y, z - half_z), run.moments);
+        moments.add_row([y - half_y, z - half_z], run.moments);
     }
     let (low, high) = grid.bounds();
     moments.mass_properties(0.5 * (low + high), grid.spacing)
@@ -339,12 +344,15 @@ mod tests {
         for (index, &fraction) in coverage.iter().enumerate() {
             let [i, j, k] = grid.coordinates(index);
             let place = (grid.node(i, j, k) - offset) / grid.spacing;
-            parts[index * 31 % 7].add_row(place, [f64::from(fraction), 0.0, 0.0]);
+            let volume = f64::from(fraction);
+            let moments = [volume, volume * place.x, volume * place.x * place.x];
+            parts[index * 31 % 7].add_row([place.y, place.z], moments);
         }
         let summed = VoxelMoments {
             volume: parts.iter().map(|part| part.volume).sum(),
             first: parts.iter().map(|part| part.first).sum(),
-            second: parts.iter().map(|part| part.second).sum(),
+            squares: parts.iter().map(|part| part.squares).sum(),
+            products: parts.iter().map(|part| part.products).sum(),
         }
         .mass_properties(offset, grid.spacing);
         let whole = dense_mass_properties(&grid, &coverage);

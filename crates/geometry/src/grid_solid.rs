@@ -119,7 +119,7 @@ impl GridSolid {
     /// says which material is the part's, with the rows of this solid's grid, in order.
     ///
     /// Its outline knows the first of the intersections: the others are slivers that joined it.
-    pub fn clipped(&self, share: &[Run], regions: &[&[HalfSpace]]) -> Self {
+    pub fn clipped(&self, share: impl Iterator<Item = Run> + Clone, regions: &[&[HalfSpace]]) -> Self {
         let mut part = self.part(share);
         let extent = part.extent();
         let old: Vec<&[HalfSpace]> = if self.parts.is_empty() {
@@ -144,7 +144,11 @@ impl GridSolid {
     }
 
     /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
-    pub fn intersected(&self, share: &[Run], distance: impl Fn(DVec3) -> f64) -> Self {
+    pub fn intersected(
+        &self,
+        share: impl Iterator<Item = Run> + Clone,
+        distance: impl Fn(DVec3) -> f64,
+    ) -> Self {
         let mut part = self.part(share);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
@@ -171,18 +175,14 @@ impl GridSolid {
     }
 
     /// Grid, field and material of a part, without its planes.
-    fn part(&self, share: &[Run]) -> Self {
-        let mut low = [usize::MAX; 3];
+    fn part(&self, share: impl Iterator<Item = Run> + Clone) -> Self {
+        let mut low = [u32::MAX; 3];
         let mut high = [0; 3];
-        for run in share {
-            let [j, k] = run.row.map(|n| n as usize);
-            let first = [run.start as usize, j, k];
-            let last = [run.end as usize - 1, j, k];
-            for axis in 0..3 {
-                low[axis] = low[axis].min(first[axis]);
-                high[axis] = high[axis].max(last[axis]);
-            }
+        for Run { row: [j, k], start, end, .. } in share.clone() {
+            low = [low[0].min(start), low[1].min(j), low[2].min(k)];
+            high = [high[0].max(end - 1), high[1].max(j), high[2].max(k)];
         }
+        let [low, high] = [low, high].map(|corner| corner.map(|n| n as usize));
 
         // The part's own lattice; it may reach beyond this one's.
         let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * MARGIN - low[axis]);

@@ -53,11 +53,18 @@ impl Run {
         self.end = nodes.end;
         self.inside += if span.inside { count } else { 0 };
         let middle = 0.5 * (f64::from(nodes.start + nodes.end - 1) - (width - 1) as f64);
+        let coverage = f64::from(span.coverage);
+        if count == 1 {
+            self.moments[0] += coverage;
+            self.moments[1] += coverage * middle;
+            self.moments[2] += coverage * (middle * middle);
+            return;
+        }
         let count = f64::from(count);
-        let volume = count * f64::from(span.coverage);
+        let volume = count * coverage;
         self.moments[0] += volume;
         self.moments[1] += volume * middle;
-        self.moments[2] += volume * (middle * middle + (count * count - 1.0) / 12.0);
+        self.moments[2] += volume * (middle * middle + (count * count - 1.0) * (1.0 / 12.0));
     }
 
     /// Whether nodes from `start` on, of a row, follow this run's.
@@ -109,10 +116,15 @@ impl Held {
     }
 
     /// Some of it, `share` in order, on a grid whose first node is `from` here.
-    pub(crate) fn part(&self, share: &[Run], from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
+    pub(crate) fn part(
+        &self,
+        share: impl Iterator<Item = Run>,
+        from: [i64; 3],
+        (grid, own): (&Grid, &Grid),
+    ) -> Self {
         // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
         let ahead = 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64;
-        let moved = |run: &Run| {
+        let moved = |run: Run| {
             let across = |axis: usize| (i64::from(run.row[axis]) - from[axis + 1]) as u32;
             let along = |i: u32| (i64::from(i) - from[0]) as u32;
             let [volume, first, second] = run.moments;
@@ -125,7 +137,7 @@ impl Held {
             }
         };
         Self {
-            runs: share.iter().map(moved).collect(),
+            runs: share.map(moved).collect(),
             source: self.material().clone(),
             shift: from,
             rows_y: [own.dims[1], grid.dims[1]],
@@ -256,7 +268,7 @@ mod tests {
                 share.extend((cut.start < cut.end).then_some(cut));
             }
             let own = Grid { dims: [10, 7, 6], ..grid };
-            let part = whole.part(&share, [-2, -1, -3], (&grid, &own));
+            let part = whole.part(share.iter().copied(), [-2, -1, -3], (&grid, &own));
             let again = Held::all(&own, part.material().as_ref().clone());
             prop_assert_eq!(part.runs.len(), again.runs.len());
             for (a, b) in part.runs.iter().zip(&again.runs) {

@@ -43,21 +43,7 @@ pub(crate) fn connected_components(
     convex_slivers: Option<f64>,
 ) -> Components {
     if solid.is_convex() && convex_slivers.is_some() {
-        let mut components = Components::empty(shares);
-        let mut of_region = Vec::new();
-        for (share, component) in shares.all.iter().zip(&mut components.of_share) {
-            let region = share.region as usize;
-            if of_region.len() <= region {
-                of_region.resize(region + 1, NONE);
-            }
-            if of_region[region] == NONE {
-                of_region[region] = components.region.len() as u32;
-                components.region.push(share.region);
-            }
-            *component = of_region[region];
-        }
-        components.weigh(shares);
-        return components;
+        return of_convex(shares);
     }
     split_surface(solid, shares);
     let mut components = connect_inside(solid, shares);
@@ -66,6 +52,28 @@ pub(crate) fn connected_components(
     components.weigh(shares);
     if let Some(smallest) = convex_slivers {
         rejoin_tips(solid, shares, &mut components, smallest);
+    }
+    components
+}
+
+/// One component for each region that holds anything, numbered in the order of their first shares.
+fn of_convex(shares: &Shares) -> Components {
+    let mut components = Components::empty(shares);
+    let mut of_region = Vec::new();
+    for (Share { run, region }, of_share) in shares.all.iter().zip(&mut components.of_share) {
+        let region_number = *region as usize;
+        if of_region.len() <= region_number {
+            of_region.resize(region_number + 1, NONE);
+        }
+        if of_region[region_number] == NONE {
+            of_region[region_number] = components.region.len() as u32;
+            components.region.push(*region);
+            components.has_inside.push(false);
+            components.material.push(0.0);
+        }
+        *of_share = of_region[region_number];
+        components.has_inside[*of_share as usize] |= run.inside > 0;
+        components.material[*of_share as usize] += run.moments[0];
     }
     components
 }

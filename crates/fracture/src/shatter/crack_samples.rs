@@ -13,30 +13,38 @@ pub(crate) struct CrackSample {
     pub(crate) normal: DVec3,
 }
 
-/// Points of all cracks around a region within the parent, about `spacing` [m] apart: corners, edges, rims, and the faces
-/// between them. Neighbours follow each other.
-pub(crate) fn crack_samples(parent: &Parent, region: &Region, spacing: f64) -> Vec<CrackSample> {
-    let mut sampler =
-        Sampler { parent, spacing, samples: Vec::new(), edges: Vec::new(), corners: Vec::new() };
-    for cut in &region.cuts {
-        if parent.misses(&cut.half_space) {
-            continue;
-        }
-        // What is flat cuts the face exactly, so that its corners are the fragment's corners.
-        let mut face = std::borrow::Cow::Borrowed(cut.face.as_slice());
-        for wall in &parent.walls {
-            if face.is_empty() {
-                break;
-            }
-            if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
-                face = polygon::clip(&face, wall).into();
-            }
-        }
-        if face.len() >= 3 {
-            sampler.sample_face(&face, cut.half_space.normal);
-        }
+impl<'a> Sampler<'a> {
+    /// Of cracks within the parent, by points about `spacing` [m] apart.
+    pub(crate) fn new(parent: &'a Parent<'a>, spacing: f64) -> Self {
+        let (samples, edges, corners) = (Vec::new(), Vec::new(), Vec::new());
+        Self { parent, spacing, samples, edges, corners, lines: Lines::default() }
     }
-    sampler.samples
+
+    /// Points of all cracks around a region: corners, edges, rims, and the faces between them. Neighbours follow each other.
+    pub(crate) fn sample(&mut self, region: &Region) -> &[CrackSample] {
+        self.samples.clear();
+        self.edges.clear();
+        self.corners.clear();
+        for cut in &region.cuts {
+            if self.parent.misses(&cut.half_space) {
+                continue;
+            }
+            // What is flat cuts the face exactly, so that its corners are the fragment's corners.
+            let mut face = std::borrow::Cow::Borrowed(cut.face.as_slice());
+            for wall in &self.parent.walls {
+                if face.is_empty() {
+                    break;
+                }
+                if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
+                    face = polygon::clip(&face, wall).into();
+                }
+            }
+            if face.len() >= 3 {
+                self.sample_face(&face, cut.half_space.normal);
+            }
+        }
+        &self.samples
+    }
 }
 
 /// What cracks are cut off by.
@@ -177,14 +185,49 @@ fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
     (from < to).then_some([from, to])
 }
 
-/// Collects samples of the faces of one region.
-struct Sampler<'a> {
+/// Collects samples of the faces of one region, in memory that it keeps from one to the next.
+pub(crate) struct Sampler<'a> {
     parent: &'a Parent<'a>,
     spacing: f64,
     samples: Vec<CrackSample>,
     /// The edges and corners that another face has brought already.
     edges: Vec<(DVec3, DVec3)>,
     corners: Vec<DVec3>,
+    /// Of the face that is being sampled.
+    lines: Lines,
+}
+
+/// Points on neighbouring lines.
+#[derive(Default)]
+struct Lines {
+    points: Vec<DVec3>,
+    /// Where the points of each line end.
+    ends: Vec<usize>,
+}
+
+impl Lines {
+    /// The points of one line.
+    fn line(&self, line: usize) -> &[DVec3] {
+        let start = if line == 0 { 0 } else { self.ends[line - 1] };
+        &self.points[start..self.ends[line]]
+    }
+
+    /// All points, a tile of neighbouring lines after the other.
+    fn in_tiles(&self, mut take: impl FnMut(&DVec3)) {
+        // As many as fill a cluster.
+        const TILE: usize = 4;
+        for first_line in (0..self.ends.len()).step_by(TILE) {
+            let band = first_line..(first_line + TILE).min(self.ends.len());
+            let longest = band.clone().map(|line| self.line(line).len()).max().unwrap_or(0);
+            for first in (0..longest).step_by(TILE) {
+                for line in band.clone() {
+                    let points = self.line(line);
+                    let tile = first.min(points.len())..(first + TILE).min(points.len());
+                    points[tile].iter().for_each(&mut take);
+                }
+            }
+        }
+    }
 }
 
 /// A face in its plane.
@@ -227,26 +270,28 @@ impl Sampler<'_> {
     /// Points on lines along the longest edge, and where these leave the parent; where the rim runs along them, lines across
     /// find it.
     fn sample_inside(&mut self, face: &Face) {
-        let mut lines: Vec<Vec<DVec3>> = Vec::new();
+        self.lines.points.clear();
+        self.lines.ends.clear();
         let mut stretches = Vec::new();
         for [from, to] in face_lines(&face.flat, self.spacing) {
             let (start, end) = (face.point(from), face.point(to));
             self.parent.inside(start, end, self.spacing, &mut stretches);
-            let mut line = Vec::new();
             for &stretch in &stretches {
                 let [from, to] = stretch.map(|at| start.lerp(end, at));
                 let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
                 if stretch[0] > 0.0 && self.crosses_rim(from, face.along, face.across) {
-                    line.push(from);
+                    self.lines.points.push(from);
                 }
-                line.extend((1..steps as usize).map(|step| from.lerp(to, step as f64 / steps)));
+                let way = (to - from) / steps;
+                self.lines.points.extend((1..steps as usize).map(|step| from + way * step as f64));
                 if stretch[1] < 1.0 && self.crosses_rim(to, face.along, face.across) {
-                    line.push(to);
+                    self.lines.points.push(to);
                 }
             }
-            lines.push(line);
+            self.lines.ends.push(self.lines.points.len());
         }
-        self.push_in_tiles(&lines, face.normal);
+        let (lines, samples) = (&self.lines, &mut self.samples);
+        lines.in_tiles(|&point| samples.push(CrackSample { point, normal: face.normal }));
 
         if matches!(self.parent.curved, Curved::Nothing) {
             return;
@@ -270,21 +315,6 @@ impl Sampler<'_> {
     fn crosses_rim(&self, point: DVec3, along: DVec3, across: DVec3) -> bool {
         let normal = self.parent.normal(point);
         normal.dot(along).abs() >= normal.dot(across).abs()
-    }
-
-    /// Takes the points of neighbouring lines in, a tile after the other.
-    fn push_in_tiles(&mut self, lines: &[Vec<DVec3>], normal: DVec3) {
-        // As many as fill a cluster.
-        const TILE: usize = 4;
-        for band in lines.chunks(TILE) {
-            let longest = band.iter().map(Vec::len).max().unwrap_or(0);
-            for first in (0..longest).step_by(TILE) {
-                for line in band {
-                    let tile = line.iter().skip(first).take(TILE);
-                    self.samples.extend(tile.map(|&point| CrackSample { point, normal }));
-                }
-            }
-        }
     }
 
     /// Corners and points of edges, and where the edges leave the parent; those that no other face has brought.
@@ -314,10 +344,11 @@ impl Sampler<'_> {
                 let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
                 let first = if stretch[0] > 0.0 { 0 } else { 1 };
                 let last = if stretch[1] < 1.0 { steps as usize } else { steps as usize - 1 };
-                self.samples.extend((first..=last).map(|step| CrackSample {
-                    point: from.lerp(to, step as f64 / steps),
-                    normal: face.normal,
-                }));
+                let way = (to - from) / steps;
+                self.samples.extend(
+                    (first..=last)
+                        .map(|step| CrackSample { point: from + way * step as f64, normal: face.normal }),
+                );
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{
     ShatterSettings,
-    crack_samples::{CrackSample, Parent, crack_samples},
+    crack_samples::{CrackSample, Parent, Sampler},
 };
 use crate::pattern::Region;
 use frangible_geometry::{BodyFrame, ClusteredSamples, GridSolid, RigidTransform, Shape};
@@ -284,11 +284,12 @@ impl Lookup<'_> {
 
     /// Samples the cracks around each region, for the pieces that its inside belongs to.
     fn sample_cracks(&self, parent: &Parent, spacing: f64, collectors: &mut [Collector]) {
+        let mut sampler = Sampler::new(parent, spacing);
         for (number, region) in self.regions.iter().enumerate() {
             if self.of_regions[number].is_empty() {
                 continue;
             }
-            let samples = crack_samples(parent, region, spacing);
+            let samples = sampler.sample(region);
             if let [piece] = self.of_regions[number].as_slice()
                 && let [_] = self.pieces[*piece as usize].0.parts()
             {
@@ -296,7 +297,7 @@ impl Lookup<'_> {
                 cracks.extend(samples.iter().map(|sample| body_from_grid.point(sample.point)));
                 continue;
             }
-            for CrackSample { point, normal } in samples {
+            for &CrackSample { point, normal } in samples {
                 if let Some(piece) = self.piece_at(number, point)
                     && self.is_on_surface(piece, point, normal)
                 {

@@ -6,7 +6,7 @@ use super::{
     slivers::Pieces,
 };
 use crate::pattern::Region;
-use frangible_geometry::{GridSolid, HalfSpace, Run};
+use frangible_geometry::{GridSolid, HalfSpace};
 use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
@@ -35,15 +35,15 @@ pub(crate) fn intersect_level_sets(
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let of_regions = pieces_of_regions(regions.len(), components, pieces);
-    let shares_of_pieces = shares_of_pieces(shares, components, pieces);
+    let shares_of_pieces = shares_of_pieces(components, pieces);
     let planes_of = |region: u32| -> Vec<HalfSpace> {
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
-    let solid = |(members, share): (&Vec<u32>, &Vec<Run>)| {
+    let solid = |(members, own_shares): (&Vec<u32>, &Vec<u32>)| {
         let (own, any_inside) = regions_of_piece(members, components);
         let planes: Vec<Vec<HalfSpace>> = own.iter().map(|&region| planes_of(region)).collect();
         let planes: Vec<&[HalfSpace]> = planes.iter().map(Vec::as_slice).collect();
-        let clipped = parent.clipped(share, &planes);
+        let clipped = parent.clipped(shares.runs(own_shares), &planes);
         let is_all = own.iter().all(|&region| of_regions[region as usize].len() == 1);
         if is_all && any_inside { clipped } else { clipped.sampled() }
     };
@@ -58,10 +58,10 @@ pub(crate) fn intersect_sampled(
     components: &Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
-    let shares_of_pieces = shares_of_pieces(shares, components, pieces);
-    let solid = |(members, share): (&Vec<u32>, &Vec<Run>)| {
+    let shares_of_pieces = shares_of_pieces(components, pieces);
+    let solid = |(members, own_shares): (&Vec<u32>, &Vec<u32>)| {
         let (own, _) = regions_of_piece(members, components);
-        parent.intersected(share, |point| {
+        parent.intersected(shares.runs(own_shares), |point| {
             own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
         })
     };
@@ -83,20 +83,13 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// The runs of each piece's material, in order.
-fn shares_of_pieces(shares: &Shares, components: &Components, pieces: &Pieces) -> Vec<Vec<Run>> {
-    let mut counts = vec![0; pieces.components.len()];
-    for &component in &components.of_share {
+/// Which shares each piece has, in order.
+fn shares_of_pieces(components: &Components, pieces: &Pieces) -> Vec<Vec<u32>> {
+    let mut of_pieces = vec![Vec::new(); pieces.components.len()];
+    for (share, &component) in (0..).zip(&components.of_share) {
         let piece = pieces.of_component[component as usize];
         if piece != NONE {
-            counts[piece as usize] += 1;
-        }
-    }
-    let mut of_pieces: Vec<Vec<Run>> = counts.into_iter().map(Vec::with_capacity).collect();
-    for (share, &component) in shares.all.iter().zip(&components.of_share) {
-        let piece = pieces.of_component[component as usize];
-        if piece != NONE {
-            of_pieces[piece as usize].push(share.run);
+            of_pieces[piece as usize].push(share);
         }
     }
     of_pieces

@@ -29,6 +29,11 @@ impl Shares {
         self.first_of_row[row] as usize..self.first_of_row[row + 1] as usize
     }
 
+    /// The runs of some shares.
+    pub(crate) fn runs(&self, some: &[u32]) -> impl Iterator<Item = Run> + Clone {
+        some.iter().map(|&share| self.all[share as usize].run)
+    }
+
     /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.first_of_row.len() - 1
@@ -41,26 +46,33 @@ const ON_CRACK: f64 = 1e-9;
 /// Rows of a tile along y and along z: what is true of all of them is found out once.
 const TILE: usize = 8;
 
+/// Shares that there is room for at first, for each run of a solid.
+const SHARES_OF_RUN: usize = 6;
+
 /// Shares out a solid's material. A region is convex, so along a row of nodes it is one interval: its end points cost less
 /// than its distance at each node. Nodes in no interval, or in several because they lie on a crack up to round-off, are
 /// compared by distance.
 pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
-    let mut tiles = Tiles::new(solid, regions);
-    let mut shares = Shares { all: Vec::with_capacity(4 * solid.runs().len()), first_of_row: Vec::new() };
-    let mut claims = Vec::new();
+    let tiles = Tiles::new(solid, regions);
+    let mut shares =
+        Shares { all: Vec::with_capacity(SHARES_OF_RUN * solid.runs().len()), first_of_row: Vec::new() };
+    let (mut intervals, mut claims) = (Vec::new(), Vec::new());
     let mut runs = solid.runs();
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
+        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+        if j % TILE == 0 {
+            tiles.cross([j, k], &mut intervals);
+        }
         let spans = material.row(row);
+        let (Some(first), Some(last)) = (spans.first(), spans.last()) else { continue };
+        let bounds = (i64::from(first.start), i64::from(last.end) - 1);
+        claim_row(&intervals, j % TILE, bounds, &mut claims);
+        settle(grid, [j, k], bounds, regions, &mut claims);
         let of_row = runs.iter().take_while(|run| run.number(grid.dims[1]) == row).count();
         let (of_row, rest) = runs.split_at(of_row);
         runs = rest;
-        let (Some(first), Some(last)) = (spans.first(), spans.last()) else { continue };
-        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
-        let bounds = (i64::from(first.start), i64::from(last.end) - 1);
-        tiles.claim_row([j, k], bounds, &mut claims);
-        settle(grid, [j, k], bounds, regions, &mut claims);
         if let ([run], [claim], true) = (of_row, claims.as_slice(), solid.is_convex()) {
             shares.all.push(Share { run: *run, region: claim.region });
             continue;
@@ -76,49 +88,58 @@ pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
 pub(crate) fn share_out_nodes(solid: &GridSolid, cell_at: impl Fn(DVec3) -> u32) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
     let mut shares = Shares::default();
+    let mut stretches: Vec<(u32, u32)> = Vec::new();
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
         let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
-        let nodes = material.row(row).iter().flat_map(|span| span.start..span.end);
-        let claimed = nodes.map(|i| (i + 1, cell_at(grid.node(i as usize, j, k))));
-        shares.cut_row(material, (row, [j, k]), claimed, (grid.dims[0], true));
+        stretches.clear();
+        for i in material.row(row).iter().flat_map(|span| span.start..span.end) {
+            let cell = cell_at(grid.node(i as usize, j, k));
+            match stretches.last_mut().filter(|(_, last)| *last == cell) {
+                Some((until, _)) => *until = i + 1,
+                None => stretches.push((i + 1, cell)),
+            }
+        }
+        shares.cut_row(material, (row, [j, k]), stretches.iter().copied(), (grid.dims[0], true));
     }
     shares.first_of_row.push(shares.all.len() as u32);
     shares
 }
 
 impl Shares {
-    /// Cuts a row's spans where the regions change: `claimed` says in order where each stretch ends and whose it is.
-    /// With `by_span` no share holds parts of two spans, so that it is alike all along.
+    /// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose it is, neighbours being
+    /// different regions'. With `by_span` no share holds parts of two spans, so that it is alike all along.
     fn cut_row(
         &mut self,
         material: &Material,
         (row, place): (usize, [usize; 2]),
-        mut claimed: impl Iterator<Item = (u32, u32)>,
+        stretches: impl Iterator<Item = (u32, u32)>,
         (width, by_span): (usize, bool),
     ) {
         let place = place.map(|n| n as u32);
-        let first = self.all.len();
-        let (mut until, mut region) = (0, NONE);
-        for span in material.row(row) {
-            let mut start = span.start;
-            while start < span.end {
-                while until <= start {
-                    let Some(next) = claimed.next() else { return };
-                    (until, region) = next;
-                }
-                let end = span.end.min(until);
-                let begins = by_span && start == span.start;
-                let goes_on = |last: &&mut Share| last.region == region && last.run.end == start && !begins;
-                match self.all[first..].last_mut().filter(goes_on) {
-                    Some(last) => last.run.add(span, start..end, width),
-                    None => {
-                        let mut run = Run::empty(place, start);
-                        run.add(span, start..end, width);
-                        self.all.push(Share { run, region });
+        let spans = material.row(row);
+        // The span, and its first node, that no share holds yet.
+        let (mut at, mut start) = (0, spans.first().map_or(0, |span| span.start));
+        for (until, region) in stretches {
+            while at < spans.len() && start < until {
+                // As far as the spans go on without a gap.
+                let mut run = Run::empty(place, start);
+                loop {
+                    let span = &spans[at];
+                    let end = span.end.min(until);
+                    run.add(span, start..end, width);
+                    start = end;
+                    if end < span.end {
+                        break;
+                    }
+                    at += 1;
+                    let Some(next) = spans.get(at) else { break };
+                    start = next.start;
+                    if start != end || end == until || by_span {
+                        break;
                     }
                 }
-                start = end;
+                self.all.push(Share { run, region });
             }
         }
     }
@@ -137,8 +158,41 @@ struct Claim {
 struct LatticePlane {
     normal: DVec3,
     at_origin: f64,
-    /// 1 / normal.x, zero for a plane along x.
-    per_slope: f64,
+}
+
+/// Where rows cross a plane: at `at_origin + along_y * j + along_z * k`, a little outside of it.
+#[derive(Clone, Copy)]
+struct Crossing {
+    at_origin: f64,
+    along_y: f64,
+    along_z: f64,
+    side: Side,
+}
+
+/// Which part of a row is inside of a plane.
+#[derive(Clone, Copy)]
+enum Side {
+    BelowCrossing,
+    AboveCrossing,
+    /// All of it or nothing: the plane lies along x, and the crossing's place is how deep inside the row is.
+    Either,
+}
+
+impl Crossing {
+    fn new(plane: &LatticePlane) -> Self {
+        let slope = plane.normal.x;
+        let (scale, side) = match slope {
+            _ if slope.abs() < ON_CRACK * 1e-3 => (1.0, Side::Either),
+            _ if slope > 0.0 => (1.0 / slope, Side::BelowCrossing),
+            _ => (1.0 / slope, Side::AboveCrossing),
+        };
+        Self {
+            at_origin: (ON_CRACK - plane.at_origin) * scale,
+            along_y: -plane.normal.y * scale,
+            along_z: -plane.normal.z * scale,
+            side,
+        }
+    }
 }
 
 /// For each tile of rows the regions that reach into it, and those of their planes that pass through it.
@@ -148,39 +202,37 @@ struct Tiles {
     /// Where each tile begins in `regions`, and one more entry at the end.
     first_of_tile: Vec<u32>,
     regions: Vec<TileRegion>,
-    planes: Vec<LatticePlane>,
-    /// Where in the list the region is that the last row began in.
-    begin: u32,
+    crossings: Vec<Crossing>,
 }
 
 /// A region that reaches into a tile.
 struct TileRegion {
     number: u32,
     /// Where its planes begin and end.
-    planes: [u32; 2],
-    /// Where in the list the region is that the last row passed through behind this one.
-    next: u32,
+    crossings: [u32; 2],
+}
+
+/// The parts of neighbouring rows that lie inside of a region or on its cracks: none where the lower end is above the upper one.
+struct Intervals {
+    region: u32,
+    low: [f64; TILE],
+    high: [f64; TILE],
 }
 
 impl Tiles {
     fn new(solid: &GridSolid, regions: &[Region]) -> Self {
         let grid = solid.grid();
         let on_lattice = |region: &Region| -> Vec<LatticePlane> {
-            let plane = |cut: &crate::Cut| {
-                let normal = cut.half_space.normal;
-                let along_x = normal.x.abs() < ON_CRACK * 1e-3;
-                LatticePlane {
-                    normal,
-                    at_origin: cut.half_space.distance(grid.origin) / grid.spacing,
-                    per_slope: if along_x { 0.0 } else { 1.0 / normal.x },
-                }
+            let plane = |cut: &crate::Cut| LatticePlane {
+                normal: cut.half_space.normal,
+                at_origin: cut.half_space.distance(grid.origin) / grid.spacing,
             };
             region.cuts.iter().map(plane).collect()
         };
         let regions: Vec<Vec<LatticePlane>> = regions.iter().map(on_lattice).collect();
         let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
         let mut tiles =
-            Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), planes: Vec::new(), begin: NONE };
+            Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), crossings: Vec::new() };
         for tile in 0..count_y * count_z {
             tiles.first_of_tile.push(tiles.regions.len() as u32);
             if let Some(bounds) = tile_bounds(solid, [tile % count_y, tile / count_y]) {
@@ -195,7 +247,7 @@ impl Tiles {
     fn add_tile(&mut self, regions: &[Vec<LatticePlane>], (low, high): (DVec3, DVec3)) {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         for (region, number) in regions.iter().zip(0..) {
-            let first = self.planes.len();
+            let first = self.crossings.len();
             let mut reaches_in = true;
             for plane in region {
                 let distance = plane.normal.dot(middle) + plane.at_origin;
@@ -205,88 +257,65 @@ impl Tiles {
                     break;
                 }
                 if distance + reach > 0.0 {
-                    self.planes.push(*plane);
+                    self.crossings.push(Crossing::new(plane));
                 }
             }
             if reaches_in {
-                let planes = [first, self.planes.len()].map(|plane| plane as u32);
-                self.regions.push(TileRegion { number, planes, next: NONE });
+                let crossings = [first, self.crossings.len()].map(|crossing| crossing as u32);
+                self.regions.push(TileRegion { number, crossings });
             } else {
-                self.planes.truncate(first);
+                self.crossings.truncate(first);
             }
         }
     }
 
-    /// The intervals of a row within the bounds that lie inside of a region or on its cracks, in order: from each to the one
-    /// that holds the node behind it. There may be others where intervals overlap or leave a gap.
-    fn claim_row(&mut self, [j, k]: [usize; 2], (first, last): (i64, i64), claims: &mut Vec<Claim>) {
-        claims.clear();
+    /// What the rows from j on, along y, hold of each region that reaches into their tile.
+    fn cross(&self, [j, k]: [usize; 2], intervals: &mut Vec<Intervals>) {
         let tile = j / TILE + self.count_y * (k / TILE);
         let regions = self.first_of_tile[tile] as usize..self.first_of_tile[tile + 1] as usize;
-        let (y, z) = (j as f64, k as f64);
-        let (mut next, mut guess) = (first, self.begin);
-        let mut before = None;
-        while next <= last {
-            // Rows beside each other pass through the same regions.
-            let order = std::iter::once(guess as usize).filter(|at| regions.contains(at));
-            let holds = |at: usize| {
-                let interval = self.interval(at, [y, z], (first, last));
-                (interval.low <= next && next <= interval.high).then_some((at, interval))
-            };
-            let Some((at, interval)) = order.chain(regions.clone()).find_map(holds) else {
-                next += 1;
-                continue;
-            };
-            if interval.grazes {
-                claims.clear();
-                let all = regions.map(|at| (at, self.interval(at, [y, z], (first, last))));
-                let held = all.filter(|(_, interval)| interval.low <= interval.high);
-                claims.extend(held.map(|(at, Interval { low, high, .. })| Claim {
-                    low,
-                    high,
-                    region: self.regions[at].number,
-                }));
-                break;
-            }
-            *before.map_or(&mut self.begin, |before: usize| &mut self.regions[before].next) = at as u32;
-            claims.push(Claim { low: interval.low, high: interval.high, region: self.regions[at].number });
-            (next, guess, before) = (interval.high + 1, self.regions[at].next, Some(at));
-        }
-        claims.sort_by_key(|claim| claim.low);
-    }
-
-    /// The nodes of a row within the bounds that lie inside of a tile's region or on its cracks.
-    #[inline]
-    fn interval(&self, at: usize, [y, z]: [f64; 2], (first, last): (i64, i64)) -> Interval {
-        let TileRegion { planes, .. } = &self.regions[at];
-        let (mut low, mut high) = (first as f64, last as f64);
-        let mut grazes = false;
-        for plane in &self.planes[planes[0] as usize..planes[1] as usize] {
-            let at_row = ON_CRACK - (plane.normal.y * y + plane.normal.z * z + plane.at_origin);
-            let crossing = at_row * plane.per_slope;
-            if plane.per_slope > 0.0 {
-                high = if crossing < high { crossing } else { high };
-            } else if plane.per_slope < 0.0 {
-                low = if crossing > low { crossing } else { low };
-            } else if at_row < 0.0 {
-                high = f64::NEG_INFINITY;
-            } else {
-                grazes |= at_row <= 2.0 * ON_CRACK;
-            }
-        }
-        if low > high {
-            return Interval { low: 1, high: 0, grazes: false };
-        }
-        Interval { low: ceil(low), high: floor(high), grazes }
+        let rows: [f64; TILE] = std::array::from_fn(|row| (j + row) as f64);
+        intervals.clear();
+        intervals.extend(self.regions[regions].iter().map(
+            |&TileRegion { number, crossings: [from, to] }| {
+                let (mut low, mut high) = ([f64::NEG_INFINITY; TILE], [f64::INFINITY; TILE]);
+                for crossing in &self.crossings[from as usize..to as usize] {
+                    let at_z = crossing.at_origin + crossing.along_z * k as f64;
+                    let at: [f64; TILE] = std::array::from_fn(|row| at_z + crossing.along_y * rows[row]);
+                    for row in 0..TILE {
+                        match crossing.side {
+                            Side::BelowCrossing => {
+                                high[row] = if at[row] < high[row] { at[row] } else { high[row] }
+                            }
+                            Side::AboveCrossing => {
+                                low[row] = if at[row] > low[row] { at[row] } else { low[row] }
+                            }
+                            Side::Either => {
+                                high[row] = if at[row] < 0.0 { f64::NEG_INFINITY } else { high[row] }
+                            }
+                        }
+                    }
+                }
+                Intervals { region: number, low, high }
+            },
+        ));
     }
 }
 
-/// What a row passes through of a region.
-struct Interval {
-    low: i64,
-    high: i64,
-    /// Whether it lies on a crack all along.
-    grazes: bool,
+/// The intervals of one of a tile's rows within the bounds, in order. There may be nodes in several of them or in none.
+fn claim_row(intervals: &[Intervals], row: usize, (first, last): (i64, i64), claims: &mut Vec<Claim>) {
+    claims.clear();
+    let (lowest, highest) = (first as f64, last as f64);
+    for Intervals { region, low, high } in intervals {
+        let low = if low[row] > lowest { low[row] } else { lowest };
+        let high = if high[row] < highest { high[row] } else { highest };
+        if low <= high {
+            let (low, high) = (ceil(low), high as i64);
+            if low <= high {
+                let behind = claims.iter().rev().take_while(|claim| claim.low > low).count();
+                claims.insert(claims.len() - behind, Claim { low, high, region: *region });
+            }
+        }
+    }
 }
 
 /// The box of the material in a tile of rows, in lattice units.
@@ -305,17 +334,11 @@ fn tile_bounds(solid: &GridSolid, [tile_y, tile_z]: [usize; 2]) -> Option<(DVec3
     (low.x <= high.x).then_some((low, high))
 }
 
-/// The largest whole number that is not above `x`, without a call into the platform's library.
-#[inline]
-fn floor(x: f64) -> i64 {
-    let towards_zero = x as i64;
-    towards_zero - i64::from(x < towards_zero as f64)
-}
-
-/// The least whole number that is not below `x`.
+/// The least whole number that is not below `x`, which is not negative: without a call into the platform's library.
 #[inline]
 fn ceil(x: f64) -> i64 {
-    -floor(-x)
+    let below = x as i64;
+    below + i64::from(x > below as f64)
 }
 
 /// Makes claims that are in order cover each node within the bounds once: the nearest region has it.
