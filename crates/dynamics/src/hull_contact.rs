@@ -7,7 +7,7 @@ mod nearest;
 mod reduce;
 
 pub(crate) use approach::hull_points;
-use axis::{EdgeAxis, FaceAxis, Placement, Ridge, Seen, View, edge_axis, face_axis, gather_ridges};
+use axis::{EdgeAxis, FaceAxis, Placement, Ridge, View, edge_axis, face_axis, gather_ridges};
 use clip::{Corner, face_points};
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
@@ -72,7 +72,8 @@ pub(crate) struct Room {
     pub(crate) spare: Vec<HullPoint>,
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
-    seen: [Vec<Seen>; 2],
+    /// In which layers each vertex of a hull is.
+    layers: Vec<u8>,
     ridges: [Vec<Ridge>; 2],
 }
 

@@ -54,6 +54,10 @@ impl View<'_> {
         self.here_from_hull.map_or(plane, |placement| placement.plane(plane))
     }
 
+    fn direction(&self, direction: DVec3) -> DVec3 {
+        self.here_from_hull.map_or(direction, |placement| placement.direction(direction))
+    }
+
     /// The ends of an edge [m].
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
         self.hull.edges()[edge].vertices.map(|vertex| self.vertex(vertex as usize))
@@ -183,53 +187,50 @@ pub(crate) struct Ridge {
     normals: [DVec3; 2],
 }
 
-/// A vertex, with its heights over the two best faces.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen {
-    point: DVec3,
-    heights: [f64; 2],
-}
-
 /// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the best faces of both.
 pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
+    // Each hull is below its own face; the other begins at the separation above it. An edge must come into both layers.
+    const IN_OWN: u8 = 1;
+    const IN_OTHERS: u8 = 2;
+    let own_from_other = [&pair.first_from_second, &pair.second_from_first];
     let views = pair.views();
-    let planes = [0, 1].map(|side| views[side].plane(axes[side].face));
-    for (view, seen) in views.iter().zip(&mut room.seen) {
-        let see = |vertex: usize| {
-            let point = view.vertex(vertex);
-            Seen { point, heights: planes.map(|plane| plane.distance(point)) }
-        };
-        seen.clear();
-        seen.extend((0..view.hull.vertices().len()).map(see));
-    }
+    let Room { layers, ridges, .. } = room;
 
-    // Each hull is below its own face; the other begins at the separation above it. What is of interest is in a box.
+    // What is of interest is in a box.
     let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
     for side in [1, 0] {
-        let (own, other) = (side, 1 - side);
-        let (least_own, most_other) = (axes[own].separation - within, within);
-        let (seen, ridges, view) = (&room.seen[side], &mut room.ridges[side], &views[side]);
+        let (hull, view, other) = (pair.hulls[side], &views[side], 1 - side);
+        let face = hull.planes()[axes[side].face];
+        let face_of_other = own_from_other[side].plane(pair.hulls[other].planes()[axes[other].face]);
+        let least = axes[side].separation - within;
+        let of_vertex = |&vertex: &DVec3| {
+            let in_own = if face.distance(vertex) >= least { IN_OWN } else { 0 };
+            in_own | if face_of_other.distance(vertex) <= within { IN_OTHERS } else { 0 }
+        };
+        layers.clear();
+        layers.extend(hull.vertices().iter().map(of_vertex));
+
         let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let ridges = &mut ridges[side];
         ridges.clear();
-        for (index, edge) in view.hull.edges().iter().enumerate() {
-            let [a, b] = edge.vertices.map(|vertex| seen[vertex as usize]);
-            let (low, high) = (a.point.min(b.point), a.point.max(b.point));
-            if a.heights[own].max(b.heights[own]) < least_own
-                || a.heights[other].min(b.heights[other]) > most_other
-                || low.cmpgt(bounds.1).any()
-                || high.cmplt(bounds.0).any()
-            {
+        for (index, edge) in hull.edges().iter().enumerate() {
+            let [a, b] = edge.vertices.map(|vertex| vertex as usize);
+            if layers[a] | layers[b] != IN_OWN | IN_OTHERS {
+                continue;
+            }
+            let ends = [view.vertex(a), view.vertex(b)];
+            if ends[0].min(ends[1]).cmpgt(bounds.1).any() || ends[0].max(ends[1]).cmplt(bounds.0).any() {
                 continue;
             }
             // The part of it that is not too high above the other's face.
-            let part = [(a, b), (b, a)].map(|(from, to)| {
-                let above = from.heights[other] - most_other;
-                let part = above / (from.heights[other] - to.heights[other]);
-                if above > 0.0 { from.point.lerp(to.point, part) } else { from.point }
-            });
-            around = (around.0.min(part[0]).min(part[1]), around.1.max(part[0]).max(part[1]));
-            let normals = edge.faces.map(|face| view.plane(face as usize).normal);
-            ridges.push(Ridge { edge: index, ends: [a.point, b.point], along: b.point - a.point, normals });
+            let heights = [a, b].map(|vertex| face_of_other.distance(hull.vertices()[vertex]) - within);
+            for (end, height, height_beyond) in [(0, heights[0], heights[1]), (1, heights[1], heights[0])] {
+                let part = if height > 0.0 { height / (height - height_beyond) } else { 0.0 };
+                let low = ends[end].lerp(ends[1 - end], part);
+                around = (around.0.min(low), around.1.max(low));
+            }
+            let normals = edge.faces.map(|face| view.direction(hull.planes()[face as usize].normal));
+            ridges.push(Ridge { edge: index, ends, along: ends[1] - ends[0], normals });
         }
         bounds = (around.0 - within, around.1 + within);
     }
