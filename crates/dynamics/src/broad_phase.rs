@@ -1,10 +1,13 @@
-//! Pairs of bodies whose bounds overlap: sweep and prune along one axis [Bar92].
+//! Pairs of bodies whose bounds overlap.
+
+mod strips;
 
 use crate::detection::radius;
 use crate::pair::Pair;
-use crate::{Bodies, Pose};
-use frangible_geometry::{RigidTransform, Shape};
+use crate::{Bodies, Motion, Pose};
+use frangible_geometry::{ClosedForm, Geometry, RigidTransform, Shape};
 use glam::DVec3;
+use strips::overlapping_bounded;
 
 /// An axis-aligned box [m], in the world frame unless told otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +55,15 @@ impl Bounds {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
+    /// Whether it has no end on some side.
+    fn is_boundless(&self) -> bool {
+        !(self.is_nan() || self.low.is_finite() && self.high.is_finite())
+    }
+
+    fn is_nan(&self) -> bool {
+        self.low.is_nan() || self.high.is_nan()
+    }
+
     /// Whether the boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
@@ -67,7 +79,7 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
         .zip(poses)
         .map(|(shape, pose)| Bounds::of(shape, pose).grown(0.5 * margin))
         .collect();
-    overlapping_pairs(bodies, &bounds)
+    overlapping_pairs(bodies, &bounds, &[poses])
 }
 
 /// Turning by less than this [rad] within a frame, a body stays between its bounds at both ends to within 2 % of its size.
@@ -83,27 +95,58 @@ pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) ->
         bounds(start).around(&bounds(end)).grown(0.5 * margin)
     };
     let bounds: Vec<Bounds> = (0..bodies.len()).map(swept).collect();
-    overlapping_pairs(bodies, &bounds)
+    overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
 }
 
-fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds]) -> Vec<Pair> {
-    // Sort along x; equal keys fall back on the index, so the order is one only.
-    let mut order: Vec<usize> = (0..bodies.len()).collect();
-    order.sort_by(|&a, &b| bounds[a].low.x.total_cmp(&bounds[b].low.x).then(a.cmp(&b)));
+/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.
+fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> Vec<Pair> {
+    let moves: Vec<bool> = bodies.inertias.iter().map(|inertia| !inertia.is_infinite()).collect();
+    let mut pairs = overlapping_bounded(bounds, &moves);
 
-    // Sweep: what begins before this one ends may overlap it.
-    let mut pairs = Vec::new();
-    for (rank, &a) in order.iter().enumerate() {
-        for &b in &order[rank + 1..] {
-            if bounds[b].low.x > bounds[a].high.x {
-                break;
-            }
-            let moves = !bodies.inertias[a].is_infinite() || !bodies.inertias[b].is_infinite();
-            if moves && bounds[a].overlaps(&bounds[b]) {
+    // What is boundless meets everything, but for what is above ground.
+    for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
+        for b in (0..bodies.len()).filter(|&b| (moves[a] || moves[b]) && a != b) {
+            let is_second = bounds[b].is_boundless() && b < a;
+            if !is_second && !bounds[b].is_nan() && !is_above(bodies, a, &bounds[b], poses) {
                 pairs.push(Pair { first: a.min(b), second: a.max(b) });
             }
         }
     }
-    pairs.sort_unstable();
-    pairs
+    sorted(&pairs, bodies.len())
 }
+
+/// Whether a box lies outside of a half-space that does not move.
+fn is_above(bodies: &Bodies, ground: usize, bounds: &Bounds, poses: &[&[Pose]]) -> bool {
+    let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[ground].geometry else {
+        return false;
+    };
+    bodies.motions[ground] == Motion::Static
+        && poses.iter().all(|poses| {
+            let pose = &poses[ground];
+            let normal = pose.orientation * half_space.normal;
+            let lowest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.low, bounds.high);
+            normal.dot(lowest - pose.position) > half_space.offset
+        })
+}
+
+/// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are few to each.
+fn sorted(pairs: &[Pair], count: usize) -> Vec<Pair> {
+    let mut begin = vec![0; count + 1];
+    pairs.iter().for_each(|pair| begin[pair.first + 1] += 1);
+    for first in 0..count {
+        begin[first + 1] += begin[first];
+    }
+    let mut next = begin.clone();
+    let mut ordered = vec![Pair { first: 0, second: 0 }; pairs.len()];
+    for pair in pairs {
+        ordered[next[pair.first]] = *pair;
+        next[pair.first] += 1;
+    }
+    for first in 0..count {
+        ordered[begin[first]..begin[first + 1]].sort_unstable_by_key(|pair| pair.second);
+    }
+    ordered
+}
+
+#[cfg(test)]
+mod tests;

@@ -60,7 +60,8 @@ impl View<'_> {
 
     /// The ends of an edge [m].
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
-        self.hull.edges()[edge].vertices.map(|vertex| self.vertex(vertex as usize))
+        let [start, end] = self.hull.edges()[edge].vertices;
+        [self.vertex(start as usize), self.vertex(end as usize)]
     }
 
     /// A direction in the hull's own frame.
@@ -214,23 +215,23 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
         let ridges = &mut ridges[side];
         ridges.clear();
         for (index, edge) in hull.edges().iter().enumerate() {
-            let [a, b] = edge.vertices.map(|vertex| vertex as usize);
+            let (a, b) = (edge.vertices[0] as usize, edge.vertices[1] as usize);
             if layers[a] | layers[b] != IN_OWN | IN_OTHERS {
                 continue;
             }
-            let ends = [view.vertex(a), view.vertex(b)];
-            if ends[0].min(ends[1]).cmpgt(bounds.1).any() || ends[0].max(ends[1]).cmplt(bounds.0).any() {
+            let (start, end) = (view.vertex(a), view.vertex(b));
+            if start.min(end).cmpgt(bounds.1).any() || start.max(end).cmplt(bounds.0).any() {
                 continue;
             }
             // The part of it that is not too high above the other's face.
-            let heights = [a, b].map(|vertex| face_of_other.distance(hull.vertices()[vertex]) - within);
-            for (end, height, height_beyond) in [(0, heights[0], heights[1]), (1, heights[1], heights[0])] {
-                let part = if height > 0.0 { height / (height - height_beyond) } else { 0.0 };
-                let low = ends[end].lerp(ends[1 - end], part);
-                around = (around.0.min(low), around.1.max(low));
-            }
-            let normals = edge.faces.map(|face| view.direction(hull.planes()[face as usize].normal));
-            ridges.push(Ridge { edge: index, ends, along: ends[1] - ends[0], normals });
+            let above = |vertex: usize| face_of_other.distance(hull.vertices()[vertex]) - within;
+            let (at_start, at_end) = (above(a), above(b));
+            let part = |here: f64, there: f64| if here > 0.0 { here / (here - there) } else { 0.0 };
+            let low = [start.lerp(end, part(at_start, at_end)), end.lerp(start, part(at_end, at_start))];
+            around = (around.0.min(low[0]).min(low[1]), around.1.max(low[0]).max(low[1]));
+            let normal = |face: u32| view.direction(hull.planes()[face as usize].normal);
+            let normals = [normal(edge.faces[0]), normal(edge.faces[1])];
+            ridges.push(Ridge { edge: index, ends: [start, end], along: end - start, normals });
         }
         bounds = (around.0 - within, around.1 + within);
     }
@@ -246,11 +247,13 @@ pub(crate) fn edge_axis([first, second]: &[Vec<Ridge>; 2]) -> Option<EdgeAxis> {
         for of_second in second {
             // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
             // cross, else other features are further apart.
-            let [c, d] = of_second.normals.map(|normal| normal.dot(of_first.along));
+            let [beside_c, beside_d] = &of_second.normals;
+            let (c, d) = (beside_c.dot(of_first.along), beside_d.dot(of_first.along));
             if c * d >= 0.0 {
                 continue;
             }
-            let [u, v] = of_first.normals.map(|normal| -normal.dot(of_second.along));
+            let [beside_u, beside_v] = &of_first.normals;
+            let (u, v) = (-beside_u.dot(of_second.along), -beside_v.dot(of_second.along));
             if u * v >= 0.0 || c * v <= 0.0 {
                 continue;
             }

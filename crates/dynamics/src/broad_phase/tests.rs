@@ -1,0 +1,79 @@
+use super::*;
+use crate::{Contactant, NewBody, Velocity};
+use frangible_geometry::HalfSpace;
+use glam::DQuat;
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and one far away.
+fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
+    let one =
+        (prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(0.0..0.2_f64), 0..40_u32, any::<bool>());
+    (prop::collection::vec(one, 0..60), prop::array::uniform3(prop_oneof![Just(0.0), Just(1.0), Just(30.0)]))
+        .prop_map(|(ones, stretch)| {
+            let of = |(at, half, kind, moves): ([f64; 3], [f64; 3], u32, bool)| {
+                let scale = match kind {
+                    0 => 20.0,
+                    1 => 0.0,
+                    _ => 1.0,
+                };
+                let away = if kind == 2 { 1e6 } else { 1.0 };
+                let at = away * DVec3::from_array(at) * DVec3::from_array(stretch);
+                let half = scale * DVec3::from_array(half);
+                (Bounds { low: at - half, high: at + half }, moves)
+            };
+            ones.into_iter().map(of).collect()
+        })
+}
+
+proptest! {
+    /// Every pair of boxes that overlaps is found once; those that do not are apart by rounding at most.
+    #[test]
+    fn strips_find_what_overlaps(boxes in boxes()) {
+        let (bounds, moves): (Vec<Bounds>, Vec<bool>) = boxes.into_iter().unzip();
+        let found = sorted(&overlapping_bounded(&bounds, &moves), bounds.len());
+        prop_assert!(found.is_sorted_by(|a, b| a < b), "in order, none twice");
+        for first in 0..bounds.len() {
+            for second in first + 1..bounds.len() {
+                let is_found = found.binary_search(&Pair { first, second }).is_ok();
+                let counts = moves[first] || moves[second];
+                let nearly = bounds[first].grown(1e-6 * (1.0 + bounds[first].low.abs().max_element()));
+                prop_assert!(!is_found || (counts && nearly.overlaps(&bounds[second])));
+                prop_assert!(is_found || !counts || !bounds[first].overlaps(&bounds[second]));
+            }
+        }
+    }
+}
+
+fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, position: DVec3) {
+    let pose = Pose { position, orientation: DQuat::from_rotation_z(0.1) };
+    bodies.spawn(NewBody {
+        shape: Arc::new(Shape::closed_form(form, 0.1)),
+        density: 1.0,
+        motion,
+        pose,
+        velocity: Velocity::default(),
+        contactant: Contactant::new(0.0, 0.0),
+    });
+}
+
+/// Ground meets what comes down to it, wherever that is; two grounds, and what is taken out of the world, meet nobody.
+#[test]
+fn ground_meets_what_is_not_above_it() {
+    let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.5 });
+    let ball = ClosedForm::Sphere { radius: 1.0 };
+    let mut bodies = Bodies::default();
+    spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(1000.0, 0.0, 0.0));
+    spawn(&mut bodies, ground, Motion::Static, DVec3::ZERO);
+    // On the slope of 0.1 rad the second one is above the ground, the third one is not.
+    spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(-10.0, 1.2, 0.0));
+    spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(10.0, 1.2, 0.0));
+    spawn(&mut bodies, ground, Motion::Static, DVec3::new(0.0, -10.0, 0.0));
+    spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(f64::NAN, 0.0, 0.0));
+    let of = |pairs: Vec<Pair>| pairs.iter().map(|pair| [pair.first, pair.second]).collect::<Vec<_>>();
+    assert_eq!(of(find_pairs(&bodies, &bodies.poses, 0.0)), [[0, 1], [0, 4], [1, 3]]);
+    // The second one falls onto it within the frame.
+    let mut ends = bodies.poses.clone();
+    ends[2].position.y = -0.5;
+    assert_eq!(of(find_swept_pairs(&bodies, &ends, 0.1, 0.0)), [[0, 1], [0, 4], [1, 2], [1, 3]]);
+}
