@@ -2,7 +2,7 @@
 
 use crate::align::align_pattern;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
-use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, interfaces, shatter_hull};
+use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, interfaces, polygon, shatter_hull};
 use frangible_geometry::mass_properties::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, RigidTransform, Shape};
 use glam::{DMat3, DVec3};
@@ -193,7 +193,7 @@ impl Glued {
                     .iter()
                     .map(|&vertex| hull.vertices()[vertex as usize])
                     .collect();
-                let (area, centroid) = area_and_centroid(&corners);
+                let (area, centroid) = polygon::area_and_centroid(&corners);
                 if centroid.cmpge(low - close).all() && centroid.cmple(high + close).all() {
                     faces.push((centroid, area));
                 }
@@ -259,18 +259,6 @@ pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Opt
         }
     }
     Some(pieces)
-}
-
-/// Of a convex polygon: area [m^2] and centroid [m].
-fn area_and_centroid(corners: &[DVec3]) -> (f64, DVec3) {
-    let Some(&origin) = corners.first() else { return (0.0, DVec3::ZERO) };
-    let (mut area, mut moment) = (0.0, DVec3::ZERO);
-    for pair in corners.windows(2) {
-        let part = 0.5 * (pair[0] - origin).cross(pair[1] - origin).length();
-        area += part;
-        moment += part * (origin + pair[0] + pair[1]) / 3.0;
-    }
-    (area, if area > 0.0 { moment / area } else { origin })
 }
 
 /// How far from a plane, relative to a contact's extent, its points and a face may lie to be in it.

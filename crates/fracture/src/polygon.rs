@@ -54,6 +54,18 @@ pub(crate) fn area(polygon: &[DVec3]) -> f64 {
     0.5 * doubled.length()
 }
 
+/// Area [m^2] and centroid [m] of a convex polygon.
+pub(crate) fn area_and_centroid(polygon: &[DVec3]) -> (f64, DVec3) {
+    let Some((&apex, others)) = polygon.split_first() else { return (0.0, DVec3::ZERO) };
+    let (mut area, mut moment) = (0.0, DVec3::ZERO);
+    for pair in others.windows(2) {
+        let part = 0.5 * (pair[0] - apex).cross(pair[1] - apex).length();
+        area += part;
+        moment += part * ((pair[0] - apex) + (pair[1] - apex)) / 3.0;
+    }
+    if area > 0.0 { (area, apex + moment / area) } else { (0.0, apex) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,9 +4,9 @@
 //! bit for bit, and what was the parent's surface keeps its planes. Mass follows from the divergence theorem.
 
 use crate::pattern::Region;
-use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings};
+use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, polygon};
 use frangible_geometry::hull::weld_hulls;
-use frangible_geometry::{Carver, HalfSpace, Hull, MassProperties, Shape};
+use frangible_geometry::{Carver, HalfSpace, Hull, HullFace, MassProperties, Shape};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -174,11 +174,12 @@ impl<'a> Workshop<'a> {
     /// A neighbour of a sliver, and the two without the crack between them: behind the largest face of those where that is convex.
     fn join(&mut self, pieces: &[Piece], sliver: usize) -> Option<(usize, Piece)> {
         let Piece { hull, cuts, mass, .. } = &pieces[sliver];
-        let mut faces: Vec<(f64, HalfSpace)> = hull
-            .faces()
-            .filter(|face| face.inner)
-            .map(|face| (area(hull, face.vertices), face.plane))
-            .collect();
+        let area = |face: &HullFace<'_>| {
+            let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
+            polygon::area(&corners.collect::<Vec<_>>())
+        };
+        let inner = hull.faces().filter(|face| face.inner);
+        let mut faces: Vec<(f64, HalfSpace)> = inner.map(|face| (area(&face), face.plane)).collect();
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, crack) in faces {
             for (number, other) in pieces.iter().enumerate() {
@@ -220,12 +221,4 @@ impl<'a> Workshop<'a> {
 /// The other side of a plane.
 fn turned(half_space: &HalfSpace) -> HalfSpace {
     HalfSpace { normal: -half_space.normal, offset: -half_space.offset }
-}
-
-/// Of a face [m^2].
-fn area(hull: &Hull, corners: &[u32]) -> f64 {
-    let corner = |at: usize| hull.vertices()[corners[at] as usize];
-    let origin = corner(0);
-    let fan = (1..corners.len() - 1).map(|at| (corner(at) - origin).cross(corner(at + 1) - origin));
-    0.5 * fan.sum::<DVec3>().length()
 }

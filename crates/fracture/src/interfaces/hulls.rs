@@ -67,7 +67,7 @@ pub(super) fn overlap_of_faces(
     normal: DVec3,
 ) -> Option<(f64, DVec3)> {
     let smaller = polygon::area(polygon_a).min(polygon::area(polygon_b));
-    let (area, centroid) = area_and_centroid(&overlap(polygon_a, polygon_b, normal));
+    let (area, centroid) = polygon::area_and_centroid(&overlap(polygon_a, polygon_b, normal));
     (area > SMALLEST_OVERLAP * smaller).then_some((area, centroid))
 }
 
@@ -82,16 +82,4 @@ fn overlap(polygon_a: &[DVec3], polygon_b: &[DVec3], normal: DVec3) -> Vec<DVec3
         }
     }
     kept
-}
-
-/// Area [m^2] and centroid [m] of a convex polygon.
-fn area_and_centroid(polygon: &[DVec3]) -> (f64, DVec3) {
-    let Some((&apex, others)) = polygon.split_first() else { return (0.0, DVec3::ZERO) };
-    let (mut area, mut moment) = (0.0, DVec3::ZERO);
-    for pair in others.windows(2) {
-        let part = 0.5 * (pair[0] - apex).cross(pair[1] - apex).length();
-        area += part;
-        moment += part * ((pair[0] - apex) + (pair[1] - apex)) / 3.0;
-    }
-    if area > 0.0 { (area, apex + moment / area) } else { (0.0, apex) }
 }
