@@ -184,12 +184,12 @@ impl<'a> Workshop<'a> {
         for (_, crack) in faces {
             for (number, other) in pieces.iter().enumerate() {
                 let others = &self.cuts[other.cuts.clone()];
-                if number == sliver || !others.iter().any(|cut| self.same(&turned(cut), &crack)) {
+                if number == sliver || !others.iter().any(|cut| self.same(&cut.flipped(), &crack)) {
                     continue;
                 }
                 // All planes but the crack bound the two, if each piece lies inside of the other's.
                 let own = self.cuts[cuts.clone()].iter().filter(|&cut| !self.same(cut, &crack));
-                let others = others.iter().filter(|&cut| !self.same(&turned(cut), &crack));
+                let others = others.iter().filter(|&cut| !self.same(&cut.flipped(), &crack));
                 let beyond = |cut: &HalfSpace, hull: &Hull| {
                     hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
                 };
@@ -216,9 +216,4 @@ impl<'a> Workshop<'a> {
         let apart = (a.distance(self.middle) - b.distance(self.middle)).abs();
         a.normal.distance_squared(b.normal) < SAME_VERTEX && apart < SAME_VERTEX * self.size()
     }
-}
-
-/// The other side of a plane.
-fn turned(half_space: &HalfSpace) -> HalfSpace {
-    HalfSpace { normal: -half_space.normal, offset: -half_space.offset }
 }

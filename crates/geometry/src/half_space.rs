@@ -17,4 +17,10 @@ impl HalfSpace {
     pub fn distance(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
+
+    /// The other side of the plane.
+    #[inline]
+    pub fn flipped(&self) -> Self {
+        Self { normal: -self.normal, offset: -self.offset }
+    }
 }

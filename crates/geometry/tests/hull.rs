@@ -206,7 +206,7 @@ proptest! {
             let Some(normal) = normal.try_normalize() else { continue };
             let middle = hull.mass_properties().center;
             let cut = HalfSpace { normal, offset: normal.dot(middle) + 0.5 * part };
-            let other = HalfSpace { normal: -normal, offset: -cut.offset };
+            let other = cut.flipped();
             let whole = hull.mass_properties();
             match (hull.clipped(&cut), hull.clipped(&other)) {
                 (Some(inside), Some(outside)) => {
@@ -242,7 +242,7 @@ proptest! {
         let Some(unit) = normal.try_normalize() else { return Ok(()) };
         let cube = Hull::cuboid(DVec3::ONE);
         let cut = HalfSpace { normal: unit, offset: 0.5 * f64::from(shift) * normal.length() };
-        let other = HalfSpace { normal: -unit, offset: -cut.offset };
+        let other = cut.flipped();
         let sides: Vec<Hull> = [cut, other].iter().filter_map(|cut| cube.clipped(cut)).collect();
         sides.iter().for_each(|hull| check(hull, 1e-9));
         let volume: f64 = sides.iter().map(|hull| hull.mass_properties().volume).sum();

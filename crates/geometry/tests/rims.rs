@@ -65,7 +65,7 @@ fn octants(root: &Arc<LevelSet>, planes: [HalfSpace; 3]) -> Vec<GridSolid> {
     let part = |sides: usize| {
         let turned = |(n, plane): (usize, HalfSpace)| match sides >> n & 1 {
             0 => plane,
-            _ => HalfSpace { normal: -plane.normal, offset: -plane.offset },
+            _ => plane.flipped(),
         };
         let cuts: Vec<HalfSpace> = planes.into_iter().enumerate().map(turned).collect();
         let distance = |point: DVec3| {

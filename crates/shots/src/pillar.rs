@@ -114,9 +114,8 @@ fn volume(hull: &Hull) -> f64 {
 
 /// The parts of a hull inside and outside of a half-space, if there are both.
 fn split(hull: &Hull, cut: &HalfSpace) -> Option<[Hull; 2]> {
-    let turned = HalfSpace { normal: -cut.normal, offset: -cut.offset };
     let inside = hull.clipped(cut)?;
-    let outside = hull.clipped(&turned)?;
+    let outside = hull.clipped(&cut.flipped())?;
     Some([inside, outside])
 }
 

@@ -1,6 +1,6 @@
 //! Natural rubble.
 
-use super::{deviation, direction, require, require_box, require_count, slices::beyond};
+use super::{deviation, direction, require, require_box, require_count};
 use crate::{
     Pattern, PatternError,
     pattern::{Cells, Region},
@@ -83,7 +83,7 @@ impl Part {
             half_spaces.retain(|&known| hull.planes().contains(&known));
             Some(Self::new(half_spaces, hull, spread))
         };
-        Some([side(crack)?, side(beyond(&crack))?])
+        Some([side(crack)?, side(crack.flipped())?])
     }
 }
 

@@ -68,7 +68,7 @@ impl Pattern {
 
         let regions = (0..cells)
             .map(|slice| {
-                let below = slice.checked_sub(1).map(|before| beyond(&planes[before]));
+                let below = slice.checked_sub(1).map(|before| planes[before].flipped());
                 let above = planes.get(slice).copied();
                 let sides: Vec<HalfSpace> = below.into_iter().chain(above).collect();
                 Region::from_half_spaces(&sides, half_extent)
@@ -76,9 +76,4 @@ impl Pattern {
             .collect();
         Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
     }
-}
-
-/// The other side of a plane.
-pub(super) fn beyond(half_space: &HalfSpace) -> HalfSpace {
-    HalfSpace { normal: -half_space.normal, offset: -half_space.offset }
 }

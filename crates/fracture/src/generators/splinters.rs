@@ -1,6 +1,6 @@
 //! Wood.
 
-use super::{deviation, require, require_box, require_count, slices::beyond, voronoi::voronoi_regions};
+use super::{deviation, require, require_box, require_count, voronoi::voronoi_regions};
 use crate::{
     Pattern, PatternError,
     pattern::{Cells, Region},
@@ -96,7 +96,7 @@ impl Pattern {
                 .collect();
             for number in 0..pieces {
                 let mut around = sides.clone();
-                around.extend(number.checked_sub(1).map(|before| beyond(&breaks[before])));
+                around.extend(number.checked_sub(1).map(|before| breaks[before].flipped()));
                 around.extend(breaks.get(number));
                 regions.push(Region::from_half_spaces(&around, half_extent));
             }

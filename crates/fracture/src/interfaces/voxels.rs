@@ -118,8 +118,7 @@ impl<'a> Rims<'a> {
         for (&(a, b), shared) in planes {
             for (number, &plane) in shared.iter().enumerate() {
                 behind[a as usize].push((b, plane, number));
-                let turned = HalfSpace { normal: -plane.normal, offset: -plane.offset };
-                behind[b as usize].push((a, turned, number));
+                behind[b as usize].push((a, plane.flipped(), number));
             }
         }
         Self { solids, behind }
