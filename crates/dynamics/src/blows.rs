@@ -1,6 +1,5 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
-use crate::contact_rows::Arm;
 use crate::detection::{ContactPoint, NearSamples};
 use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
@@ -181,7 +180,7 @@ fn next_touch(
     let points = manifold.iter().flat_map(|manifold| &manifold.points);
     let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((time, point)) = first {
-        let contact = ContactPoint { point: Arm::of(point, pair, bodies).point, normal: point.normal };
+        let contact = ContactPoint { point: point.middle(bodies, pair), normal: point.normal };
         let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
         // Gravity adds to the speed on the way.
         let speed = approach.relative_velocity.dot(point.normal);

@@ -3,7 +3,7 @@
 use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::substeps::SUBSTEPS;
-use crate::warm_start::{WarmStart, sample_key};
+use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame};
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub fn contact_forces(
     let of = |manifold: &Manifold| {
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
-            let impulses = carried.get(&sample_key(bodies, pair, point.sample))?;
+            let impulses = &carried.get(bodies, pair, point.sample)?.impulses;
             let impulse = |at: usize| impulses[at].normal * point.normal + impulses[at].tangent;
             let towards =
                 |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);

@@ -9,7 +9,7 @@ use crate::flight::Flight;
 use crate::hull_contact::{Room, hull_points};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
-use crate::warm_start::{WarmStart, sample_key};
+use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame};
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
@@ -37,6 +37,13 @@ impl ManifoldPoint {
         let [first, second] = [(pair.first, self.anchor_first), (pair.second, self.anchor_second)]
             .map(|(i, anchor)| bodies.poses[i].world_from_body().point(anchor));
         [first - self.rounding[0] * self.normal, second + self.rounding[1] * self.normal]
+    }
+
+    /// Where it acts, in the world [m]: between the surfaces, beside the corner that slides along the other body.
+    pub(crate) fn middle(&self, bodies: &Bodies, pair: Pair) -> DVec3 {
+        let [on_first, on_second] = self.on_surfaces(bodies, pair);
+        let half = 0.5 * (on_first - on_second).dot(self.normal) * self.normal;
+        if self.sample.0 { on_first - half } else { on_second + half }
     }
 }
 
@@ -215,7 +222,7 @@ fn choose(bodies: &Bodies, pair: Pair, candidates: &[Candidate], warm: &WarmStar
 
     let mut room = true;
     for (index, candidate) in candidates.iter().enumerate() {
-        if room && away[index] > 0.0 && warm.contains_key(&sample_key(bodies, pair, candidate.sample)) {
+        if room && away[index] > 0.0 && warm.get(bodies, pair, candidate.sample).is_some() {
             room = keep(index, &mut away);
         }
     }

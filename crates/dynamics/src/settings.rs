@@ -31,6 +31,21 @@ pub struct StepSettings {
     pub ledger: bool,
     /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
     pub bank_cap: f64,
+    /// The widest instructions to use. All of them give the same bits.
+    pub width: Width,
+}
+
+/// How many numbers are computed at a time; a machine that has not as many uses what it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Width {
+    /// One.
+    Scalar,
+    /// Two.
+    Sse2,
+    /// Four.
+    Avx2,
+    /// Eight.
+    Avx512,
 }
 
 /// The rule by which a free body turns. All of them keep angular momentum.
@@ -62,6 +77,7 @@ impl Default for StepSettings {
             impulse_clamp: true,
             ledger: true,
             bank_cap: 0.1,
+            width: Width::Avx512,
         }
     }
 }

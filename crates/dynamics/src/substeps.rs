@@ -1,43 +1,28 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
-use crate::contact_rows::{Patch, Row, Solver, moving_bodies};
+use crate::clusters::{Cluster, Member, clusters};
+use crate::contact_batch::Batch;
+use crate::contact_rows::{Beat, Stage};
+use crate::contact_sweep::{Direction, Given};
 use crate::evolve::evolve;
+#[cfg(target_arch = "x86_64")]
+use crate::instructions::{Avx2, Avx512, Sse2};
+use crate::instructions::{Scalar, available};
+use crate::lanes::Instructions;
 use crate::manifold::Manifold;
-use crate::tally::Cause;
-use crate::warm_start::{PointImpulse, WarmStart, sample_key};
-use crate::{Bodies, Frame, PairContactant, Tally};
+use crate::moving::Movers;
+use crate::warm_start::WarmStart;
+use crate::{Bodies, Frame, Motion, Pose, Tally, Width};
 use glam::DVec3;
 
 /// Substeps of a frame: with four, stacks of ten drift by centimetres.
 pub(crate) const SUBSTEPS: u32 = 8;
 
-/// Natural frequency of soft contact at up to four points [Hz], limited to a quarter of the substeps' rate. More points share its
-/// stiffness. At 30 an elevator's stack sinks by more than a millimetre, at 60 stacks sway.
-const CONTACT_HERTZ: f64 = 42.0;
-
-/// Damping ratio of soft contact [1]: ten times critical, so that overlaps close without bouncing back [Cat24].
-const CONTACT_DAMPING: f64 = 10.0;
-
-/// Fastest closing of an overlap [m/s]: a tenth of a metre in a frame, so that deep overlaps part gently [Cat24].
-const PUSH_SPEED: f64 = 3.0;
-
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
-/// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
-const TOGETHER_PASSES: u32 = 8;
-
 /// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
 const MEETING_PASSES: u32 = 4;
-
-/// The two times in a substep at which contact acts.
-#[derive(Clone, Copy, PartialEq)]
-enum Stage {
-    /// Overlaps begin to close.
-    BeforeDrift,
-    /// The closing speed is taken out again.
-    AfterDrift,
-}
 
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
@@ -47,282 +32,246 @@ pub struct Solved {
     pub gravity: (DVec3, DVec3),
 }
 
-/// Moves all bodies through one frame: half kick, impulses, drift, half kick, relax, bounce in each substep.
+/// Moves all bodies through one frame: cluster by cluster, as none feels another. What `warm` keeps from the last frame is replaced by
+/// what acted in this one.
 pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
     let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
-    let mut patches: Vec<Patch> =
-        manifolds.iter().map(|manifold| Patch::new(bodies, manifold, warm)).collect();
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
-    for done in 0..SUBSTEPS {
-        let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..*frame };
-        patches.iter_mut().for_each(|patch| patch.refresh(bodies, &rest));
-        kick(bodies, &step, &mut solved.gravity);
-        meet(bodies, &mut patches, frame, &step);
-        contact(bodies, &mut patches, Stage::BeforeDrift, &step, &mut solved.tally);
-        drift(bodies, &step);
-        rows_of(&mut patches).for_each(|row| row.follow(bodies));
-        kick(bodies, &step, &mut solved.gravity);
-        contact(bodies, &mut patches, Stage::AfterDrift, &step, &mut solved.tally);
-        bounce(bodies, &mut patches, &step, &mut solved.tally);
-    }
-
-    // Keep the impulses for the next frame; note who touched, and who owes energy.
-    warm.clear();
-    for patch in &patches {
-        let touched = patch.rows.iter().filter(|row| row.touched);
-        warm.extend(touched.map(|row| (sample_key(bodies, patch.pair, row.point.sample), row.impulses)));
-        if patch.touched || patch.rows.iter().any(|row| row.touched) {
-            solved.tally.link(bodies, patch.pair);
+    match available(frame.settings.width) {
+        Width::Scalar => solve_with::<Scalar>(bodies, manifolds, warm, &step, &mut solved),
+        #[cfg(target_arch = "x86_64")]
+        Width::Sse2 => solve_with::<Sse2>(bodies, manifolds, warm, &step, &mut solved),
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx2 => solve_with::<Avx2>(bodies, manifolds, warm, &step, &mut solved),
+        #[cfg(target_arch = "x86_64")]
+        Width::Avx512 => solve_with::<Avx512>(bodies, manifolds, warm, &step, &mut solved),
+        #[cfg(not(target_arch = "x86_64"))]
+        Width::Sse2 | Width::Avx2 | Width::Avx512 => {
+            solve_with::<Scalar>(bodies, manifolds, warm, &step, &mut solved)
         }
-        solved.tally.debts.extend(patch.debt(bodies));
     }
     solved
 }
 
-/// Half a substep of gravity.
-fn kick(bodies: &mut Bodies, step: &Frame, gravity: &mut (DVec3, DVec3)) {
+fn solve_with<I: Instructions>(
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    warm: &mut WarmStart,
+    step: &Frame,
+    solved: &mut Solved,
+) {
+    let (clusters, is_in_one) = clusters(bodies, manifolds);
+    let starts = bodies.poses.clone();
+    let mut kept = WarmStart::default();
+    for cluster in &clusters {
+        // Kinematic bodies go the same way in each.
+        let kinematic = |&i: &usize| matches!(bodies.motions[i], Motion::Kinematic { .. });
+        let driven: Vec<usize> = cluster.bodies.iter().copied().filter(kinematic).collect();
+        driven.into_iter().for_each(|i| bodies.poses[i] = starts[i]);
+        let mut solver = Solver::<I>::new(bodies, cluster, manifolds, (warm, step));
+        for done in 0..SUBSTEPS {
+            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..*step };
+            solver.substep(&rest, step);
+        }
+        solver.close(&mut kept, solved);
+    }
+    fly(bodies, &is_in_one, &starts, step, solved);
+    *warm = kept;
+}
+
+/// Bodies that may touch nothing, and kinematic ones, for which nothing is in the way.
+fn fly(bodies: &mut Bodies, is_in_one: &[bool], starts: &[Pose], step: &Frame, solved: &mut Solved) {
+    let frame = Frame { dt: f64::from(SUBSTEPS) * step.dt, ..*step };
     for i in 0..bodies.len() {
-        if !bodies.inertias[i].is_infinite() {
-            let gain = 0.5 * step.dt * step.gravity;
-            bodies.velocities[i].linear += gain;
-            gravity.0 += bodies.masses[i] * gain;
-            gravity.1 += bodies.poses[i].position.cross(bodies.masses[i] * gain);
-        }
-    }
-}
-
-/// All bodies along their velocities for one substep.
-fn drift(bodies: &mut Bodies, step: &Frame) {
-    for i in 0..bodies.len() {
-        bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], step);
-    }
-}
-
-/// All rows, in the order of the pairs.
-fn rows_of(patches: &mut [Patch]) -> impl DoubleEndedIterator<Item = &mut Row> {
-    patches.iter_mut().flat_map(|patch| &mut patch.rows)
-}
-
-/// Rows whose gap closes in this substep: at which speed, and whether they will bounce. What has come apart can meet again; so can what
-/// touches and is struck.
-fn meet(bodies: &Bodies, patches: &mut [Patch], frame: &Frame, step: &Frame) {
-    let moving = moving_bodies(bodies, step, true);
-    let threshold = BOUNCE * frame.gravity.length() * frame.dt;
-    for row in rows_of(patches) {
-        let closing = -row.relative_velocity(&moving).dot(row.point.normal);
-        if row.arm.gap > closing.max(threshold) * step.dt {
-            row.met_at = None;
-        }
-        if row.arm.gap > closing * step.dt || (row.met_at.is_some() && closing <= threshold) {
-            continue;
-        }
-        // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
-        let falls = |i: usize| if bodies.inertias[i].is_infinite() { DVec3::ZERO } else { frame.gravity };
-        let acceleration = -(falls(row.pair.first) - falls(row.pair.second)).dot(row.point.normal);
-        let start = closing - 0.5 * step.dt * acceleration;
-        let squared = start * start + 2.0 * acceleration * row.arm.gap.max(0.0);
-        let speed = if closing > 0.0 { squared.max(0.0).sqrt() } else { 0.0 };
-        row.met_at = Some(speed);
-        row.bounces = speed > threshold;
-    }
-}
-
-/// Contact at one stage of a substep: what acted at this stage of the last one, then a pass over all rows to and one fro, so that none
-/// always has the last word and stacks do not lean.
-fn contact(bodies: &mut Bodies, patches: &mut [Patch], stage: Stage, step: &Frame, tally: &mut Tally) {
-    let moving = moving_bodies(bodies, step, stage == Stage::BeforeDrift);
-    let before = moving.clone();
-    let on = &mut Solver { bodies, moving, tally };
-    for row in rows_of(patches) {
-        // What no longer meets has nothing to go on from.
-        let closing = -row.relative_velocity(&before).dot(row.point.normal);
-        if row.arm.gap > closing.max(0.0) * step.dt {
-            row.impulses[stage as usize] = Default::default();
-        }
-        let PointImpulse { normal, tangent, twist } = row.impulses[stage as usize];
-        let cause = row.cause();
-        row.apply(on, normal * row.point.normal, cause);
-        row.apply(on, tangent, Cause::Friction);
-        row.twist(on, twist);
-    }
-
-    // What has not met yet is stopped before the next drift, where it meets. What meets now has no impulses to start from, and takes
-    // more passes, its normals first: a face that lands flat does not slip.
-    let beat = Beat { stage, dt: step.dt };
-    let acts = |row: &&mut Row| stage == Stage::BeforeDrift || row.met_at.is_some();
-    patches.iter_mut().for_each(|patch| act_together(patch, |row| stop_normal(on, row, beat)));
-    rows_of(patches).filter(acts).for_each(|row| sweep(on, row, beat));
-    rows_of(patches).rev().filter(acts).for_each(|row| sweep(on, row, beat));
-    for _ in 1..MEETING_PASSES {
-        for patch in patches.iter_mut() {
-            act_together(patch, |row| stop_normal(on, row, beat));
-            patch.rows.iter_mut().filter(|row| row.bounces).for_each(|row| sweep(on, row, beat));
-        }
-    }
-
-    // What closes an overlap does work, as a wedge between the two would.
-    for row in rows_of(patches).filter(acts) {
-        let work = row.impulses[stage as usize].normal * target_speed(row, beat).max(0.0);
-        on.tally.causes.add(Cause::Projection, work);
-        on.tally.causes.add(row.cause(), -work);
-    }
-}
-
-/// Lets the points of a patch that meet fast act together: to and fro until what one does to the others has settled. A face that
-/// lands flat must not turn by the order of its corners.
-fn act_together(patch: &mut Patch, mut act: impl FnMut(&mut Row)) {
-    if patch.rows.iter().filter(|row| row.bounces).count() < 2 {
-        return;
-    }
-    for _ in 0..TOGETHER_PASSES {
-        patch.rows.iter_mut().filter(|row| row.bounces).for_each(&mut act);
-        patch.rows.iter_mut().rev().filter(|row| row.bounces).for_each(&mut act);
-    }
-}
-
-fn stop_normal(on: &mut Solver, row: &mut Row, beat: Beat) {
-    let mut impulse = row.impulses[beat.stage as usize];
-    stop_approach(on, row, &mut impulse, beat);
-    row.impulses[beat.stage as usize] = impulse;
-}
-
-/// One pass of a row: normal, friction, rolling.
-fn sweep(on: &mut Solver, row: &mut Row, beat: Beat) {
-    let mut impulse = row.impulses[beat.stage as usize];
-    stop_approach(on, row, &mut impulse, beat);
-    stop_slip(on, row, &mut impulse);
-    stop_roll(on, row, &mut impulse);
-    row.impulses[beat.stage as usize] = impulse;
-}
-
-/// When rows act.
-#[derive(Clone, Copy)]
-struct Beat {
-    stage: Stage,
-    /// Of the substep [s].
-    dt: f64,
-}
-
-/// How a row's normal impulse answers: soft contact is a spring and a damper that no step size makes unstable [Cat24].
-struct Softness {
-    /// Closing speed of an overlap per depth [1/s].
-    rate: f64,
-    /// Of what a rigid point would add to its impulse [1].
-    mass_scale: f64,
-    /// Of the impulse so far, that it takes back [1].
-    impulse_scale: f64,
-}
-
-impl Softness {
-    /// Of a point that has this share of the contact's stiffness.
-    fn new(share: f64, dt: f64) -> Self {
-        let hertz = share.sqrt() * CONTACT_HERTZ;
-        let omega = std::f64::consts::TAU * hertz.min(0.25 / dt);
-        let a = 2.0 * CONTACT_DAMPING + dt * omega;
-        let b = dt * omega * a;
-        Self { rate: omega / a, mass_scale: b / (1.0 + b), impulse_scale: 1.0 / (1.0 + b) }
-    }
-}
-
-/// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate.
-fn stop_approach(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse, beat: Beat) {
-    let soft = Softness::new(row.share, beat.dt);
-    let normal = row.point.normal;
-    let speed = row.relative_velocity(&on.moving).dot(normal);
-    let target = target_speed(row, beat);
-    let (mass_scale, impulse_scale) =
-        if overlaps_soften(row, beat) { (soft.mass_scale, soft.impulse_scale) } else { (1.0, 0.0) };
-    let mass = 1.0 / row.answer_along(&on.moving, normal);
-    let change = mass * mass_scale * (target - speed) - impulse_scale * impulse.normal;
-    let total = (impulse.normal + change).max(0.0);
-    let cause = row.cause();
-    row.apply(on, (total - impulse.normal) * normal, cause);
-    impulse.normal = total;
-}
-
-/// Before the drift, what overlaps is soft.
-fn overlaps_soften(row: &Row, beat: Beat) -> bool {
-    beat.stage == Stage::BeforeDrift && row.arm.gap <= 0.0
-}
-
-/// Speed at which a row's surfaces are to separate [m/s]; negative if they may approach.
-fn target_speed(row: &Row, beat: Beat) -> f64 {
-    if row.arm.gap > 0.0 {
-        -row.arm.gap / beat.dt
-    } else if overlaps_soften(row, beat) {
-        (-Softness::new(row.share, beat.dt).rate * row.arm.gap).min(PUSH_SPEED)
-    } else {
-        0.0
-    }
-}
-
-/// Friction: against the slip, inside Coulomb's cone.
-fn stop_slip(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse) {
-    let normal = row.point.normal;
-    let velocity = row.relative_velocity(&on.moving);
-    let slip = velocity - velocity.dot(normal) * normal;
-    let length = slip.length();
-    let stop = if length > 0.0 { slip / row.answer_along(&on.moving, slip / length) } else { DVec3::ZERO };
-    let held = (impulse.tangent - stop).clamp_length_max(row.surfaces.friction * impulse.normal);
-    row.apply(on, held - impulse.tangent, Cause::Friction);
-    impulse.tangent = held;
-}
-
-/// Rolling and spinning friction: against the relative spin, no more than their lengths times the normal impulse.
-fn stop_roll(on: &mut Solver, row: &mut Row, impulse: &mut PointImpulse) {
-    let PairContactant { rolling_friction: rolling, spinning_friction: spinning, .. } = row.surfaces;
-    if rolling == 0.0 && spinning == 0.0 {
-        return;
-    }
-    let normal = row.point.normal;
-    let spin = row.relative_spin(&on.moving);
-    let about = spin.dot(normal) * normal;
-    let held = |part: DVec3, before: DVec3, most: f64| {
-        let length = part.length();
-        if length == 0.0 {
-            return before.clamp_length_max(most);
-        }
-        (before - part / row.answer_about(&on.moving, part / length)).clamp_length_max(most)
-    };
-    let twist_about = impulse.twist.dot(normal) * normal;
-    let next = held(about, twist_about, spinning * impulse.normal)
-        + held(spin - about, impulse.twist - twist_about, rolling * impulse.normal);
-    row.twist(on, next - impulse.twist);
-    impulse.twist = next;
-}
-
-/// What met fast enough leaves with its share of the speed at which it met; what stopped it is no guide to the next substep.
-fn bounce(bodies: &mut Bodies, patches: &mut [Patch], step: &Frame, tally: &mut Tally) {
-    if !rows_of(patches).any(|row| row.bounces) {
-        return;
-    }
-    let moving = moving_bodies(bodies, step, false);
-    let on = &mut Solver { bodies, moving, tally };
-    rows_of(patches).filter(|row| row.bounces).for_each(|row| row.impulses = Default::default());
-    for _ in 0..MEETING_PASSES {
-        for patch in patches.iter_mut() {
-            act_together(patch, |row| bounce_row(on, row));
-            for row in patch.rows.iter_mut().filter(|row| row.bounces) {
-                bounce_row(on, row);
-                let mut impulse = row.impulses[Stage::AfterDrift as usize];
-                stop_slip(on, row, &mut impulse);
-                row.impulses[Stage::AfterDrift as usize] = impulse;
+        match bodies.motions[i] {
+            Motion::Static => {}
+            Motion::Kinematic { .. } => {
+                let velocity = bodies.velocities[i];
+                let end = (0..SUBSTEPS).fold(starts[i], |pose, _| evolve(bodies, i, &pose, &velocity, step));
+                bodies.poses[i] = end;
+            }
+            Motion::Dynamic if is_in_one[i] => {}
+            Motion::Dynamic => {
+                let half = 0.5 * frame.dt * frame.gravity;
+                let weight = bodies.masses[i] * half;
+                bodies.velocities[i].linear += half;
+                solved.gravity.1 += bodies.poses[i].position.cross(weight);
+                bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], &frame);
+                bodies.velocities[i].linear += half;
+                solved.gravity.1 += bodies.poses[i].position.cross(weight);
+                solved.gravity.0 += 2.0 * weight;
             }
         }
     }
-    for row in rows_of(patches).filter(|row| row.bounces) {
-        row.bounces = false;
-        row.impulses = Default::default();
-    }
 }
 
-/// Normal: leaves with its share of the speed at which it met.
-fn bounce_row(on: &mut Solver, row: &mut Row) {
-    let normal = row.point.normal;
-    let wanted = row.surfaces.restitution * row.met_at.unwrap_or(0.0);
-    let speed = row.relative_velocity(&on.moving).dot(normal);
-    let before = row.impulses[Stage::AfterDrift as usize].normal;
-    let total = (before + (wanted - speed) / row.answer_along(&on.moving, normal)).max(0.0);
-    row.apply(on, (total - before) * normal, Cause::Collision);
-    row.impulses[Stage::AfterDrift as usize].normal = total;
+/// A cluster on its way through a frame.
+struct Solver<'a, I> {
+    bodies: &'a mut Bodies,
+    movers: Movers,
+    batches: Vec<Batch<I>>,
+    given: Given<I>,
+    tally: Tally,
+}
+
+impl<'a, I: Instructions> Solver<'a, I> {
+    fn new(
+        bodies: &'a mut Bodies,
+        cluster: &Cluster,
+        manifolds: &[Manifold],
+        with: (&WarmStart, &Frame),
+    ) -> Self {
+        let movers = Movers::new(bodies, cluster.bodies.clone());
+        let batch = |group: &Vec<Member>| Batch::new(bodies, &movers, group, manifolds, with);
+        let batches = cluster.groups.iter().map(batch).collect();
+        let mut solver = Self { bodies, movers, batches, given: Given::ZERO, tally: Tally::default() };
+        solver.follow();
+        solver
+    }
+
+    /// Half kick, impulses, drift, half kick, relax, bounce. `rest` is what is left of the frame.
+    fn substep(&mut self, rest: &Frame, step: &Frame) {
+        self.refresh(rest);
+        self.movers.kick(self.bodies, step);
+        self.meet(step);
+        self.contact(&Beat::new(Stage::BeforeDrift, step));
+        self.movers.drift(self.bodies, step);
+        self.movers.kick(self.bodies, step);
+        self.follow();
+        let after = Beat::new(Stage::AfterDrift, step);
+        self.contact(&after);
+        self.bounce(&after);
+    }
+
+    /// Points that have moved too far are found anew.
+    fn refresh(&mut self, rest: &Frame) {
+        let Self { bodies, movers, batches, .. } = self;
+        for batch in batches {
+            if batch.refresh(bodies, movers, rest) {
+                I::run(
+                    #[inline(always)]
+                    || batch.follow(bodies, movers),
+                );
+            }
+        }
+    }
+
+    /// Who meets in this substep.
+    fn meet(&mut self, step: &Frame) {
+        let threshold = BOUNCE * step.gravity.length() * f64::from(SUBSTEPS) * step.dt;
+        let Self { bodies, movers, batches, .. } = self;
+        batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches {
+                    batch.meet(movers, threshold, step);
+                }
+            },
+        );
+    }
+
+    /// All points go with their bodies.
+    fn follow(&mut self) {
+        let Self { bodies, movers, batches, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut() {
+                    batch.follow(bodies, movers);
+                }
+            },
+        );
+        batches.iter_mut().for_each(|batch| batch.be_driven(bodies, None));
+    }
+
+    /// Contact at one stage of a substep: what acted at this stage of the last one, then a pass over all rows to and one fro, so that none
+    /// always has the last word and stacks do not lean. What meets now has no impulses to start from, and takes more passes, its normals
+    /// first.
+    fn contact(&mut self, beat: &Beat) {
+        let Self { bodies, movers, batches, given, tally } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut() {
+                    batch.forget_parted(movers, beat);
+                }
+                for batch in batches.iter_mut() {
+                    batch.go_on(movers, beat, given);
+                }
+                for batch in batches.iter_mut() {
+                    batch.stop_together(movers, beat, given);
+                }
+                for batch in batches.iter_mut() {
+                    batch.sweep(movers, beat, Direction::To, given);
+                }
+                for batch in batches.iter_mut().rev() {
+                    batch.sweep(movers, beat, Direction::Fro, given);
+                }
+                for _ in 1..MEETING_PASSES {
+                    for batch in batches.iter_mut() {
+                        batch.sweep_meeting(movers, beat, given);
+                    }
+                }
+                for batch in batches.iter_mut() {
+                    batch.close(beat, given);
+                }
+            },
+        );
+        for batch in batches.iter().filter(|batch| batch.has_outside) {
+            batch.book_outside(bodies, beat, false, tally);
+        }
+    }
+
+    /// What met fast enough leaves again.
+    fn bounce(&mut self, beat: &Beat) {
+        let Self { bodies, movers, batches, given, tally } = self;
+        if !batches.iter().any(Batch::bounces) {
+            return;
+        }
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut() {
+                    batch.clear_bouncing();
+                }
+                for _ in 0..MEETING_PASSES {
+                    for batch in batches.iter_mut() {
+                        batch.bounce(movers, beat, given);
+                    }
+                }
+            },
+        );
+        for batch in batches.iter().filter(|batch| batch.bounces()) {
+            batch.book_outside(bodies, beat, true, tally);
+        }
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut() {
+                    batch.clear_bouncing();
+                    batch.end_bouncing();
+                }
+            },
+        );
+    }
+
+    /// Hands the bodies back, keeps the impulses for the next frame, notes who touched and who owes energy.
+    fn close(self, kept: &mut WarmStart, solved: &mut Solved) {
+        let Self { bodies, movers, batches, given, mut tally } = self;
+        movers.hand_back(bodies);
+        given.book(&mut tally);
+        for batch in &batches {
+            for (lane, patch) in batch.patches.iter().enumerate() {
+                kept.keep(bodies, patch.pair, batch.carried(lane));
+                if batch.touched(lane) {
+                    tally.link(bodies, patch.pair);
+                }
+                tally.debts.extend(batch.debt(bodies, lane));
+            }
+        }
+        solved.tally.add(tally);
+        solved.gravity.0 += movers.gravity.0;
+        solved.gravity.1 += movers.gravity.1;
+    }
 }

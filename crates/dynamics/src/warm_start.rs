@@ -4,12 +4,23 @@ use crate::pair::Pair;
 use crate::{Bodies, BodyId};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::ops::Range;
 
-/// A sample of a pair, over the frames: which bodies, whether it is the first one's, and which.
-pub type SampleKey = (BodyId, BodyId, bool, u64);
+/// The last substep's impulses of each contact point that acted, before and after its drift.
+#[derive(Clone, Debug, Default)]
+pub struct WarmStart {
+    points: Vec<Carried>,
+    of_pair: HashMap<[BodyId; 2], Range<usize>>,
+}
 
-/// The last substep's impulses of each contact point, before and after its drift.
-pub type WarmStart = HashMap<SampleKey, [PointImpulse; 2]>;
+/// A contact point and what it carried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// Whether it is a sample or feature of the pair's first body, and which.
+    pub sample: (bool, u64),
+    /// Before and after the drift.
+    pub impulses: [PointImpulse; 2],
+}
 
 /// What acts at one contact point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,7 +33,27 @@ pub struct PointImpulse {
     pub twist: DVec3,
 }
 
-/// What a contact point is known by.
-pub fn sample_key(bodies: &Bodies, pair: Pair, sample: (bool, u64)) -> SampleKey {
-    (bodies.ids[pair.first], bodies.ids[pair.second], sample.0, sample.1)
+impl WarmStart {
+    /// The points of a pair that carried.
+    pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
+        self.of_pair.get(&ids(bodies, pair)).map_or(&[], |range| &self.points[range.clone()])
+    }
+
+    /// What a point carried.
+    pub fn get(&self, bodies: &Bodies, pair: Pair, sample: (bool, u64)) -> Option<&Carried> {
+        self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
+    }
+
+    /// Keeps the points of a pair that has none yet.
+    pub(crate) fn keep(&mut self, bodies: &Bodies, pair: Pair, carried: impl Iterator<Item = Carried>) {
+        let start = self.points.len();
+        self.points.extend(carried);
+        if self.points.len() > start {
+            self.of_pair.insert(ids(bodies, pair), start..self.points.len());
+        }
+    }
+}
+
+fn ids(bodies: &Bodies, pair: Pair) -> [BodyId; 2] {
+    [pair.first, pair.second].map(|i| bodies.ids[i])
 }

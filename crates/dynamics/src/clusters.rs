@@ -1,0 +1,128 @@
+//! Who is solved with whom: islands of bodies that may touch do not feel each other, so some of them at a time go through all substeps
+//! while their numbers are at hand; and within them, pairs that share no body act side by side [Cat24].
+
+use crate::Bodies;
+use crate::lanes::LANES;
+use crate::manifold::Manifold;
+
+/// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
+const CLUSTER_PAIRS: usize = 512;
+
+/// Colours of pairs; what finds none free acts alone.
+const COLOURS: usize = 64;
+
+/// Some islands.
+pub(crate) struct Cluster {
+    /// Their bodies and the static and kinematic ones that they may touch, by dense index.
+    pub(crate) bodies: Vec<usize>,
+    /// Their pairs, in groups of at most [`LANES`] that share no body that can move.
+    pub(crate) groups: Vec<Vec<Member>>,
+}
+
+/// A pair of a cluster.
+#[derive(Clone, Copy)]
+pub(crate) struct Member {
+    /// Its place among the manifolds.
+    pub(crate) manifold: usize,
+    /// The places of its bodies in the cluster.
+    pub(crate) locals: [u32; 2],
+}
+
+/// All clusters, and whether each body is in one.
+pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold]) -> (Vec<Cluster>, Vec<bool>) {
+    let mut clusters = Vec::new();
+    let mut is_in_one = vec![false; bodies.len()];
+    let mut local = vec![NOWHERE; bodies.len()];
+    let mut pairs = Vec::new();
+    let islands = islands(bodies, manifolds);
+    for (number, island) in islands.iter().enumerate() {
+        pairs.extend_from_slice(island);
+        if pairs.len() >= CLUSTER_PAIRS || number + 1 == islands.len() {
+            let cluster = Cluster::new(bodies, manifolds, &std::mem::take(&mut pairs), &mut local);
+            cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
+            clusters.push(cluster);
+        }
+    }
+    (clusters, is_in_one)
+}
+
+/// Not in the cluster.
+const NOWHERE: u32 = u32::MAX;
+
+impl Cluster {
+    /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
+    fn new(bodies: &Bodies, manifolds: &[Manifold], pairs: &[usize], local: &mut [u32]) -> Self {
+        let mut cluster = Self { bodies: Vec::new(), groups: Vec::new() };
+        let mut used: Vec<u64> = Vec::new();
+        let mut colours: Vec<Vec<Member>> = vec![Vec::new(); COLOURS];
+        let mut alone = Vec::new();
+        for &manifold in pairs {
+            let pair = manifolds[manifold].pair;
+            let locals = [pair.first, pair.second].map(|i| {
+                if local[i] == NOWHERE {
+                    local[i] = cluster.bodies.len() as u32;
+                    cluster.bodies.push(i);
+                    used.push(0);
+                }
+                local[i]
+            });
+            // The first colour that neither body has yet.
+            let member = Member { manifold, locals };
+            let taken = locals.iter().fold(0, |taken, &local| taken | used[local as usize]);
+            let colour = taken.trailing_ones() as usize;
+            if colour == COLOURS {
+                alone.push(vec![member]);
+                continue;
+            }
+            colours[colour].push(member);
+            for local in locals.map(|local| local as usize) {
+                if !bodies.inertias[cluster.bodies[local]].is_infinite() {
+                    used[local] |= 1 << colour;
+                }
+            }
+        }
+
+        // Side by side are those with about as many points.
+        for colour in &mut colours {
+            colour.sort_by_key(|member| std::cmp::Reverse(manifolds[member.manifold].points.len()));
+            cluster.groups.extend(colour.chunks(LANES).map(<[_]>::to_vec));
+        }
+        cluster.groups.extend(alone);
+        cluster.bodies.iter().for_each(|&i| local[i] = NOWHERE);
+        cluster
+    }
+}
+
+/// The manifolds of each island, both in the order of the manifolds.
+fn islands(bodies: &Bodies, manifolds: &[Manifold]) -> Vec<Vec<usize>> {
+    let is_fixed = |i: usize| bodies.inertias[i].is_infinite();
+    let mut parent: Vec<usize> = (0..bodies.len()).collect();
+    for manifold in manifolds {
+        let pair = manifold.pair;
+        if !is_fixed(pair.first) && !is_fixed(pair.second) {
+            let (a, b) = (root(&mut parent, pair.first), root(&mut parent, pair.second));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut islands: Vec<Vec<usize>> = Vec::new();
+    let mut island_of = vec![usize::MAX; bodies.len()];
+    for (index, manifold) in manifolds.iter().enumerate() {
+        let pair = manifold.pair;
+        let root = root(&mut parent, if is_fixed(pair.first) { pair.second } else { pair.first });
+        if island_of[root] == usize::MAX {
+            island_of[root] = islands.len();
+            islands.push(Vec::new());
+        }
+        islands[island_of[root]].push(index);
+    }
+    islands
+}
+
+/// Who stands for a body's island: its smallest index.
+fn root(parent: &mut [usize], mut of: usize) -> usize {
+    while parent[of] != of {
+        parent[of] = parent[parent[of]];
+        of = parent[of];
+    }
+    of
+}
