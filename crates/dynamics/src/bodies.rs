@@ -122,6 +122,39 @@ struct Slots {
     free: Vec<u32>,
 }
 
+/// Something for each of some bodies, that are all alive at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PerBody<T>(Vec<Option<(u32, T)>>);
+
+impl<T> Default for PerBody<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T: Copy> PerBody<T> {
+    pub(crate) fn get(&self, id: BodyId) -> Option<T> {
+        let (generation, value) = self.0.get(id.index as usize).copied().flatten()?;
+        (generation == id.generation).then_some(value)
+    }
+
+    pub(crate) fn insert(&mut self, id: BodyId, value: T) {
+        let slot = id.index as usize;
+        if slot >= self.0.len() {
+            self.0.resize(slot + 1, None);
+        }
+        self.0[slot] = Some((id.generation, value));
+    }
+
+    /// In the order of their slots.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (BodyId, T)> {
+        let entry = |(index, entry): (usize, &Option<(u32, T)>)| {
+            entry.map(|(generation, value)| (BodyId { index: index as u32, generation }, value))
+        };
+        self.0.iter().enumerate().filter_map(entry)
+    }
+}
+
 impl Bodies {
     /// Number of living bodies.
     pub fn len(&self) -> usize {

@@ -1,5 +1,5 @@
 //! Who is solved with whom: islands of bodies that may touch do not feel each other, so some of them at a time go through all substeps
-//! while their numbers are at hand; and within them, pairs that share no body act side by side [Cat24].
+//! while their numbers are at hand; and within them, pairs that share no body act side by side.
 
 use crate::Bodies;
 use crate::lanes::LANES;
@@ -8,14 +8,12 @@ use crate::manifold::Manifold;
 /// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
 const CLUSTER_PAIRS: usize = 512;
 
-/// Colours of pairs; what finds none free acts alone.
-const COLOURS: usize = 64;
-
 /// Some islands.
 pub(crate) struct Cluster {
     /// Their bodies and the static and kinematic ones that they may touch, by dense index.
     pub(crate) bodies: Vec<usize>,
-    /// Their pairs, in groups of at most [`LANES`] that share no body that can move.
+    /// Their pairs, in groups of at most [`LANES`] that share no body that can move: one group after the other does what one pair after the
+    /// other, in the order of the manifolds, would do.
     pub(crate) groups: Vec<Vec<Member>>,
 }
 
@@ -53,41 +51,35 @@ impl Cluster {
     /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
     fn new(bodies: &Bodies, manifolds: &[Manifold], pairs: &[usize], local: &mut [u32]) -> Self {
         let mut cluster = Self { bodies: Vec::new(), groups: Vec::new() };
-        let mut used: Vec<u64> = Vec::new();
-        let mut colours: Vec<Vec<Member>> = vec![Vec::new(); COLOURS];
-        let mut alone = Vec::new();
+        // Each pair is one rank behind those before it that share a body with it.
+        let mut next_rank: Vec<usize> = Vec::new();
+        let mut ranks: Vec<Vec<Member>> = Vec::new();
         for &manifold in pairs {
             let pair = manifolds[manifold].pair;
             let locals = [pair.first, pair.second].map(|i| {
                 if local[i] == NOWHERE {
                     local[i] = cluster.bodies.len() as u32;
                     cluster.bodies.push(i);
-                    used.push(0);
+                    next_rank.push(0);
                 }
                 local[i]
             });
-            // The first colour that neither body has yet.
-            let member = Member { manifold, locals };
-            let taken = locals.iter().fold(0, |taken, &local| taken | used[local as usize]);
-            let colour = taken.trailing_ones() as usize;
-            if colour == COLOURS {
-                alone.push(vec![member]);
-                continue;
+            let mobile = |&local: &usize| !bodies.inertias[cluster.bodies[local]].is_infinite();
+            let both = locals.map(|local| local as usize);
+            let rank =
+                both.iter().filter(|local| mobile(local)).map(|&local| next_rank[local]).max().unwrap_or(0);
+            both.iter().filter(|local| mobile(local)).for_each(|&local| next_rank[local] = rank + 1);
+            if rank == ranks.len() {
+                ranks.push(Vec::new());
             }
-            colours[colour].push(member);
-            for local in locals.map(|local| local as usize) {
-                if !bodies.inertias[cluster.bodies[local]].is_infinite() {
-                    used[local] |= 1 << colour;
-                }
-            }
+            ranks[rank].push(Member { manifold, locals });
         }
 
         // Side by side are those with about as many points.
-        for colour in &mut colours {
-            colour.sort_by_key(|member| std::cmp::Reverse(manifolds[member.manifold].points.len()));
-            cluster.groups.extend(colour.chunks(LANES).map(<[_]>::to_vec));
+        for rank in &mut ranks {
+            rank.sort_by_key(|member| std::cmp::Reverse(manifolds[member.manifold].points.len()));
+            cluster.groups.extend(rank.chunks(LANES).map(<[_]>::to_vec));
         }
-        cluster.groups.extend(alone);
         cluster.bodies.iter().for_each(|&i| local[i] = NOWHERE);
         cluster
     }

@@ -8,6 +8,7 @@ use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
 use crate::moving::{Movers, Side};
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
+use glam::DVec3;
 
 /// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
 const TOGETHER_PASSES: u32 = 8;
@@ -291,25 +292,29 @@ impl<I: Instructions> Batch<I> {
     /// Books what static and kinematic bodies gave; of what bounces only, if that is asked for.
     pub(crate) fn book_outside(&self, bodies: &Bodies, beat: &Beat, bouncing: bool, tally: &mut Tally) {
         for (lane, patch) in self.patches.iter().enumerate() {
-            let [first, second] = [patch.pair.first, patch.pair.second];
-            if !bodies.inertias[first].is_infinite() && !bodies.inertias[second].is_infinite() {
+            let pair = [patch.pair.first, patch.pair.second];
+            let [first_is_outside, second_is_outside] = pair.map(|i| bodies.inertias[i].is_infinite());
+            if first_is_outside == second_is_outside {
                 continue;
             }
-            for row in self.rows.iter().filter(|row| row.is_there.get(lane)) {
+            // On the body that can move.
+            let (sign, pair) =
+                if second_is_outside { (1.0, pair) } else { (-1.0, [patch.pair.second, patch.pair.first]) };
+            let origin = bodies.poses[patch.pair.first].position;
+            for row in self.rows.iter().filter(|row| !bouncing || row.bounces.get(lane)) {
                 let RowImpulse { normal, tangent, twist } = row.impulses[beat.at()];
-                if bouncing && !row.bounces.get(lane) {
+                let impulse = normal.get(lane) * row.normal.get(lane) + tangent.get(lane);
+                if impulse == DVec3::ZERO {
                     continue;
                 }
-                let impulse = normal.get(lane) * row.normal.get(lane) + tangent.get(lane);
-                let point = row.levers[0].get(lane) + bodies.poses[first].position;
-                let (moment, twist) = (point.cross(impulse), twist.get(lane));
-                // The drive is the first body's velocity less the second's, of which only one is from outside.
-                let drive = row.drive.get(lane);
-                let spin = |i: usize| bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]);
-                let work_on_second = -impulse.dot(drive) - twist.dot(spin(first));
-                let work_on_first = -impulse.dot(drive) + twist.dot(spin(second));
-                tally.book_outside(bodies, [first, second], (impulse, moment + twist), work_on_first);
-                tally.book_outside(bodies, [second, first], (-impulse, -(moment + twist)), work_on_second);
+                let moment = (row.levers[0].get(lane) + origin).cross(impulse) + twist.get(lane);
+                // The drive is what is outside, and against the velocity of the body that can move.
+                let work = if self.is_driven {
+                    -impulse.dot(row.drive.get(lane)) - twist.get(lane).dot(self.spin.get(lane))
+                } else {
+                    0.0
+                };
+                tally.book_outside(bodies, pair, (sign * impulse, sign * moment), work);
             }
         }
     }

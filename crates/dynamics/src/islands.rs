@@ -1,62 +1,123 @@
 //! Islands: bodies that exchanged impulses in a frame, directly or through others.
 
-use crate::BodyId;
+use crate::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
-/// Groups of ids, united link by link.
+/// Groups of bodies, united link by link. A living body's node is its dense index; those that are gone follow.
 #[derive(Clone, Debug, Default)]
-pub struct Islands {
-    parent: BTreeMap<BodyId, BodyId>,
+pub(crate) struct Islands {
+    parent: Vec<Option<usize>>,
+    gone: BTreeMap<BodyId, usize>,
+    number: Vec<usize>,
 }
+
+/// The number of what is in no island.
+const NONE: usize = usize::MAX;
 
 impl Islands {
     /// Unites the islands of two bodies.
-    pub fn link(&mut self, a: BodyId, b: BodyId) {
+    pub(crate) fn link(&mut self, bodies: &Bodies, a: BodyId, b: BodyId) {
+        let (a, b) = (self.node(bodies, a), self.node(bodies, b));
         let (a, b) = (self.root(a), self.root(b));
-        // The smaller id stands for the island, whatever the order of the links.
-        self.parent.insert(a.max(b), a.min(b));
+        // The smaller node stands for the island, whatever the order of the links.
+        self.parent[a.max(b)] = Some(a.min(b));
     }
 
-    /// The members of each island, in order of their smallest id; bodies that were never linked are not listed.
-    pub fn members(&mut self) -> Vec<Vec<BodyId>> {
-        let ids: Vec<BodyId> = self.parent.keys().copied().collect();
-        let mut groups: BTreeMap<BodyId, Vec<BodyId>> = BTreeMap::new();
-        for id in ids {
-            groups.entry(self.root(id)).or_default().push(id);
-        }
-        groups.into_values().collect()
+    /// Makes a body an island of its own at least.
+    pub(crate) fn join(&mut self, bodies: &Bodies, id: BodyId) {
+        self.node(bodies, id);
     }
 
-    fn root(&mut self, id: BodyId) -> BodyId {
-        let mut root = id;
-        while let Some(&up) = self.parent.get(&root).filter(|&&up| up != root) {
-            root = up;
+    fn node(&mut self, bodies: &Bodies, id: BodyId) -> usize {
+        if self.parent.is_empty() {
+            self.parent.resize(bodies.len(), None);
         }
-        // Shorten the way for the next time.
-        let mut at = id;
-        while at != root {
-            let up = self.parent.insert(at, root);
-            at = up.unwrap_or(root);
+        let node = bodies.index_of(id).unwrap_or_else(|| {
+            let next = self.parent.len();
+            let node = *self.gone.entry(id).or_insert(next);
+            if node == next {
+                self.parent.push(None);
+            }
+            node
+        });
+        self.parent[node].get_or_insert(node);
+        node
+    }
+
+    /// The members of each island, in order of their smallest node; bodies that were never linked are not listed.
+    pub(crate) fn members(&mut self, bodies: &Bodies) -> Vec<Vec<BodyId>> {
+        let mut gone = vec![BodyId { index: 0, generation: 0 }; self.gone.len()];
+        for (&id, &node) in &self.gone {
+            gone[node - bodies.len()] = id;
         }
-        self.parent.insert(root, root);
-        root
+        let mut members: Vec<Vec<BodyId>> = Vec::new();
+        self.number = vec![NONE; self.parent.len()];
+        for node in (0..self.parent.len()).filter(|&node| self.parent[node].is_some()).collect::<Vec<_>>() {
+            let root = self.root(node);
+            if root == node {
+                self.number[node] = members.len();
+                members.push(Vec::new());
+            }
+            self.number[node] = self.number[root];
+            let id = bodies.ids.get(node).copied().unwrap_or_else(|| gone[node - bodies.len()]);
+            members[self.number[node]].push(id);
+        }
+        members
+    }
+
+    /// Which of the [`Self::members`] a body belongs to, if any.
+    pub(crate) fn number(&self, bodies: &Bodies, id: BodyId) -> Option<usize> {
+        let node = bodies.index_of(id).or_else(|| self.gone.get(&id).copied())?;
+        self.number.get(node).copied().filter(|&number| number != NONE)
+    }
+
+    fn root(&mut self, node: usize) -> usize {
+        let mut at = node;
+        while let Some(up) = self.parent[at].filter(|&up| up != at) {
+            // Shorten the way for the next time.
+            self.parent[at] = self.parent[up];
+            at = up;
+        }
+        at
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use std::sync::Arc;
 
+    /// Whatever the order of the links, and though bodies are gone that they name.
     #[test]
     fn links_make_islands_in_any_order() {
-        let id = |index| BodyId { index, generation: 0 };
-        let links = [(5, 3), (1, 2), (3, 9), (7, 7), (2, 4)];
-        let islands = |links: &[(u32, u32)]| {
-            let mut islands = Islands::default();
-            links.iter().for_each(|&(a, b)| islands.link(id(a), id(b)));
-            islands.members().iter().map(|m| m.iter().map(|id| id.index).collect()).collect::<Vec<Vec<u32>>>()
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.1 }, 0.1));
+        let mut bodies = Bodies::default();
+        let body = || NewBody {
+            shape: shape.clone(),
+            density: 1.0,
+            motion: Motion::Dynamic,
+            pose: Pose { position: glam::DVec3::ZERO, orientation: glam::DQuat::IDENTITY },
+            velocity: Velocity::default(),
+            contactant: Contactant::new(0.0, 0.0),
         };
-        let expected = vec![vec![1, 2, 4], vec![3, 5, 9], vec![7]];
+        let ids: Vec<BodyId> = (0..10).map(|_| bodies.spawn(body())).collect();
+        let gone: Vec<bool> = (0..10).map(|i| i == 3 || i == 8).collect();
+        bodies.remove(&gone);
+        let links = [(5, 3), (1, 2), (3, 9), (7, 7), (2, 4)];
+        let islands = |links: &[(usize, usize)]| {
+            let mut islands = Islands::default();
+            links.iter().for_each(|&(a, b)| islands.link(&bodies, ids[a], ids[b]));
+            let members = islands.members(&bodies);
+            for (number, island) in members.iter().enumerate() {
+                assert!(island.iter().all(|&id| islands.number(&bodies, id) == Some(number)));
+            }
+            assert_eq!(islands.number(&bodies, ids[0]), None);
+            assert_eq!(islands.number(&bodies, ids[8]), None);
+            members.iter().map(|m| m.iter().map(|id| id.index).collect()).collect::<Vec<Vec<u32>>>()
+        };
+        let expected = vec![vec![1, 2, 4], vec![5, 9, 3], vec![7]];
         assert_eq!(islands(&links), expected);
         let mut reversed = links;
         reversed.reverse();

@@ -7,6 +7,7 @@
 //! end of both lies the flight after collisions, whose energy is no more than it was by construction. The bank holds a little of what
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
+use crate::bodies::PerBody;
 use crate::evolve::accelerate;
 use crate::islands::Islands;
 use crate::pair::Pair;
@@ -15,7 +16,7 @@ use crate::take_out::take_out;
 use crate::tally::Debt;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Relative to the size of an island's energies: less is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -23,7 +24,7 @@ const ROUNDING: f64 = 1e-14;
 /// The banks of all bodies, kept over the frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
-    bank: BTreeMap<BodyId, f64>,
+    bank: PerBody<f64>,
 }
 
 /// What the ledger had to do in one frame.
@@ -43,7 +44,7 @@ pub struct Balance {
 
 /// Kinetic and potential energy of each dynamic body at the start of a frame [J].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Opening(BTreeMap<BodyId, f64>);
+pub struct Opening(PerBody<f64>);
 
 /// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities that they have [J].
 pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: DVec3) -> f64 {
@@ -67,11 +68,12 @@ fn magnitude(bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
 impl Opening {
     /// Opens the books of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
-        let dynamic = (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite());
-        let entry = |i: usize| {
-            (bodies.ids[i], energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity))
-        };
-        Self(dynamic.map(entry).collect())
+        let mut opening = Self::default();
+        for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
+            let energy = energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
+            opening.0.insert(bodies.ids[i], energy);
+        }
+        opening
     }
 }
 
@@ -119,7 +121,7 @@ pub(crate) enum Anchor {
 impl Ledger {
     /// All that is in the banks [J].
     pub fn bank(&self) -> f64 {
-        self.bank.values().sum()
+        self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
     /// Closes the books of a frame: balances every island. Bodies that broke are linked to their fragments in the tally.
@@ -132,7 +134,7 @@ impl Ledger {
         tally: &mut Tally,
     ) -> Balance {
         let mut balance = Balance::default();
-        let mut bank = BTreeMap::new();
+        let mut bank = PerBody::default();
         for mut island in self.islands(bodies, opening, tally) {
             let members = island.members.clone();
             let total = |bodies: &Bodies| -> f64 {
@@ -173,13 +175,15 @@ impl Ledger {
             let cap = frame.settings.bank_cap * mass;
             // An island with a body whose numbers went bad has nothing to keep.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
-            bank.extend(members.iter().map(|&i| (bodies.ids[i], kept * bodies.masses[i] / mass)));
+            for &i in &members {
+                bank.insert(bodies.ids[i], kept * bodies.masses[i] / mass);
+            }
         }
 
         // Bodies that touched nothing keep theirs.
-        for (&id, &amount) in &self.bank {
-            if bodies.index_of(id).is_some() {
-                bank.entry(id).or_insert(amount);
+        for (id, amount) in self.bank.iter() {
+            if bodies.index_of(id).is_some() && bank.get(id).is_none() {
+                bank.insert(id, amount);
             }
         }
         self.bank = bank;
@@ -188,62 +192,81 @@ impl Ledger {
 
     /// The islands of a frame. A body that broke still stands in for its fragments.
     fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
+        let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| bodies.inertias[i].is_infinite());
         let mut islands = Islands::default();
-        let immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| bodies.inertias[i].is_infinite());
-        let mut anchors: BTreeMap<BodyId, BTreeSet<BodyId>> = BTreeMap::new();
+        let mut held = Vec::new();
         for &(a, b) in &tally.links {
-            match (immobile(a), immobile(b)) {
-                (false, false) => islands.link(a, b),
-                (false, true) => drop(anchors.entry(a).or_default().insert(b)),
-                (true, false) => drop(anchors.entry(b).or_default().insert(a)),
+            match (is_immobile(a), is_immobile(b)) {
+                (false, false) => islands.link(bodies, a, b),
+                (false, true) => held.push((a, b)),
+                (true, false) => held.push((b, a)),
                 (true, true) => {}
             }
         }
-        for &id in anchors.keys() {
-            islands.link(id, id);
-        }
+        held.iter().for_each(|&(id, _)| islands.join(bodies, id));
+        let members = islands.members(bodies);
 
-        // A debt is its mobile bodies' island's.
-        let mut debts: BTreeMap<BodyId, Vec<usize>> = BTreeMap::new();
+        // What holds each of them, and what its mobile bodies owe.
+        let mut anchors = vec![Held::ByNothing; members.len()];
+        for (id, by) in held {
+            let Some(number) = islands.number(bodies, id) else { continue };
+            let anchor = &mut anchors[number];
+            *anchor = match *anchor {
+                Held::ByNothing => Held::By(by),
+                Held::By(other) if other == by => Held::By(by),
+                Held::By(_) | Held::ByMany => Held::ByMany,
+            };
+        }
+        let mut debts = vec![Vec::new(); members.len()];
         for (index, debt) in tally.debts.iter().enumerate() {
-            if let Some(&id) = debt.ids.iter().find(|&&id| !immobile(id)) {
-                debts.entry(id).or_default().push(index);
+            let mobile = debt.ids.iter().find(|&&id| !is_immobile(id));
+            if let Some(number) = mobile.and_then(|&id| islands.number(bodies, id)) {
+                debts[number].push(index);
             }
         }
 
-        let island = |ids: Vec<BodyId>| {
-            let touched: BTreeSet<BodyId> =
-                ids.iter().filter_map(|id| anchors.get(id)).flatten().copied().collect();
-            let sum =
-                |amounts: &BTreeMap<BodyId, f64>| ids.iter().filter_map(|id| amounts.get(id)).sum::<f64>();
-            Island {
-                members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
-                anchor: anchor_of(bodies, &touched),
-                allowance: sum(&opening.0) + work_on(&tally.work, &ids),
-                bank: sum(&self.bank),
-                debts: ids.iter().filter_map(|id| debts.get(id)).flatten().copied().collect(),
-            }
+        let island = |((ids, held), debts): ((Vec<BodyId>, Held), Vec<usize>)| Island {
+            members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
+            anchor: anchor_of(bodies, held),
+            allowance: sum(&opening.0, &ids) + work_on(&tally.work, &ids),
+            bank: sum(&self.bank, &ids),
+            debts,
         };
-        islands.members().into_iter().map(island).filter(|island| !island.members.is_empty()).collect()
+        let all = members.into_iter().zip(anchors).zip(debts).map(island);
+        all.filter(|island| !island.members.is_empty()).collect()
     }
+}
+
+/// What an island touches besides itself.
+#[derive(Clone, Copy)]
+enum Held {
+    ByNothing,
+    By(BodyId),
+    ByMany,
+}
+
+fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
+    ids.iter().filter_map(|&id| amounts.get(id)).sum()
 }
 
 /// The work of kinematic bodies on some bodies [J].
 pub(crate) fn work_on(work: &BTreeMap<[BodyId; 2], f64>, ids: &[BodyId]) -> f64 {
     const FIRST: BodyId = BodyId { index: 0, generation: 0 };
     const LAST: BodyId = BodyId { index: u32::MAX, generation: u32::MAX };
+    if work.is_empty() {
+        return 0.0;
+    }
     ids.iter().flat_map(|&id| work.range([id, FIRST]..=[id, LAST])).map(|(_, work)| work).sum()
 }
 
 /// One kinematic body moves an island along; anything else holds it.
-fn anchor_of(bodies: &Bodies, touched: &BTreeSet<BodyId>) -> Anchor {
-    let mut touched = touched.iter();
-    match (touched.next(), touched.next()) {
-        (None, _) => Anchor::Free,
-        (Some(&id), None) => match bodies.index_of(id) {
+fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
+    match held {
+        Held::ByNothing => Anchor::Free,
+        Held::By(id) => match bodies.index_of(id) {
             Some(i) if matches!(bodies.motions[i], Motion::Kinematic { .. }) => Anchor::Kinematic(i),
             _ => Anchor::Fixed,
         },
-        (Some(_), Some(_)) => Anchor::Fixed,
+        Held::ByMany => Anchor::Fixed,
     }
 }

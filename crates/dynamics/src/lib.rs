@@ -29,7 +29,7 @@ mod hull_contact;
 pub mod impulse;
 pub mod impulse_clamp;
 mod instructions;
-pub mod islands;
+mod islands;
 mod jacobi;
 mod lanes;
 pub mod ledger;

@@ -264,10 +264,11 @@ impl<'a, I: Instructions> Solver<'a, I> {
         for batch in &batches {
             for (lane, patch) in batch.patches.iter().enumerate() {
                 kept.keep(bodies, patch.pair, batch.carried(lane));
-                if batch.touched(lane) {
+                let debt = batch.debt(bodies, lane);
+                if batch.touched(lane) || debt.is_some() {
                     tally.link(bodies, patch.pair);
                 }
-                tally.debts.extend(batch.debt(bodies, lane));
+                tally.debts.extend(debt);
             }
         }
         solved.tally.add(tally);

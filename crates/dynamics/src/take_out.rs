@@ -85,30 +85,28 @@ fn rigid_part(
 /// Leaves the island its rigid motion only, and as much of its displacements off the flight as its energy allows.
 fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (DVec3, DVec3), frame: &Frame) {
     let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
-    let reached = bodies.poses.clone();
-    let at = |part: f64| {
-        let mut poses = reached.clone();
+    let mut poses = bodies.poses.clone();
+    let place = |poses: &mut [Pose], part: f64| {
         for &i in &island.members {
+            let (from, to) = (&flight.poses[i], &bodies.poses[i]);
             poses[i] = Pose {
-                position: flight.poses[i].position.lerp(reached[i].position, part),
-                orientation: flight.poses[i].orientation.slerp(reached[i].orientation, part),
+                position: from.position.lerp(to.position, part),
+                orientation: from.orientation.slerp(to.orientation, part),
             };
         }
-        poses
     };
     // The energy of the rigid motion, less the work that its anchor does to bring it about.
-    let rigid_energy = |poses: &[Pose]| -> f64 {
+    let mut velocities = bodies.velocities.clone();
+    let mut rigid_energy = |poses: &[Pose]| -> f64 {
         let rigid = rigid_part(bodies, island, poses, present);
-        let along: Vec<Velocity> =
-            island.members.iter().map(|&i| rigid.velocity_of(bodies, poses, i)).collect();
-        let entries = || island.members.iter().copied().zip(&along);
-        let total: f64 =
-            entries().map(|(i, velocity)| energy(bodies, i, &poses[i], velocity, frame.gravity)).sum();
+        let mut total = 0.0;
+        for &i in &island.members {
+            velocities[i] = rigid.velocity_of(bodies, poses, i);
+            total += energy(bodies, i, &poses[i], &velocities[i], frame.gravity);
+        }
         if island.anchor == Anchor::Free {
             return total;
         }
-        let mut velocities = flight.velocities.clone();
-        entries().for_each(|(i, velocity)| velocities[i] = *velocity);
         let after = momenta(bodies, poses, &velocities, &island.members);
         total - rigid.work(after.0 - flown.0, after.1 - flown.1)
     };
@@ -116,15 +114,16 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
     // The largest part that the allowance pays for, to the precision of the halvings.
     let allowed = island.allowance + island.bank;
     let (mut low, mut high) = (0.0, 1.0);
-    if rigid_energy(&reached) <= allowed {
+    if rigid_energy(&poses) <= allowed {
         low = 1.0;
     } else {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if rigid_energy(&at(middle)) <= allowed { low = middle } else { high = middle }
+            place(&mut poses, middle);
+            if rigid_energy(&poses) <= allowed { low = middle } else { high = middle }
         }
     }
-    let poses = at(low);
+    place(&mut poses, low);
     let rigid = rigid_part(bodies, island, &poses, present);
     for &i in &island.members {
         bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);

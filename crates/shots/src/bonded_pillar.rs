@@ -11,6 +11,7 @@ pub(crate) const BONDED_PILLAR: Shot = Shot {
     caption: "a pillar of glued pieces stands on its own, and comes down when a ball strikes it",
     frames: 150,
     takes_mesh: false,
+    is_large: true,
     build: bonded_pillar,
 };
 

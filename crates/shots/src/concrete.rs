@@ -14,6 +14,7 @@ pub(crate) const CONCRETE: Shot = Shot {
     caption: "a wrecking ball breaks a concrete pillar, whose cracks are rough",
     frames: 90,
     takes_mesh: false,
+    is_large: true,
     build: concrete,
 };
 

@@ -10,6 +10,7 @@ pub(crate) const CYLINDER: Shot = Shot {
     caption: "a ball shatters a cylinder (figure 5)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: cylinder,
 };
 

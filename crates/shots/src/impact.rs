@@ -11,6 +11,7 @@ pub(crate) const IMPACT: Shot = Shot {
     caption: "a ball breaks a mesh of your own (--mesh FILE), scaled to 2 m and set on the ground",
     frames: 120,
     takes_mesh: true,
+    is_large: false,
     build: |options| impact("impact", None, 200, options),
 };
 
@@ -20,6 +21,7 @@ pub(crate) const BUNNY: Shot = Shot {
     caption: "a ball shatters the Stanford bunny (--mesh FILE), 70 x 60 x 45 voxels (figure 6)",
     frames: 120,
     takes_mesh: true,
+    is_large: false,
     build: |options| impact("bunny", Some(BUNNY_VOXELS), 500, options),
 };
 

@@ -10,6 +10,7 @@ pub(crate) const INCLINE: Shot = Shot {
     caption: "a cube slides down an incline and stops where friction says (figure 3)",
     frames: 180,
     takes_mesh: false,
+    is_large: false,
     build: incline,
 };
 

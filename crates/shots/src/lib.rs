@@ -8,6 +8,7 @@ mod impact;
 mod incline;
 mod masonry;
 mod pane;
+mod piles;
 mod pillar;
 mod plank;
 mod rain;
@@ -33,6 +34,8 @@ pub struct Shot {
     pub frames: u32,
     /// Whether it breaks a mesh of the user's.
     pub takes_mesh: bool,
+    /// Whether it has hundreds of bodies, for which the paper's method takes minutes.
+    pub is_large: bool,
     build: fn(&ShotOptions) -> Result<SceneDesc, ShotError>,
 }
 
@@ -100,6 +103,9 @@ pub const SHOTS: &[Shot] = &[
     plank::PLANK,
     stack::STACK,
     incline::INCLINE,
+    piles::SPREAD,
+    piles::DEEP,
+    piles::BRICKS,
 ];
 
 impl Shot {

@@ -14,6 +14,7 @@ pub(crate) const MASONRY: Shot = Shot {
     caption: "a ball knocks a hole into a brick wall",
     frames: 90,
     takes_mesh: false,
+    is_large: true,
     build: masonry,
 };
 

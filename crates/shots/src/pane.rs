@@ -13,6 +13,7 @@ pub(crate) const PANE: Shot = Shot {
     caption: "a steel ball flies through a pane of glass",
     frames: 90,
     takes_mesh: false,
+    is_large: true,
     build: pane,
 };
 

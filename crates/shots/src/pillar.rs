@@ -12,6 +12,7 @@ pub(crate) const PILLAR: Shot = Shot {
     caption: "a prescored pillar falls apart on the ground, and its shards stay low (figure 1)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: pillar,
 };
 

@@ -11,6 +11,7 @@ pub(crate) const PLANK: Shot = Shot {
     caption: "boxes fall into a stack on a plank, and a larger box on its other end scatters them (figure 2)",
     frames: 180,
     takes_mesh: false,
+    is_large: false,
     build: plank,
 };
 

@@ -11,6 +11,7 @@ pub(crate) const RAIN_25: Shot = Shot {
     caption: "25 balls break on a table, then a larger ball breaks the table (figure 8)",
     frames: 240,
     takes_mesh: false,
+    is_large: true,
     build: |options| rain(25, options),
 };
 
@@ -20,6 +21,7 @@ pub(crate) const RAIN_100: Shot = Shot {
     caption: "100 balls break on a table, then a larger ball breaks the table (figure 8)",
     frames: 300,
     takes_mesh: false,
+    is_large: true,
     build: |options| rain(100, options),
 };
 
@@ -29,6 +31,7 @@ pub(crate) const RAIN_1000: Shot = Shot {
     caption: "1000 balls break on a table, then a larger ball breaks the table (figure 8)",
     frames: 420,
     takes_mesh: false,
+    is_large: true,
     build: |options| rain(1000, options),
 };
 

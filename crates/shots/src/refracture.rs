@@ -11,6 +11,7 @@ pub(crate) const REFRACTURE: Shot = Shot {
     caption: "a ball breaks a wall's corner, a second one breaks a large fragment (figure 7)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: refracture,
 };
 

@@ -9,6 +9,7 @@ pub(crate) const STACK: Shot = Shot {
     caption: "boxes fall into a stack, and a larger box scatters it (figure 2)",
     frames: 180,
     takes_mesh: false,
+    is_large: false,
     build: stack,
 };
 

@@ -14,6 +14,7 @@ pub(crate) const TIMBER: Shot = Shot {
     caption: "a ball falls on a wooden plank, which splinters along its grain",
     frames: 90,
     takes_mesh: false,
+    is_large: true,
     build: timber,
 };
 

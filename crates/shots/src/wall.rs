@@ -11,6 +11,7 @@ pub(crate) const UPPER: Shot = Shot {
     caption: "a ball breaks a wall where it hits it, above the middle (figure 4)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: |options| struck_at([3.0, 0.5, 1.5], options),
 };
 
@@ -20,6 +21,7 @@ pub(crate) const MIDDLE: Shot = Shot {
     caption: "the same wall and pattern, struck near the middle (figure 4)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: |options| struck_at([3.0, -0.5, 0.25], options),
 };
 
@@ -29,6 +31,7 @@ pub(crate) const LOWER: Shot = Shot {
     caption: "the same wall and pattern, struck near a lower corner (figure 4)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: |options| struck_at([3.0, -1.0, -2.0], options),
 };
 
@@ -38,6 +41,7 @@ pub(crate) const NATURAL: Shot = Shot {
     caption: "the wall breaks as stone does (figure 9)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: |options| {
         // A flat box: the cells are as large across the wall as it is thick.
         let half_extent = DVec3::new(1.0, 1.0, 0.12);
@@ -53,6 +57,7 @@ pub(crate) const BALL: Shot = Shot {
     caption: "the wall is the stronger: the ball breaks on it (figure 4)",
     frames: 120,
     takes_mesh: false,
+    is_large: false,
     build: ball_breaks,
 };
 
