@@ -5,7 +5,7 @@ use crate::clusters::Member;
 use crate::contact_rows::Row;
 use crate::detection::{moved_since, radius, second_from_first};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
-use crate::manifold::{Manifold, ManifoldPoint, find_manifolds};
+use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint};
 use crate::moving::{Movers, Side, drive};
 use crate::pair::{Pair, placed};
 use crate::tally::Debt;
@@ -204,7 +204,13 @@ impl<I: Instructions> Batch<I> {
 
     /// Finds the points of pairs anew that have moved too far since they were found; those that are the same go on. `rest` is what is
     /// left of the frame. Returns whether there were any: their rows have yet to follow.
-    pub(crate) fn refresh(&mut self, bodies: &mut Bodies, movers: &Movers, rest: &Frame) -> bool {
+    pub(crate) fn refresh(
+        &mut self,
+        bodies: &mut Bodies,
+        movers: &Movers,
+        finder: &mut ManifoldFinder,
+        rest: &Frame,
+    ) -> bool {
         let mut is_changed = false;
         for lane in 0..self.patches.len() {
             let pair = [self.locals[0][lane], self.locals[1][lane]];
@@ -214,7 +220,7 @@ impl<I: Instructions> Batch<I> {
                 let (first, second) = placed(bodies, patch.pair, &bodies.poses);
                 if moved_since(&patch.found_at, first, second, 0.0) > STALE * patch.size {
                     pair.into_iter().for_each(|local| movers.hand_back_one(bodies, local));
-                    self.find_anew(lane, bodies, rest);
+                    self.find_anew(lane, bodies, finder, rest);
                     is_changed = true;
                 }
                 self.patches[lane].travel = movers.travel(pair);
@@ -223,7 +229,7 @@ impl<I: Instructions> Batch<I> {
         is_changed
     }
 
-    fn find_anew(&mut self, lane: usize, bodies: &Bodies, rest: &Frame) {
+    fn find_anew(&mut self, lane: usize, bodies: &Bodies, finder: &mut ManifoldFinder, rest: &Frame) {
         let pair = self.patches[lane].pair;
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let point = self.point(bodies, lane);
@@ -235,7 +241,7 @@ impl<I: Instructions> Batch<I> {
 
         let mut warm = WarmStart::default();
         warm.keep(bodies, pair, taken.iter().filter(|taken| taken.touched).map(|taken| taken.carried));
-        let manifold = find_manifolds(bodies, &[pair], &warm, rest).pop();
+        let manifold = finder.find(bodies, pair, &warm, rest);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
         for (number, point) in points.iter().enumerate() {
             let same = taken.iter().find(|taken| taken.carried.sample == point.sample);

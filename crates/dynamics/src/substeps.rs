@@ -9,7 +9,7 @@ use crate::evolve::evolve;
 use crate::instructions::{Avx2, Avx512, Sse2};
 use crate::instructions::{Scalar, available};
 use crate::lanes::Instructions;
-use crate::manifold::Manifold;
+use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame, Motion, Pose, Tally, Width};
@@ -110,6 +110,7 @@ struct Solver<'a, I> {
     bodies: &'a mut Bodies,
     movers: Movers,
     batches: Vec<Batch<I>>,
+    finder: ManifoldFinder,
     given: Given<I>,
     tally: Tally,
 }
@@ -124,7 +125,14 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let movers = Movers::new(bodies, cluster.bodies.clone());
         let batch = |group: &Vec<Member>| Batch::new(bodies, &movers, group, manifolds, with);
         let batches = cluster.groups.iter().map(batch).collect();
-        let mut solver = Self { bodies, movers, batches, given: Given::ZERO, tally: Tally::default() };
+        let mut solver = Self {
+            bodies,
+            movers,
+            batches,
+            finder: ManifoldFinder::default(),
+            given: Given::ZERO,
+            tally: Tally::default(),
+        };
         solver.follow();
         solver
     }
@@ -145,9 +153,9 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// Points that have moved too far are found anew.
     fn refresh(&mut self, rest: &Frame) {
-        let Self { bodies, movers, batches, .. } = self;
+        let Self { bodies, movers, batches, finder, .. } = self;
         for batch in batches {
-            if batch.refresh(bodies, movers, rest) {
+            if batch.refresh(bodies, movers, finder, rest) {
                 I::run(
                     #[inline(always)]
                     || batch.follow(bodies, movers),
@@ -189,7 +197,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// always has the last word and stacks do not lean. What meets now has no impulses to start from, and takes more passes, its normals
     /// first.
     fn contact(&mut self, beat: &Beat) {
-        let Self { bodies, movers, batches, given, tally } = self;
+        let Self { bodies, movers, batches, given, tally, .. } = self;
         I::run(
             #[inline(always)]
             || {
@@ -225,7 +233,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// What met fast enough leaves again.
     fn bounce(&mut self, beat: &Beat) {
-        let Self { bodies, movers, batches, given, tally } = self;
+        let Self { bodies, movers, batches, given, tally, .. } = self;
         if !batches.iter().any(Batch::bounces) {
             return;
         }
@@ -258,7 +266,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// Hands the bodies back, keeps the impulses for the next frame, notes who touched and who owes energy.
     fn close(self, kept: &mut WarmStart, solved: &mut Solved) {
-        let Self { bodies, movers, batches, given, mut tally } = self;
+        let Self { bodies, movers, batches, given, mut tally, .. } = self;
         movers.hand_back(bodies);
         given.book(&mut tally);
         for batch in &batches {
