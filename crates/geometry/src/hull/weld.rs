@@ -3,6 +3,9 @@
 use super::Hull;
 use glam::DVec3;
 
+/// Vertices in a bucket that are sorted by themselves.
+const CROWD: usize = 16;
+
 /// A vertex of one of the hulls.
 #[derive(Clone, Copy)]
 struct Place {
@@ -96,6 +99,15 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
         entries[*start as usize] = Entry { key, place, one_with: 0 };
         *start += 1;
     }
+    // Each bucket's start has become its end. Where many vertices crowd, the rest would take long one by one.
+    let mut first = 0;
+    for end in starts.into_iter().map(|end| end as usize) {
+        let bucket = &mut entries[first..end];
+        if bucket.len() > CROWD {
+            bucket.sort_unstable_by(|a, b| a.key.total_cmp(&b.key).then(a.place.cmp(&b.place)));
+        }
+        first = end;
+    }
     for at in 1..entries.len() {
         let entry = entries[at];
         let mut to = at;
@@ -106,4 +118,30 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
         entries[to] = entry;
     }
     entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Spread out, crowded together a thousand times as close, and at the same place.
+        #[test]
+        fn entries_are_all_places_in_order(
+            spread in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 0..40),
+            crowd in prop::collection::vec(prop::array::uniform3(-1e-3..1e-3f64), 0..200),
+            copies in 1..4_usize,
+        ) {
+            let points = spread.into_iter().chain(crowd).map(DVec3::from_array);
+            let copied = points.flat_map(|position| std::iter::repeat_n(position, copies));
+            let places: Vec<Place> =
+                copied.map(|position| Place { position, hull: 0, vertex: 0 }).collect();
+            let entries = sorted(&places);
+            prop_assert!(entries.windows(2).all(|pair| (pair[0].key, pair[0].place) < (pair[1].key, pair[1].place)));
+            let mut numbers: Vec<u32> = entries.iter().map(|entry| entry.place).collect();
+            numbers.sort_unstable();
+            prop_assert!(numbers.into_iter().eq(0..places.len() as u32));
+        }
+    }
 }
