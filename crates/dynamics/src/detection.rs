@@ -106,11 +106,25 @@ impl NearSamples {
 /// The furthest that a point of the smaller body, or within `beyond` [m] of it, can have moved relative to the other one since
 /// `second_from_first` was `then` [m].
 pub fn moved_since(then: &RigidTransform, first: Placed, second: Placed, beyond: f64) -> f64 {
-    let now = second_from_first(first, second);
-    let (now, then, reach) = if radius(first.shape) <= radius(second.shape) {
-        (now, *then, radius(first.shape))
+    moved_between(
+        then,
+        &second_from_first(first, second),
+        [first, second].map(|body| radius(body.shape)),
+        beyond,
+    )
+}
+
+/// The same for bodies of these radii [m], between two instances of `second_from_first`.
+pub(crate) fn moved_between(
+    then: &RigidTransform,
+    now: &RigidTransform,
+    radii: [f64; 2],
+    beyond: f64,
+) -> f64 {
+    let (now, then, reach) = if radii[0] <= radii[1] {
+        (*now, *then, radii[0])
     } else {
-        (now.inverse(), then.inverse(), radius(second.shape))
+        (now.inverse(), then.inverse(), radii[1])
     };
     let shift = (now.translation - then.translation).length();
     // Of unit quaternions, |R - R'| <= 2 |q - q'|, up to the sign of q.

@@ -13,6 +13,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) frame: &'a Frame,
     /// How far apart two surfaces may be and still meet within the frame [m].
     pub(crate) reach: f64,
+    /// How far apart they are to be looked for, at least the reach [m].
+    pub(crate) search: f64,
     /// Radius of the smaller one [m].
     pub(crate) size: f64,
 }
@@ -23,7 +25,7 @@ impl<'a> Encounter<'a> {
         let [first, second] = &flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
-        Self { bodies, pair, flights, frame, reach, size }
+        Self { bodies, pair, flights, frame, reach, search: reach, size }
     }
 
     /// The same for a pair alone.

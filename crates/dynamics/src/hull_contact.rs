@@ -105,16 +105,19 @@ impl<'a> HullPair<'a> {
             .map(|(hull, here_from_hull)| View { hull, here_from_hull })
     }
 
-    /// The faces of each hull that the other is furthest away from; `None` if that is more than `most` [m].
-    fn face_axes(&self, most: f64) -> Option<[FaceAxis; 2]> {
+    /// The faces of each hull that the other is furthest away from; if that is more than `most` [m], how far they are apart at least.
+    fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
         let ([first, second], to_first, to_second) =
             (self.hulls, &self.first_from_second, &self.second_from_first);
         let of_first = face_axis(first, second, to_first, to_second, most);
         if of_first.separation > most {
-            return None;
+            return Err(of_first.separation);
         }
         let of_second = face_axis(second, first, to_second, to_first, most);
-        (of_second.separation <= most).then_some([of_first, of_second])
+        if of_second.separation > most {
+            return Err(of_second.separation);
+        }
+        Ok([of_first, of_second])
     }
 
     /// The better one of two hulls' faces.
@@ -130,10 +133,9 @@ impl<'a> HullPair<'a> {
 
     /// Signed distance along the axis that separates them best [m]; infinite if that is more than `most` [m].
     pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
-        let of_faces = self.face_axes(most);
-        let contact = of_faces
-            .and_then(|axes| Some(self.contact(&axes, most, room)?.gap.max(self.apart_by(&axes).gap)));
-        contact.unwrap_or(f64::INFINITY)
+        let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
+        let contact = self.contact(&axes, most, room);
+        contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
     }
 
     /// How the two meet, given the best face of each, with their points in `room`; `None` if they are more than `most` [m] apart.

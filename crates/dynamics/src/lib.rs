@@ -32,6 +32,7 @@ mod instructions;
 mod islands;
 mod jacobi;
 mod lanes;
+pub mod kept_pairs;
 pub mod ledger;
 pub mod manifold;
 mod moving;

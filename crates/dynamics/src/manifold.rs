@@ -82,7 +82,7 @@ pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: 
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldFinder {
     pub(crate) room: Room,
-    points: Vec<ManifoldPoint>,
+    pub(crate) points: Vec<ManifoldPoint>,
 }
 
 impl ManifoldFinder {
@@ -91,7 +91,7 @@ impl ManifoldFinder {
         self.of_encounter(&Encounter::of(bodies, pair, frame), warm)
     }
 
-    fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold> {
+    pub(crate) fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold> {
         let Encounter { bodies, pair, .. } = *encounter;
         let Self { room, points } = self;
         points.clear();
@@ -160,7 +160,7 @@ pub(crate) fn exact_points(
         [Solid::Ball(radius), other] => points.extend(ball(true, radius, other)),
         [other, Solid::Ball(radius)] => points.extend(ball(false, radius, other)),
         [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            hull_points(encounter, [a, b], room, points);
+            let _ = hull_points(encounter, [a, b], room, points);
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
             plane_points(encounter, hull, true, ground, room, points);
@@ -171,6 +171,16 @@ pub(crate) fn exact_points(
         _ => return false,
     }
     true
+}
+
+/// The polyhedra of a pair of them, that meet as such.
+pub(crate) fn hulls_of(bodies: &Bodies, pair: Pair) -> Option<[&Hull; 2]> {
+    match [pair.first, pair.second].map(|i| Solid::of(&bodies.shapes[i])) {
+        [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
+            Some([a, b])
+        }
+        _ => None,
+    }
 }
 
 /// A sample that may touch within the frame.

@@ -9,6 +9,7 @@ use crate::patterns::build_pattern;
 use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
+use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
@@ -37,6 +38,7 @@ impl World {
             ledger: Ledger::default(),
             method: scene.method,
             warm: WarmStart::default(),
+            kept: KeptPairs::default(),
             spared: Vec::new(),
         };
         let mut library = ShapeLibrary::default();

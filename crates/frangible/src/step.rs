@@ -15,7 +15,6 @@ use frangible_dynamics::contact_forces::contact_forces;
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::{Ballistic, Opening};
-use frangible_dynamics::manifold::find_manifolds;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
@@ -155,8 +154,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
 
     // What is near on the way may touch; contact takes it from there.
-    let World { bodies, warm, .. } = world;
-    let manifolds = find_manifolds(bodies, &pairs, warm, frame);
+    let World { bodies, warm, kept, .. } = world;
+    let manifolds = kept.find_manifolds(bodies, &pairs, warm, frame);
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);

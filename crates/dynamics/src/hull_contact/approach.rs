@@ -31,26 +31,32 @@ struct Instant<'a> {
     contact: HullContact,
 }
 
-/// Adds the points at which two hulls touch, or first will within the frame: at most four.
+/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns how far apart all else was at the
+/// frame's start [m], if the points are those that were near then.
 pub(crate) fn hull_points(
     encounter: &Encounter,
     hulls: [&Hull; 2],
     room: &mut Room,
     points: &mut Vec<ManifoldPoint>,
-) {
+) -> Option<f64> {
     let approach = Approach { encounter, hulls };
-    let Some(instant) = approach.meeting(room) else { return };
+    let instant = match approach.meeting(room) {
+        Ok(instant) => instant,
+        Err(apart) => return apart,
+    };
     room.points.retain(|point| approach.can_touch(&instant, point));
     reduce(&mut room.points, &mut room.spare, instant.contact.normal, PREFERENCE * encounter.size);
     points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
+    (instant.time == 0.0).then_some(encounter.search)
 }
 
 impl<'a> Approach<'a> {
     /// When they meet, with their points in `room`: at the frame's start if they are near then, else when they first touch
     /// (conservative advancement along separating axes [Mir96]). If they pass each other, when an axis that keeps them apart is
-    /// found: their points hold in case that others push them. `None` if they are out of reach.
-    fn meeting(&self, room: &mut Room) -> Option<Instant<'a>> {
-        let Encounter { size, reach, frame, .. } = *self.encounter;
+    /// found: their points hold in case that others push them. If they are too far apart to be looked for, how far they are at the
+    /// frame's start, if that is known.
+    fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
+        let Encounter { size, search, frame, .. } = *self.encounter;
         let (mut time, mut enough) = (0.0, NEAR * size);
         let mut steps_left = MOST_STEPS;
         loop {
@@ -60,19 +66,21 @@ impl<'a> Approach<'a> {
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
             let pair = HullPair::new(self.hulls, &first_from_second, size);
-            let axes = pair.face_axes(reach)?;
+            let at_start = |apart: f64| (time == 0.0).then_some(apart);
+            let axes = pair.face_axes(search).map_err(at_start)?;
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
             if !is_far {
-                apart = pair.contact(&axes, reach, room)?;
+                apart = pair.contact(&axes, search, room).ok_or_else(|| at_start(search))?;
             }
 
             // On to where the gap cannot have closed before.
             let next = time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
             steps_left -= 1;
             if apart.gap <= enough || !(time..=frame.dt).contains(&next) || steps_left == 0 {
-                let contact = if is_far { pair.contact(&axes, reach, room)? } else { apart };
-                return Some(Instant { time, world_from_first, pair, contact });
+                let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
+                let contact = contact.ok_or_else(|| at_start(search))?;
+                return Ok(Instant { time, world_from_first, pair, contact });
             }
             (time, enough) = (next, TOUCH * size);
         }
@@ -94,7 +102,7 @@ impl<'a> Approach<'a> {
 
     /// Whether a point can touch within the frame, and comes from outside.
     fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
-        if point.gap > self.encounter.reach {
+        if point.gap > self.encounter.search {
             return false;
         }
         if instant.time == 0.0 {
