@@ -160,7 +160,8 @@ impl<'a> HullPair<'a> {
         let within = self.furthest(axes, most, &room.points);
         gather_ridges(self, axes, within, room);
         let of_edges = edge_axis(&room.ridges);
-        let gap = of_edges.map_or(face, |edges| edges.separation.max(face));
+        let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
+        let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
         if gap > most {
             return None;
         }
@@ -177,7 +178,7 @@ impl<'a> HullPair<'a> {
             let of_other = axes[0].separation.min(axes[1].separation);
             return Some(HullContact {
                 normal: point.normal,
-                gap: if is_preferred || gap > 0.0 { gap } else { of_other },
+                gap: if is_preferred || gap > 0.0 { gap } else { gap.min(of_other + self.close) },
             });
         }
 
