@@ -13,10 +13,14 @@ use frangible_geometry::RigidTransform;
 use glam::DVec3;
 
 /// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
-const STEADY: f64 = 2e-3;
+const STEADY: f64 = 5e-3;
 
 /// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
-const MARGIN: f64 = 0.1;
+const MARGIN: f64 = 0.2;
+
+/// Overlap, relative to the size of the smaller body, from which on a pair is looked at anew in each frame: what jams goes on to part
+/// only along an axis that is the best one now.
+const DEEP: f64 = 1e-2;
 
 /// The pairs of the last frame, in the order of their bodies' births.
 #[derive(Clone, Debug, Default)]
@@ -91,8 +95,9 @@ impl KeptPairs {
             let ManifoldFinder { room, points } = &mut self.finder;
             points.clear();
             let beyond = hull_points(&encounter, hulls_of(bodies, pair)?, room, points);
-            let Some(beyond) = beyond else {
-                // What will meet later will do so elsewhere.
+            let is_deep = room.points.iter().any(|point| point.gap < -DEEP * encounter.size);
+            let Some(beyond) = beyond.filter(|_| !is_deep) else {
+                // What will meet later will do so elsewhere; what jams is looked at again.
                 return (!points.is_empty()).then(|| Manifold { pair, points: points.clone() });
             };
             let kept = room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {

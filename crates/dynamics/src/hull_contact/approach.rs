@@ -39,6 +39,7 @@ pub(crate) fn hull_points(
     room: &mut Room,
     points: &mut Vec<ManifoldPoint>,
 ) -> Option<f64> {
+    room.points.clear();
     let approach = Approach { encounter, hulls };
     let instant = match approach.meeting(room) {
         Ok(instant) => instant,

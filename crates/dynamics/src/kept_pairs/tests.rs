@@ -48,7 +48,7 @@ fn what_rests_keeps_its_points() {
     assert_eq!(before.iter().map(|manifold| manifold.pair).collect::<Vec<_>>(), [pairs[0], pairs[2]]);
     assert_eq!(before, find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()));
 
-    for (shift, is_kept) in [(DVec3::new(4e-4, 2e-4, 0.0), true), (DVec3::new(4e-3, 2e-4, 0.0), false)] {
+    for (shift, is_kept) in [(DVec3::new(4e-4, 2e-4, 0.0), true), (DVec3::new(8e-3, 2e-4, 0.0), false)] {
         bodies.poses[1].position += shift;
         let after = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame());
         for (before, after) in before.iter().zip(&after) {
@@ -64,6 +64,19 @@ fn what_rests_keeps_its_points() {
                 assert!((gap + 0.002 + sign * (bodies.poses[1].position.y - 0.998)).abs() < 1e-12, "{gap}");
             }
         }
+    }
+}
+
+/// What overlaps deeply has its points found anew, however little it moves.
+#[test]
+fn what_jams_keeps_nothing() {
+    let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
+    for shift in [-0.03, 4e-4] {
+        bodies.poses[1].position += shift * DVec3::new(1.0, 1.0, 0.0);
+        let found = kept.find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
+        let anew = find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
+        assert_eq!(samples(&found[0]), samples(&anew[0]));
+        assert_eq!(found[0].points[0].anchor_second, anew[0].points[0].anchor_second);
     }
 }
 
@@ -121,7 +134,7 @@ proptest! {
             let kept = lowest(kept.find_manifolds(&bodies, &[pair], &WarmStart::default(), &frame()));
             let anew = lowest(find_manifolds(&bodies, &[pair], &WarmStart::default(), &frame()));
             if let Some(anew) = anew {
-                let near = kept.map(|kept| kept <= anew + 4e-3);
+                let near = kept.map(|kept| kept <= anew + 8e-3);
                 // At the end of the reach one may be just within it.
                 prop_assert!(near.unwrap_or(anew > 0.005), "{:?} {}", kept, anew);
             }
