@@ -1,5 +1,5 @@
 //! Time to find who may touch, and where, on one core: `cargo bench -p frangible-dynamics --bench contact`.
-//! Prints the rows of `bench/results/contact.csv`: medians over passes. Rocks of 20 points lie in three layers, as close as
+//! Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close as
 //! those of a pile.
 
 #[path = "../tests/common/mod.rs"]
