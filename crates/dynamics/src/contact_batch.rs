@@ -44,6 +44,8 @@ pub(crate) struct Batch<I> {
     pub(crate) restitution: Lanes<I>,
     /// Of rolling and of spinning friction [m].
     pub(crate) roll_lengths: [Lanes<I>; 2],
+    /// Whether any of these is not zero.
+    pub(crate) rolls: bool,
     /// What kinematic bodies add to the spin of the first bodies less that of the second ones [rad/s].
     pub(crate) spin: Lanes3<I>,
     /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
@@ -52,6 +54,8 @@ pub(crate) struct Batch<I> {
     pub(crate) has_outside: bool,
     /// See `has_outside`.
     pub(crate) is_driven: bool,
+    /// Sums of the impulses on the first bodies in a stage, and of their moments about those bodies' centres of mass.
+    pub(crate) acted: [Lanes3<I>; 2],
     /// Of a substep [s].
     dt: f64,
     anchors: Vec<Anchors<I>>,
@@ -105,6 +109,7 @@ impl<I: Instructions> Batch<I> {
             batch.restitution.set(lane, surfaces.restitution);
             batch.roll_lengths[0].set(lane, surfaces.rolling_friction);
             batch.roll_lengths[1].set(lane, surfaces.spinning_friction);
+            batch.rolls |= surfaces.rolling_friction > 0.0 || surfaces.spinning_friction > 0.0;
             let [motion, other] = [pair.first, pair.second].map(|i| bodies.motions[i]);
             batch.has_outside |= motion != Motion::Dynamic || other != Motion::Dynamic;
             let spin = |motion: Motion| match motion {
@@ -155,8 +160,10 @@ impl<I: Instructions> Batch<I> {
             friction: Lanes::ZERO,
             restitution: Lanes::ZERO,
             roll_lengths: [Lanes::ZERO; 2],
+            rolls: false,
             spin: Lanes3::ZERO,
             given: Lanes::ZERO,
+            acted: [Lanes3::ZERO; 2],
             has_outside: false,
             is_driven: false,
             anchors: Vec::new(),

@@ -1,57 +1,36 @@
 //! What one row does to its bodies: each kernel acts in the lanes that it is told, and returns the energy that they gave.
 
 use crate::contact_batch::Softness;
-use crate::contact_rows::{Beat, Row, RowImpulse};
+use crate::contact_rows::{Beat, Row, RowImpulse, Stage};
 use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
 use crate::moving::Side;
 
-/// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate. Returns the energy given [J].
+/// Normal: no approach beyond the gap; before the drift an overlap begins to close at the soft rate; what bounces leaves with its share
+/// of the speed at which it met. Returns the energy given [J].
 #[inline(always)]
 pub(crate) fn stop_approach<I: Instructions>(
     row: &mut Row<I>,
     sides: &mut [Side<I>; 2],
     soft: &Softness<I>,
+    restitution: Lanes<I>,
     (beat, acts): (&Beat, Mask),
 ) -> Lanes<I> {
     let softens = row.softens(beat);
     let mass_scale = softens.select(soft.mass_scale, Lanes::splat(1.0));
     let impulse_scale = softens.select(soft.impulse_scale, Lanes::ZERO);
+    let target = if beat.stage == Stage::Bounce {
+        restitution * row.has_met.select(row.met_at, Lanes::ZERO)
+    } else {
+        row.target_speed(soft.rate, beat)
+    };
     let speed = row.relative_velocity(sides).dot(row.normal);
-    let before = row.impulses[beat.at()].normal;
-    let target = row.target_speed(soft.rate, beat);
+    let before = row.impulses[beat.stage.at()].normal;
     let change = row.mass * mass_scale * (target - speed) - impulse_scale * before;
-    push_along(row, sides, (before + change).max(Lanes::ZERO), speed, (beat, acts))
-}
-
-/// Normal: leaves with its share of the speed at which it met. Returns the energy given [J].
-#[inline(always)]
-pub(crate) fn leave<I: Instructions>(
-    row: &mut Row<I>,
-    sides: &mut [Side<I>; 2],
-    restitution: Lanes<I>,
-    (beat, acts): (&Beat, Mask),
-) -> Lanes<I> {
-    let speed = row.relative_velocity(sides).dot(row.normal);
-    let wanted = restitution * row.has_met.select(row.met_at, Lanes::ZERO);
-    let total = (row.impulses[beat.at()].normal + row.mass * (wanted - speed)).max(Lanes::ZERO);
-    push_along(row, sides, total, speed, (beat, acts))
-}
-
-/// Brings the impulses along the normals to `total`. Returns the energy given [J].
-#[inline(always)]
-fn push_along<I: Instructions>(
-    row: &mut Row<I>,
-    sides: &mut [Side<I>; 2],
-    total: Lanes<I>,
-    speed: Lanes<I>,
-    (beat, acts): (&Beat, Mask),
-) -> Lanes<I> {
-    let before = row.impulses[beat.at()].normal;
-    let total = acts.select(total, before);
+    let total = acts.select((before + change).max(Lanes::ZERO), before);
     let change = total - before;
-    let kick = kick_of(sides, beat).dot(row.normal);
     row.push(sides, row.normal * change);
-    row.impulses[beat.at()].normal = total;
+    row.impulses[beat.stage.at()].normal = total;
+    let kick = kick_of(sides, beat).dot(row.normal);
     change * (speed + Lanes::splat(0.5) * row.answer * change - kick)
 }
 
@@ -68,12 +47,12 @@ pub(crate) fn stop_slip<I: Instructions>(
     let answer = sides[0].answer(row.levers[0], slip) + sides[1].answer(row.levers[1], slip);
     let slips = answer.above(Lanes::ZERO);
     let stop = slip * slips.select(slip.dot(slip) / answer, Lanes::ZERO);
-    let RowImpulse { normal, tangent, .. } = row.impulses[beat.at()];
+    let RowImpulse { normal, tangent, .. } = row.impulses[beat.stage.at()];
     let held = acts.select3((tangent - stop).shortened_to(friction * normal), tangent);
     let change = held - tangent;
     let kick = kick_of(sides, beat);
     row.push(sides, change);
-    row.impulses[beat.at()].tangent = held;
+    row.impulses[beat.stage.at()].tangent = held;
     let mean = (velocity + row.relative_velocity(sides)) * Lanes::splat(0.5) - kick;
     change.dot(mean)
 }
@@ -90,12 +69,12 @@ pub(crate) fn stop_roll<I: Instructions>(
     let normal = row.normal;
     let spin = sides[0].angular - sides[1].angular + driven;
     let about = normal * spin.dot(normal);
-    let RowImpulse { normal: load, twist, .. } = row.impulses[beat.at()];
+    let RowImpulse { normal: load, twist, .. } = row.impulses[beat.stage.at()];
     let twist_about = normal * twist.dot(normal);
     let next = held(sides, about, twist_about, *spinning * load)
         + held(sides, spin - about, twist - twist_about, *rolling * load);
     let next = acts.select3(next, twist);
-    row.impulses[beat.at()].twist = next;
+    row.impulses[beat.stage.at()].twist = next;
     turn(sides, driven, next - twist)
 }
 

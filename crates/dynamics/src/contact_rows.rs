@@ -9,13 +9,15 @@ use glam::DVec3;
 /// Fastest closing of an overlap [m/s]: a tenth of a metre in a frame, so that deep overlaps part gently [Cat24].
 const PUSH_SPEED: f64 = 3.0;
 
-/// The two times in a substep at which contact acts.
+/// The times in a substep at which contact acts.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Stage {
     /// Overlaps begin to close.
     BeforeDrift,
     /// The closing speed is taken out again.
     AfterDrift,
+    /// Then, what met fast leaves again.
+    Bounce,
 }
 
 /// When rows act.
@@ -68,15 +70,18 @@ pub(crate) struct RowImpulse<I> {
     pub(crate) twist: Lanes3<I>,
 }
 
+impl Stage {
+    /// Which of a row's impulses are its own.
+    pub(crate) fn at(self) -> usize {
+        usize::from(self != Self::BeforeDrift)
+    }
+}
+
 impl Beat {
     /// An impulse in the middle of gravity's kick works against what gravity will do, too.
     pub(crate) fn new(stage: Stage, step: &Frame) -> Self {
         let kick = if stage == Stage::BeforeDrift { 0.5 * step.dt * step.gravity } else { DVec3::ZERO };
         Self { stage, dt: step.dt, kick }
-    }
-
-    pub(crate) fn at(&self) -> usize {
-        self.stage as usize
     }
 }
 
@@ -105,11 +110,7 @@ impl<I: Instructions> Row<I> {
         self.has_met.set(lane, false);
         self.bounces.set(lane, false);
         self.touched.set(lane, false);
-        for impulse in &mut self.impulses {
-            impulse.normal.set(lane, 0.0);
-            impulse.tangent.set(lane, DVec3::ZERO);
-            impulse.twist.set(lane, DVec3::ZERO);
-        }
+        self.impulses.iter_mut().for_each(|impulse| impulse.clear(lane));
     }
 
     pub(crate) fn impulses_of(&self, lane: usize) -> [PointImpulse; 2] {
@@ -154,4 +155,10 @@ impl<I: Instructions> Row<I> {
 
 impl<I: Instructions> RowImpulse<I> {
     pub(crate) const ZERO: Self = Self { normal: Lanes::ZERO, tangent: Lanes3::ZERO, twist: Lanes3::ZERO };
+
+    pub(crate) fn clear(&mut self, lane: usize) {
+        self.normal.set(lane, 0.0);
+        self.tangent.set(lane, DVec3::ZERO);
+        self.twist.set(lane, DVec3::ZERO);
+    }
 }

@@ -2,13 +2,12 @@
 
 use crate::Bodies;
 use crate::contact_batch::Batch;
-use crate::contact_kernels::{kick_of, leave, stop_approach, stop_roll, stop_slip, turn};
+use crate::contact_kernels::{kick_of, stop_approach, stop_roll, stop_slip, turn};
 use crate::contact_rows::{Beat, Row, RowImpulse, Stage};
-use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
 use crate::moving::{Movers, Side};
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
-use glam::DVec3;
 
 /// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
 const TOGETHER_PASSES: u32 = 8;
@@ -22,13 +21,33 @@ pub(crate) struct Given<I> {
     pub(crate) impulses: u64,
 }
 
-/// In which order.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Direction {
-    To,
-    Fro,
+/// A pass over the rows.
+#[derive(Clone, Copy)]
+pub(crate) struct Pass {
+    /// Last row first.
+    pub(crate) is_fro: bool,
+    /// The points of each pair that meet fast act together, before all else.
+    together: bool,
+    /// All points act: normal, friction, rolling.
+    sweeps: bool,
+    /// Only those act that meet fast.
+    only_meeting: bool,
 }
 
+impl Pass {
+    /// Stops what meets fast.
+    pub(crate) const TOGETHER: Self =
+        Self { is_fro: false, together: true, sweeps: false, only_meeting: true };
+
+    /// Over all rows.
+    pub(crate) const TO: Self = Self { is_fro: false, together: false, sweeps: true, only_meeting: false };
+
+    /// And back.
+    pub(crate) const FRO: Self = Self { is_fro: true, ..Self::TO };
+
+    /// Another one over what meets fast: it has no impulses to start from.
+    pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
+}
 impl<I: Instructions> Given<I> {
     pub(crate) const ZERO: Self = Self {
         contact: Lanes::ZERO,
@@ -89,7 +108,7 @@ impl<I: Instructions> Batch<I> {
         for row in &mut self.rows {
             let closing = -row.relative_velocity(&sides).dot(row.normal);
             let parts = row.gap.above(closing.max(Lanes::ZERO) * Lanes::splat(beat.dt));
-            let impulse = &mut row.impulses[beat.at()];
+            let impulse = &mut row.impulses[beat.stage.at()];
             impulse.normal = parts.select(Lanes::ZERO, impulse.normal);
             impulse.tangent = parts.select3(Lanes3::ZERO, impulse.tangent);
             impulse.twist = parts.select3(Lanes3::ZERO, impulse.twist);
@@ -101,9 +120,8 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn go_on(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
         let mut sides = self.sides(movers);
         let kick = kick_of(&sides, beat);
-        let rolls = self.rolls();
         for row in &self.rows {
-            let RowImpulse { normal, tangent, twist } = row.impulses[beat.at()];
+            let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
             let along = row.normal * normal;
             let impulse = along + tangent;
             let before = row.relative_velocity(&sides);
@@ -113,7 +131,7 @@ impl<I: Instructions> Batch<I> {
             given.add_normal(row.bounces, by_normal);
             given.friction = given.friction + by_friction;
             self.given = self.given + by_normal + by_friction;
-            if rolls {
+            if self.rolls {
                 let work = turn(&mut sides, self.spin, twist);
                 given.friction = given.friction + work;
                 self.given = self.given + work;
@@ -122,128 +140,54 @@ impl<I: Instructions> Batch<I> {
         self.store(movers, &sides);
     }
 
-    /// One pass over all rows: normal, friction, rolling.
+    /// One pass over the rows.
     #[inline(always)]
-    pub(crate) fn sweep(
-        &mut self,
-        movers: &mut Movers,
-        beat: &Beat,
-        direction: Direction,
-        given: &mut Given<I>,
-    ) {
-        let mut sides = self.sides(movers);
-        let count = self.rows.len();
-        for at in 0..count {
-            let number = if direction == Direction::To { at } else { count - 1 - at };
-            let acts = self.rows[number].acts(beat);
-            self.sweep_row(number, &mut sides, beat, acts, given);
-        }
-        self.store(movers, &sides);
-    }
-
-    /// Another pass over the points that meet fast: they have no impulses to start from.
-    #[inline(always)]
-    pub(crate) fn sweep_meeting(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
-        if !self.bounces() {
+    pub(crate) fn act(&mut self, movers: &mut Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
+        if pass.only_meeting && !self.bounces() {
             return;
         }
-        self.stop_together(movers, beat, given);
         let mut sides = self.sides(movers);
-        for number in 0..self.rows.len() {
-            let bounces = self.rows[number].bounces;
-            if bounces.any() {
-                self.sweep_row(number, &mut sides, beat, bounces, given);
+        if pass.together {
+            self.act_together(&mut sides, beat, given);
+        }
+        if pass.sweeps {
+            let count = self.rows.len();
+            for at in 0..count {
+                let row = &mut self.rows[if pass.is_fro { count - 1 - at } else { at }];
+                let acts = if pass.only_meeting { row.bounces } else { row.acts(beat) };
+                let by_normal = stop_approach(row, &mut sides, &self.soft, self.restitution, (beat, acts));
+                given.add_normal(row.bounces, by_normal);
+                let mut by_friction = stop_slip(row, &mut sides, self.friction, (beat, acts));
+                if self.rolls && beat.stage != Stage::Bounce {
+                    let lengths = (&self.roll_lengths, self.spin);
+                    by_friction = by_friction + stop_roll(row, &mut sides, lengths, (beat, acts));
+                }
+                given.friction = given.friction + by_friction;
+                self.given = self.given + by_normal + by_friction;
             }
         }
         self.store(movers, &sides);
-    }
-
-    #[inline(always)]
-    fn sweep_row(
-        &mut self,
-        number: usize,
-        sides: &mut [Side<I>; 2],
-        beat: &Beat,
-        acts: Mask,
-        given: &mut Given<I>,
-    ) {
-        let work = stop_approach(&mut self.rows[number], sides, &self.soft, (beat, acts));
-        given.add_normal(self.rows[number].bounces, work);
-        self.given = self.given + work;
-        let mut work = stop_slip(&mut self.rows[number], sides, self.friction, (beat, acts));
-        if self.rolls() {
-            work = work
-                + stop_roll(&mut self.rows[number], sides, (&self.roll_lengths, self.spin), (beat, acts));
-        }
-        given.friction = given.friction + work;
-        self.given = self.given + work;
     }
 
     /// Lets the points of each pair that meet fast act together: to and fro until what one does to the others has settled. A face that
     /// lands flat must not turn by the order of its corners. Normals come first: it does not slip.
     #[inline(always)]
-    pub(crate) fn stop_together(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
-        let soft = self.soft;
-        self.act_together(
-            movers,
-            given,
-            #[inline(always)]
-            |row, sides, acts| stop_approach(row, sides, &soft, (beat, acts)),
-        );
-    }
-
-    #[inline(always)]
-    fn act_together(
-        &mut self,
-        movers: &mut Movers,
-        given: &mut Given<I>,
-        mut act: impl FnMut(&mut Row<I>, &mut [Side<I>; 2], Mask) -> Lanes<I>,
-    ) {
-        if !self.bounces() {
-            return;
-        }
+    fn act_together(&mut self, sides: &mut [Side<I>; 2], beat: &Beat, given: &mut Given<I>) {
         let of_lane = |lane: usize| self.rows.iter().filter(|row| row.bounces.get(lane)).count();
         let together = Mask::of(|lane| of_lane(lane) > 1);
         if !together.any() {
             return;
         }
-        let mut sides = self.sides(movers);
         let count = self.rows.len();
         for pass in 0..2 * TOGETHER_PASSES {
             for at in 0..count {
                 let row = &mut self.rows[if pass % 2 == 0 { at } else { count - 1 - at }];
                 let acts = row.bounces.and(together);
-                let work = act(row, &mut sides, acts);
+                let work = stop_approach(row, sides, &self.soft, self.restitution, (beat, acts));
                 given.collision = given.collision + work;
                 self.given = self.given + work;
             }
         }
-        self.store(movers, &sides);
-    }
-
-    /// What met fast enough leaves with its share of the speed at which it met; what stopped it is no guide to the next substep.
-    #[inline(always)]
-    pub(crate) fn bounce(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
-        if !self.bounces() {
-            return;
-        }
-        let restitution = self.restitution;
-        self.act_together(
-            movers,
-            given,
-            #[inline(always)]
-            |row, sides, acts| leave(row, sides, restitution, (beat, acts)),
-        );
-        let mut sides = self.sides(movers);
-        for row in self.rows.iter_mut().filter(|row| row.bounces.any()) {
-            let bounces = row.bounces;
-            let by_normal = leave(row, &mut sides, restitution, (beat, bounces));
-            let by_friction = stop_slip(row, &mut sides, self.friction, (beat, bounces));
-            given.collision = given.collision + by_normal;
-            given.friction = given.friction + by_friction;
-            self.given = self.given + by_normal + by_friction;
-        }
-        self.store(movers, &sides);
     }
 
     /// Whether any point has to bounce.
@@ -252,32 +196,24 @@ impl<I: Instructions> Batch<I> {
         self.rows.iter().any(|row| row.bounces.any())
     }
 
-    /// The impulses of what bounces begin, or end, at nothing.
-    #[inline(always)]
+    /// The impulses of what bounces begin, and end, at nothing.
     pub(crate) fn clear_bouncing(&mut self) {
         for row in &mut self.rows {
-            let bounces = row.bounces;
-            for impulse in &mut row.impulses {
-                impulse.normal = bounces.select(Lanes::ZERO, impulse.normal);
-                impulse.tangent = bounces.select3(Lanes3::ZERO, impulse.tangent);
-                impulse.twist = bounces.select3(Lanes3::ZERO, impulse.twist);
+            for lane in (0..LANES).filter(|&lane| row.bounces.get(lane)) {
+                row.impulses.iter_mut().for_each(|impulse| impulse.clear(lane));
             }
-        }
-    }
-
-    /// Nothing has to bounce any more.
-    #[inline(always)]
-    pub(crate) fn end_bouncing(&mut self) {
-        for row in &mut self.rows {
-            row.bounces = Mask::NONE;
         }
     }
 
     /// Closes the books of a stage: who acted; what closed an overlap did work, as a wedge between the two would.
     #[inline(always)]
     pub(crate) fn close(&mut self, beat: &Beat, given: &mut Given<I>) {
+        let (mut sum, mut moment) = (Lanes3::ZERO, Lanes3::ZERO);
         for row in &mut self.rows {
-            let RowImpulse { normal, tangent, .. } = row.impulses[beat.at()];
+            let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
+            let impulse = row.normal * normal + tangent;
+            sum = sum + impulse;
+            moment = moment + row.levers[0].cross(impulse) + twist;
             let acted = normal.above(Lanes::ZERO).or(tangent.dot(tangent).above(Lanes::ZERO));
             row.touched = row.touched.or(acted);
             given.impulses += u64::from(acted.count());
@@ -287,10 +223,24 @@ impl<I: Instructions> Batch<I> {
                 given.add_normal(row.bounces, -work);
             }
         }
+        self.acted = [sum, moment];
     }
 
-    /// Books what static and kinematic bodies gave; of what bounces only, if that is asked for.
-    pub(crate) fn book_outside(&self, bodies: &Bodies, beat: &Beat, bouncing: bool, tally: &mut Tally) {
+    /// Ends a bounce: what stopped and returned the points is no guide to the next substep.
+    #[inline(always)]
+    pub(crate) fn close_bounce(&mut self) {
+        let (mut sum, mut moment) = (Lanes3::ZERO, Lanes3::ZERO);
+        for row in &mut self.rows {
+            let RowImpulse { normal, tangent, .. } = row.impulses[Stage::Bounce.at()];
+            let impulse = row.bounces.select3(row.normal * normal + tangent, Lanes3::ZERO);
+            sum = sum + impulse;
+            moment = moment + row.levers[0].cross(impulse);
+        }
+        self.acted = [sum, moment];
+    }
+
+    /// Books what static and kinematic bodies gave in the stage that was closed.
+    pub(crate) fn book_outside(&self, bodies: &Bodies, stage: Stage, tally: &mut Tally) {
         for (lane, patch) in self.patches.iter().enumerate() {
             let pair = [patch.pair.first, patch.pair.second];
             let [first_is_outside, second_is_outside] = pair.map(|i| bodies.inertias[i].is_infinite());
@@ -300,29 +250,21 @@ impl<I: Instructions> Batch<I> {
             // On the body that can move.
             let (sign, pair) =
                 if second_is_outside { (1.0, pair) } else { (-1.0, [patch.pair.second, patch.pair.first]) };
-            let origin = bodies.poses[patch.pair.first].position;
-            for row in self.rows.iter().filter(|row| !bouncing || row.bounces.get(lane)) {
-                let RowImpulse { normal, tangent, twist } = row.impulses[beat.at()];
-                let impulse = normal.get(lane) * row.normal.get(lane) + tangent.get(lane);
-                if impulse == DVec3::ZERO {
-                    continue;
-                }
-                let moment = (row.levers[0].get(lane) + origin).cross(impulse) + twist.get(lane);
-                // The drive is what is outside, and against the velocity of the body that can move.
-                let work = if self.is_driven {
-                    -impulse.dot(row.drive.get(lane)) - twist.get(lane).dot(self.spin.get(lane))
-                } else {
-                    0.0
-                };
-                tally.book_outside(bodies, pair, (sign * impulse, sign * moment), work);
-            }
+            let [impulse, moment] = self.acted.map(|sum| sum.get(lane));
+            let moment = moment + bodies.poses[patch.pair.first].position.cross(impulse);
+            let work = if self.is_driven { self.driven_work(lane, stage) } else { 0.0 };
+            tally.book_outside(bodies, pair, (sign * impulse, sign * moment), work);
         }
     }
 
-    /// Whether rolling or spinning friction acts.
-    #[inline(always)]
-    fn rolls(&self) -> bool {
-        let [rolling, spinning] = self.roll_lengths;
-        rolling.above(Lanes::ZERO).or(spinning.above(Lanes::ZERO)).any()
+    /// What a kinematic body did to the other one of its pair [J]: the drive is its velocity, against that of the other one.
+    fn driven_work(&self, lane: usize, stage: Stage) -> f64 {
+        let of_row = |row: &Row<I>| {
+            let RowImpulse { normal, tangent, twist } = row.impulses[stage.at()];
+            let impulse = normal.get(lane) * row.normal.get(lane) + tangent.get(lane);
+            -impulse.dot(row.drive.get(lane)) - twist.get(lane).dot(self.spin.get(lane))
+        };
+        let acts = |row: &&Row<I>| stage != Stage::Bounce || row.bounces.get(lane);
+        self.rows.iter().filter(acts).map(of_row).sum()
     }
 }

@@ -7,11 +7,15 @@
 
 use crate::Inertia;
 use crate::jacobi::{Series, arithmetic_geometric_mean};
+use crate::rotation::rotation_by;
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// A turn [rad] that leaves a quaternion as it is.
 const NO_TURN: f64 = 1e-20;
+
+/// A turn [rad] up to which the series in time is exact to rounding: its next term, of fifth order, is below 1e-16.
+const SLOW: f64 = 1e-3;
 
 /// Angular momentum [kg m^2/s] whose square is too small for its length to be precise.
 const NO_MOMENTUM: f64 = 1e-140;
@@ -31,6 +35,9 @@ pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inert
     let rates = inertia.inverse_moments * (1.0 / fastest);
     let direction_world = angular_momentum * (1.0 / magnitude);
     let direction = orientation.conjugate() * direction_world;
+    if angle.abs() < SLOW {
+        return settle(orientation * turn_slowly(direction, rates, angle), direction_world, direction, rates);
+    }
 
     let (axes, start) = circulation_axes(direction, rates);
     let (end, phase) = Polhode::new(start, axes.relabel(rates)).follow(start, angle);
@@ -39,6 +46,23 @@ pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inert
     // tilt to l at the start.
     let turn_body = axes.restore(tilt_turn_tilt(start, phase, end));
     settle(orientation * turn_body, direction_world, direction, rates)
+}
+
+/// The turn within `angle`, in the body frame: the logarithm of the rotation to fourth order in time [Mag54].
+#[inline]
+fn turn_slowly(l: DVec3, rates: DVec3, angle: f64) -> DQuat {
+    // Derivatives of l and of omega in the body frame, where l' = l x omega.
+    let omega = rates * l;
+    let l_1 = l.cross(omega);
+    let omega_1 = rates * l_1;
+    let l_2 = l_1.cross(omega) + l.cross(omega_1);
+    let omega_2 = rates * l_2;
+    let l_3 = l_2.cross(omega) + 2.0 * l_1.cross(omega_1) + l.cross(omega_2);
+    let omega_3 = rates * l_3;
+
+    let third = omega_2 / 6.0 + omega.cross(omega_1) / 12.0;
+    let fourth = (omega_3 + omega.cross(omega_2)) / 24.0;
+    rotation_by(angle * (omega + angle * (0.5 * omega_1 + angle * (third + angle * fourth))))
 }
 
 /// Principal axes renamed, and some turned round, by a proper rotation.

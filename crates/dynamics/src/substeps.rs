@@ -3,12 +3,12 @@
 use crate::clusters::{Cluster, Member, clusters};
 use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};
-use crate::contact_sweep::{Direction, Given};
+use crate::contact_sweep::{Given, Pass};
 use crate::evolve::evolve;
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::{Avx2, Avx512, Sse2};
 use crate::instructions::{Scalar, available};
-use crate::lanes::Instructions;
+use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
 use crate::warm_start::WarmStart;
@@ -146,9 +146,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.movers.drift(self.bodies, step);
         self.movers.kick(self.bodies, step);
         self.follow();
-        let after = Beat::new(Stage::AfterDrift, step);
-        self.contact(&after);
-        self.bounce(&after);
+        self.contact(&Beat::new(Stage::AfterDrift, step));
+        self.bounce(step);
     }
 
     /// Points that have moved too far are found anew.
@@ -197,7 +196,28 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// always has the last word and stacks do not lean. What meets now has no impulses to start from, and takes more passes, its normals
     /// first.
     fn contact(&mut self, beat: &Beat) {
-        let Self { bodies, movers, batches, given, tally, .. } = self;
+        self.go_on(beat);
+        self.pass(beat, Pass::TOGETHER);
+        self.pass(beat, Pass::TO);
+        self.pass(beat, Pass::FRO);
+        for _ in 1..MEETING_PASSES {
+            self.pass(beat, Pass::MEETING);
+        }
+        let Self { batches, given, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut() {
+                    batch.close(beat, given);
+                }
+            },
+        );
+        self.book_outside(beat.stage);
+    }
+
+    /// What acted in the last substep acts again, unless it has come apart.
+    fn go_on(&mut self, beat: &Beat) {
+        let Self { movers, batches, given, .. } = self;
         I::run(
             #[inline(always)]
             || {
@@ -207,61 +227,52 @@ impl<'a, I: Instructions> Solver<'a, I> {
                 for batch in batches.iter_mut() {
                     batch.go_on(movers, beat, given);
                 }
-                for batch in batches.iter_mut() {
-                    batch.stop_together(movers, beat, given);
-                }
-                for batch in batches.iter_mut() {
-                    batch.sweep(movers, beat, Direction::To, given);
-                }
-                for batch in batches.iter_mut().rev() {
-                    batch.sweep(movers, beat, Direction::Fro, given);
-                }
-                for _ in 1..MEETING_PASSES {
-                    for batch in batches.iter_mut() {
-                        batch.sweep_meeting(movers, beat, given);
-                    }
-                }
-                for batch in batches.iter_mut() {
-                    batch.close(beat, given);
-                }
             },
         );
-        for batch in batches.iter().filter(|batch| batch.has_outside) {
-            batch.book_outside(bodies, beat, false, tally);
-        }
     }
 
-    /// What met fast enough leaves again.
-    fn bounce(&mut self, beat: &Beat) {
-        let Self { bodies, movers, batches, given, tally, .. } = self;
-        if !batches.iter().any(Batch::bounces) {
+    /// One pass over all rows.
+    fn pass(&mut self, beat: &Beat, pass: Pass) {
+        let Self { movers, batches, given, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                let count = batches.len();
+                for at in 0..count {
+                    let batch = &mut batches[if pass.is_fro { count - 1 - at } else { at }];
+                    batch.act(movers, beat, pass, given);
+                }
+            },
+        );
+    }
+
+    /// What met fast enough leaves again; what stopped it is no guide to the next substep.
+    fn bounce(&mut self, step: &Frame) {
+        if !self.batches.iter().any(Batch::bounces) {
             return;
         }
-        I::run(
-            #[inline(always)]
-            || {
-                for batch in batches.iter_mut() {
-                    batch.clear_bouncing();
-                }
-                for _ in 0..MEETING_PASSES {
-                    for batch in batches.iter_mut() {
-                        batch.bounce(movers, beat, given);
-                    }
-                }
-            },
-        );
-        for batch in batches.iter().filter(|batch| batch.bounces()) {
-            batch.book_outside(bodies, beat, true, tally);
+        self.batches.iter_mut().for_each(Batch::clear_bouncing);
+        for _ in 0..MEETING_PASSES {
+            self.pass(&Beat::new(Stage::Bounce, step), Pass::MEETING);
         }
+        let batches = &mut self.batches;
         I::run(
             #[inline(always)]
             || {
                 for batch in batches.iter_mut() {
-                    batch.clear_bouncing();
-                    batch.end_bouncing();
+                    batch.close_bounce();
                 }
             },
         );
+        self.book_outside(Stage::Bounce);
+        self.batches.iter_mut().for_each(Batch::clear_bouncing);
+        self.batches.iter_mut().flat_map(|batch| &mut batch.rows).for_each(|row| row.bounces = Mask::NONE);
+    }
+
+    fn book_outside(&mut self, stage: Stage) {
+        for batch in self.batches.iter().filter(|batch| batch.has_outside) {
+            batch.book_outside(self.bodies, stage, &mut self.tally);
+        }
     }
 
     /// Hands the bodies back, keeps the impulses for the next frame, notes who touched and who owes energy.

@@ -4,13 +4,37 @@ use crate::pair::Pair;
 use crate::{Bodies, BodyId};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 
 /// The last substep's impulses of each contact point that acted, before and after its drift.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     points: Vec<Carried>,
-    of_pair: HashMap<[BodyId; 2], Range<usize>>,
+    of_pair: HashMap<[BodyId; 2], Range<usize>, BuildHasherDefault<IdHasher>>,
+}
+
+/// Mixes the few numbers of a pair's ids; nobody chooses them with ill intent.
+#[derive(Clone, Copy, Debug, Default)]
+struct IdHasher(u64);
+
+impl Hasher for IdHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+    }
+
+    fn write_u32(&mut self, number: u32) {
+        self.write_u64(number.into());
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        // Multiplication by an odd number near the golden ratio of 2^64: Fibonacci hashing.
+        self.0 = (self.0.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
 }
 
 /// A contact point and what it carried.
