@@ -28,6 +28,9 @@ pub(crate) fn stop_approach<I: Instructions>(
     let change = row.mass * mass_scale * (target - speed) - impulse_scale * before;
     let total = acts.select((before + change).max(Lanes::ZERO), before);
     let change = total - before;
+    if !change.differs_from_zero().any() {
+        return Lanes::ZERO;
+    }
     row.push(sides, row.normal * change);
     row.impulses[beat.stage.at()].normal = total;
     let kick = kick_of(sides, beat).dot(row.normal);
@@ -42,12 +45,16 @@ pub(crate) fn stop_slip<I: Instructions>(
     friction: Lanes<I>,
     (beat, acts): (&Beat, Mask),
 ) -> Lanes<I> {
+    // What carries nothing, and has carried nothing, does not rub.
+    let RowImpulse { normal, tangent, .. } = row.impulses[beat.stage.at()];
+    if !normal.differs_from_zero().or(tangent.dot(tangent).above(Lanes::ZERO)).any() {
+        return Lanes::ZERO;
+    }
     let velocity = row.relative_velocity(sides);
     let slip = velocity - row.normal * velocity.dot(row.normal);
     let answer = sides[0].answer(row.levers[0], slip) + sides[1].answer(row.levers[1], slip);
     let slips = answer.above(Lanes::ZERO);
     let stop = slip * slips.select(slip.dot(slip) / answer, Lanes::ZERO);
-    let RowImpulse { normal, tangent, .. } = row.impulses[beat.stage.at()];
     let held = acts.select3((tangent - stop).shortened_to(friction * normal), tangent);
     let change = held - tangent;
     let kick = kick_of(sides, beat);

@@ -124,6 +124,9 @@ impl<I: Instructions> Batch<I> {
             let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
             let along = row.normal * normal;
             let impulse = along + tangent;
+            if !impulse.dot(impulse).above(Lanes::ZERO).any() {
+                continue;
+            }
             let before = row.relative_velocity(&sides);
             row.push(&mut sides, impulse);
             let mean = (before + row.relative_velocity(&sides)) * Lanes::splat(0.5) - kick;

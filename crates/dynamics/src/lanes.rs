@@ -82,6 +82,11 @@ impl<I: Instructions> Lanes<I> {
         Mask(I::above(self.0, other.0))
     }
 
+    #[inline(always)]
+    pub(crate) fn differs_from_zero(self) -> Mask {
+        self.above(Self::ZERO).or(Self::ZERO.above(self))
+    }
+
     /// The sum over all lanes, always in the same order.
     pub(crate) fn sum(self) -> f64 {
         self.0.0.iter().sum()
