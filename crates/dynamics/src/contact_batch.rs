@@ -2,7 +2,7 @@
 //! two of them, so they act at the same time.
 
 use crate::clusters::Member;
-use crate::contact_rows::Row;
+use crate::contact_rows::{Row, Stage};
 use crate::detection::{moved_since, radius, second_from_first};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
 use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint};
@@ -54,6 +54,8 @@ pub(crate) struct Batch<I> {
     pub(crate) has_outside: bool,
     /// See `has_outside`.
     pub(crate) is_driven: bool,
+    /// Whether any point has to bounce.
+    pub(crate) bounces: bool,
     /// Sums of the impulses on the first bodies in a stage, and of their moments about those bodies' centres of mass.
     pub(crate) acted: [Lanes3<I>; 2],
     /// Of a substep [s].
@@ -163,6 +165,7 @@ impl<I: Instructions> Batch<I> {
             rolls: false,
             spin: Lanes3::ZERO,
             given: Lanes::ZERO,
+            bounces: false,
             acted: [Lanes3::ZERO; 2],
             has_outside: false,
             is_driven: false,
@@ -263,9 +266,9 @@ impl<I: Instructions> Batch<I> {
         self.soften(lane, points.len());
     }
 
-    /// Follows the bodies to where they are now.
+    /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, bodies: &Bodies, movers: &Movers) {
+    pub(crate) fn follow(&mut self, bodies: &Bodies, movers: &Movers, drifted: Option<f64>) {
         let poses = |second: bool| {
             let of = |lane: usize| {
                 let pair = self.patches.get(lane).map(|patch| patch.pair);
@@ -290,6 +293,11 @@ impl<I: Instructions> Batch<I> {
             row.answer =
                 sides[0].answer(row.levers[0], row.normal) + sides[1].answer(row.levers[1], row.normal);
             row.mass = row.is_there.select(Lanes::splat(1.0) / row.answer, Lanes::ZERO);
+            if let Some(dt) = drifted
+                && !self.is_driven
+            {
+                row.forget_if_parted(Stage::AfterDrift, &sides, dt);
+            }
         }
     }
 

@@ -132,6 +132,19 @@ impl<I: Instructions> Row<I> {
         sides[1].push(self.levers[1], -impulse);
     }
 
+    /// What no longer meets within a substep of `dt` [s] has nothing to go on from.
+    #[inline(always)]
+    pub(crate) fn forget_if_parted(&mut self, stage: Stage, sides: &[Side<I>; 2], dt: f64) {
+        let closing = -self.relative_velocity(sides).dot(self.normal);
+        let parts = self.gap.above(closing.max(Lanes::ZERO) * Lanes::splat(dt));
+        if parts.any() {
+            let impulse = &mut self.impulses[stage.at()];
+            impulse.normal = parts.select(Lanes::ZERO, impulse.normal);
+            impulse.tangent = parts.select3(Lanes3::ZERO, impulse.tangent);
+            impulse.twist = parts.select3(Lanes3::ZERO, impulse.twist);
+        }
+    }
+
     /// The rows of pairs that act at a stage: what has not met yet is stopped before the next drift, where it meets.
     #[inline(always)]
     pub(crate) fn acts(&self, beat: &Beat) -> Mask {

@@ -81,8 +81,10 @@ impl<I: Instructions> Batch<I> {
         let sides = self.sides(movers);
         let (dt, threshold) = (Lanes::splat(step.dt), Lanes::splat(threshold));
         let falls = sides[0].falls - sides[1].falls;
+        let mut any_bounces = Mask::NONE;
         for row in &mut self.rows {
             let closing = -row.relative_velocity(&sides).dot(row.normal);
+            row.forget_if_parted(Stage::BeforeDrift, &sides, step.dt);
             let comes_apart = row.gap.above(closing.max(threshold) * dt);
             row.has_met = row.has_met.and(comes_apart.not());
             let is_still = row.has_met.and(closing.above(threshold).not());
@@ -98,20 +100,16 @@ impl<I: Instructions> Batch<I> {
             row.has_met = row.has_met.or(meets);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
+            any_bounces = any_bounces.or(row.bounces);
         }
+        self.bounces = any_bounces.any();
     }
 
-    /// What no longer meets has nothing to go on from.
-    #[inline(always)]
-    pub(crate) fn forget_parted(&mut self, movers: &Movers, beat: &Beat) {
-        let sides = self.sides(movers);
-        for row in &mut self.rows {
-            let closing = -row.relative_velocity(&sides).dot(row.normal);
-            let parts = row.gap.above(closing.max(Lanes::ZERO) * Lanes::splat(beat.dt));
-            let impulse = &mut row.impulses[beat.stage.at()];
-            impulse.normal = parts.select(Lanes::ZERO, impulse.normal);
-            impulse.tangent = parts.select3(Lanes3::ZERO, impulse.tangent);
-            impulse.twist = parts.select3(Lanes3::ZERO, impulse.twist);
+    /// What a kinematic body has left, after a drift in a substep of `dt` [s], is forgotten.
+    pub(crate) fn forget_driven(&mut self, movers: &Movers, dt: f64) {
+        if self.is_driven {
+            let sides = self.sides(movers);
+            self.rows.iter_mut().for_each(|row| row.forget_if_parted(Stage::AfterDrift, &sides, dt));
         }
     }
 
@@ -146,7 +144,7 @@ impl<I: Instructions> Batch<I> {
     /// One pass over the rows.
     #[inline(always)]
     pub(crate) fn act(&mut self, movers: &mut Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
-        if pass.only_meeting && !self.bounces() {
+        if pass.only_meeting && !self.bounces {
             return;
         }
         let mut sides = self.sides(movers);
@@ -193,12 +191,6 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
-    /// Whether any point has to bounce.
-    #[inline(always)]
-    pub(crate) fn bounces(&self) -> bool {
-        self.rows.iter().any(|row| row.bounces.any())
-    }
-
     /// The impulses of what bounces begin, and end, at nothing.
     pub(crate) fn clear_bouncing(&mut self) {
         for row in &mut self.rows {
@@ -216,7 +208,10 @@ impl<I: Instructions> Batch<I> {
             let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
             let impulse = row.normal * normal + tangent;
             sum = sum + impulse;
-            moment = moment + row.levers[0].cross(impulse) + twist;
+            moment = moment + row.levers[0].cross(impulse);
+            if self.rolls {
+                moment = moment + twist;
+            }
             let acted = normal.above(Lanes::ZERO).or(tangent.dot(tangent).above(Lanes::ZERO));
             row.touched = row.touched.or(acted);
             given.impulses += u64::from(acted.count());

@@ -133,7 +133,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             given: Given::ZERO,
             tally: Tally::default(),
         };
-        solver.follow();
+        solver.follow(None);
         solver
     }
 
@@ -145,7 +145,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.contact(&Beat::new(Stage::BeforeDrift, step));
         self.movers.drift(self.bodies, step);
         self.movers.kick(self.bodies, step);
-        self.follow();
+        self.follow(Some(step.dt));
         self.contact(&Beat::new(Stage::AfterDrift, step));
         self.bounce(step);
     }
@@ -157,7 +157,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             if batch.refresh(bodies, movers, finder, rest) {
                 I::run(
                     #[inline(always)]
-                    || batch.follow(bodies, movers),
+                    || batch.follow(bodies, movers, None),
                 );
             }
         }
@@ -179,17 +179,22 @@ impl<'a, I: Instructions> Solver<'a, I> {
     }
 
     /// All points go with their bodies.
-    fn follow(&mut self) {
+    fn follow(&mut self, drifted: Option<f64>) {
         let Self { bodies, movers, batches, .. } = self;
         I::run(
             #[inline(always)]
             || {
                 for batch in batches.iter_mut() {
-                    batch.follow(bodies, movers);
+                    batch.follow(bodies, movers, drifted);
                 }
             },
         );
-        batches.iter_mut().for_each(|batch| batch.be_driven(bodies, None));
+        for batch in batches.iter_mut() {
+            batch.be_driven(bodies, None);
+            if let Some(dt) = drifted {
+                batch.forget_driven(movers, dt);
+            }
+        }
     }
 
     /// Contact at one stage of a substep: what acted at this stage of the last one, then a pass over all rows to and one fro, so that none
@@ -222,9 +227,6 @@ impl<'a, I: Instructions> Solver<'a, I> {
             #[inline(always)]
             || {
                 for batch in batches.iter_mut() {
-                    batch.forget_parted(movers, beat);
-                }
-                for batch in batches.iter_mut() {
                     batch.go_on(movers, beat, given);
                 }
             },
@@ -248,10 +250,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// What met fast enough leaves again; what stopped it is no guide to the next substep.
     fn bounce(&mut self, step: &Frame) {
-        if !self.batches.iter().any(Batch::bounces) {
+        if !self.batches.iter().any(|batch| batch.bounces) {
             return;
         }
-        self.batches.iter_mut().for_each(Batch::clear_bouncing);
+        self.batches.iter_mut().filter(|batch| batch.bounces).for_each(Batch::clear_bouncing);
         for _ in 0..MEETING_PASSES {
             self.pass(&Beat::new(Stage::Bounce, step), Pass::MEETING);
         }
@@ -260,13 +262,20 @@ impl<'a, I: Instructions> Solver<'a, I> {
             #[inline(always)]
             || {
                 for batch in batches.iter_mut() {
-                    batch.close_bounce();
+                    if batch.bounces {
+                        batch.close_bounce();
+                    }
                 }
             },
         );
-        self.book_outside(Stage::Bounce);
-        self.batches.iter_mut().for_each(Batch::clear_bouncing);
-        self.batches.iter_mut().flat_map(|batch| &mut batch.rows).for_each(|row| row.bounces = Mask::NONE);
+        for batch in self.batches.iter().filter(|batch| batch.has_outside && batch.bounces) {
+            batch.book_outside(self.bodies, Stage::Bounce, &mut self.tally);
+        }
+        self.batches.iter_mut().filter(|batch| batch.bounces).for_each(Batch::clear_bouncing);
+        for batch in self.batches.iter_mut().filter(|batch| batch.bounces) {
+            batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
+            batch.bounces = false;
+        }
     }
 
     fn book_outside(&mut self, stage: Stage) {
