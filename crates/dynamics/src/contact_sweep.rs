@@ -48,6 +48,7 @@ impl Pass {
     /// Another one over what meets fast: it has no impulses to start from.
     pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
 }
+
 impl<I: Instructions> Given<I> {
     pub(crate) const ZERO: Self = Self {
         contact: Lanes::ZERO,

@@ -20,7 +20,7 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + 'static {
     fn above(a: Numbers, b: Numbers) -> u8;
     /// In each lane whose bit is set `yes`, else `no`.
     fn select(mask: u8, yes: Numbers, no: Numbers) -> Numbers;
-    /// Runs a kernel with these instructions. Must only be called where [`widest`] or a narrower one was found.
+    /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine must have them.
     fn run(kernel: impl FnOnce());
 }
 

@@ -53,6 +53,7 @@ pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, 
     solved
 }
 
+/// [`solve`] with some instructions, in substeps of `step`.
 fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
