@@ -2,62 +2,90 @@
 //! two of them, so they act at the same time.
 
 use crate::clusters::Member;
-use crate::contact_rows::{Row, Stage};
+use crate::contact_rows::{Basis, Directions, Point, Row, RowImpulse, Stage};
 use crate::detection::{moved_since, radius, second_from_first};
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
+use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
 use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint};
 use crate::moving::{Movers, Side, drive};
 use crate::pair::{Pair, placed};
-use crate::tally::Debt;
+use crate::tally::{Debt, Tally};
 use crate::warm_start::{Carried, PointImpulse, WarmStart};
 use crate::{Bodies, Frame, Motion};
 use frangible_geometry::RigidTransform;
-use glam::{DQuat, DVec3};
+use glam::{DVec3, Vec3};
 
 /// Where the points of a row are on their bodies: see [`ManifoldPoint`].
 #[derive(Clone)]
 struct Anchors<I> {
-    on: [Lanes3<I>; 2],
-    rounding: [Lanes<I>; 2],
-    /// Whose sample or feature each is, and which.
-    sample: [(bool, u64); LANES],
+    /// Levers of the anchors from the centres of mass at the frame's start [m].
+    levers: [Kept3<I>; 2],
+    rounding: [Kept<I>; 2],
+    /// The gap there if nothing had moved since the frame's start [m].
+    gap: Kept<I>,
+    /// Which go with the first body, as samples or features of it; the others go with the second.
+    is_of_first: Mask,
+    /// Which sample or feature each is.
+    sample: [u64; LANES],
 }
 
 /// How a contact's normal impulses answer [Cat24].
 #[derive(Clone, Copy)]
-pub(crate) struct Softness<I> {
+pub(crate) struct Softness<N> {
     /// Closing speed of an overlap per depth [1/s].
-    pub(crate) rate: Lanes<I>,
+    pub(crate) rate: N,
     /// Of what a rigid point would add to its impulse [1].
-    pub(crate) mass_scale: Lanes<I>,
+    pub(crate) mass_scale: N,
     /// Of the impulse so far, that it takes back [1].
-    pub(crate) impulse_scale: Lanes<I>,
+    pub(crate) impulse_scale: N,
+}
+
+/// How the contacts of a batch hold their bodies.
+pub(crate) struct Hold<I> {
+    pub(crate) soft: Softness<Lanes<I>>,
+    /// Coefficient of friction.
+    pub(crate) friction: Lanes<I>,
 }
 
 /// Several pairs.
 pub(crate) struct Batch<I> {
     /// Their bodies, by their place in the cluster.
     pub(crate) locals: [[u32; LANES]; 2],
+    /// Centres of mass of the first bodies less those of the second ones, now and at the frame's start [m].
+    pub(crate) offset: Lanes3<I>,
+    start_offset: Lanes3<I>,
     pub(crate) rows: Vec<Row<I>>,
-    pub(crate) soft: Softness<I>,
-    pub(crate) friction: Lanes<I>,
+    /// One for all rows, or one for each.
+    directions: Vec<Directions<I>>,
+    pub(crate) soft: Softness<Kept<I>>,
+    pub(crate) friction: Kept<I>,
     pub(crate) restitution: Lanes<I>,
     /// Of rolling and of spinning friction [m].
     pub(crate) roll_lengths: [Lanes<I>; 2],
     /// Whether any of these is not zero.
     pub(crate) rolls: bool,
-    /// What kinematic bodies add to the spin of the first bodies less that of the second ones [rad/s].
-    pub(crate) spin: Lanes3<I>,
-    /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
-    pub(crate) given: Lanes<I>,
-    /// Whether a static or kinematic body is among them, and whether one moves.
-    pub(crate) has_outside: bool,
-    /// See `has_outside`.
+    /// Whether a kinematic body is among them.
     pub(crate) is_driven: bool,
     /// Whether any point has to bounce.
     pub(crate) bounces: bool,
-    /// Sums of the impulses on the first bodies in a stage, and of their moments about those bodies' centres of mass.
-    pub(crate) acted: [Lanes3<I>; 2],
+    /// Of rolling and spinning friction, before and after the drift, a pair for each row if anything rolls [N m s].
+    pub(crate) twists: Vec<[Lanes3<I>; 2]>,
+    /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are
+    /// there [m/s].
+    drives: Vec<Lanes3<I>>,
+    /// What they add to the spin of the first bodies less that of the second ones [rad/s].
+    pub(crate) spin: Lanes3<I>,
+    /// At which speed the surfaces of each row have met [m/s].
+    pub(crate) met_at: Vec<Lanes<I>>,
+    /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
+    pub(crate) given: Lanes<I>,
+    /// Work of kinematic bodies in this frame [J].
+    pub(crate) work: Lanes<I>,
+    /// Whether a static or kinematic body is among them; then, centres of mass of the first bodies at the frame's start and now [m].
+    pub(crate) has_outside: bool,
+    start: Lanes3<I>,
+    pub(crate) centre: Lanes3<I>,
+    /// How much [`Movers`] had been stirred when the rows' responses were found.
+    answered_at: Lanes<I>,
     /// Of a substep [s].
     dt: f64,
     anchors: Vec<Anchors<I>>,
@@ -90,6 +118,10 @@ const CONTACT_DAMPING: f64 = 10.0;
 /// surface's normal turns by no more than some degrees.
 const STALE: f64 = 0.1;
 
+/// Motion of the bodies, relative to their sizes, after which the responses of their rows are found anew: they have changed by no
+/// more than some hundredths.
+const STIRRED: f64 = 0.02;
+
 impl<I: Instructions> Batch<I> {
     /// Of the contacts of at most [`LANES`] pairs, with the impulses that the same points had at the end of the last frame.
     pub(crate) fn new(
@@ -97,47 +129,87 @@ impl<I: Instructions> Batch<I> {
         movers: &Movers,
         group: &[Member],
         manifolds: &[Manifold],
-        (warm, step): (&WarmStart, &Frame),
+        (carried, step): (&[&[Carried]], &Frame),
     ) -> Self {
-        let mut locals = [[movers.nobody(); LANES]; 2];
-        let mut batch = Self::empty(step.dt);
+        let mut batch = Self::empty([[movers.nobody(); LANES]; 2], step.dt);
         for (lane, member) in group.iter().enumerate() {
             let manifold = &manifolds[member.manifold];
-            let pair = manifold.pair;
-            let (first, second) = placed(bodies, pair, &bodies.poses);
-            [locals[0][lane], locals[1][lane]] = member.locals;
-            let surfaces = bodies.pair_contactant(pair.first, pair.second);
-            batch.friction.set(lane, surfaces.friction);
-            batch.restitution.set(lane, surfaces.restitution);
-            batch.roll_lengths[0].set(lane, surfaces.rolling_friction);
-            batch.roll_lengths[1].set(lane, surfaces.spinning_friction);
-            batch.rolls |= surfaces.rolling_friction > 0.0 || surfaces.spinning_friction > 0.0;
-            let [motion, other] = [pair.first, pair.second].map(|i| bodies.motions[i]);
-            batch.has_outside |= motion != Motion::Dynamic || other != Motion::Dynamic;
-            let spin = |motion: Motion| match motion {
-                Motion::Kinematic { angular, .. } => angular,
-                Motion::Static | Motion::Dynamic => DVec3::ZERO,
-            };
-            batch.spin.set(lane, spin(motion) - spin(other));
-            batch.is_driven |=
-                [motion, other].iter().any(|motion| matches!(motion, Motion::Kinematic { .. }));
-            batch.patches.push(Patch {
-                pair,
-                found_at: second_from_first(first, second),
-                travel: 0.0,
-                size: radius(first.shape).min(radius(second.shape)),
-                touched: false,
-                point: manifold.points.first().map_or(DVec3::ZERO, |point| point.middle(bodies, pair)),
-            });
-            let carried = warm.of_pair(bodies, pair);
+            batch.add_pair(bodies, lane, manifold, member.locals);
+            let carried = carried[member.manifold];
             for (number, point) in manifold.points.iter().enumerate() {
                 let same = carried.iter().find(|carried| carried.sample == point.sample);
-                batch.place(lane, number, point, same.map(|same| same.impulses).unwrap_or_default());
+                let impulses = same.map(|same| same.impulses).unwrap_or_default();
+                batch.place(movers, lane, (number, point), impulses);
             }
             batch.soften(lane, manifold.points.len());
         }
-        batch.locals = locals;
         batch
+    }
+
+    fn empty(locals: [[u32; LANES]; 2], dt: f64) -> Self {
+        Self {
+            dt,
+            locals,
+            offset: Lanes3::ZERO,
+            start_offset: Lanes3::ZERO,
+            rows: Vec::with_capacity(4),
+            directions: Vec::with_capacity(1),
+            soft: Softness { rate: Kept::ZERO, mass_scale: Kept::ZERO, impulse_scale: Kept::ZERO },
+            friction: Kept::ZERO,
+            restitution: Lanes::ZERO,
+            roll_lengths: [Lanes::ZERO; 2],
+            rolls: false,
+            is_driven: false,
+            bounces: false,
+            twists: Vec::new(),
+            drives: Vec::new(),
+            spin: Lanes3::ZERO,
+            met_at: Vec::with_capacity(4),
+            given: Lanes::ZERO,
+            work: Lanes::ZERO,
+            has_outside: false,
+            start: Lanes3::ZERO,
+            centre: Lanes3::ZERO,
+            answered_at: Lanes::ZERO,
+            anchors: Vec::with_capacity(4),
+            patches: Vec::with_capacity(LANES),
+        }
+    }
+
+    /// Gives a lane its pair.
+    fn add_pair(&mut self, bodies: &Bodies, lane: usize, manifold: &Manifold, locals: [u32; 2]) {
+        let pair = manifold.pair;
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        [self.locals[0][lane], self.locals[1][lane]] = locals;
+        let [centre, other_centre] = [pair.first, pair.second].map(|i| bodies.poses[i].position);
+        self.start_offset.set(lane, centre - other_centre);
+
+        // How its surfaces hold.
+        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        self.friction.set(lane, surfaces.friction);
+        self.restitution.set(lane, surfaces.restitution);
+        self.roll_lengths[0].set(lane, surfaces.rolling_friction);
+        self.roll_lengths[1].set(lane, surfaces.spinning_friction);
+        self.rolls |= surfaces.rolling_friction > 0.0 || surfaces.spinning_friction > 0.0;
+
+        // What comes from outside.
+        let motions = [pair.first, pair.second].map(|i| bodies.motions[i]);
+        self.has_outside |= motions.iter().any(|motion| *motion != Motion::Dynamic);
+        self.start.set(lane, centre);
+        self.is_driven |= motions.iter().any(|motion| matches!(motion, Motion::Kinematic { .. }));
+        let [spin, other_spin] = motions.map(|motion| match motion {
+            Motion::Kinematic { angular, .. } => angular,
+            Motion::Static | Motion::Dynamic => DVec3::ZERO,
+        });
+        self.spin.set(lane, spin - other_spin);
+        self.patches.push(Patch {
+            pair,
+            found_at: second_from_first(first, second),
+            travel: 0.0,
+            size: radius(first.shape).min(radius(second.shape)),
+            touched: false,
+            point: centre,
+        });
     }
 
     /// However many points a contact has, it is as stiff as with four: soft contact is a spring and a damper that no step size makes
@@ -153,63 +225,107 @@ impl<I: Instructions> Batch<I> {
         self.soft.impulse_scale.set(lane, 1.0 / (1.0 + b));
     }
 
-    fn empty(dt: f64) -> Self {
-        Self {
-            dt,
-            locals: [[0; LANES]; 2],
-            rows: Vec::new(),
-            soft: Softness { rate: Lanes::ZERO, mass_scale: Lanes::ZERO, impulse_scale: Lanes::ZERO },
-            friction: Lanes::ZERO,
-            restitution: Lanes::ZERO,
-            roll_lengths: [Lanes::ZERO; 2],
-            rolls: false,
-            spin: Lanes3::ZERO,
-            given: Lanes::ZERO,
-            bounces: false,
-            acted: [Lanes3::ZERO; 2],
-            has_outside: false,
-            is_driven: false,
-            anchors: Vec::new(),
-            patches: Vec::with_capacity(LANES),
+    /// Puts a point into a lane, with what acts there.
+    fn place(
+        &mut self,
+        movers: &Movers,
+        lane: usize,
+        (number, point): (usize, &ManifoldPoint),
+        impulses: [PointImpulse; 2],
+    ) {
+        self.turn_lane(lane, number, point.normal);
+        while self.rows.len() <= number {
+            self.rows.push(Row::empty());
+            self.anchors.push(Anchors::empty());
+            self.met_at.push(Lanes::ZERO);
+        }
+        if self.rolls {
+            self.twists.resize(self.rows.len(), [Lanes3::ZERO; 2]);
+        }
+        if self.is_driven {
+            self.drives.resize(self.rows.len(), Lanes3::ZERO);
+        }
+
+        // Where it was at the frame's start.
+        let directions = self.directions[number.min(self.directions.len() - 1)];
+        let (normal, tangent) = (directions.normal.get(lane), directions.tangent.get(lane));
+        let anchors = &mut self.anchors[number];
+        let on = [point.anchor_first, point.anchor_second];
+        let lever = |side: usize| movers.start(self.locals[side][lane]).orientation * on[side];
+        let levers = [lever(0), lever(1)];
+        for side in 0..2 {
+            anchors.levers[side].set(lane, levers[side]);
+            anchors.rounding[side].set(lane, point.rounding[side]);
+        }
+        anchors.is_of_first.set(lane, point.sample.0);
+        anchors.sample[lane] = point.sample.1;
+        let apart = (self.start_offset.get(lane) + levers[0] - levers[1]).dot(normal);
+        anchors.gap.set(lane, apart - point.rounding[0] - point.rounding[1]);
+
+        let row = &mut self.rows[number];
+        row.is_there.set(lane, true);
+        for (at, PointImpulse { normal: along, tangent: across, twist }) in impulses.into_iter().enumerate() {
+            let across = across.as_dvec3();
+            row.impulses[at].normal.set(lane, along.into());
+            row.impulses[at].tangent[0].set(lane, across.dot(tangent));
+            row.impulses[at].tangent[1].set(lane, across.dot(normal.cross(tangent)));
+            if self.rolls {
+                self.twists[number][at].set(lane, twist.as_dvec3());
+            }
         }
     }
 
-    /// Puts a point into a lane.
-    fn place(&mut self, lane: usize, number: usize, point: &ManifoldPoint, impulses: [PointImpulse; 2]) {
-        if number == self.rows.len() {
-            self.rows.push(Row::empty());
-            self.anchors.push(Anchors::empty());
+    /// Gives a lane's point its normal: all rows have the same ones as long as all points of each pair have.
+    fn turn_lane(&mut self, lane: usize, number: usize, normal: DVec3) {
+        if self.directions.is_empty() {
+            self.directions.push(Directions::NONE);
         }
-        let (row, anchors) = (&mut self.rows[number], &mut self.anchors[number]);
-        anchors.on[0].set(lane, point.anchor_first);
-        anchors.on[1].set(lane, point.anchor_second);
-        for side in 0..2 {
-            anchors.rounding[side].set(lane, point.rounding[side]);
+        let is_first = !self.rows.iter().any(|row| row.is_there.get(lane));
+        let mut own = self.directions[0];
+        own.set(lane, normal);
+        if self.directions.len() == 1
+            && (is_first || own.normal.get(lane) == self.directions[0].normal.get(lane))
+        {
+            self.directions[0] = own;
+            return;
         }
-        anchors.sample[lane] = point.sample;
-        row.is_there.set(lane, true);
-        row.normal.set(lane, point.normal);
-        for (of_row, of_point) in row.impulses.iter_mut().zip(impulses) {
-            let PointImpulse { normal, tangent, twist } = of_point;
-            of_row.normal.set(lane, normal);
-            of_row.tangent.set(lane, tangent - tangent.dot(point.normal) * point.normal);
-            of_row.twist.set(lane, twist);
-        }
+        let last = self.directions[self.directions.len() - 1];
+        self.directions.resize(self.rows.len().max(number + 1).max(2), last);
+        self.directions[number].set(lane, normal);
     }
 
     /// Empties a lane; what it held.
     fn take(&mut self, lane: usize) -> Vec<Taken> {
         let mut taken = Vec::new();
-        for (row, anchors) in self.rows.iter_mut().zip(&self.anchors) {
+        for at in 0..self.rows.len() {
+            let row = &self.rows[at];
             if !row.is_there.get(lane) {
                 continue;
             }
-            let carried = Carried { sample: anchors.sample[lane], impulses: row.impulses_of(lane) };
-            let met_at = row.has_met.get(lane).then_some(row.met_at.get(lane));
+            let carried =
+                Carried { sample: self.anchors[at].sample(lane), impulses: self.impulses_of(at, lane) };
+            let met_at = row.has_met.get(lane).then_some(self.met_at[at].get(lane));
             taken.push(Taken { carried, met_at, touched: row.touched.get(lane) });
-            row.clear(lane);
+            self.rows[at].clear(lane);
+            if self.rolls {
+                self.twists[at].iter_mut().for_each(|twist| twist.set(lane, DVec3::ZERO));
+            }
         }
         taken
+    }
+
+    /// What acts at a point.
+    fn impulses_of(&self, at: usize, lane: usize) -> [PointImpulse; 2] {
+        let directions = &self.directions[at.min(self.directions.len() - 1)];
+        let (n, t) = (directions.normal.get(lane), directions.tangent.get(lane));
+        [0, 1].map(|stage| {
+            let RowImpulse { normal, tangent } = &self.rows[at].impulses[stage];
+            PointImpulse {
+                normal: normal.get(lane) as f32,
+                tangent: (tangent[0].get(lane) * t + tangent[1].get(lane) * n.cross(t)).as_vec3(),
+                twist: self.twists.get(at).map_or(Vec3::ZERO, |twists| twists[stage].get(lane).as_vec3()),
+            }
+        })
     }
 
     /// Finds the points of pairs anew that have moved too far since they were found; those that are the same go on. `rest` is what is
@@ -230,7 +346,7 @@ impl<I: Instructions> Batch<I> {
                 let (first, second) = placed(bodies, patch.pair, &bodies.poses);
                 if moved_since(&patch.found_at, first, second, 0.0) > STALE * patch.size {
                     pair.into_iter().for_each(|local| movers.hand_back_one(bodies, local));
-                    self.find_anew(lane, bodies, finder, rest);
+                    self.find_anew(lane, (bodies, movers), finder, rest);
                     is_changed = true;
                 }
                 self.patches[lane].travel = movers.travel(pair);
@@ -239,10 +355,16 @@ impl<I: Instructions> Batch<I> {
         is_changed
     }
 
-    fn find_anew(&mut self, lane: usize, bodies: &Bodies, finder: &mut ManifoldFinder, rest: &Frame) {
+    fn find_anew(
+        &mut self,
+        lane: usize,
+        (bodies, movers): (&Bodies, &Movers),
+        finder: &mut ManifoldFinder,
+        rest: &Frame,
+    ) {
         let pair = self.patches[lane].pair;
         let (first, second) = placed(bodies, pair, &bodies.poses);
-        let point = self.point(bodies, lane);
+        let point = self.last_point(bodies, lane);
         let taken = self.take(lane);
         let patch = &mut self.patches[lane];
         patch.found_at = second_from_first(first, second);
@@ -255,12 +377,13 @@ impl<I: Instructions> Batch<I> {
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
         for (number, point) in points.iter().enumerate() {
             let same = taken.iter().find(|taken| taken.carried.sample == point.sample);
-            self.place(lane, number, point, same.map(|same| same.carried.impulses).unwrap_or_default());
+            let impulses = same.map(|same| same.carried.impulses).unwrap_or_default();
+            self.place(movers, lane, (number, point), impulses);
             if let Some(same) = same {
                 let row = &mut self.rows[number];
                 row.has_met.set(lane, same.met_at.is_some());
-                row.met_at.set(lane, same.met_at.unwrap_or(0.0));
                 row.touched.set(lane, same.touched);
+                self.met_at[number].set(lane, same.met_at.unwrap_or(0.0));
             }
         }
         self.soften(lane, points.len());
@@ -268,35 +391,41 @@ impl<I: Instructions> Batch<I> {
 
     /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, bodies: &Bodies, movers: &Movers, drifted: Option<f64>) {
-        let poses = |second: bool| {
-            let of = |lane: usize| {
-                let pair = self.patches.get(lane).map(|patch| patch.pair);
-                pair.map(|pair| &bodies.poses[if second { pair.second } else { pair.first }])
-            };
-            let position = Lanes3::of(|lane| of(lane).map_or(DVec3::ZERO, |pose| pose.position));
-            let turn = |lane: usize| of(lane).map_or(DQuat::IDENTITY, |pose| pose.orientation);
-            let axis = Lanes3::of(|lane| turn(lane).xyz());
-            (position, axis, Lanes::of(|lane| turn(lane).w))
-        };
-        let (first, second) = (poses(false), poses(true));
-        let sides = self.sides(movers);
-        for (row, anchors) in self.rows.iter_mut().zip(&self.anchors) {
-            let on_first = placed_at(first, anchors.on[0]) - row.normal * anchors.rounding[0];
-            let on_second = placed_at(second, anchors.on[1]) + row.normal * anchors.rounding[1];
-            row.gap = (on_first - on_second).dot(row.normal);
+    pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
+        let (sides, shared) = (self.sides(movers), self.shared_basis());
+        let (first, second) = (movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1]));
+        self.offset = self.start_offset + (first.translation - second.translation);
+        if self.has_outside {
+            self.centre = self.start + first.translation;
+        }
+        let stirred = first.stirred + second.stirred;
+        let answers = drifted.is_none() || (stirred - self.answered_at).above(Lanes::splat(STIRRED)).any();
+        if answers {
+            self.answered_at = stirred;
+        }
+        for at in 0..self.rows.len() {
+            let normal = self.basis(at, shared).normal;
+            let anchors = &self.anchors[at];
+            let [lever, other_lever] = [anchors.levers[0].lanes(), anchors.levers[1].lanes()];
+            let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
+            let shift = first.translation - second.translation + turn - other_turn;
+            let gap = anchors.gap.lanes() + shift.dot(normal);
+
             // Between the surfaces, beside the corner that slides along the other body.
-            let half = row.normal * (Lanes::splat(0.5) * row.gap);
-            let is_of_first = Mask::of(|lane| anchors.sample[lane].0);
-            let middle = is_of_first.select3(on_first - half, on_second + half);
-            row.levers = [middle - first.0, middle - second.0];
-            row.answer =
-                sides[0].answer(row.levers[0], row.normal) + sides[1].answer(row.levers[1], row.normal);
-            row.mass = row.is_there.select(Lanes::splat(1.0) / row.answer, Lanes::ZERO);
+            let half = Lanes::splat(0.5) * gap;
+            let on_first = lever + turn - normal * (anchors.rounding[0].lanes() + half);
+            let on_second = other_lever + other_turn + normal * (anchors.rounding[1].lanes() + half);
+            let row = &mut self.rows[at];
+            row.lever = anchors.is_of_first.select3(on_first, on_second - self.offset).kept();
+            row.gap = gap.kept();
+            let point = self.point(at, shared);
+            if answers {
+                self.rows[at].response = point.response(&sides, self.rows[at].is_there);
+            }
             if let Some(dt) = drifted
                 && !self.is_driven
             {
-                row.forget_if_parted(Stage::AfterDrift, &sides, dt);
+                self.forget_if_parted(at, Stage::AfterDrift, point.closing(&sides), dt);
             }
         }
     }
@@ -308,9 +437,11 @@ impl<I: Instructions> Batch<I> {
         }
         for (lane, patch) in self.patches.iter().enumerate() {
             let motions = [patch.pair.first, patch.pair.second].map(|i| &bodies.motions[i]);
-            for row in &mut self.rows {
-                let of = |side: usize| drive(motions[side], row.levers[side].get(lane), chord);
-                row.drive.set(lane, of(0) - of(1));
+            for (row, drives) in self.rows.iter().zip(&mut self.drives) {
+                let lever = row.lever.get(lane);
+                let levers = [lever, lever + self.offset.get(lane)];
+                let of = |side: usize| drive(motions[side], levers[side], chord);
+                drives.set(lane, of(0) - of(1));
             }
         }
     }
@@ -326,14 +457,62 @@ impl<I: Instructions> Batch<I> {
         movers.store(&self.locals[1], &sides[1]);
     }
 
+    /// The directions of all rows, if they have the same ones.
+    #[inline(always)]
+    pub(crate) fn shared_basis(&self) -> Option<Basis<I>> {
+        match self.directions.as_slice() {
+            [directions] => Some(directions.basis()),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn basis(&self, at: usize, shared: Option<Basis<I>>) -> Basis<I> {
+        match shared {
+            Some(basis) => basis,
+            None => self.directions[at].basis(),
+        }
+    }
+
+    /// A row as it acts.
+    #[inline(always)]
+    pub(crate) fn point(&self, at: usize, shared: Option<Basis<I>>) -> Point<I> {
+        let lever = self.rows[at].lever.lanes();
+        let drive = if self.is_driven { Some(self.drives[at]) } else { None };
+        Point { basis: self.basis(at, shared), levers: [lever, lever + self.offset], drive }
+    }
+
+    #[inline(always)]
+    pub(crate) fn hold(&self) -> Hold<I> {
+        let Softness { rate, mass_scale, impulse_scale } = &self.soft;
+        let soft = Softness {
+            rate: rate.lanes(),
+            mass_scale: mass_scale.lanes(),
+            impulse_scale: impulse_scale.lanes(),
+        };
+        Hold { soft, friction: self.friction.lanes() }
+    }
+
     /// Where the first point of a pair is, in the world frame [m]; where one was, if it has none.
-    fn point(&self, bodies: &Bodies, lane: usize) -> DVec3 {
+    fn last_point(&self, bodies: &Bodies, lane: usize) -> DVec3 {
         let patch = &self.patches[lane];
         match self.rows.first() {
             Some(row) if row.is_there.get(lane) => {
-                row.levers[0].get(lane) + bodies.poses[patch.pair.first].position
+                row.lever.get(lane) + bodies.poses[patch.pair.first].position
             }
             _ => patch.point,
+        }
+    }
+
+    /// Books what kinematic bodies did.
+    pub(crate) fn book_work(&self, bodies: &Bodies, tally: &mut Tally) {
+        if self.is_driven {
+            for (lane, patch) in self.patches.iter().enumerate() {
+                let Pair { first, second } = patch.pair;
+                let is_on_first = bodies.inertias[second].is_infinite();
+                let [on, by] = if is_on_first { [first, second] } else { [second, first] };
+                tally.book_outside(bodies, [on, by], (DVec3::ZERO, DVec3::ZERO), self.work.get(lane));
+            }
         }
     }
 
@@ -342,7 +521,7 @@ impl<I: Instructions> Batch<I> {
         let patch = &self.patches[lane];
         let ids = [patch.pair.first, patch.pair.second].map(|i| bodies.ids[i]);
         let energy = self.given.get(lane);
-        (energy > 0.0).then(|| Debt { ids, point: self.point(bodies, lane), energy })
+        (energy > 0.0).then(|| Debt { ids, point: self.last_point(bodies, lane), energy })
     }
 
     /// Whether a pair has exchanged impulses in this frame.
@@ -352,14 +531,14 @@ impl<I: Instructions> Batch<I> {
 
     /// The points of a pair that acted, and what acts there.
     pub(crate) fn carried(&self, lane: usize) -> impl Iterator<Item = Carried> {
-        self.rows
-            .iter()
-            .zip(&self.anchors)
-            .filter(move |(row, _)| row.is_there.get(lane) && row.touched.get(lane))
-            .map(move |(row, anchors)| Carried {
-                sample: anchors.sample[lane],
-                impulses: row.impulses_of(lane),
-            })
+        let acted = move |&at: &usize| {
+            let row = &self.rows[at];
+            row.is_there.get(lane) && row.touched.get(lane)
+        };
+        (0..self.rows.len()).filter(acted).map(move |at| Carried {
+            sample: self.anchors[at].sample(lane),
+            impulses: self.impulses_of(at, lane),
+        })
     }
 }
 
@@ -372,16 +551,16 @@ struct Taken {
 
 impl<I: Instructions> Anchors<I> {
     fn empty() -> Self {
-        Self { on: [Lanes3::ZERO; 2], rounding: [Lanes::ZERO; 2], sample: [(false, 0); LANES] }
+        Self {
+            levers: [Kept3::ZERO; 2],
+            rounding: [Kept::ZERO; 2],
+            gap: Kept::ZERO,
+            is_of_first: Mask::NONE,
+            sample: [0; LANES],
+        }
     }
-}
 
-/// A point of a body, of which position and orientation are given, in the world.
-#[inline(always)]
-fn placed_at<I: Instructions>(
-    (position, axis, w): (Lanes3<I>, Lanes3<I>, Lanes<I>),
-    point: Lanes3<I>,
-) -> Lanes3<I> {
-    let twice = axis.cross(point) * Lanes::splat(2.0);
-    position + point + twice * w + axis.cross(twice)
+    fn sample(&self, lane: usize) -> (bool, u64) {
+        (self.is_of_first.get(lane), self.sample[lane])
+    }
 }

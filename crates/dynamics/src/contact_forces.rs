@@ -30,7 +30,8 @@ pub fn contact_forces(
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
             let impulses = &carried.get(bodies, pair, point.sample)?.impulses;
-            let impulse = |at: usize| impulses[at].normal * point.normal + impulses[at].tangent;
+            let impulse =
+                |at: usize| f64::from(impulses[at].normal) * point.normal + impulses[at].tangent.as_dvec3();
             let towards =
                 |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);
             let points = [

@@ -1,9 +1,8 @@
 //! One point of contact of each of several pairs, side by side.
 
 use crate::Frame;
-use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
+use crate::lanes::{Instructions, Kept, Kept3, Lanes, Lanes3, Mask};
 use crate::moving::Side;
-use crate::warm_start::PointImpulse;
 use glam::DVec3;
 
 /// Fastest closing of an overlap [m/s]: a tenth of a metre in a frame, so that deep overlaps part gently [Cat24].
@@ -30,44 +29,74 @@ pub(crate) struct Beat {
     pub(crate) kick: DVec3,
 }
 
-/// A point of contact of each pair.
+/// A point of contact of each pair, as it is kept: a heap is as fast as its rows come from memory.
 #[derive(Clone)]
 pub(crate) struct Row<I> {
-    /// Which lanes have one.
-    pub(crate) is_there: Mask,
-    /// Unit, world frame, from the second body to the first.
-    pub(crate) normal: Lanes3<I>,
-    /// From the centres of mass to the point [m]: one point for both bodies, so that angular momentum is exact.
-    pub(crate) levers: [Lanes3<I>; 2],
-    /// What static and kinematic bodies add to the velocity of the first body's material less the second's [m/s].
-    pub(crate) drive: Lanes3<I>,
+    /// From the first bodies' centres of mass to the point [m].
+    pub(crate) lever: Kept3<I>,
     /// Between the surfaces, along the normal [m].
-    pub(crate) gap: Lanes<I>,
-    /// Change of the speed along the normal per impulse along it [1/kg], and its inverse; the latter is 0 where there is no point.
-    pub(crate) answer: Lanes<I>,
-    /// See `answer` [kg].
-    pub(crate) mass: Lanes<I>,
+    pub(crate) gap: Kept<I>,
+    pub(crate) response: Response<I>,
     /// Of this substep, before and after the drift.
     pub(crate) impulses: [RowImpulse<I>; 2],
-    /// Whether the surfaces have met, and at which speed [m/s].
+    /// Which lanes have one.
+    pub(crate) is_there: Mask,
+    /// Whether the surfaces have met.
     pub(crate) has_met: Mask,
-    /// See `has_met`.
-    pub(crate) met_at: Lanes<I>,
     /// Whether it still has to bounce.
     pub(crate) bounces: Mask,
     /// Whether it has acted.
     pub(crate) touched: Mask,
 }
 
+/// How the relative velocity at a point answers impulses there. All masses are 0 where there is no point.
+#[derive(Clone, Copy)]
+pub(crate) struct Response<I> {
+    /// Its change along the normal and the two tangents per impulse along the normal [1/kg].
+    pub(crate) to_normal: Kept3<I>,
+    /// Inverse of the first [kg].
+    pub(crate) mass: Kept<I>,
+    /// Inverse of its change along the tangents per impulse along them, a symmetric matrix: entries 11, 22 and 12 [kg].
+    pub(crate) slip_mass: Kept3<I>,
+    /// The least mass that it shows to any tangent impulse [kg].
+    pub(crate) least_slip_mass: Kept<I>,
+}
+
 /// What acts at the points of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct RowImpulse<I> {
     /// Along the normal, not negative [N s].
-    pub(crate) normal: Lanes<I>,
-    /// Across it [N s].
-    pub(crate) tangent: Lanes3<I>,
-    /// Of rolling and spinning friction [N m s].
-    pub(crate) twist: Lanes3<I>,
+    pub(crate) normal: Kept<I>,
+    /// Along the two tangents [N s].
+    pub(crate) tangent: [Kept<I>; 2],
+}
+
+/// Directions of contact, as they are kept.
+#[derive(Clone, Copy)]
+pub(crate) struct Directions<I> {
+    /// Unit, world frame, from the second body to the first.
+    pub(crate) normal: Kept3<I>,
+    /// One of the two tangents.
+    pub(crate) tangent: Kept3<I>,
+}
+
+/// Directions of contact.
+#[derive(Clone, Copy)]
+pub(crate) struct Basis<I> {
+    /// Unit, world frame, from the second body to the first.
+    pub(crate) normal: Lanes3<I>,
+    /// Across it and each other.
+    pub(crate) tangents: [Lanes3<I>; 2],
+}
+
+/// A point of contact of each pair, as it acts.
+#[derive(Clone, Copy)]
+pub(crate) struct Point<I> {
+    pub(crate) basis: Basis<I>,
+    /// From the centres of mass to the point [m]: one point for both bodies, so that angular momentum is exact.
+    pub(crate) levers: [Lanes3<I>; 2],
+    /// What static and kinematic bodies add to the velocity of the first body's material less the second's, if they move [m/s].
+    pub(crate) drive: Option<Lanes3<I>>,
 }
 
 impl Stage {
@@ -88,16 +117,12 @@ impl Beat {
 impl<I: Instructions> Row<I> {
     pub(crate) fn empty() -> Self {
         Self {
-            is_there: Mask::NONE,
-            normal: Lanes3::ZERO,
-            levers: [Lanes3::ZERO; 2],
-            drive: Lanes3::ZERO,
-            gap: Lanes::ZERO,
-            answer: Lanes::ZERO,
-            mass: Lanes::ZERO,
+            lever: Kept3::ZERO,
+            gap: Kept::ZERO,
+            response: Response::NONE,
             impulses: [RowImpulse::ZERO; 2],
+            is_there: Mask::NONE,
             has_met: Mask::NONE,
-            met_at: Lanes::ZERO,
             bounces: Mask::NONE,
             touched: Mask::NONE,
         }
@@ -106,43 +131,24 @@ impl<I: Instructions> Row<I> {
     /// Takes a lane's point out.
     pub(crate) fn clear(&mut self, lane: usize) {
         self.is_there.set(lane, false);
-        self.normal.set(lane, DVec3::ZERO);
         self.has_met.set(lane, false);
         self.bounces.set(lane, false);
         self.touched.set(lane, false);
         self.impulses.iter_mut().for_each(|impulse| impulse.clear(lane));
     }
 
-    pub(crate) fn impulses_of(&self, lane: usize) -> [PointImpulse; 2] {
-        self.impulses.map(|impulse| PointImpulse {
-            normal: impulse.normal.get(lane),
-            tangent: impulse.tangent.get(lane),
-            twist: impulse.twist.get(lane),
-        })
-    }
-
+    /// What no longer meets, at a `closing` speed [m/s], within a substep of `dt` [s] has nothing to go on from. Says where that is.
     #[inline(always)]
-    pub(crate) fn relative_velocity(&self, sides: &[Side<I>; 2]) -> Lanes3<I> {
-        sides[0].at(self.levers[0]) - sides[1].at(self.levers[1]) + self.drive
-    }
-
-    #[inline(always)]
-    pub(crate) fn push(&self, sides: &mut [Side<I>; 2], impulse: Lanes3<I>) {
-        sides[0].push(self.levers[0], impulse);
-        sides[1].push(self.levers[1], -impulse);
-    }
-
-    /// What no longer meets within a substep of `dt` [s] has nothing to go on from.
-    #[inline(always)]
-    pub(crate) fn forget_if_parted(&mut self, stage: Stage, sides: &[Side<I>; 2], dt: f64) {
-        let closing = -self.relative_velocity(sides).dot(self.normal);
-        let parts = self.gap.above(closing.max(Lanes::ZERO) * Lanes::splat(dt));
+    pub(crate) fn forget_if_parted(&mut self, stage: Stage, closing: Lanes<I>, dt: f64) -> Mask {
+        let parts = self.gap.lanes().above(closing.max(Lanes::ZERO) * Lanes::splat(dt));
         if parts.any() {
             let impulse = &mut self.impulses[stage.at()];
-            impulse.normal = parts.select(Lanes::ZERO, impulse.normal);
-            impulse.tangent = parts.select3(Lanes3::ZERO, impulse.tangent);
-            impulse.twist = parts.select3(Lanes3::ZERO, impulse.twist);
+            impulse.normal = parts.select(Lanes::ZERO, impulse.normal.lanes()).kept();
+            for tangent in &mut impulse.tangent {
+                *tangent = parts.select(Lanes::ZERO, tangent.lanes()).kept();
+            }
         }
+        parts
     }
 
     /// The rows of pairs that act at a stage: what has not met yet is stopped before the next drift, where it meets.
@@ -151,27 +157,115 @@ impl<I: Instructions> Row<I> {
         if beat.stage == Stage::BeforeDrift { self.is_there } else { self.is_there.and(self.has_met) }
     }
 
-    /// Overlaps before the drift: they are soft.
+    /// Speed at which the surfaces are to separate [m/s], negative if they may approach; and where they overlap before the drift: such
+    /// points are soft.
     #[inline(always)]
-    pub(crate) fn softens(&self, beat: &Beat) -> Mask {
-        if beat.stage == Stage::BeforeDrift { self.gap.above(Lanes::ZERO).not() } else { Mask::NONE }
-    }
-
-    /// Speed at which the surfaces are to separate [m/s]; negative if they may approach.
-    #[inline(always)]
-    pub(crate) fn target_speed(&self, rate: Lanes<I>, beat: &Beat) -> Lanes<I> {
-        let closing =
-            self.softens(beat).select((-(rate * self.gap)).min(Lanes::splat(PUSH_SPEED)), Lanes::ZERO);
-        self.gap.above(Lanes::ZERO).select(-self.gap * Lanes::splat(1.0 / beat.dt), closing)
+    pub(crate) fn target_speed(&self, rate: Lanes<I>, beat: &Beat) -> (Lanes<I>, Mask) {
+        let gap = self.gap.lanes();
+        let is_open = gap.above(Lanes::ZERO);
+        let softens = if beat.stage == Stage::BeforeDrift { is_open.not() } else { Mask::NONE };
+        let closing = softens.select((-(rate * gap)).min(Lanes::splat(PUSH_SPEED)), Lanes::ZERO);
+        (is_open.select(-gap * Lanes::splat(1.0 / beat.dt), closing), softens)
     }
 }
 
+impl<I: Instructions> Point<I> {
+    #[inline(always)]
+    pub(crate) fn relative_velocity(&self, sides: &[Side<I>; 2]) -> Lanes3<I> {
+        let velocity = sides[0].at(self.levers[0]) - sides[1].at(self.levers[1]);
+        match self.drive {
+            Some(drive) => velocity + drive,
+            None => velocity,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn closing(&self, sides: &[Side<I>; 2]) -> Lanes<I> {
+        -self.relative_velocity(sides).dot(self.basis.normal)
+    }
+
+    /// How it answers, where there is a point.
+    #[inline(always)]
+    pub(crate) fn response(&self, sides: &[Side<I>; 2], is_there: Mask) -> Response<I> {
+        let of_first = self.answer(&sides[0], self.levers[0]);
+        let of_second = self.answer(&sides[1], self.levers[1]);
+        let (to_normal, Lanes3 { x: tt, y: bb, z: tb }) =
+            (of_first.0 + of_second.0, of_first.1 + of_second.1);
+        let one = Lanes::splat(1.0);
+
+        // The inverse of two by two, and its eigenvalues.
+        let (mean, half) = ((tt + bb) * Lanes::splat(0.5), (tt - bb) * Lanes::splat(0.5));
+        let most = mean + (half * half + tb * tb).sqrt();
+        let area = tt * bb - tb * tb;
+        let (least_mass, inverse) = (one / most, one / area);
+        let is_round = (area * Lanes::splat(MOST_ELONGATED)).above(most * most);
+        let across = Lanes3 { x: bb * inverse, y: tt * inverse, z: -(tb * inverse) };
+        let around = Lanes3 { x: least_mass, y: least_mass, z: Lanes::ZERO };
+        let slip_mass = is_there.select3(is_round.select3(across, around), Lanes3::ZERO);
+        Response {
+            to_normal: to_normal.kept(),
+            mass: is_there.select(one / to_normal.x, Lanes::ZERO).kept(),
+            slip_mass: slip_mass.kept(),
+            least_slip_mass: is_there.select(least_mass, Lanes::ZERO).kept(),
+        }
+    }
+
+    /// What one side adds to the change of the velocity: per impulse along the normal, along it and the tangents; and per impulse along
+    /// the tangents, entries 11, 22 and 12 [1/kg].
+    #[inline(always)]
+    fn answer(&self, side: &Side<I>, lever: Lanes3<I>) -> (Lanes3<I>, Lanes3<I>) {
+        let Basis { normal: n, tangents: [t, b] } = self.basis;
+        let (about_n, about_t, about_b) = (lever.cross(n), lever.cross(t), lever.cross(b));
+        let (by_n, by_t) = (side.inverse_tensor * about_n, side.inverse_tensor * about_t);
+        let by_b = side.inverse_tensor * about_b;
+        let linear = side.inverse_mass;
+        let to_normal = Lanes3 { x: linear + by_n.dot(about_n), y: by_n.dot(about_t), z: by_n.dot(about_b) };
+        let across =
+            Lanes3 { x: linear + by_t.dot(about_t), y: linear + by_b.dot(about_b), z: by_t.dot(about_b) };
+        (to_normal, across)
+    }
+
+    /// An impulse along the normal and the two tangents, in the world.
+    #[inline(always)]
+    pub(crate) fn impulse(&self, normal: Lanes<I>, tangent: [Lanes<I>; 2]) -> Lanes3<I> {
+        let Basis { normal: n, tangents: [t, b] } = self.basis;
+        n * normal + t * tangent[0] + b * tangent[1]
+    }
+}
+
+/// Ratio of the masses that a point shows to two tangent impulses, from which on one of them stands for both [1]: in single precision
+/// their matrix has lost the other.
+const MOST_ELONGATED: f64 = 1e4;
+
+impl<I: Instructions> Directions<I> {
+    pub(crate) const NONE: Self = Self { normal: Kept3::ZERO, tangent: Kept3::ZERO };
+
+    pub(crate) fn set(&mut self, lane: usize, normal: DVec3) {
+        self.normal.set(lane, normal);
+        self.tangent.set(lane, normal.any_orthonormal_vector());
+    }
+
+    #[inline(always)]
+    pub(crate) fn basis(&self) -> Basis<I> {
+        let (normal, tangent) = (self.normal.lanes(), self.tangent.lanes());
+        Basis { normal, tangents: [tangent, normal.cross(tangent)] }
+    }
+}
+
+impl<I: Instructions> Response<I> {
+    const NONE: Self = Self {
+        to_normal: Kept3::ZERO,
+        mass: Kept::ZERO,
+        slip_mass: Kept3::ZERO,
+        least_slip_mass: Kept::ZERO,
+    };
+}
+
 impl<I: Instructions> RowImpulse<I> {
-    pub(crate) const ZERO: Self = Self { normal: Lanes::ZERO, tangent: Lanes3::ZERO, twist: Lanes3::ZERO };
+    pub(crate) const ZERO: Self = Self { normal: Kept::ZERO, tangent: [Kept::ZERO; 2] };
 
     pub(crate) fn clear(&mut self, lane: usize) {
         self.normal.set(lane, 0.0);
-        self.tangent.set(lane, DVec3::ZERO);
-        self.twist.set(lane, DVec3::ZERO);
+        self.tangent.iter_mut().for_each(|tangent| tangent.set(lane, 0.0));
     }
 }

@@ -1,24 +1,26 @@
 //! How the points of a batch act on their bodies: one row after the other, all lanes at once.
 
-use crate::Bodies;
 use crate::contact_batch::Batch;
-use crate::contact_kernels::{kick_of, stop_approach, stop_roll, stop_slip, turn};
-use crate::contact_rows::{Beat, Row, RowImpulse, Stage};
+use crate::contact_kernels::{Visit, stop, stop_roll};
+use crate::contact_rows::{Beat, Stage};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
-use crate::moving::{Movers, Side};
+use crate::moving::Movers;
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
 
 /// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
 const TOGETHER_PASSES: u32 = 8;
 
-/// Energy that rows gave, by cause [J], and how many impulses they were.
+/// What rows gave: energy by its cause [J], how many impulses they were, and what came from outside.
 pub(crate) struct Given<I> {
     pub(crate) contact: Lanes<I>,
     pub(crate) collision: Lanes<I>,
     pub(crate) friction: Lanes<I>,
     pub(crate) projection: Lanes<I>,
     pub(crate) impulses: u64,
+    /// Sums of impulses and of their moments about the world's origin that static and kinematic bodies gave.
+    pub(crate) impulse: Lanes3<I>,
+    pub(crate) moment: Lanes3<I>,
 }
 
 /// A pass over the rows.
@@ -32,21 +34,26 @@ pub(crate) struct Pass {
     sweeps: bool,
     /// Only those act that meet fast.
     only_meeting: bool,
+    /// The last one over what does not meet fast, or over what does.
+    is_last: [bool; 2],
 }
 
 impl Pass {
     /// Stops what meets fast.
     pub(crate) const TOGETHER: Self =
-        Self { is_fro: false, together: true, sweeps: false, only_meeting: true };
+        Self { is_fro: false, together: true, sweeps: false, only_meeting: true, is_last: [false; 2] };
 
     /// Over all rows.
-    pub(crate) const TO: Self = Self { is_fro: false, together: false, sweeps: true, only_meeting: false };
+    pub(crate) const TO: Self = Self { together: false, sweeps: true, only_meeting: false, ..Self::TOGETHER };
 
     /// And back.
-    pub(crate) const FRO: Self = Self { is_fro: true, ..Self::TO };
+    pub(crate) const FRO: Self = Self { is_fro: true, is_last: [true, false], ..Self::TO };
 
     /// Another one over what meets fast: it has no impulses to start from.
     pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
+
+    /// The last of these.
+    pub(crate) const LAST_MEETING: Self = Self { is_last: [false, true], ..Self::MEETING };
 }
 
 impl<I: Instructions> Given<I> {
@@ -56,6 +63,8 @@ impl<I: Instructions> Given<I> {
         friction: Lanes::ZERO,
         projection: Lanes::ZERO,
         impulses: 0,
+        impulse: Lanes3::ZERO,
+        moment: Lanes3::ZERO,
     };
 
     /// Books it.
@@ -65,12 +74,8 @@ impl<I: Instructions> Given<I> {
         tally.causes.add(Cause::Friction, self.friction.sum());
         tally.causes.add(Cause::Projection, self.projection.sum());
         tally.impulses += self.impulses;
-    }
-
-    #[inline(always)]
-    fn add_normal(&mut self, bounces: Mask, energy: Lanes<I>) {
-        self.collision = self.collision + bounces.select(energy, Lanes::ZERO);
-        self.contact = self.contact + bounces.select(Lanes::ZERO, energy);
+        tally.outside_impulse += self.impulse.sum();
+        tally.outside_angular_impulse += self.moment.sum();
     }
 }
 
@@ -82,23 +87,31 @@ impl<I: Instructions> Batch<I> {
         let sides = self.sides(movers);
         let (dt, threshold) = (Lanes::splat(step.dt), Lanes::splat(threshold));
         let falls = sides[0].falls - sides[1].falls;
+        let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
-        for row in &mut self.rows {
-            let closing = -row.relative_velocity(&sides).dot(row.normal);
-            row.forget_if_parted(Stage::BeforeDrift, &sides, step.dt);
-            let comes_apart = row.gap.above(closing.max(threshold) * dt);
+        for at in 0..self.rows.len() {
+            let point = self.point(at, shared);
+            let closing = point.closing(&sides);
+            let parts = self.forget_if_parted(at, Stage::BeforeDrift, closing, step.dt);
+            let row = &mut self.rows[at];
+            let gap = row.gap.lanes();
+            let comes_apart = parts.and(gap.above(threshold * dt));
             row.has_met = row.has_met.and(comes_apart.not());
             let is_still = row.has_met.and(closing.above(threshold).not());
-            let meets = row.is_there.and(row.gap.above(closing * dt).or(is_still).not());
+            let meets = row.is_there.and(gap.above(closing * dt).or(is_still).not());
 
             // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
-            let acceleration = -(Lanes3::splat(step.gravity) * falls).dot(row.normal);
+            row.has_met = row.has_met.or(meets);
+            if !meets.any() && !row.bounces.any() {
+                continue;
+            }
+            let acceleration = -(Lanes3::splat(step.gravity) * falls).dot(point.basis.normal);
             let start = closing - Lanes::splat(0.5) * dt * acceleration;
-            let squared = start * start + Lanes::splat(2.0) * acceleration * row.gap.max(Lanes::ZERO);
+            let squared = start * start + Lanes::splat(2.0) * acceleration * gap.max(Lanes::ZERO);
             let approaches = closing.above(Lanes::ZERO);
             let speed = approaches.select(squared.max(Lanes::ZERO).sqrt(), Lanes::ZERO);
-            row.met_at = meets.select(speed, row.met_at);
-            row.has_met = row.has_met.or(meets);
+            let met_at = &mut self.met_at[at];
+            *met_at = meets.select(speed, *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
             any_bounces = any_bounces.or(row.bounces);
@@ -110,36 +123,53 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn forget_driven(&mut self, movers: &Movers, dt: f64) {
         if self.is_driven {
             let sides = self.sides(movers);
-            self.rows.iter_mut().for_each(|row| row.forget_if_parted(Stage::AfterDrift, &sides, dt));
+            for at in 0..self.rows.len() {
+                let closing = self.point(at, self.shared_basis()).closing(&sides);
+                self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
+            }
         }
+    }
+
+    /// See [`Row::forget_if_parted`].
+    #[inline(always)]
+    pub(crate) fn forget_if_parted(&mut self, at: usize, stage: Stage, closing: Lanes<I>, dt: f64) -> Mask {
+        let parts = self.rows[at].forget_if_parted(stage, closing, dt);
+        if self.rolls {
+            let twist = &mut self.twists[at][stage.at()];
+            *twist = parts.select3(Lanes3::ZERO, *twist);
+        }
+        parts
     }
 
     /// What acted at this stage of the last substep acts again.
     #[inline(always)]
     pub(crate) fn go_on(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
-        let mut sides = self.sides(movers);
-        let kick = kick_of(&sides, beat);
-        for row in &self.rows {
-            let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
-            let along = row.normal * normal;
-            let impulse = along + tangent;
-            if !impulse.dot(impulse).above(Lanes::ZERO).any() {
+        let mut visit = Visit::new(self.sides(movers), beat);
+        let shared = self.shared_basis();
+        for at in 0..self.rows.len() {
+            let row = &self.rows[at];
+            let impulse = &row.impulses[beat.stage.at()];
+            let (normal, tangent) = (impulse.normal.lanes(), impulse.tangent);
+            let tangent = [tangent[0].lanes(), tangent[1].lanes()];
+            if !normal
+                .differs_from_zero()
+                .or(tangent[0].differs_from_zero())
+                .or(tangent[1].differs_from_zero())
+                .any()
+            {
                 continue;
             }
-            let before = row.relative_velocity(&sides);
-            row.push(&mut sides, impulse);
-            let mean = (before + row.relative_velocity(&sides)) * Lanes::splat(0.5) - kick;
-            let (by_normal, by_friction) = (along.dot(mean), tangent.dot(mean));
-            given.add_normal(row.bounces, by_normal);
-            given.friction = given.friction + by_friction;
-            self.given = self.given + by_normal + by_friction;
+            let point = self.point(at, shared);
+            let before = -point.closing(&visit.sides);
+            let Lanes3 { x, y, z } = row.response.to_normal.lanes();
+            let gain = x * normal + y * tangent[0] + z * tangent[1];
+            visit.push(&point, point.impulse(normal, tangent));
+            visit.note_normal(normal, before + Lanes::splat(0.5) * gain, (&point, row.bounces));
             if self.rolls {
-                let work = turn(&mut sides, self.spin, twist);
-                given.friction = given.friction + work;
-                self.given = self.given + work;
+                visit.turn(self.spin, self.twists[at][beat.stage.at()]);
             }
         }
-        self.store(movers, &sides);
+        self.settle(visit, movers, given);
     }
 
     /// One pass over the rows.
@@ -148,48 +178,61 @@ impl<I: Instructions> Batch<I> {
         if pass.only_meeting && !self.bounces {
             return;
         }
-        let mut sides = self.sides(movers);
+        let mut visit = Visit::new(self.sides(movers), beat);
         if pass.together {
-            self.act_together(&mut sides, beat, given);
+            self.act_together(&mut visit, beat);
         }
         if pass.sweeps {
+            let (shared, hold) = (self.shared_basis(), self.hold());
             let count = self.rows.len();
-            for at in 0..count {
-                let row = &mut self.rows[if pass.is_fro { count - 1 - at } else { at }];
+            for step in 0..count {
+                let at = if pass.is_fro { count - 1 - step } else { step };
+                let point = self.point(at, shared);
+                let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
+                let row = &mut self.rows[at];
                 let acts = if pass.only_meeting { row.bounces } else { row.acts(beat) };
-                let by_normal = stop_approach(row, &mut sides, &self.soft, self.restitution, (beat, acts));
-                given.add_normal(row.bounces, by_normal);
-                let mut by_friction = stop_slip(row, &mut sides, self.friction, (beat, acts));
+                stop(row, &point, (&hold, leaving), &mut visit, (beat, acts, true));
                 if self.rolls && beat.stage != Stage::Bounce {
+                    let load = row.impulses[beat.stage.at()].normal.lanes();
+                    let twist = &mut self.twists[at][beat.stage.at()];
                     let lengths = (&self.roll_lengths, self.spin);
-                    by_friction = by_friction + stop_roll(row, &mut sides, lengths, (beat, acts));
+                    *twist = stop_roll(&mut visit, point.basis.normal, lengths, (load, *twist, acts));
                 }
-                given.friction = given.friction + by_friction;
-                self.given = self.given + by_normal + by_friction;
             }
         }
-        self.store(movers, &sides);
+        if pass.is_last[usize::from(self.bounces)] && beat.stage != Stage::Bounce {
+            self.close(&mut visit, beat, given);
+        }
+        self.settle(visit, movers, given);
     }
 
     /// Lets the points of each pair that meet fast act together: to and fro until what one does to the others has settled. A face that
     /// lands flat must not turn by the order of its corners. Normals come first: it does not slip.
     #[inline(always)]
-    fn act_together(&mut self, sides: &mut [Side<I>; 2], beat: &Beat, given: &mut Given<I>) {
+    fn act_together(&mut self, visit: &mut Visit<I>, beat: &Beat) {
         let of_lane = |lane: usize| self.rows.iter().filter(|row| row.bounces.get(lane)).count();
         let together = Mask::of(|lane| of_lane(lane) > 1);
         if !together.any() {
             return;
         }
+        let (shared, hold) = (self.shared_basis(), self.hold());
         let count = self.rows.len();
         for pass in 0..2 * TOGETHER_PASSES {
-            for at in 0..count {
-                let row = &mut self.rows[if pass % 2 == 0 { at } else { count - 1 - at }];
+            for step in 0..count {
+                let at = if pass % 2 == 0 { step } else { count - 1 - step };
+                let point = self.point(at, shared);
+                let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
+                let row = &mut self.rows[at];
                 let acts = row.bounces.and(together);
-                let work = stop_approach(row, sides, &self.soft, self.restitution, (beat, acts));
-                given.collision = given.collision + work;
-                self.given = self.given + work;
+                stop(row, &point, (&hold, leaving), visit, (beat, acts, false));
             }
         }
+    }
+
+    /// Speed at which a row that bounces leaves [m/s].
+    #[inline(always)]
+    fn leaving(&self, at: usize) -> Lanes<I> {
+        self.restitution * self.rows[at].has_met.select(self.met_at[at], Lanes::ZERO)
     }
 
     /// The impulses of what bounces begin, and end, at nothing.
@@ -199,71 +242,51 @@ impl<I: Instructions> Batch<I> {
                 row.impulses.iter_mut().for_each(|impulse| impulse.clear(lane));
             }
         }
+        for (row, twists) in self.rows.iter().zip(&mut self.twists) {
+            twists.iter_mut().for_each(|twist| *twist = row.bounces.select3(Lanes3::ZERO, *twist));
+        }
     }
 
     /// Closes the books of a stage: who acted; what closed an overlap did work, as a wedge between the two would.
     #[inline(always)]
-    pub(crate) fn close(&mut self, beat: &Beat, given: &mut Given<I>) {
-        let (mut sum, mut moment) = (Lanes3::ZERO, Lanes3::ZERO);
+    fn close(&mut self, visit: &mut Visit<I>, beat: &Beat, given: &mut Given<I>) {
+        let rate = self.soft.rate.lanes();
         for row in &mut self.rows {
-            let RowImpulse { normal, tangent, twist } = row.impulses[beat.stage.at()];
-            let impulse = row.normal * normal + tangent;
-            sum = sum + impulse;
-            moment = moment + row.levers[0].cross(impulse);
-            if self.rolls {
-                moment = moment + twist;
-            }
-            let acted = normal.above(Lanes::ZERO).or(tangent.dot(tangent).above(Lanes::ZERO));
+            let impulse = &row.impulses[beat.stage.at()];
+            let (normal, [t, b]) = (impulse.normal.lanes(), impulse.tangent);
+            let rubs = t.lanes().differs_from_zero().or(b.lanes().differs_from_zero());
+            let acted = normal.above(Lanes::ZERO).or(rubs);
             row.touched = row.touched.or(acted);
             given.impulses += u64::from(acted.count());
             if beat.stage == Stage::BeforeDrift {
-                let work = normal * row.target_speed(self.soft.rate, beat).max(Lanes::ZERO);
+                let work = normal * row.target_speed(rate, beat).0.max(Lanes::ZERO);
                 given.projection = given.projection + work;
-                given.add_normal(row.bounces, -work);
+                visit.by_collision = visit.by_collision - row.bounces.select(work, Lanes::ZERO);
+                visit.by_contact = visit.by_contact - row.bounces.select(Lanes::ZERO, work);
+                visit.projected = visit.projected + work;
             }
         }
-        self.acted = [sum, moment];
     }
 
-    /// Ends a bounce: what stopped and returned the points is no guide to the next substep.
+    /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
     #[inline(always)]
-    pub(crate) fn close_bounce(&mut self) {
-        let (mut sum, mut moment) = (Lanes3::ZERO, Lanes3::ZERO);
-        for row in &mut self.rows {
-            let RowImpulse { normal, tangent, .. } = row.impulses[Stage::Bounce.at()];
-            let impulse = row.bounces.select3(row.normal * normal + tangent, Lanes3::ZERO);
-            sum = sum + impulse;
-            moment = moment + row.levers[0].cross(impulse);
+    fn settle(&mut self, visit: Visit<I>, movers: &mut Movers, given: &mut Given<I>) {
+        given.collision = given.collision + visit.by_collision;
+        given.contact = given.contact + visit.by_contact;
+        if !visit.acted {
+            return;
         }
-        self.acted = [sum, moment];
-    }
-
-    /// Books what static and kinematic bodies gave in the stage that was closed.
-    pub(crate) fn book_outside(&self, bodies: &Bodies, stage: Stage, tally: &mut Tally) {
-        for (lane, patch) in self.patches.iter().enumerate() {
-            let pair = [patch.pair.first, patch.pair.second];
-            let [first_is_outside, second_is_outside] = pair.map(|i| bodies.inertias[i].is_infinite());
-            if first_is_outside == second_is_outside {
-                continue;
-            }
-            // On the body that can move.
-            let (sign, pair) =
-                if second_is_outside { (1.0, pair) } else { (-1.0, [patch.pair.second, patch.pair.first]) };
-            let [impulse, moment] = self.acted.map(|sum| sum.get(lane));
-            let moment = moment + bodies.poses[patch.pair.first].position.cross(impulse);
-            let work = if self.is_driven { self.driven_work(lane, stage) } else { 0.0 };
-            tally.book_outside(bodies, pair, (sign * impulse, sign * moment), work);
+        let energy = visit.given();
+        given.friction = given.friction + (energy - visit.by_collision - visit.by_contact - visit.projected);
+        self.given = self.given + energy;
+        if self.has_outside {
+            // On the first bodies, or against what acts on the second ones.
+            let sign = visit.sides[0].falls - visit.sides[1].falls;
+            let turned = visit.sides[0].angular_momentum - visit.before[0].angular_momentum;
+            given.impulse = given.impulse + visit.impulse * sign;
+            given.moment = given.moment + (turned + self.centre.cross(visit.impulse)) * sign;
+            self.work = self.work + visit.work;
         }
-    }
-
-    /// What a kinematic body did to the other one of its pair [J]: the drive is its velocity, against that of the other one.
-    fn driven_work(&self, lane: usize, stage: Stage) -> f64 {
-        let of_row = |row: &Row<I>| {
-            let RowImpulse { normal, tangent, twist } = row.impulses[stage.at()];
-            let impulse = normal.get(lane) * row.normal.get(lane) + tangent.get(lane);
-            -impulse.dot(row.drive.get(lane)) - twist.get(lane).dot(self.spin.get(lane))
-        };
-        let acts = |row: &&Row<I>| stage != Stage::Bounce || row.bounces.get(lane);
-        self.rows.iter().filter(acts).map(of_row).sum()
+        self.store(movers, &visit.sides);
     }
 }

@@ -1,5 +1,6 @@
 //! Several numbers at a time. No lane sees another, so it does not matter how many of them the machine does at once.
 
+use crate::instructions::Singles;
 pub(crate) use crate::instructions::{Instructions, Numbers};
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -11,6 +12,18 @@ pub(crate) const LANES: usize = 8;
 /// A number in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<I>(Numbers, PhantomData<I>);
+
+/// A number in each lane as it is kept, in single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Kept<I>(Singles, PhantomData<I>);
+
+/// A vector in each lane as it is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Kept3<I> {
+    x: Kept<I>,
+    y: Kept<I>,
+    z: Kept<I>,
+}
 
 /// A yes or no in each lane: its bits, the first lane's lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,20 +47,11 @@ pub(crate) struct SymmetricLanes<I> {
 }
 
 impl<I: Instructions> Lanes<I> {
-    pub(crate) const ZERO: Self = Self(Numbers([0.0; LANES]), PhantomData);
+    pub(crate) const ZERO: Self = Self(Numbers::ZERO, PhantomData);
 
     #[inline(always)]
     pub(crate) fn splat(value: f64) -> Self {
         Self(Numbers([value; LANES]), PhantomData)
-    }
-
-    #[inline(always)]
-    pub(crate) fn of(value: impl Fn(usize) -> f64) -> Self {
-        let mut lanes = Self::ZERO;
-        for lane in 0..LANES {
-            lanes.set(lane, value(lane));
-        }
-        lanes
     }
 
     #[inline(always)]
@@ -58,6 +62,33 @@ impl<I: Instructions> Lanes<I> {
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, value: f64) {
         self.0.0[lane] = value;
+    }
+
+    /// In single precision.
+    #[inline(always)]
+    pub(crate) fn kept(self) -> Kept<I> {
+        Kept(I::narrow(self.0), PhantomData)
+    }
+
+    /// Rows become columns.
+    #[inline(always)]
+    pub(crate) fn transposed(rows: [Numbers; LANES]) -> [Self; LANES] {
+        let columns = I::transpose(rows);
+        let mut lanes = [Self::ZERO; LANES];
+        for (lanes, column) in lanes.iter_mut().zip(columns) {
+            lanes.0 = column;
+        }
+        lanes
+    }
+
+    /// See [`Self::transposed`].
+    #[inline(always)]
+    pub(crate) fn rows(columns: [Self; LANES]) -> [Numbers; LANES] {
+        let mut numbers = [Numbers::ZERO; LANES];
+        for (numbers, column) in numbers.iter_mut().zip(columns) {
+            *numbers = column.0;
+        }
+        I::transpose(numbers)
     }
 
     #[inline(always)]
@@ -90,6 +121,46 @@ impl<I: Instructions> Lanes<I> {
     /// The sum over all lanes, always in the same order.
     pub(crate) fn sum(self) -> f64 {
         self.0.0.iter().sum()
+    }
+}
+
+impl<I: Instructions> Kept<I> {
+    pub(crate) const ZERO: Self = Self(Singles([0.0; LANES]), PhantomData);
+
+    #[inline(always)]
+    pub(crate) fn lanes(self) -> Lanes<I> {
+        Lanes(I::widen(self.0), PhantomData)
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> f64 {
+        self.0.0[lane].into()
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, value: f64) {
+        self.0.0[lane] = value as f32;
+    }
+}
+
+impl<I: Instructions> Kept3<I> {
+    pub(crate) const ZERO: Self = Self { x: Kept::ZERO, y: Kept::ZERO, z: Kept::ZERO };
+
+    #[inline(always)]
+    pub(crate) fn lanes(self) -> Lanes3<I> {
+        Lanes3 { x: self.x.lanes(), y: self.y.lanes(), z: self.z.lanes() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> DVec3 {
+        DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, value: DVec3) {
+        self.x.set(lane, value.x);
+        self.y.set(lane, value.y);
+        self.z.set(lane, value.z);
     }
 }
 
@@ -154,18 +225,15 @@ impl Mask {
 impl<I: Instructions> Lanes3<I> {
     pub(crate) const ZERO: Self = Self { x: Lanes::ZERO, y: Lanes::ZERO, z: Lanes::ZERO };
 
+    /// In single precision.
     #[inline(always)]
-    pub(crate) fn splat(value: DVec3) -> Self {
-        Self { x: Lanes::splat(value.x), y: Lanes::splat(value.y), z: Lanes::splat(value.z) }
+    pub(crate) fn kept(self) -> Kept3<I> {
+        Kept3 { x: self.x.kept(), y: self.y.kept(), z: self.z.kept() }
     }
 
     #[inline(always)]
-    pub(crate) fn of(value: impl Fn(usize) -> DVec3) -> Self {
-        let mut lanes = Self::ZERO;
-        for lane in 0..LANES {
-            lanes.set(lane, value(lane));
-        }
-        lanes
+    pub(crate) fn splat(value: DVec3) -> Self {
+        Self { x: Lanes::splat(value.x), y: Lanes::splat(value.y), z: Lanes::splat(value.z) }
     }
 
     #[inline(always)]
@@ -178,6 +246,11 @@ impl<I: Instructions> Lanes3<I> {
         self.x.set(lane, value.x);
         self.y.set(lane, value.y);
         self.z.set(lane, value.z);
+    }
+
+    /// The sum over all lanes, always in the same order.
+    pub(crate) fn sum(self) -> DVec3 {
+        DVec3::new(self.x.sum(), self.y.sum(), self.z.sum())
     }
 
     #[inline(always)]

@@ -2,26 +2,22 @@
 
 use crate::detection::radius;
 use crate::evolve::evolve;
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, SymmetricLanes};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
 use crate::rotation::rotation_by;
-use crate::{Bodies, Frame, Motion, Velocity};
-use glam::{DMat3, DVec3};
+use crate::{Bodies, Frame, Motion, Pose, Velocity};
+use glam::{DMat3, DQuat, DVec3};
 
-/// A body's velocities, and how they answer impulses at its present pose. All zero for a static or kinematic body, whose motion is
-/// in the rows' drives.
-#[derive(Clone, Copy, Default)]
-#[repr(C, align(64))]
-pub(crate) struct Moving {
-    /// [m/s]
-    linear: DVec3,
-    /// [kg m^2/s]
-    angular_momentum: DVec3,
-    /// Inverse of the inertia tensor in the world frame, its diagonal and the entries yz, xz and xy [1/(kg m^2)].
-    inverse_tensor: [DVec3; 2],
-    /// [1/kg]
-    inverse_mass: f64,
-    /// Whether impulses move it.
-    is_mobile: bool,
+/// A body, in lines that are loaded for several bodies at once.
+#[derive(Clone, Copy)]
+struct Moving {
+    /// Linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls. All zero for a static or kinematic
+    /// body, whose motion is in the rows' drives.
+    motion: Numbers,
+    /// Inverse of the inertia tensor in the world frame, its diagonal and the entries yz, xz and xy [1/(kg m^2)]. Zero as above.
+    answer: Numbers,
+    /// How it has moved since the frame's start: translation [m], rotation as a quaternion, and how far any of its points can have
+    /// moved, relative to its size.
+    shift: Numbers,
 }
 
 /// The bodies of a cluster.
@@ -30,6 +26,8 @@ pub(crate) struct Movers {
     pub(crate) who: Vec<usize>,
     /// In the same order, and then one that never moves, for the lanes that hold none.
     moving: Vec<Moving>,
+    /// Poses at the frame's start.
+    starts: Vec<Pose>,
     /// How far any of their points can have moved since the frame's start [m].
     travel: Vec<f64>,
     /// Impulse and angular impulse about the world's origin that gravity gave.
@@ -49,20 +47,31 @@ pub(crate) struct Side<I> {
     pub(crate) falls: Lanes<I>,
 }
 
+/// How some bodies have moved since the frame's start.
+#[derive(Clone, Copy)]
+pub(crate) struct Shift<I> {
+    pub(crate) translation: Lanes3<I>,
+    /// A quaternion's vector and scalar parts.
+    pub(crate) rotation: (Lanes3<I>, Lanes<I>),
+    /// How far any of their points can have moved, relative to their sizes [1].
+    pub(crate) stirred: Lanes<I>,
+}
+
 impl Movers {
+    /// Of bodies that have not moved yet in this frame.
     pub(crate) fn new(bodies: &Bodies, who: Vec<usize>) -> Self {
         let mut movers = Self {
-            moving: vec![Moving::default(); who.len() + 1],
+            moving: vec![Moving::NONE; who.len() + 1],
+            starts: who.iter().map(|&i| bodies.poses[i]).collect(),
             travel: vec![0.0; who.len()],
             who,
             gravity: (DVec3::ZERO, DVec3::ZERO),
         };
         for (moving, &i) in movers.moving.iter_mut().zip(&movers.who) {
             if !bodies.inertias[i].is_infinite() {
-                let Velocity { linear, angular_momentum } = bodies.velocities[i];
+                let Velocity { linear: v, angular_momentum: l } = bodies.velocities[i];
                 let inverse_mass = bodies.inertias[i].inverse_mass;
-                *moving =
-                    Moving { linear, angular_momentum, inverse_mass, is_mobile: true, ..Moving::default() };
+                moving.motion = Numbers([v.x, v.y, v.z, l.x, l.y, l.z, inverse_mass, 1.0]);
                 moving.turn_tensor(bodies, i);
             }
         }
@@ -78,8 +87,9 @@ impl Movers {
     pub(crate) fn kick(&mut self, bodies: &Bodies, step: &Frame) {
         let gain = 0.5 * step.dt * step.gravity;
         for (moving, &i) in self.moving.iter_mut().zip(&self.who) {
-            if moving.is_mobile {
-                moving.linear += gain;
+            if moving.is_mobile() {
+                let Numbers([x, y, z, ..]) = &mut moving.motion;
+                (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
                 self.gravity.0 += bodies.masses[i] * gain;
                 self.gravity.1 += bodies.poses[i].position.cross(bodies.masses[i] * gain);
             }
@@ -88,9 +98,11 @@ impl Movers {
 
     /// All bodies along their velocities for one substep.
     pub(crate) fn drift(&mut self, bodies: &mut Bodies, step: &Frame) {
-        for ((moving, travel), &i) in self.moving.iter_mut().zip(&mut self.travel).zip(&self.who) {
+        for (local, &i) in self.who.iter().enumerate() {
+            let moving = &mut self.moving[local];
             let velocity = moving.velocity();
-            bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &velocity, step);
+            let pose = evolve(bodies, i, &bodies.poses[i], &velocity, step);
+            bodies.poses[i] = pose;
             let (speed, spin) = match bodies.motions[i] {
                 Motion::Static => continue,
                 Motion::Kinematic { linear, angular } => (linear.length(), angular.length()),
@@ -100,8 +112,11 @@ impl Movers {
                     (velocity.linear.length(), fastest * velocity.angular_momentum.length())
                 }
             };
-            let turning = if spin > 0.0 { spin * radius(&bodies.shapes[i]) } else { 0.0 };
-            *travel += step.dt * (speed + turning);
+            let size = radius(&bodies.shapes[i]);
+            let turning = if spin > 0.0 { spin * size } else { 0.0 };
+            self.travel[local] += step.dt * (speed + turning);
+            let stirred = if size.is_finite() { self.travel[local] / size } else { 0.0 };
+            moving.shift_to(&pose, &self.starts[local], stirred);
         }
     }
 
@@ -120,51 +135,101 @@ impl Movers {
     /// See [`Self::hand_back`].
     pub(crate) fn hand_back_one(&self, bodies: &mut Bodies, local: u32) {
         let moving = &self.moving[local as usize];
-        if moving.is_mobile {
+        if moving.is_mobile() {
             bodies.velocities[self.who[local as usize]] = moving.velocity();
         }
     }
 
     #[inline(always)]
     pub(crate) fn load<I: Instructions>(&self, locals: &[u32; LANES]) -> Side<I> {
-        let of = |lane: usize| &self.moving[locals[lane] as usize];
-        let angular_momentum = Lanes3::of(|lane| of(lane).angular_momentum);
-        let inverse_tensor = SymmetricLanes {
-            diagonal: Lanes3::of(|lane| of(lane).inverse_tensor[0]),
-            off: Lanes3::of(|lane| of(lane).inverse_tensor[1]),
-        };
+        let (mut motions, mut answers) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
+        for lane in 0..LANES {
+            let moving = &self.moving[locals[lane] as usize];
+            (motions[lane], answers[lane]) = (moving.motion, moving.answer);
+        }
+        let [x, y, z, lx, ly, lz, inverse_mass, falls] = Lanes::transposed(motions);
+        let [xx, yy, zz, yz, xz, xy, ..] = Lanes::transposed(answers);
+        let angular_momentum = Lanes3 { x: lx, y: ly, z: lz };
+        let inverse_tensor =
+            SymmetricLanes { diagonal: Lanes3 { x: xx, y: yy, z: zz }, off: Lanes3 { x: yz, y: xz, z: xy } };
         Side {
-            linear: Lanes3::of(|lane| of(lane).linear),
+            linear: Lanes3 { x, y, z },
             angular: inverse_tensor * angular_momentum,
             angular_momentum,
-            inverse_mass: Lanes::of(|lane| of(lane).inverse_mass),
+            inverse_mass,
             inverse_tensor,
-            falls: Lanes::of(|lane| f64::from(u8::from(of(lane).is_mobile))),
+            falls,
         }
     }
 
     /// No body that can move is in two lanes.
     #[inline(always)]
     pub(crate) fn store<I: Instructions>(&mut self, locals: &[u32; LANES], side: &Side<I>) {
+        let Side { linear: v, angular_momentum: l, inverse_mass, falls, .. } = *side;
+        let motions = Lanes::rows([v.x, v.y, v.z, l.x, l.y, l.z, inverse_mass, falls]);
         for lane in 0..LANES {
             let moving = &mut self.moving[locals[lane] as usize];
-            if moving.is_mobile {
-                moving.linear = side.linear.get(lane);
-                moving.angular_momentum = side.angular_momentum.get(lane);
+            if moving.is_mobile() {
+                moving.motion = motions[lane];
             }
         }
+    }
+
+    /// How they have moved since the frame's start.
+    #[inline(always)]
+    pub(crate) fn shifts<I: Instructions>(&self, locals: &[u32; LANES]) -> Shift<I> {
+        let mut shifts = [Numbers::ZERO; LANES];
+        for lane in 0..LANES {
+            shifts[lane] = self.moving[locals[lane] as usize].shift;
+        }
+        let [x, y, z, qx, qy, qz, qw, stirred] = Lanes::transposed(shifts);
+        Shift { translation: Lanes3 { x, y, z }, rotation: (Lanes3 { x: qx, y: qy, z: qz }, qw), stirred }
+    }
+
+    /// Where a body was at the frame's start.
+    pub(crate) fn start(&self, local: u32) -> Pose {
+        self.starts[local as usize]
     }
 }
 
 impl Moving {
+    const NONE: Self = Self {
+        motion: Numbers::ZERO,
+        answer: Numbers::ZERO,
+        shift: Numbers([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+    };
+
+    /// Whether impulses move it.
+    #[inline(always)]
+    fn is_mobile(&self) -> bool {
+        self.motion.0[7] != 0.0
+    }
+
     fn velocity(&self) -> Velocity {
-        Velocity { linear: self.linear, angular_momentum: self.angular_momentum }
+        let Numbers([x, y, z, lx, ly, lz, ..]) = self.motion;
+        Velocity { linear: DVec3::new(x, y, z), angular_momentum: DVec3::new(lx, ly, lz) }
     }
 
     fn turn_tensor(&mut self, bodies: &Bodies, i: usize) {
         let tensor = bodies.inertias[i].inverse_tensor(bodies.poses[i].orientation);
         let [x, y, z] = [tensor.x_axis, tensor.y_axis, tensor.z_axis];
-        self.inverse_tensor = [DVec3::new(x.x, y.y, z.z), DVec3::new(z.y, z.x, y.x)];
+        self.answer = Numbers([x.x, y.y, z.z, z.y, z.x, y.x, 0.0, 0.0]);
+    }
+
+    fn shift_to(&mut self, pose: &Pose, start: &Pose, stirred: f64) {
+        let translation = pose.position - start.position;
+        let DQuat { x, y, z, w } = pose.orientation * start.orientation.conjugate();
+        self.shift = Numbers([translation.x, translation.y, translation.z, x, y, z, w, stirred]);
+    }
+}
+
+impl<I: Instructions> Shift<I> {
+    /// What the rotation adds to a lever.
+    #[inline(always)]
+    pub(crate) fn turn(&self, lever: Lanes3<I>) -> Lanes3<I> {
+        let (axis, w) = self.rotation;
+        let twice = axis.cross(lever) * Lanes::splat(2.0);
+        twice * w + axis.cross(twice)
     }
 }
 
@@ -187,13 +252,6 @@ impl<I: Instructions> Side<I> {
     pub(crate) fn turn(&mut self, angular_impulse: Lanes3<I>) {
         self.angular_momentum = self.angular_momentum + angular_impulse;
         self.angular = self.angular + self.inverse_tensor * angular_impulse;
-    }
-
-    /// Change of the velocity at a lever along `axis` per impulse along it, times the axis' length squared [1/kg].
-    #[inline(always)]
-    pub(crate) fn answer(&self, lever: Lanes3<I>, axis: Lanes3<I>) -> Lanes<I> {
-        let turn = lever.cross(axis);
-        self.inverse_mass * axis.dot(axis) + turn.dot(self.inverse_tensor * turn)
     }
 }
 

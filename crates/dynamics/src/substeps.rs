@@ -11,7 +11,7 @@ use crate::instructions::{Scalar, available};
 use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
-use crate::warm_start::WarmStart;
+use crate::warm_start::{Carried, WarmStart};
 use crate::{Bodies, Frame, Motion, Pose, Tally, Width};
 use glam::DVec3;
 
@@ -64,12 +64,13 @@ fn solve_with<I: Instructions>(
     let (clusters, is_in_one) = clusters(bodies, manifolds);
     let starts = bodies.poses.clone();
     let mut kept = WarmStart::default();
+    let carried = warm.of_manifolds(bodies, manifolds);
     for cluster in &clusters {
         // Kinematic bodies go the same way in each.
         let kinematic = |&i: &usize| matches!(bodies.motions[i], Motion::Kinematic { .. });
         let driven: Vec<usize> = cluster.bodies.iter().copied().filter(kinematic).collect();
         driven.into_iter().for_each(|i| bodies.poses[i] = starts[i]);
-        let mut solver = Solver::<I>::new(bodies, cluster, manifolds, (warm, step));
+        let mut solver = Solver::<I>::new(bodies, cluster, manifolds, (&carried, step));
         for done in 0..SUBSTEPS {
             let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..*step };
             solver.substep(&rest, step);
@@ -77,6 +78,7 @@ fn solve_with<I: Instructions>(
         solver.close(&mut kept, solved);
     }
     fly(bodies, &is_in_one, &starts, step, solved);
+    kept.put_in_order();
     *warm = kept;
 }
 
@@ -121,7 +123,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         bodies: &'a mut Bodies,
         cluster: &Cluster,
         manifolds: &[Manifold],
-        with: (&WarmStart, &Frame),
+        with: (&[&[Carried]], &Frame),
     ) -> Self {
         let movers = Movers::new(bodies, cluster.bodies.clone());
         let batch = |group: &Vec<Member>| Batch::new(bodies, &movers, group, manifolds, with);
@@ -158,7 +160,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             if batch.refresh(bodies, movers, finder, rest) {
                 I::run(
                     #[inline(always)]
-                    || batch.follow(bodies, movers, None),
+                    || batch.follow(movers, None),
                 );
             }
         }
@@ -186,7 +188,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             #[inline(always)]
             || {
                 for batch in batches.iter_mut() {
-                    batch.follow(bodies, movers, drifted);
+                    batch.follow(movers, drifted);
                 }
             },
         );
@@ -206,19 +208,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.pass(beat, Pass::TOGETHER);
         self.pass(beat, Pass::TO);
         self.pass(beat, Pass::FRO);
-        for _ in 1..MEETING_PASSES {
+        for _ in 2..MEETING_PASSES {
             self.pass(beat, Pass::MEETING);
         }
-        let Self { batches, given, .. } = self;
-        I::run(
-            #[inline(always)]
-            || {
-                for batch in batches.iter_mut() {
-                    batch.close(beat, given);
-                }
-            },
-        );
-        self.book_outside(beat.stage);
+        self.pass(beat, Pass::LAST_MEETING);
     }
 
     /// What acted in the last substep acts again, unless it has come apart.
@@ -258,30 +251,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
         for _ in 0..MEETING_PASSES {
             self.pass(&Beat::new(Stage::Bounce, step), Pass::MEETING);
         }
-        let batches = &mut self.batches;
-        I::run(
-            #[inline(always)]
-            || {
-                for batch in batches.iter_mut() {
-                    if batch.bounces {
-                        batch.close_bounce();
-                    }
-                }
-            },
-        );
-        for batch in self.batches.iter().filter(|batch| batch.has_outside && batch.bounces) {
-            batch.book_outside(self.bodies, Stage::Bounce, &mut self.tally);
-        }
         self.batches.iter_mut().filter(|batch| batch.bounces).for_each(Batch::clear_bouncing);
         for batch in self.batches.iter_mut().filter(|batch| batch.bounces) {
             batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
             batch.bounces = false;
-        }
-    }
-
-    fn book_outside(&mut self, stage: Stage) {
-        for batch in self.batches.iter().filter(|batch| batch.has_outside) {
-            batch.book_outside(self.bodies, stage, &mut self.tally);
         }
     }
 
@@ -291,6 +264,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         movers.hand_back(bodies);
         given.book(&mut tally);
         for batch in &batches {
+            batch.book_work(bodies, &mut tally);
             for (lane, patch) in batch.patches.iter().enumerate() {
                 kept.keep(bodies, patch.pair, batch.carried(lane));
                 let debt = batch.debt(bodies, lane);

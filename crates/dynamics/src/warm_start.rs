@@ -1,40 +1,17 @@
 //! What contact points carry from one substep, and from one frame, to the next.
 
+use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::{Bodies, BodyId};
-use glam::DVec3;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use glam::Vec3;
 use std::ops::Range;
 
 /// The last substep's impulses of each contact point that acted, before and after its drift.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     points: Vec<Carried>,
-    of_pair: HashMap<[BodyId; 2], Range<usize>, BuildHasherDefault<IdHasher>>,
-}
-
-/// Mixes the few numbers of a pair's ids; nobody chooses them with ill intent.
-#[derive(Clone, Copy, Debug, Default)]
-struct IdHasher(u64);
-
-impl Hasher for IdHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
-    }
-
-    fn write_u32(&mut self, number: u32) {
-        self.write_u64(number.into());
-    }
-
-    fn write_u64(&mut self, number: u64) {
-        // Multiplication by an odd number near the golden ratio of 2^64: Fibonacci hashing.
-        self.0 = (self.0.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
+    /// The points of each pair, in the order of ids.
+    pairs: Vec<([BodyId; 2], Range<usize>)>,
 }
 
 /// A contact point and what it carried.
@@ -50,17 +27,37 @@ pub struct Carried {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointImpulse {
     /// Along the normal, not negative [N s].
-    pub normal: f64,
+    pub normal: f32,
     /// Across it, world frame [N s].
-    pub tangent: DVec3,
+    pub tangent: Vec3,
     /// Of rolling and spinning friction, world frame [N m s].
-    pub twist: DVec3,
+    pub twist: Vec3,
 }
 
 impl WarmStart {
     /// The points of a pair that carried.
     pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
-        self.of_pair.get(&ids(bodies, pair)).map_or(&[], |range| &self.points[range.clone()])
+        let found = self.pairs.binary_search_by_key(&ids(bodies, pair), |kept| kept.0);
+        found.map_or(&[], |at| &self.points[self.pairs[at].1.clone()])
+    }
+
+    /// Those of many pairs: most of them come in the order of ids.
+    pub(crate) fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
+        let mut next = 0;
+        let of = |manifold: &Manifold| {
+            let wanted = ids(bodies, manifold.pair);
+            if self.pairs.get(next).is_none_or(|kept| kept.0 != wanted) {
+                next = self.pairs.partition_point(|kept| kept.0 < wanted);
+            }
+            match self.pairs.get(next) {
+                Some(kept) if kept.0 == wanted => {
+                    next += 1;
+                    &self.points[kept.1.clone()]
+                }
+                _ => &[],
+            }
+        };
+        manifolds.iter().map(of).collect()
     }
 
     /// What a point carried.
@@ -68,13 +65,17 @@ impl WarmStart {
         self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
     }
 
-    /// Keeps the points of a pair that has none yet.
+    /// Keeps the points of a pair that has none yet. Nothing is found before they are [put in order](Self::put_in_order).
     pub(crate) fn keep(&mut self, bodies: &Bodies, pair: Pair, carried: impl Iterator<Item = Carried>) {
         let start = self.points.len();
         self.points.extend(carried);
         if self.points.len() > start {
-            self.of_pair.insert(ids(bodies, pair), start..self.points.len());
+            self.pairs.push((ids(bodies, pair), start..self.points.len()));
         }
+    }
+
+    pub(crate) fn put_in_order(&mut self) {
+        self.pairs.sort_unstable_by_key(|kept| kept.0);
     }
 }
 
