@@ -4,6 +4,7 @@
 //! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
 
 mod ball_contact;
+pub mod birth_fits;
 pub mod blows;
 pub mod bodies;
 pub mod broad_phase;

@@ -9,6 +9,7 @@ use crate::patterns::build_pattern;
 use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
+use frangible_dynamics::birth_fits::BirthFits;
 use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
@@ -39,6 +40,7 @@ impl World {
             method: scene.method,
             warm: WarmStart::default(),
             kept: KeptPairs::default(),
+            fits: BirthFits::default(),
             spared: Vec::new(),
         };
         let mut library = ShapeLibrary::default();

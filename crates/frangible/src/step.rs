@@ -6,7 +6,7 @@ use crate::books::{Totals, gravity_impulse};
 use crate::break_bodies::break_bodies;
 use crate::desc::Method;
 use crate::quarantine::quarantine_non_finite;
-use crate::report::{Fracture, Impulses, StepReport};
+use crate::report::{Fracture, Impulses, StepReport, id_number};
 use frangible_dynamics::blows::{Blow, strike};
 use frangible_dynamics::broad_phase::{find_pairs, find_swept_pairs};
 use frangible_dynamics::collisions::{Collisions, Response, predict};
@@ -21,6 +21,7 @@ use frangible_dynamics::shock_propagation::propagate_shock;
 use frangible_dynamics::substeps::{Solved, solve};
 use frangible_dynamics::{Frame, Pose, Tally};
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// Advances a world by one frame: collide and break, move by the scene's method, balance, report (docs/the_step.md). n is
@@ -154,8 +155,13 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
 
     // What is near on the way may touch; contact takes it from there.
-    let World { bodies, warm, kept, .. } = world;
-    let manifolds = kept.find_manifolds(bodies, &pairs, warm, frame);
+    let World { bodies, warm, kept, labels, fits, .. } = world;
+    let mut manifolds = kept.find_manifolds(bodies, &pairs, warm, frame);
+    let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
+    fits.forgive(bodies, &mut manifolds, |pair| {
+        let [first, second] = [pair.first, pair.second].map(|i| labels[i].parent);
+        first == second && first.is_some_and(|parent| broken.contains(&id_number(parent)))
+    });
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);

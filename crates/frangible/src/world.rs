@@ -6,6 +6,7 @@ use crate::check::{BuildError, Checker};
 use crate::desc::{LookDesc, Method};
 use crate::report::id_number;
 use crate::strength::Strength;
+use frangible_dynamics::birth_fits::BirthFits;
 use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::penetration::find_penetrations;
@@ -33,6 +34,8 @@ pub struct World {
     pub(crate) warm: WarmStart,
     /// Pairs of polyhedra as they were in the last frame.
     pub(crate) kept: KeptPairs,
+    /// How fragments overlapped when they were born.
+    pub(crate) fits: BirthFits,
     /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear otherwise [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
 }

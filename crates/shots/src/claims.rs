@@ -5,6 +5,7 @@
 mod bounce;
 mod carried;
 mod energy;
+mod fitting;
 mod flight;
 mod incline;
 mod pillar;
@@ -14,6 +15,7 @@ mod rotation;
 mod scenes;
 mod settled;
 mod stacks;
+mod standing;
 mod swarm;
 mod top;
 
@@ -75,6 +77,11 @@ pub const CLAIMS: &[Claim] = &[
     settled::LOSSLESS,
     rolling::ROLLING,
     rolling::ROLLING_FRICTION,
+    standing::TOWERS,
+    standing::ARCH,
+    fitting::SLAB,
+    fitting::PLATE,
+    fitting::NUT,
 ];
 
 /// No claim has that name.

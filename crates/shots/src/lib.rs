@@ -1,5 +1,6 @@
 //! Scenes that are a demo, a test and a benchmark at once: one file each, one registry.
 
+mod arch;
 mod bonded_pillar;
 pub mod claims;
 mod concrete;
@@ -7,15 +8,19 @@ mod cylinder;
 mod impact;
 mod incline;
 mod masonry;
+mod nut;
 mod pane;
 mod piles;
 mod pillar;
 mod plank;
+mod plate;
 mod rain;
 mod random;
 mod refracture;
+mod slab;
 mod stack;
 mod timber;
+mod towers;
 mod wall;
 
 use frangible::geometry::MeshError;
@@ -106,6 +111,12 @@ pub const SHOTS: &[Shot] = &[
     piles::SPREAD,
     piles::DEEP,
     piles::BRICKS,
+    towers::TOWER,
+    towers::PYRAMID,
+    arch::ARCH,
+    slab::SLAB,
+    plate::PLATE,
+    nut::NUT,
 ];
 
 impl Shot {

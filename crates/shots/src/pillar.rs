@@ -121,7 +121,12 @@ fn split(hull: &Hull, cut: &HalfSpace) -> Option<[Hull; 2]> {
 }
 
 /// Splits always the largest piece, near its middle, until there are `count`. `stretch` shapes a random normal.
-fn cut_up(pieces: &mut Vec<Hull>, count: usize, random: &mut Random, stretch: impl Fn(DVec3) -> DVec3) {
+pub(crate) fn cut_up(
+    pieces: &mut Vec<Hull>,
+    count: usize,
+    random: &mut Random,
+    stretch: impl Fn(DVec3) -> DVec3,
+) {
     let mut sized: Vec<(f64, Hull)> = pieces.drain(..).map(|hull| (volume(&hull), hull)).collect();
     while sized.len() < count {
         sized.sort_by(|a, b| a.0.total_cmp(&b.0));

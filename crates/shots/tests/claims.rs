@@ -152,6 +152,31 @@ fn rolling_friction() {
 }
 
 #[test]
+fn towers() {
+    holds("towers");
+}
+
+#[test]
+fn arch() {
+    holds("arch");
+}
+
+#[test]
+fn slab() {
+    holds("slab");
+}
+
+#[test]
+fn plate() {
+    holds("plate");
+}
+
+#[test]
+fn nut() {
+    holds("nut");
+}
+
+#[test]
 fn each_claim_has_its_test() {
     for claim in CLAIMS {
         let call = format!("    holds(\"{}\");", claim.name);

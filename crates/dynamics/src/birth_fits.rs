@@ -1,0 +1,54 @@
+//! How fragments fit when they are born: where the samples of their cracks overlap, nothing has moved, and nothing is to be parted.
+
+use crate::manifold::Manifold;
+use crate::pair::Pair;
+use crate::{Bodies, BodyId};
+use std::collections::BTreeMap;
+
+/// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is forgotten.
+#[derive(Clone, Debug, Default)]
+pub struct BirthFits {
+    /// The deepest overlap of each pair that is still forgiven [m].
+    overlaps: BTreeMap<[BodyId; 2], f64>,
+}
+
+/// Overlaps that are smaller, relative to the pieces' distance from each other, are rounding: polyhedra fit as exactly.
+const ROUNDING: f64 = 1e-9;
+
+impl BirthFits {
+    /// Lets fragments be where they were born: their points, among those of all pairs, that overlap no more than at their birth just touch.
+    /// `are_newborn` says whether a pair has come from one body in this frame.
+    pub fn forgive(
+        &mut self,
+        bodies: &Bodies,
+        manifolds: &mut [Manifold],
+        are_newborn: impl Fn(Pair) -> bool,
+    ) {
+        let mut still = BTreeMap::new();
+        for manifold in manifolds {
+            let pair = manifold.pair;
+            let ids = [pair.first, pair.second].map(|i| bodies.ids[i]);
+            let most = match self.overlaps.get(&ids) {
+                Some(&most) => most,
+                None if are_newborn(pair) => f64::INFINITY,
+                None => continue,
+            };
+            let gap = |at: usize| {
+                let point = &manifold.points[at];
+                let [on_first, on_second] = point.on_surfaces(bodies, pair);
+                (on_first - on_second).dot(point.normal)
+            };
+            let gaps: Vec<f64> = (0..manifold.points.len()).map(gap).collect();
+            let deepest = gaps.iter().fold(0.0_f64, |deepest, gap| deepest.max(-gap)).min(most);
+            let apart = bodies.poses[pair.first].position.distance(bodies.poses[pair.second].position);
+            if deepest <= ROUNDING * apart {
+                continue;
+            }
+            still.insert(ids, deepest);
+            for (point, gap) in manifold.points.iter_mut().zip(gaps) {
+                point.rounding[0] -= (-gap).clamp(0.0, deepest);
+            }
+        }
+        self.overlaps = still;
+    }
+}
