@@ -53,7 +53,7 @@ impl BallContact<'_> {
     }
 
     fn ball_and_other(&self) -> [&Flight; 2] {
-        let [first, second] = &self.encounter.flights;
+        let [first, second] = self.encounter.flights;
         if self.ball_is_first { [first, second] } else { [second, first] }
     }
 

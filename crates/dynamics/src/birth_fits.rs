@@ -1,6 +1,6 @@
 //! How fragments fit when they are born: where the samples of their cracks overlap, nothing has moved, and nothing is to be parted.
 
-use crate::manifold::Manifold;
+use crate::manifold::{ManifoldPoint, Manifolds};
 use crate::pair::Pair;
 use crate::{Bodies, BodyId};
 use std::collections::BTreeMap;
@@ -21,31 +21,29 @@ impl BirthFits {
     pub fn forgive(
         &mut self,
         bodies: &Bodies,
-        manifolds: &mut [Manifold],
+        manifolds: &mut Manifolds,
         are_newborn: impl Fn(Pair) -> bool,
     ) {
         let mut still = BTreeMap::new();
-        for manifold in manifolds {
-            let pair = manifold.pair;
+        for (pair, points) in manifolds.iter_mut() {
             let ids = [pair.first, pair.second].map(|i| bodies.ids[i]);
             let most = match self.overlaps.get(&ids) {
                 Some(&most) => most,
                 None if are_newborn(pair) => f64::INFINITY,
                 None => continue,
             };
-            let gap = |at: usize| {
-                let point = &manifold.points[at];
+            let gap = |point: &ManifoldPoint| {
                 let [on_first, on_second] = point.on_surfaces(bodies, pair);
                 (on_first - on_second).dot(point.normal)
             };
-            let gaps: Vec<f64> = (0..manifold.points.len()).map(gap).collect();
+            let gaps: Vec<f64> = points.iter().map(gap).collect();
             let deepest = gaps.iter().fold(0.0_f64, |deepest, gap| deepest.max(-gap)).min(most);
             let apart = bodies.poses[pair.first].position.distance(bodies.poses[pair.second].position);
             if deepest <= ROUNDING * apart {
                 continue;
             }
             still.insert(ids, deepest);
-            for (point, gap) in manifold.points.iter_mut().zip(gaps) {
+            for (point, gap) in points.iter_mut().zip(gaps) {
                 point.rounding[0] -= (-gap).clamp(0.0, deepest);
             }
         }

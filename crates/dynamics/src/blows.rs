@@ -3,6 +3,7 @@
 use crate::detection::{ContactPoint, NearSamples};
 use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
+use crate::flight::Flight;
 use crate::manifold::{ManifoldFinder, ManifoldPoint};
 use crate::pair::{Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
 use crate::penetration::penetration;
@@ -119,7 +120,11 @@ pub fn strike(
 fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     let borne = borne_by(bodies, pair);
     let answer = bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
-    borne.is_infinite() || borne * answer >= 2.0 * Encounter::of(bodies, pair, frame).most_speed()
+    if borne.is_infinite() {
+        return true;
+    }
+    let [first, second] = Flight::of_pair(bodies, pair, frame);
+    borne * answer >= 2.0 * Encounter::new(bodies, pair, [&first, &second], frame).most_speed()
 }
 
 /// A collision within the frame.
@@ -177,7 +182,7 @@ fn next_touch(
         let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
         (point.approach > 0.0 && time <= frame.dt).then_some(time)
     };
-    let points = manifold.iter().flat_map(|manifold| &manifold.points);
+    let points = manifold.iter().flat_map(|manifold| manifold.points);
     let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((time, point)) = first {
         let contact = ContactPoint { point: point.middle(bodies, pair), normal: point.normal };

@@ -9,7 +9,7 @@ use glam::DVec3;
 pub(crate) struct Encounter<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) pair: Pair,
-    pub(crate) flights: [Flight; 2],
+    pub(crate) flights: [&'a Flight; 2],
     pub(crate) frame: &'a Frame,
     /// How far apart two surfaces may be and still meet within the frame [m].
     pub(crate) reach: f64,
@@ -21,16 +21,12 @@ pub(crate) struct Encounter<'a> {
 
 impl<'a> Encounter<'a> {
     /// Of a pair whose bodies fly as told.
-    pub(crate) fn new(bodies: &'a Bodies, pair: Pair, flights: [Flight; 2], frame: &'a Frame) -> Self {
-        let [first, second] = &flights;
+    #[inline]
+    pub(crate) fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
+        let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
         Self { bodies, pair, flights, frame, reach, search: reach, size }
-    }
-
-    /// The same for a pair alone.
-    pub(crate) fn of(bodies: &'a Bodies, pair: Pair, frame: &'a Frame) -> Self {
-        Self::new(bodies, pair, [pair.first, pair.second].map(|i| Flight::of(bodies, i, frame)), frame)
     }
 
     /// No two points of the pair move faster against each other at any time of the frame [m/s].
@@ -39,15 +35,17 @@ impl<'a> Encounter<'a> {
     }
 
     /// Whether balls around the two cannot meet within the frame.
+    #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
-        let [first, second] = &self.flights;
+        let [first, second] = self.flights;
         let most = first.radius + second.radius + self.reach;
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
     /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed, gravity included [m/s].
+    #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
-        let [first, second] = &self.flights;
+        let [first, second] = self.flights;
         let acceleration = -(first.acceleration - second.acceleration).dot(normal);
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }

@@ -1,6 +1,7 @@
 //! Bodies on their ways through a frame, without contact.
 
 use crate::detection::radius;
+use crate::pair::Pair;
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Motion, Pose};
 use glam::DVec3;
@@ -22,6 +23,11 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
+    /// Of both bodies of a pair.
+    pub(crate) fn of_pair(bodies: &Bodies, pair: Pair, frame: &Frame) -> [Self; 2] {
+        [pair.first, pair.second].map(|i| Self::of(bodies, i, frame))
+    }
+
     pub(crate) fn of(bodies: &Bodies, i: usize, frame: &Frame) -> Self {
         let (start, velocity) = (bodies.poses[i], &bodies.velocities[i]);
         let (linear, angular, acceleration) = match bodies.motions[i] {
@@ -40,6 +46,7 @@ impl Flight {
     }
 
     /// Where the body is after `time` [s].
+    #[inline]
     pub(crate) fn pose(&self, time: f64) -> Pose {
         if time == 0.0 {
             return self.start;
@@ -50,11 +57,13 @@ impl Flight {
         }
     }
 
+    #[inline]
     fn position(&self, time: f64) -> DVec3 {
         self.start.position + time * (self.linear + 0.5 * time * self.acceleration)
     }
 
     /// Velocity of its material at a point of the world [m/s] after `time` [s].
+    #[inline]
     pub(crate) fn velocity(&self, point: DVec3, time: f64) -> DVec3 {
         let lever = point - self.position(time);
         self.linear + time * self.acceleration + self.angular.cross(lever)

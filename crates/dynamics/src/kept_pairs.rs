@@ -5,12 +5,12 @@ use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::hull_points;
-use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint, hulls_of};
+use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint, Manifolds, hulls_of};
 use crate::pair::{Pair, placed};
 use crate::warm_start::WarmStart;
-use crate::{Bodies, BodyId, Frame};
+use crate::{Bodies, BodyId, Frame, Pose};
 use frangible_geometry::RigidTransform;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 /// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
 const STEADY: f64 = 5e-3;
@@ -25,21 +25,43 @@ const DEEP: f64 = 1e-2;
 /// The pairs of the last frame, in the order of their bodies' births.
 #[derive(Clone, Debug, Default)]
 pub struct KeptPairs {
+    /// Of all bodies of the last frame.
+    ways: Vec<Way>,
+    kept: Kept,
+    /// Room, and for what does not last.
+    last: Kept,
+    finder: ManifoldFinder,
+    found: Manifolds,
+}
+
+/// How far a body has come.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    id: BodyId,
+    pose: Pose,
+    /// No point of it has moved further since it was first seen, all frames together [m].
+    length: f64,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Kept {
     pairs: Vec<KeptPair>,
     /// Of all pairs, one after the other.
     points: Vec<KeptPoint>,
-    finder: ManifoldFinder,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct KeptPair {
-    ids: [BodyId; 2],
+    /// Their places among the ways of the frame.
+    bodies: [u32; 2],
+    /// Its last point, among those of all pairs.
+    end: u32,
     /// `second_from_first` when it was looked at.
     found_at: RigidTransform,
     /// Nothing but its points was nearer then [m].
     beyond: f64,
-    /// Its last point, among those of all pairs.
-    end: usize,
+    /// The two have moved against each other by no more than their ways are longer than this [m].
+    since: f64,
 }
 
 /// A point of contact, in the frames of its bodies.
@@ -61,102 +83,156 @@ impl KeptPairs {
         pairs: &[Pair],
         warm: &WarmStart,
         frame: &Frame,
-    ) -> Vec<Manifold> {
+    ) -> &mut Manifolds {
         let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
-        let (last_pairs, last_points) = (std::mem::take(&mut self.pairs), std::mem::take(&mut self.points));
-        let mut last = Last { pairs: &last_pairs, points: &last_points, at: 0 };
-        let mut manifolds = Vec::new();
+        let places = self.go_on(bodies, &flights);
+        std::mem::swap(&mut self.last, &mut self.kept);
+        let last = std::mem::take(&mut self.last);
+        self.kept.pairs.clear();
+        self.kept.points.clear();
+        self.found.clear();
+        let mut passing = Passing { kept: &last, places: &places, at: 0, begin: 0 };
         for &pair in pairs {
-            let flights = [flights[pair.first], flights[pair.second]];
-            let encounter = Encounter::new(bodies, pair, flights, frame);
-            manifolds.extend(if hulls_of(bodies, pair).is_none() {
-                self.finder.of_encounter(&encounter, warm)
-            } else if encounter.is_out_of_reach() {
-                None
-            } else {
-                self.of_hulls(&mut last, encounter)
-            });
+            let encounter =
+                Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame);
+            if encounter.is_out_of_reach() {
+                continue;
+            }
+            if let Some((kept, points)) = passing.find(pair)
+                && let Some(since) = self.still_holds(kept, points, &encounter)
+            {
+                self.kept.points.extend_from_slice(points);
+                self.keep(KeptPair { since, ..*kept }, &encounter);
+            } else if hulls_of(bodies, pair).is_some() {
+                self.find_anew(encounter);
+            } else if let Some(Manifold { points, .. }) = self.finder.of_encounter(&encounter, warm) {
+                self.found.add(pair, points.iter().copied());
+            }
         }
-        manifolds
+        self.last = last;
+        &mut self.found
     }
 
-    /// The manifold of two polyhedra as it was, or anew.
-    fn of_hulls(&mut self, last: &mut Last, mut encounter: Encounter) -> Option<Manifold> {
-        let Encounter { bodies, pair, .. } = encounter;
-        let (first, second) = placed(bodies, pair, &bodies.poses);
-        let (now, begin) = (second_from_first(first, second), self.points.len());
-        if let Some((kept, points)) = last.find(bodies, pair)
-            && kept.holds(points, &encounter, &now)
-        {
-            self.points.extend_from_slice(points);
-            self.pairs.push(KeptPair { end: self.points.len(), ..*kept });
-        } else {
-            encounter.search = (1.0 + MARGIN) * encounter.reach + STEADY * encounter.size;
-            let ManifoldFinder { room, points } = &mut self.finder;
-            points.clear();
-            let beyond = hull_points(&encounter, hulls_of(bodies, pair)?, room, points);
-            let is_deep = room.points.iter().any(|point| point.gap < -DEEP * encounter.size);
-            let Some(beyond) = beyond.filter(|_| !is_deep) else {
-                // What will meet later will do so elsewhere; what jams is looked at again.
-                return (!points.is_empty()).then(|| Manifold { pair, points: points.clone() });
-            };
-            let kept = room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
-                anchors: [point.anchor_first, point.anchor_second],
-                normal: seen.normal,
-                sample: point.sample,
-            });
-            self.points.extend(kept);
-            let ids = [bodies.ids[pair.first], bodies.ids[pair.second]];
-            self.pairs.push(KeptPair { ids, found_at: now, beyond, end: self.points.len() });
-        }
-        let points: Vec<ManifoldPoint> =
-            self.points[begin..].iter().filter_map(|point| point.within_reach(&encounter)).collect();
-        (!points.is_empty()).then_some(Manifold { pair, points })
+    /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
+    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
+        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
+        let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
+        let place = |last: &Way| {
+            let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
+            ways[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
+            i as u32
+        };
+        let places = self.ways.iter().map(place).collect();
+        self.ways = ways;
+        places
     }
+
+    /// How far the ways of a pair are together [m].
+    fn ways_of(&self, pair: Pair) -> f64 {
+        self.ways[pair.first].length + self.ways[pair.second].length
+    }
+
+    /// If the points of a pair are still its points, and nothing else has come within reach: from when on its ways count.
+    #[inline]
+    fn still_holds(&self, kept: &KeptPair, points: &[KeptPoint], encounter: &Encounter) -> Option<f64> {
+        let steady = if points.is_empty() { f64::INFINITY } else { STEADY * encounter.size };
+        let most = steady.min(kept.beyond - encounter.reach);
+        let ways = self.ways_of(encounter.pair);
+        if ways - kept.since <= most {
+            return Some(kept.since);
+        }
+        // What moves together hardly moves against each other.
+        let Encounter { bodies, pair, flights, .. } = *encounter;
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let now = second_from_first(first, second);
+        let moved = moved_between(&kept.found_at, &now, flights.map(|flight| flight.radius), 0.0);
+        (moved <= most).then_some(ways - moved)
+    }
+
+    /// Keeps a pair, whose points are the last ones.
+    fn keep(&mut self, kept: KeptPair, encounter: &Encounter) {
+        let begin = self.kept.pairs.last().map_or(0, |pair| pair.end);
+        let Pair { first, second } = encounter.pair;
+        let points = &self.kept.points[begin as usize..];
+        self.found.add(encounter.pair, points.iter().filter_map(|point| point.within_reach(encounter)));
+        let end = self.kept.points.len() as u32;
+        self.kept.pairs.push(KeptPair { bodies: [first as u32, second as u32], end, ..kept });
+    }
+
+    /// Looks where two polyhedra touch, and keeps it for the next frame.
+    fn find_anew(&mut self, mut encounter: Encounter) {
+        let Encounter { bodies, pair, .. } = encounter;
+        let Some(hulls) = hulls_of(bodies, pair) else { return };
+        encounter.search = (1.0 + MARGIN) * encounter.reach + STEADY * encounter.size;
+        let ManifoldFinder { room, points } = &mut self.finder;
+        points.clear();
+        let beyond = hull_points(&encounter, hulls, room, points);
+        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * encounter.size);
+        let Some(beyond) = beyond.filter(|_| !is_deep) else {
+            // What will meet later will do so elsewhere; what jams is looked at again.
+            self.found.add(pair, points.iter().copied());
+            return;
+        };
+        let kept = room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
+            anchors: [point.anchor_first, point.anchor_second],
+            normal: seen.normal,
+            sample: point.sample,
+        });
+        self.kept.points.extend(kept);
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
+        self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, &encounter);
+    }
+}
+
+/// Of a body that is gone.
+const NOWHERE: u32 = u32::MAX;
+
+/// No point of a body of this radius [m] has moved further from one pose to the other [m].
+fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
+    // See `moved_between`.
+    let [q, p] = [from.orientation, to.orientation].map(DVec4::from);
+    let turn = 2.0 * (q - p).length().min((q + p).length());
+    (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
 }
 
 /// The pairs of the last frame, while those of this one go by in the same order.
-struct Last<'a> {
-    pairs: &'a [KeptPair],
-    points: &'a [KeptPoint],
+struct Passing<'a> {
+    kept: &'a Kept,
+    /// Where their bodies are now.
+    places: &'a [u32],
     at: usize,
+    /// Of the points of the pair that comes next.
+    begin: usize,
 }
 
-impl<'a> Last<'a> {
+impl<'a> Passing<'a> {
     /// A pair and its points, if it was kept; those before it are passed over.
-    fn find(&mut self, bodies: &Bodies, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
+    #[inline]
+    fn find(&mut self, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
         loop {
-            let kept = self.pairs.get(self.at)?;
-            let [first, second] = [bodies.index_of(kept.ids[0]), bodies.index_of(kept.ids[1])];
-            if let (Some(first), Some(second)) = (first, second) {
-                let kept_pair = Pair { first, second };
+            let kept = self.kept.pairs.get(self.at)?;
+            let [first, second] = kept.bodies.map(|body| self.places[body as usize]);
+            let end = kept.end as usize;
+            if first != NOWHERE && second != NOWHERE {
+                let kept_pair = Pair { first: first as usize, second: second as usize };
                 if kept_pair > pair {
                     return None;
                 }
                 if kept_pair == pair {
-                    let begin = if self.at == 0 { 0 } else { self.pairs[self.at - 1].end };
-                    return Some((kept, &self.points[begin..kept.end]));
+                    return Some((kept, &self.kept.points[self.begin..end]));
                 }
             }
-            self.at += 1;
+            (self.at, self.begin) = (self.at + 1, end);
         }
-    }
-}
-
-impl KeptPair {
-    /// Whether its points are still those of the pair, and nothing else has come within reach.
-    fn holds(&self, points: &[KeptPoint], encounter: &Encounter, now: &RigidTransform) -> bool {
-        let radii = [encounter.flights[0].radius, encounter.flights[1].radius];
-        let moved = moved_between(&self.found_at, now, radii, 0.0);
-        let is_steady = points.is_empty() || moved <= STEADY * encounter.size;
-        is_steady && encounter.reach + moved <= self.beyond
     }
 }
 
 impl KeptPoint {
     /// The point where its bodies are now; `None` if it is too far to touch within the frame.
+    #[inline]
     fn within_reach(&self, encounter: &Encounter) -> Option<ManifoldPoint> {
-        let [first, second] = &encounter.flights;
+        let [first, second] = encounter.flights;
         let normal = first.start.orientation * self.normal;
         let on_first = first.start.world_from_body().point(self.anchors[0]);
         let on_second = second.start.world_from_body().point(self.anchors[1]);

@@ -48,12 +48,66 @@ impl ManifoldPoint {
 }
 
 /// The points of a pair.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Manifold {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manifold<'a> {
     /// Who.
     pub pair: Pair,
     /// At most [`MOST_POINTS`].
-    pub points: Vec<ManifoldPoint>,
+    pub points: &'a [ManifoldPoint],
+}
+
+/// The manifolds of some pairs, their points in one list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Manifolds {
+    /// Each with its end among the points.
+    pairs: Vec<(Pair, usize)>,
+    points: Vec<ManifoldPoint>,
+}
+
+impl Manifolds {
+    /// In the order of their pairs, which is increasing.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Manifold<'_>> {
+        let mut begin = 0;
+        self.pairs.iter().map(move |&(pair, end)| {
+            let points = &self.points[begin..end];
+            begin = end;
+            Manifold { pair, points }
+        })
+    }
+
+    /// Pairs and their points.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
+        let (mut begin, mut rest) = (0, self.points.as_mut_slice());
+        self.pairs.iter().map(move |&(pair, end)| {
+            let (points, others) = std::mem::take(&mut rest).split_at_mut(end - begin);
+            (begin, rest) = (end, others);
+            (pair, points)
+        })
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether nothing touches.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Adds the points of a pair, if there are any.
+    pub(crate) fn add(&mut self, pair: Pair, points: impl IntoIterator<Item = ManifoldPoint>) {
+        let begin = self.points.len();
+        self.points.extend(points);
+        if self.points.len() > begin {
+            self.pairs.push((pair, self.points.len()));
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.pairs.clear();
+        self.points.clear();
+    }
 }
 
 /// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
@@ -64,18 +118,14 @@ pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
-pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Vec<Manifold> {
-    let mut finder = ManifoldFinder::default();
-    if pairs.len() < bodies.len() {
-        return pairs.iter().filter_map(|&pair| finder.find(bodies, pair, warm, frame)).collect();
+pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Manifolds {
+    let (mut finder, mut found) = (ManifoldFinder::default(), Manifolds::default());
+    for &pair in pairs {
+        if let Some(manifold) = finder.find(bodies, pair, warm, frame) {
+            found.add(pair, manifold.points.iter().copied());
+        }
     }
-    // Most bodies are in some pairs: how each flies is found out once.
-    let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
-    let manifold = |&pair: &Pair| {
-        let flights = [flights[pair.first], flights[pair.second]];
-        finder.of_encounter(&Encounter::new(bodies, pair, flights, frame), warm)
-    };
-    pairs.iter().filter_map(manifold).collect()
+    found
 }
 
 /// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it found before.
@@ -87,11 +137,18 @@ pub struct ManifoldFinder {
 
 impl ManifoldFinder {
     /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the last frame.
-    pub fn find(&mut self, bodies: &Bodies, pair: Pair, warm: &WarmStart, frame: &Frame) -> Option<Manifold> {
-        self.of_encounter(&Encounter::of(bodies, pair, frame), warm)
+    pub fn find(
+        &mut self,
+        bodies: &Bodies,
+        pair: Pair,
+        warm: &WarmStart,
+        frame: &Frame,
+    ) -> Option<Manifold<'_>> {
+        let [first, second] = Flight::of_pair(bodies, pair, frame);
+        self.of_encounter(&Encounter::new(bodies, pair, [&first, &second], frame), warm)
     }
 
-    pub(crate) fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold> {
+    pub(crate) fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold<'_>> {
         let Encounter { bodies, pair, .. } = *encounter;
         let Self { room, points } = self;
         points.clear();
@@ -105,7 +162,7 @@ impl ManifoldFinder {
             let chosen = choose(bodies, pair, &candidates, warm);
             points.extend(chosen.into_iter().map(|index| candidates[index].point(bodies, pair)));
         }
-        (!points.is_empty()).then(|| Manifold { pair, points: points.clone() })
+        (!points.is_empty()).then_some(Manifold { pair, points })
     }
 }
 

@@ -14,7 +14,7 @@ pub(crate) fn plane_points(
     room: &mut Room,
     points: &mut Vec<ManifoldPoint>,
 ) {
-    let [first, second] = &encounter.flights;
+    let [first, second] = encounter.flights;
     let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
 
     // The plane in the body's frame, now and at the frame's end.

@@ -33,6 +33,7 @@ pub struct Inertia {
 
 impl Pose {
     /// The same as a transform.
+    #[inline]
     pub fn world_from_body(&self) -> RigidTransform {
         RigidTransform::new(self.orientation, self.position)
     }
@@ -61,6 +62,7 @@ impl Inertia {
     }
 
     /// Whether impulses leave the body as it is.
+    #[inline]
     pub fn is_infinite(&self) -> bool {
         self.inverse_mass == 0.0
     }
@@ -76,11 +78,13 @@ impl Inertia {
     }
 
     /// Angular velocity `I^-1 L` in the world frame [rad/s].
+    #[inline]
     pub fn angular_velocity(&self, orientation: DQuat, angular_momentum: DVec3) -> DVec3 {
         orientation * (self.inverse_moments * (orientation.conjugate() * angular_momentum))
     }
 
     /// Kinetic energy of rotation, `L . I^-1 L / 2` [J] [Su09 sec. 2.1].
+    #[inline]
     pub fn rotational_energy(&self, orientation: DQuat, angular_momentum: DVec3) -> f64 {
         let body = orientation.conjugate() * angular_momentum;
         0.5 * body.dot(self.inverse_moments * body)

@@ -15,6 +15,7 @@ use frangible_dynamics::contact_forces::contact_forces;
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::{Ballistic, Opening};
+use frangible_dynamics::manifold::Manifold;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
@@ -156,17 +157,22 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
 
     // What is near on the way may touch; contact takes it from there.
     let World { bodies, warm, kept, labels, fits, .. } = world;
-    let mut manifolds = kept.find_manifolds(bodies, &pairs, warm, frame);
+    let found = kept.find_manifolds(bodies, &pairs, warm, frame);
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
-    fits.forgive(bodies, &mut manifolds, |pair| {
+    fits.forgive(bodies, found, |pair| {
         let [first, second] = [pair.first, pair.second].map(|i| labels[i].parent);
         first == second && first.is_some_and(|parent| broken.contains(&id_number(parent)))
     });
+    let manifolds: Vec<Manifold> = found.iter().collect();
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
     tally.add(solved_tally);
-    let forces = contact_forces(bodies, &manifolds, warm, frame);
+    let is_glued = |&Manifold { pair: Pair { first, second }, .. }: &Manifold| {
+        labels[first].bonds.is_some() || labels[second].bonds.is_some()
+    };
+    let on_glued = manifolds.into_iter().filter(is_glued).collect::<Vec<_>>();
+    let forces = contact_forces(bodies, &on_glued, warm, frame);
     note_carried(world, &forces);
     clock.lap("solve");
     Moved { fractures, flight, gravity, tally }

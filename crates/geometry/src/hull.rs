@@ -74,6 +74,7 @@ impl Hull {
     }
 
     /// [m]
+    #[inline]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
@@ -84,6 +85,7 @@ impl Hull {
     }
 
     /// One of them.
+    #[inline]
     pub fn face(&self, face: usize) -> HullFace<'_> {
         HullFace {
             plane: self.planes[face],
@@ -94,16 +96,19 @@ impl Hull {
     }
 
     /// Planes of the faces, in their order.
+    #[inline]
     pub fn planes(&self) -> &[HalfSpace] {
         &self.planes
     }
 
     /// Each once.
+    #[inline]
     pub fn edges(&self) -> &[HullEdge] {
         self.net.edges()
     }
 
     /// The two ends of an edge [m].
+    #[inline]
     pub fn edge_ends(&self, edge: usize) -> [DVec3; 2] {
         self.net.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
     }

@@ -16,32 +16,38 @@ impl RigidTransform {
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
     /// `rotation` must be a unit quaternion.
+    #[inline]
     pub fn new(rotation: DQuat, translation: DVec3) -> Self {
         Self { rotation, translation }
     }
 
     /// Image of a point [m].
+    #[inline]
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
     /// Image of a direction: rotated only.
+    #[inline]
     pub fn direction(&self, direction: DVec3) -> DVec3 {
         self.rotation * direction
     }
 
     /// `b_from_a` becomes `a_from_b`.
+    #[inline]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
     /// `c_from_b.after(b_from_a)` is `c_from_a`.
+    #[inline]
     pub fn after(&self, first: &Self) -> Self {
         Self { rotation: self.rotation * first.rotation, translation: self.point(first.translation) }
     }
 
     /// The rotation as a matrix.
+    #[inline]
     pub fn matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation)
     }

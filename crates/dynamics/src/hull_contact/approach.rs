@@ -97,7 +97,7 @@ impl<'a> Approach<'a> {
             let begun = time * flight.acceleration.dot(direction).min(0.0);
             flight.linear.dot(direction) + begun + falling + turning
         };
-        let [first, second] = &self.encounter.flights;
+        let [first, second] = self.encounter.flights;
         towards(first, -normal) + towards(second, normal)
     }
 
@@ -120,7 +120,7 @@ impl<'a> Approach<'a> {
     fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
         let [on_first, on_second] = point.on.map(|on| instant.world_from_first.point(on));
         let normal = instant.world_from_first.direction(point.normal);
-        let [first, second] = &self.encounter.flights;
+        let [first, second] = self.encounter.flights;
         let velocity = first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
         ManifoldPoint {
             anchor_first: point.on[0],

@@ -251,7 +251,7 @@ fn gaps(bodies: &Bodies) -> Vec<[f64; 2]> {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
         (on_first - on_second).dot(point.normal)
     };
-    let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+    let points = manifolds.iter().flat_map(|manifold| manifold.points);
     points.map(|point| [gap(bodies, point), gap(&later, point)]).collect()
 }
 

@@ -31,6 +31,7 @@ impl Net {
     }
 
     /// How many there are.
+    #[inline]
     pub(super) fn faces(&self) -> usize {
         self.indices.len() - 2 * self.sides
     }
@@ -50,16 +51,18 @@ impl Net {
     }
 
     /// The edges around a face, from each of its vertices to the next.
+    #[inline]
     pub(super) fn edges_along(&self, face: usize) -> &[u32] {
         let range = self.sides(face);
         &self.indices[self.sides + range.start..self.sides + range.end]
     }
-
+    #[inline]
     pub(super) fn is_inner(&self, face: usize) -> bool {
         self.indices[2 * self.sides + face] & INNER != 0
     }
 
     /// Each once.
+    #[inline]
     pub(super) fn edges(&self) -> &[HullEdge] {
         &self.edges
     }
