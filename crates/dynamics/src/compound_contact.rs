@@ -23,8 +23,8 @@ pub(crate) fn compound_points(
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
     let Encounter { bodies, pair, .. } = *encounter;
-    let shapes = [pair.first, pair.second].map(|i| &*bodies.shapes[i]);
-    let compounds = shapes.map(|shape| shape.compound.as_deref());
+    let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
+    let compounds = [shapes[0].compound.as_deref(), shapes[1].compound.as_deref()];
     let meets_by_samples =
         |side: usize| compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_));
     if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {

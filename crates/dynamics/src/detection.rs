@@ -2,7 +2,7 @@
 
 use crate::Pose;
 use frangible_geometry::{Geometry, GridSolid, RigidTransform, Shape};
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, DVec4, Mat3, Vec3};
 
 /// A sample of one body inside the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ pub fn moved_since(then: &RigidTransform, first: Placed, second: Placed, beyond:
     moved_between(
         then,
         &second_from_first(first, second),
-        [first, second].map(|body| radius(body.shape)),
+        [radius(first.shape), radius(second.shape)],
         beyond,
     )
 }
@@ -128,7 +128,7 @@ pub(crate) fn moved_between(
     };
     let shift = (now.translation - then.translation).length();
     // Of unit quaternions, |R - R'| <= 2 |q - q'|, up to the sign of q.
-    let [q, p] = [now.rotation, then.rotation].map(glam::DVec4::from);
+    let (q, p) = (DVec4::from(now.rotation), DVec4::from(then.rotation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     shift + turn * (reach + beyond)
 }

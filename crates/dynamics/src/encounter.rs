@@ -1,6 +1,8 @@
 //! Two bodies on their ballistic ways through a frame.
 
 use crate::flight::Flight;
+#[cfg(doc)]
+use crate::hull_contact::HullPoint;
 use crate::pair::Pair;
 use crate::{Bodies, Frame};
 use glam::DVec3;
@@ -17,6 +19,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) search: f64,
     /// Radius of the smaller one [m].
     pub(crate) size: f64,
+    /// The normal of two polyhedra when they were last looked at, if they touched: see [`HullPoint::normal`].
+    pub(crate) last_normal: Option<DVec3>,
 }
 
 impl<'a> Encounter<'a> {
@@ -26,7 +30,7 @@ impl<'a> Encounter<'a> {
         let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
-        Self { bodies, pair, flights, frame, reach, search: reach, size }
+        Self { bodies, pair, flights, frame, reach, search: reach, size, last_normal: None }
     }
 
     /// No two points of the pair move faster against each other at any time of the frame [m/s].

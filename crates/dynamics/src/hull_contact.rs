@@ -7,7 +7,10 @@ mod nearest;
 mod reduce;
 
 pub(crate) use approach::hull_points;
-use axis::{EdgeAxis, FaceAxis, Placement, Ridge, View, edge_axis, face_axis, gather_ridges};
+use axis::{
+    EdgeAxis, FaceAxis, Placement, Ridge, Spot, View, edge_axis, face_along, face_axis, gather_ridges,
+    least_of,
+};
 use clip::{Corner, face_points};
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
@@ -72,14 +75,17 @@ pub(crate) struct Room {
     pub(crate) spare: Vec<HullPoint>,
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
-    /// In which layers each vertex of a hull is.
-    layers: Vec<u8>,
+    /// Of the vertices of a hull.
+    spots: Vec<Spot>,
     ridges: [Vec<Ridge>; 2],
 }
 
 /// How much better an axis must be than the one before it in the order of preference, relative to the size of the smaller hull: what
 /// rests does not change its features for less.
 pub(crate) const PREFERENCE: f64 = 5e-4;
+
+/// Cosine of the angle by which a face may have turned since it was found.
+const SAME_FACE: f64 = 0.99;
 
 /// Two hulls where they are.
 #[derive(Clone, Copy)]
@@ -101,8 +107,11 @@ impl<'a> HullPair<'a> {
 
     /// In the first one's frame.
     fn views(&self) -> [View<'_>; 2] {
-        [(self.hulls[0], None), (self.hulls[1], Some(&self.first_from_second))]
-            .map(|(hull, here_from_hull)| View { hull, here_from_hull })
+        let [first, second] = self.hulls;
+        [
+            View { hull: first, here_from_hull: None },
+            View { hull: second, here_from_hull: Some(&self.first_from_second) },
+        ]
     }
 
     /// The faces of each hull that the other is furthest away from; if that is more than `most` [m], how far they are apart at least.
@@ -136,6 +145,27 @@ impl<'a> HullPair<'a> {
         let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
         let contact = self.contact(&axes, most, room);
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
+    }
+
+    /// How the two meet on the face whose normal is nearly this one, given as in [`HullPoint::normal`], if there is one and no axis separates
+    /// them clearly better. So what keeps its face is spared the search for it.
+    fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
+        let [first, second] = self.hulls;
+        let (of_first, of_second) =
+            (face_along(first, -normal), face_along(second, self.second_from_first.direction(normal)));
+        let is_of_first = of_first.1 >= of_second.1;
+        let (face, cosine) = if is_of_first { of_first } else { of_second };
+        if cosine < SAME_FACE {
+            return None;
+        }
+        let axis = if is_of_first {
+            FaceAxis::of_face(face, first, second, &self.first_from_second, &self.second_from_first)
+        } else {
+            FaceAxis::of_face(face, second, first, &self.second_from_first, &self.first_from_second)
+        };
+        self.face_points(&[axis, axis], is_of_first, room);
+        let normal = room.points.first()?.normal;
+        self.is_least(axis.separation, &room.points).then_some(HullContact { normal, gap: axis.separation })
     }
 
     /// How the two meet, given the best face of each, with their points in `room`; `None` if they are more than `most` [m] apart.
@@ -216,11 +246,9 @@ impl<'a> HullPair<'a> {
         }
         let center = sum / count;
         let centers = [center, self.second_from_first.point(center)];
-        let out = |side: usize| {
-            let heights = self.hulls[side].planes().iter().map(|plane| plane.distance(centers[side]));
-            heights.fold(f64::NEG_INFINITY, f64::max)
-        };
-        2.0 * out(0).max(out(1)) <= face + self.close
+        let inside =
+            |side: usize| least_of(self.hulls[side].planes(), |plane| -plane.distance(centers[side]));
+        -2.0 * inside(0).min(inside(1)) <= face + self.close
     }
 
     /// A distance that edges must come within if they are nearest, or overlap less than the faces do [m].

@@ -5,11 +5,11 @@ use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::hull_points;
-use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint, Manifolds, hulls_of};
+use crate::manifold::{ManifoldFinder, ManifoldPoint, Manifolds, hulls_of};
 use crate::pair::{Pair, placed};
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose};
-use frangible_geometry::RigidTransform;
+use frangible_geometry::{Hull, RigidTransform};
 use glam::{DVec3, DVec4};
 
 /// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
@@ -58,7 +58,7 @@ struct KeptPair {
     end: u32,
     /// `second_from_first` when it was looked at.
     found_at: RigidTransform,
-    /// Nothing but its points was nearer then [m].
+    /// Nothing but its points was nearer then [m]; minus infinity if they do not last.
     beyond: f64,
     /// The two have moved against each other by no more than their ways are longer than this [m].
     since: f64,
@@ -98,15 +98,18 @@ impl KeptPairs {
             if encounter.is_out_of_reach() {
                 continue;
             }
-            if let Some((kept, points)) = passing.find(pair)
+            let known = passing.find(pair);
+            if let Some((kept, points)) = known
                 && let Some(since) = self.still_holds(kept, points, &encounter)
             {
                 self.kept.points.extend_from_slice(points);
-                self.keep(KeptPair { since, ..*kept }, &encounter);
-            } else if hulls_of(bodies, pair).is_some() {
-                self.find_anew(encounter);
-            } else if let Some(Manifold { points, .. }) = self.finder.of_encounter(&encounter, warm) {
-                self.found.add(pair, points.iter().copied());
+                self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&encounter)));
+                self.keep(KeptPair { since, ..*kept }, pair);
+            } else if let Some(hulls) = hulls_of(bodies, pair) {
+                let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
+                self.find_anew(Encounter { last_normal, ..encounter }, hulls);
+            } else if let Some(manifold) = self.finder.of_encounter(&encounter, warm) {
+                self.found.add(pair, manifold.points.iter().copied());
             }
         }
         self.last = last;
@@ -141,47 +144,51 @@ impl KeptPairs {
         if ways - kept.since <= most {
             return Some(kept.since);
         }
+        if most < 0.0 {
+            return None;
+        }
         // What moves together hardly moves against each other.
         let Encounter { bodies, pair, flights, .. } = *encounter;
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let now = second_from_first(first, second);
-        let moved = moved_between(&kept.found_at, &now, flights.map(|flight| flight.radius), 0.0);
+        let radii = [flights[0].radius, flights[1].radius];
+        let moved = moved_between(&kept.found_at, &now, radii, 0.0);
         (moved <= most).then_some(ways - moved)
     }
 
     /// Keeps a pair, whose points are the last ones.
-    fn keep(&mut self, kept: KeptPair, encounter: &Encounter) {
-        let begin = self.kept.pairs.last().map_or(0, |pair| pair.end);
-        let Pair { first, second } = encounter.pair;
-        let points = &self.kept.points[begin as usize..];
-        self.found.add(encounter.pair, points.iter().filter_map(|point| point.within_reach(encounter)));
-        let end = self.kept.points.len() as u32;
-        self.kept.pairs.push(KeptPair { bodies: [first as u32, second as u32], end, ..kept });
+    fn keep(&mut self, kept: KeptPair, pair: Pair) {
+        let bodies = [pair.first as u32, pair.second as u32];
+        self.kept.pairs.push(KeptPair { bodies, end: self.kept.points.len() as u32, ..kept });
     }
 
     /// Looks where two polyhedra touch, and keeps it for the next frame.
-    fn find_anew(&mut self, mut encounter: Encounter) {
-        let Encounter { bodies, pair, .. } = encounter;
-        let Some(hulls) = hulls_of(bodies, pair) else { return };
-        encounter.search = (1.0 + MARGIN) * encounter.reach + STEADY * encounter.size;
+    fn find_anew(&mut self, mut encounter: Encounter, hulls: [&Hull; 2]) {
+        let Encounter { bodies, pair, reach, size, .. } = encounter;
+        encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
         let ManifoldFinder { room, points } = &mut self.finder;
         points.clear();
         let beyond = hull_points(&encounter, hulls, room, points);
-        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * encounter.size);
-        let Some(beyond) = beyond.filter(|_| !is_deep) else {
-            // What will meet later will do so elsewhere; what jams is looked at again.
-            self.found.add(pair, points.iter().copied());
-            return;
-        };
-        let kept = room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
+        let begin = self.kept.points.len();
+        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
             anchors: [point.anchor_first, point.anchor_second],
             normal: seen.normal,
             sample: point.sample,
-        });
-        self.kept.points.extend(kept);
+        }));
+
+        // What will meet later will do so elsewhere; what jams is looked at again.
+        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
+        let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
+            let kept = &self.kept.points[begin..];
+            self.found.add(pair, kept.iter().filter_map(|point| point.within_reach(&encounter)));
+            beyond
+        } else {
+            self.found.add(pair, points.iter().copied());
+            f64::NEG_INFINITY
+        };
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
-        self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, &encounter);
+        self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
     }
 }
 
@@ -191,7 +198,7 @@ const NOWHERE: u32 = u32::MAX;
 /// No point of a body of this radius [m] has moved further from one pose to the other [m].
 fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
     // See `moved_between`.
-    let [q, p] = [from.orientation, to.orientation].map(DVec4::from);
+    let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
 }
@@ -212,7 +219,8 @@ impl<'a> Passing<'a> {
     fn find(&mut self, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
         loop {
             let kept = self.kept.pairs.get(self.at)?;
-            let [first, second] = kept.bodies.map(|body| self.places[body as usize]);
+            let [first, second] =
+                [self.places[kept.bodies[0] as usize], self.places[kept.bodies[1] as usize]];
             let end = kept.end as usize;
             if first != NOWHERE && second != NOWHERE {
                 let kept_pair = Pair { first: first as usize, second: second as usize };

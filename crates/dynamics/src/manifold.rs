@@ -156,7 +156,7 @@ impl ManifoldFinder {
             return None;
         }
         // Balls, polyhedra and planes need no samples; everything else has some.
-        let solids = [pair.first, pair.second].map(|i| Solid::of(&bodies.shapes[i]));
+        let solids = [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
         if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
             let candidates = find_candidates(encounter);
             let chosen = choose(bodies, pair, &candidates, warm);
@@ -180,6 +180,7 @@ pub(crate) enum Solid<'a> {
 }
 
 impl<'a> Solid<'a> {
+    #[inline]
     pub(crate) fn of(shape: &'a Shape) -> Self {
         match (&shape.geometry, &shape.hull) {
             (Geometry::ClosedForm(ClosedForm::Sphere { radius }), _) => Self::Ball(*radius),
@@ -232,7 +233,7 @@ pub(crate) fn exact_points(
 
 /// The polyhedra of a pair of them, that meet as such.
 pub(crate) fn hulls_of(bodies: &Bodies, pair: Pair) -> Option<[&Hull; 2]> {
-    match [pair.first, pair.second].map(|i| Solid::of(&bodies.shapes[i])) {
+    match [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])] {
         [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
             Some([a, b])
         }

@@ -29,7 +29,8 @@ pub(crate) fn plane_points(
     if -now.offset > flight.radius + reach {
         return;
     }
-    let (then, sag) = (plane_at(frame.dt), sag(frame));
+    let sag = sag(frame);
+    let mut then = None;
     let world_from_body = flight.start.world_from_body();
     let outward = world_from_body.direction(now.normal);
     let closing = |point: &HullPoint| {
@@ -46,14 +47,17 @@ pub(crate) fn plane_points(
         }
         let on = [vertex, vertex - gap * now.normal];
         let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
-        if gap.min(then.distance(vertex)) <= sag || gap <= frame.dt * closing(&point) + sag {
+        let comes_near = gap <= sag
+            || gap <= frame.dt * closing(&point) + sag
+            || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= sag;
+        if comes_near {
             room.points.push(point);
         }
     }
 
-    let ground_from_world = flight_ground.start.world_from_body().inverse();
+    let ground_from_body = flight_ground.start.world_from_body().inverse().after(&world_from_body);
     let manifold_point = |point: &HullPoint| {
-        let on_ground = ground_from_world.point(world_from_body.point(point.on[1]));
+        let on_ground = ground_from_body.point(point.on[1]);
         let (normal, anchor_first, anchor_second) = if hull_is_first {
             (outward, point.on[0], on_ground)
         } else {

@@ -43,7 +43,10 @@ pub(crate) fn hull_points(
     let approach = Approach { encounter, hulls };
     let instant = match approach.meeting(room) {
         Ok(instant) => instant,
-        Err(apart) => return apart,
+        Err(apart) => {
+            room.points.clear();
+            return apart;
+        }
     };
     room.points.retain(|point| approach.can_touch(&instant, point));
     reduce(&mut room.points, &mut room.spare, instant.contact.normal, PREFERENCE * encounter.size);
@@ -68,6 +71,13 @@ impl<'a> Approach<'a> {
             let first_from_second = world_from_first.inverse().after(&world_from_second);
             let pair = HullPair::new(self.hulls, &first_from_second, size);
             let at_start = |apart: f64| (time == 0.0).then_some(apart);
+            if time == 0.0
+                && let Some(contact) =
+                    self.encounter.last_normal.and_then(|last| pair.on_face_along(last, room))
+                && contact.gap <= enough
+            {
+                return Ok(Instant { time, world_from_first, pair, contact });
+            }
             let axes = pair.face_axes(search).map_err(at_start)?;
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
@@ -90,15 +100,12 @@ impl<'a> Approach<'a> {
     /// No point of the pair closes faster along a normal, in the world frame, from an instant until the frame's end [m/s]; negative
     /// if all separate.
     fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
-        let dt = self.encounter.frame.dt;
-        let towards = |flight: &Flight, direction: DVec3| {
-            let turning = flight.angular.cross(normal).length() * flight.radius;
-            let falling = dt * flight.acceleration.dot(direction).max(0.0);
-            let begun = time * flight.acceleration.dot(direction).min(0.0);
-            flight.linear.dot(direction) + begun + falling + turning
-        };
         let [first, second] = self.encounter.flights;
-        towards(first, -normal) + towards(second, normal)
+        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
+        // What falls with the other one does not fall towards it.
+        let falling = (second.acceleration - first.acceleration).dot(normal);
+        let most = (time * falling).max(self.encounter.frame.dt * falling);
+        (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
     /// Whether a point can touch within the frame, and comes from outside.
@@ -118,7 +125,8 @@ impl<'a> Approach<'a> {
     }
 
     fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
-        let [on_first, on_second] = point.on.map(|on| instant.world_from_first.point(on));
+        let [on_first, on_second] =
+            [instant.world_from_first.point(point.on[0]), instant.world_from_first.point(point.on[1])];
         let normal = instant.world_from_first.direction(point.normal);
         let [first, second] = self.encounter.flights;
         let velocity = first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);

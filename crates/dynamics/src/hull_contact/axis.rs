@@ -21,14 +21,17 @@ impl Placement {
         Self { matrix, shift: -(matrix * self.shift) }
     }
 
+    #[inline]
     pub(crate) fn point(&self, point: DVec3) -> DVec3 {
         self.matrix * point + self.shift
     }
 
+    #[inline]
     pub(crate) fn direction(&self, direction: DVec3) -> DVec3 {
         self.matrix * direction
     }
 
+    #[inline]
     pub(crate) fn plane(&self, plane: HalfSpace) -> HalfSpace {
         let normal = self.matrix * plane.normal;
         HalfSpace { normal, offset: plane.offset + normal.dot(self.shift) }
@@ -44,21 +47,25 @@ pub(crate) struct View<'a> {
 }
 
 impl View<'_> {
+    #[inline]
     pub(crate) fn vertex(&self, vertex: usize) -> DVec3 {
         let point = self.hull.vertices()[vertex];
         self.here_from_hull.map_or(point, |placement| placement.point(point))
     }
 
+    #[inline]
     pub(crate) fn plane(&self, face: usize) -> HalfSpace {
         let plane = self.hull.planes()[face];
         self.here_from_hull.map_or(plane, |placement| placement.plane(plane))
     }
 
+    #[inline]
     fn direction(&self, direction: DVec3) -> DVec3 {
         self.here_from_hull.map_or(direction, |placement| placement.direction(direction))
     }
 
     /// The ends of an edge [m].
+    #[inline]
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
         let [start, end] = self.hull.edges()[edge].vertices;
         [self.vertex(start as usize), self.vertex(end as usize)]
@@ -80,15 +87,12 @@ struct Core {
 impl Core {
     /// Around the centre of mass of a body, or the middle of the vertices if the frame has its origin elsewhere.
     fn of(hull: &Hull) -> Self {
-        let least = |center: DVec3| {
-            hull.planes().iter().map(|plane| -plane.distance(center)).fold(f64::INFINITY, f64::min)
-        };
-        let radius = hull.planes().iter().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
+        let radius = least_of(hull.planes(), |plane| plane.offset);
         if radius > 0.0 {
             return Self { center: DVec3::ZERO, radius };
         }
         let center = hull.vertices().iter().sum::<DVec3>() / hull.vertices().len() as f64;
-        Self { center, radius: least(center) }
+        Self { center, radius: least_of(hull.planes(), |plane| -plane.distance(center)) }
     }
 }
 
@@ -103,6 +107,23 @@ pub(crate) struct FaceAxis {
     pub(crate) separation: f64,
 }
 
+impl FaceAxis {
+    /// Of a face of `hull`.
+    #[inline]
+    pub(crate) fn of_face(
+        face: usize,
+        hull: &Hull,
+        other: &Hull,
+        hull_from_other: &Placement,
+        other_from_hull: &Placement,
+    ) -> Self {
+        let plane = &hull.planes()[face];
+        let down = other_from_hull.direction(plane.normal);
+        let (vertex, height) = first_least(other.vertices(), |vertex| down.dot(*vertex));
+        Self { face, vertex, separation: height + plane.normal.dot(hull_from_other.shift) - plane.offset }
+    }
+}
+
 /// The face of `hull` that `other` is furthest away from, the first of equals; any that it is more than `most` [m] away from.
 pub(crate) fn face_axis(
     hull: &Hull,
@@ -114,20 +135,10 @@ pub(crate) fn face_axis(
     // The face that looks most at a ball inside of the other.
     let core = Core::of(other);
     let center = hull_from_other.point(core.center);
-    let mut towards = (f64::NEG_INFINITY, 0);
-    for (face, plane) in hull.planes().iter().enumerate() {
-        let height = plane.distance(center);
-        if height > towards.0 {
-            towards = (height, face);
-        }
-    }
-    let over = |face: usize| {
-        let plane = hull.planes()[face];
-        let (vertex, height) = lowest(other.vertices(), other_from_hull.direction(plane.normal));
-        FaceAxis { face, vertex, separation: height + plane.normal.dot(hull_from_other.shift) - plane.offset }
-    };
+    let over = |face: usize| FaceAxis::of_face(face, hull, other, hull_from_other, other_from_hull);
     let deepest = |axis: &FaceAxis| hull_from_other.point(other.vertices()[axis.vertex]);
-    let mut best = over(towards.1);
+    let (towards, _) = first_least(hull.planes(), |plane| -plane.distance(center));
+    let mut best = over(towards);
     let mut inside = deepest(&best);
 
     // No other face is further away than from that ball, or from a vertex of the other.
@@ -135,8 +146,8 @@ pub(crate) fn face_axis(
         if best.separation > most {
             break;
         }
-        let bound = (plane.distance(center) - core.radius).min(plane.distance(inside));
-        if bound < best.separation || face == best.face {
+        let is_behind = plane.distance(center) - core.radius < best.separation;
+        if is_behind || plane.distance(inside) < best.separation || face == best.face {
             continue;
         }
         let next = over(face);
@@ -149,23 +160,36 @@ pub(crate) fn face_axis(
     best
 }
 
-/// The first of the points that are lowest in a direction, and how high that is [m].
-fn lowest(points: &[DVec3], direction: DVec3) -> (usize, f64) {
+/// The face whose normal is nearest to a direction, and the cosine between them if that is a unit vector.
+pub(crate) fn face_along(hull: &Hull, direction: DVec3) -> (usize, f64) {
+    let (face, least) = first_least(hull.planes(), |plane| -plane.normal.dot(direction));
+    (face, -least)
+}
+
+/// The least of some numbers; infinite if there are none.
+#[inline]
+pub(crate) fn least_of<T>(items: &[T], number: impl Fn(&T) -> f64) -> f64 {
     // Side by side, so that no comparison has to wait for the one before it.
     const LANES: usize = 4;
+    let lower = |a: f64, b: f64| if b < a { b } else { a };
     let mut least = [f64::INFINITY; LANES];
-    let chunks = points.chunks_exact(LANES);
-    let rest = chunks.remainder();
+    let chunks = items.chunks_exact(LANES);
+    for (lane, item) in chunks.remainder().iter().enumerate() {
+        least[lane] = lower(f64::INFINITY, number(item));
+    }
     for chunk in chunks {
-        for (least, point) in least.iter_mut().zip(chunk) {
-            let height = direction.dot(*point);
-            *least = if height < *least { height } else { *least };
+        for lane in 0..LANES {
+            least[lane] = lower(least[lane], number(&chunk[lane]));
         }
     }
-    let of_rest = rest.iter().map(|&point| direction.dot(point));
-    let least = least.into_iter().chain(of_rest).fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-    let at = points.iter().position(|&point| direction.dot(point) == least);
-    (at.unwrap_or(0), least)
+    lower(lower(least[0], least[1]), lower(least[2], least[3]))
+}
+
+/// The first of the items with the least number, and that number.
+#[inline]
+fn first_least<T>(items: &[T], number: impl Fn(&T) -> f64) -> (usize, f64) {
+    let least = least_of(items, &number);
+    (items.iter().position(|item| number(item) == least).unwrap_or(0), least)
 }
 
 /// A pair of edges whose common perpendicular separates two hulls.
@@ -191,11 +215,9 @@ pub(crate) struct Ridge {
 /// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the best faces of both.
 pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
     // Each hull is below its own face; the other begins at the separation above it. An edge must come into both layers.
-    const IN_OWN: u8 = 1;
-    const IN_OTHERS: u8 = 2;
     let own_from_other = [&pair.first_from_second, &pair.second_from_first];
     let views = pair.views();
-    let Room { layers, ridges, .. } = room;
+    let Room { spots, ridges, .. } = room;
 
     // What is of interest is in a box.
     let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
@@ -204,36 +226,56 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
         let face = hull.planes()[axes[side].face];
         let face_of_other = own_from_other[side].plane(pair.hulls[other].planes()[axes[other].face]);
         let least = axes[side].separation - within;
-        let of_vertex = |&vertex: &DVec3| {
-            let in_own = if face.distance(vertex) >= least { IN_OWN } else { 0 };
-            in_own | if face_of_other.distance(vertex) <= within { IN_OTHERS } else { 0 }
-        };
-        layers.clear();
-        layers.extend(hull.vertices().iter().map(of_vertex));
+        spots.clear();
+        spots.extend(hull.vertices().iter().enumerate().map(|(vertex, &point)| {
+            let above = face_of_other.distance(point) - within;
+            let in_own = face.distance(point) >= least;
+            Spot { point: view.vertex(vertex), above, in_own, in_others: above <= 0.0 }
+        }));
 
         let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let ridges = &mut ridges[side];
         ridges.clear();
         for (index, edge) in hull.edges().iter().enumerate() {
-            let (a, b) = (edge.vertices[0] as usize, edge.vertices[1] as usize);
-            if layers[a] | layers[b] != IN_OWN | IN_OTHERS {
+            let [a, b] = [&spots[edge.vertices[0] as usize], &spots[edge.vertices[1] as usize]];
+            if !(a.in_own | b.in_own) | !(a.in_others | b.in_others) {
                 continue;
             }
-            let (start, end) = (view.vertex(a), view.vertex(b));
+            let (start, end) = (a.point, b.point);
             if start.min(end).cmpgt(bounds.1).any() || start.max(end).cmplt(bounds.0).any() {
                 continue;
             }
             // The part of it that is not too high above the other's face.
-            let above = |vertex: usize| face_of_other.distance(hull.vertices()[vertex]) - within;
-            let (at_start, at_end) = (above(a), above(b));
-            let part = |here: f64, there: f64| if here > 0.0 { here / (here - there) } else { 0.0 };
-            let low = [start.lerp(end, part(at_start, at_end)), end.lerp(start, part(at_end, at_start))];
+            let low = [a.lowered_to(b), b.lowered_to(a)];
             around = (around.0.min(low[0]).min(low[1]), around.1.max(low[0]).max(low[1]));
             let normal = |face: u32| view.direction(hull.planes()[face as usize].normal);
             let normals = [normal(edge.faces[0]), normal(edge.faces[1])];
             ridges.push(Ridge { edge: index, ends: [start, end], along: end - start, normals });
         }
         bounds = (around.0 - within, around.1 + within);
+    }
+}
+
+/// A vertex and where it is between the best faces of two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spot {
+    /// In the frame in which they meet [m].
+    point: DVec3,
+    /// How much higher above the other hull's face than it may be [m].
+    above: f64,
+    /// Whether it is near enough to its own hull's face, and to the other's.
+    in_own: bool,
+    in_others: bool,
+}
+
+impl Spot {
+    /// It, or the point on the way to another one that is not too high.
+    fn lowered_to(&self, other: &Self) -> DVec3 {
+        if self.above > 0.0 {
+            self.point.lerp(other.point, self.above / (self.above - other.above))
+        } else {
+            self.point
+        }
     }
 }
 

@@ -89,13 +89,15 @@ fn incident_polygon(incident: &View, vertex: u32, normal: DVec3, polygon: &mut V
     let hull = incident.hull;
     let normal = incident.into_hull(normal);
     let (mut lowest, mut chosen) = (f64::INFINITY, 0);
-    for (face, plane) in hull.planes().iter().enumerate() {
-        let slope = plane.normal.dot(normal);
-        if slope < lowest && hull.face(face).vertices.contains(&vertex) {
-            (lowest, chosen) = (slope, face);
+    for edge in hull.edges().iter().filter(|edge| edge.vertices.contains(&vertex)) {
+        for face in edge.faces {
+            let slope = hull.planes()[face as usize].normal.dot(normal);
+            if slope < lowest || (slope == lowest && face < chosen) {
+                (lowest, chosen) = (slope, face);
+            }
         }
     }
-    let face = hull.face(chosen);
+    let face = hull.face(chosen as usize);
     let corner = |(&vertex, &edge): (&u32, &u32)| Corner {
         point: incident.vertex(vertex as usize),
         feature: Feature::VertexOfSecond(vertex),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::manifold::find_manifolds;
+use crate::manifold::{Manifold, find_manifolds};
 use crate::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, Hull, Shape};
 use glam::DQuat;
@@ -79,9 +79,35 @@ fn what_jams_keeps_nothing() {
         bodies.poses[1].position += shift * DVec3::new(1.0, 1.0, 0.0);
         let found = kept.find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
         let anew = find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
-        assert_eq!(samples(&list(&found)[0]), samples(&list(&anew)[0]));
-        assert_eq!(list(&found)[0].points[0].anchor_second, list(&anew)[0].points[0].anchor_second);
+        assert_eq!(samples(&list(found)[0]), samples(&list(&anew)[0]));
+        assert_eq!(list(found)[0].points[0].anchor_second, list(&anew)[0].points[0].anchor_second);
     }
+}
+
+/// What is carried along keeps its points however far it goes; what moves a little in each frame has them found anew in time.
+#[test]
+fn only_motion_against_each_other_counts() {
+    let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
+    let anchor = |bodies: &Bodies, kept: &mut KeptPairs| {
+        let found = kept.find_manifolds(bodies, &pairs[..1], &WarmStart::default(), &frame());
+        list(found)[0].points[0].anchor_second
+    };
+    let at_start = anchor(&bodies, &mut kept);
+    let turn = DQuat::from_rotation_z(0.1);
+    for _ in 0..10 {
+        for pose in &mut bodies.poses {
+            pose.position = turn * (pose.position + DVec3::X);
+            pose.orientation = turn * pose.orientation;
+        }
+        assert_eq!(anchor(&bodies, &mut kept), at_start);
+    }
+    let kept_for = (0..10).take_while(|_| {
+        let along = bodies.poses[0].orientation * DVec3::X;
+        bodies.poses[1].position += 1e-3 * along;
+        anchor(&bodies, &mut kept) == at_start
+    });
+    // The cubes' radius is 0.87 m.
+    assert_eq!(kept_for.count(), 4);
 }
 
 /// Bodies that die and are born in between leave the others' points alone.
