@@ -15,6 +15,26 @@ pub(crate) struct Cluster {
     /// Their pairs, in groups of at most [`LANES`] that share no body that can move: one group after the other does what one pair after the
     /// other, in the order of the manifolds, would do.
     pub(crate) groups: Vec<Vec<Member>>,
+    pub(crate) effort: Effort,
+}
+
+/// How often the pairs of a cluster act in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Effort {
+    pub(crate) substeps: u32,
+    /// Passes over all pairs at each stage of a substep, every other one backwards.
+    pub(crate) passes: u32,
+}
+
+/// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
+const HEAP_PAIRS: usize = 2048;
+
+impl Effort {
+    /// What an island of some pairs takes. With four substeps stacks of ten drift by centimetres; with one pass, to before the drift and
+    /// fro after it, turned stacks do. Heaps bear both.
+    fn of(pairs: usize) -> Self {
+        if pairs > HEAP_PAIRS { Self { substeps: 4, passes: 1 } } else { Self { substeps: 8, passes: 2 } }
+    }
 }
 
 /// A pair of a cluster.
@@ -35,7 +55,8 @@ pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold]) -> (Vec<Cluster>
     let islands = islands(bodies, manifolds);
     for (number, island) in islands.iter().enumerate() {
         pairs.extend_from_slice(island);
-        if pairs.len() >= CLUSTER_PAIRS || number + 1 == islands.len() {
+        let next = islands.get(number + 1).map_or(usize::MAX, Vec::len);
+        if pairs.len() >= CLUSTER_PAIRS || next >= CLUSTER_PAIRS {
             let cluster = Cluster::new(bodies, manifolds, &std::mem::take(&mut pairs), &mut local);
             cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
             clusters.push(cluster);
@@ -50,7 +71,8 @@ const NOWHERE: u32 = u32::MAX;
 impl Cluster {
     /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
     fn new(bodies: &Bodies, manifolds: &[Manifold], pairs: &[usize], local: &mut [u32]) -> Self {
-        let mut cluster = Self { bodies: Vec::new(), groups: Vec::new() };
+        let effort = Effort::of(pairs.len());
+        let mut cluster = Self { bodies: Vec::new(), groups: Vec::new(), effort };
         // Each pair is one rank behind those before it that share a body with it.
         let mut next_rank: Vec<usize> = Vec::new();
         let mut ranks: Vec<Vec<Member>> = Vec::new();

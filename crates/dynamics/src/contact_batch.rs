@@ -3,7 +3,7 @@
 
 use crate::clusters::Member;
 use crate::contact_rows::{Basis, Directions, Point, Row, RowImpulse, Stage};
-use crate::detection::{moved_since, radius, second_from_first};
+use crate::detection::{moved_since, second_from_first};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
 use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint};
 use crate::moving::{Movers, Side, drive};
@@ -12,7 +12,7 @@ use crate::tally::{Debt, Tally};
 use crate::warm_start::{Carried, PointImpulse, WarmStart};
 use crate::{Bodies, Frame, Motion};
 use frangible_geometry::RigidTransform;
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 /// Where the points of a row are on their bodies: see [`ManifoldPoint`].
 #[derive(Clone)]
@@ -96,14 +96,21 @@ pub(crate) struct Batch<I> {
 /// What is known of one pair.
 pub(crate) struct Patch {
     pub(crate) pair: Pair,
-    /// `second_from_first` when its points were found, and the bodies' travel then [m].
-    found_at: RigidTransform,
+    /// The bodies' travel when it was last looked at [m].
     travel: f64,
     /// Of the smaller body [m].
     size: f64,
     /// Whether points acted that have been replaced since.
     touched: bool,
-    /// Where one of its points was last, in the world frame [m].
+    /// If its points were found anew since the frame's start.
+    anew: Option<Box<Anew>>,
+}
+
+/// When points were found anew.
+struct Anew {
+    /// `second_from_first` then.
+    found_at: RigidTransform,
+    /// Where the first of them was before, in the world frame [m].
     point: DVec3,
 }
 
@@ -134,12 +141,14 @@ impl<I: Instructions> Batch<I> {
         let mut batch = Self::empty([[movers.nobody(); LANES]; 2], step.dt);
         for (lane, member) in group.iter().enumerate() {
             let manifold = &manifolds[member.manifold];
-            batch.add_pair(bodies, lane, manifold, member.locals);
+            batch.add_pair((bodies, movers), lane, manifold.pair, member.locals);
+            let orientations = batch.start_orientations(movers, lane);
             let carried = carried[member.manifold];
             for (number, point) in manifold.points.iter().enumerate() {
                 let same = carried.iter().find(|carried| carried.sample == point.sample);
-                let impulses = same.map(|same| same.impulses).unwrap_or_default();
-                batch.place(movers, lane, (number, point), impulses);
+                let forces = same.map(|same| same.forces).unwrap_or_default();
+                let impulses = [forces[0].scaled(step.dt), forces[1].scaled(step.dt)];
+                batch.place(lane, (number, point), &orientations, impulses);
             }
             batch.soften(lane, manifold.points.len());
         }
@@ -177,11 +186,9 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// Gives a lane its pair.
-    fn add_pair(&mut self, bodies: &Bodies, lane: usize, manifold: &Manifold, locals: [u32; 2]) {
-        let pair = manifold.pair;
-        let (first, second) = placed(bodies, pair, &bodies.poses);
+    fn add_pair(&mut self, (bodies, movers): (&Bodies, &Movers), lane: usize, pair: Pair, locals: [u32; 2]) {
         [self.locals[0][lane], self.locals[1][lane]] = locals;
-        let [centre, other_centre] = [pair.first, pair.second].map(|i| bodies.poses[i].position);
+        let (centre, other_centre) = (movers.start(locals[0]).position, movers.start(locals[1]).position);
         self.start_offset.set(lane, centre - other_centre);
 
         // How its surfaces hold.
@@ -204,11 +211,10 @@ impl<I: Instructions> Batch<I> {
         self.spin.set(lane, spin - other_spin);
         self.patches.push(Patch {
             pair,
-            found_at: second_from_first(first, second),
             travel: 0.0,
-            size: radius(first.shape).min(radius(second.shape)),
+            size: movers.size(locals[0]).min(movers.size(locals[1])),
             touched: false,
-            point: centre,
+            anew: None,
         });
     }
 
@@ -228,9 +234,9 @@ impl<I: Instructions> Batch<I> {
     /// Puts a point into a lane, with what acts there.
     fn place(
         &mut self,
-        movers: &Movers,
         lane: usize,
         (number, point): (usize, &ManifoldPoint),
+        start_orientations: &[DQuat; 2],
         impulses: [PointImpulse; 2],
     ) {
         self.turn_lane(lane, number, point.normal);
@@ -250,9 +256,8 @@ impl<I: Instructions> Batch<I> {
         let directions = self.directions[number.min(self.directions.len() - 1)];
         let (normal, tangent) = (directions.normal.get(lane), directions.tangent.get(lane));
         let anchors = &mut self.anchors[number];
-        let on = [point.anchor_first, point.anchor_second];
-        let lever = |side: usize| movers.start(self.locals[side][lane]).orientation * on[side];
-        let levers = [lever(0), lever(1)];
+        let levers =
+            [start_orientations[0] * point.anchor_first, start_orientations[1] * point.anchor_second];
         for side in 0..2 {
             anchors.levers[side].set(lane, levers[side]);
             anchors.rounding[side].set(lane, point.rounding[side]);
@@ -275,19 +280,24 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
+    /// How a lane's bodies were turned at the frame's start.
+    fn start_orientations(&self, movers: &Movers, lane: usize) -> [DQuat; 2] {
+        [movers.start(self.locals[0][lane]).orientation, movers.start(self.locals[1][lane]).orientation]
+    }
+
     /// Gives a lane's point its normal: all rows have the same ones as long as all points of each pair have.
     fn turn_lane(&mut self, lane: usize, number: usize, normal: DVec3) {
         if self.directions.is_empty() {
             self.directions.push(Directions::NONE);
         }
         let is_first = !self.rows.iter().any(|row| row.is_there.get(lane));
-        let mut own = self.directions[0];
-        own.set(lane, normal);
-        if self.directions.len() == 1
-            && (is_first || own.normal.get(lane) == self.directions[0].normal.get(lane))
-        {
-            self.directions[0] = own;
-            return;
+        if self.directions.len() == 1 {
+            if is_first {
+                self.directions[0].set(lane, normal);
+            }
+            if self.directions[0].is(lane, normal) {
+                return;
+            }
         }
         let last = self.directions[self.directions.len() - 1];
         self.directions.resize(self.rows.len().max(number + 1).max(2), last);
@@ -302,10 +312,10 @@ impl<I: Instructions> Batch<I> {
             if !row.is_there.get(lane) {
                 continue;
             }
-            let carried =
-                Carried { sample: self.anchors[at].sample(lane), impulses: self.impulses_of(at, lane) };
+            let impulses = self.impulses_of(at, lane);
+            let carried = Carried { sample: self.anchors[at].sample(lane), forces: impulses };
             let met_at = row.has_met.get(lane).then_some(self.met_at[at].get(lane));
-            taken.push(Taken { carried, met_at, touched: row.touched.get(lane) });
+            taken.push(Taken { carried, impulses, met_at, touched: row.touched.get(lane) });
             self.rows[at].clear(lane);
             if self.rolls {
                 self.twists[at].iter_mut().for_each(|twist| twist.set(lane, DVec3::ZERO));
@@ -344,7 +354,11 @@ impl<I: Instructions> Batch<I> {
             let may_be_stale = movers.travel(pair) - patch.travel > STALE * patch.size;
             if may_be_stale {
                 let (first, second) = placed(bodies, patch.pair, &bodies.poses);
-                if moved_since(&patch.found_at, first, second, 0.0) > STALE * patch.size {
+                let found_at = match &patch.anew {
+                    Some(anew) => anew.found_at,
+                    None => movers.start_second_from_first(pair),
+                };
+                if moved_since(&found_at, first, second, 0.0) > STALE * patch.size {
                     pair.into_iter().for_each(|local| movers.hand_back_one(bodies, local));
                     self.find_anew(lane, (bodies, movers), finder, rest);
                     is_changed = true;
@@ -367,18 +381,18 @@ impl<I: Instructions> Batch<I> {
         let point = self.last_point(bodies, lane);
         let taken = self.take(lane);
         let patch = &mut self.patches[lane];
-        patch.found_at = second_from_first(first, second);
+        patch.anew = Some(Box::new(Anew { found_at: second_from_first(first, second), point }));
         patch.touched |= taken.iter().any(|taken| taken.touched);
-        patch.point = point;
 
         let mut warm = WarmStart::default();
         warm.keep(bodies, pair, taken.iter().filter(|taken| taken.touched).map(|taken| taken.carried));
         let manifold = finder.find(bodies, pair, &warm, rest);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
+        let orientations = self.start_orientations(movers, lane);
         for (number, point) in points.iter().enumerate() {
             let same = taken.iter().find(|taken| taken.carried.sample == point.sample);
-            let impulses = same.map(|same| same.carried.impulses).unwrap_or_default();
-            self.place(movers, lane, (number, point), impulses);
+            let impulses = same.map(|same| same.impulses).unwrap_or_default();
+            self.place(lane, (number, point), &orientations, impulses);
             if let Some(same) = same {
                 let row = &mut self.rows[number];
                 row.has_met.set(lane, same.met_at.is_some());
@@ -446,6 +460,15 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
+    /// Asks for what a visit will need.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, movers: &Movers) {
+        I::prefetch(&self.rows);
+        I::prefetch(&self.directions);
+        movers.prefetch::<I>(&self.locals[0]);
+        movers.prefetch::<I>(&self.locals[1]);
+    }
+
     #[inline(always)]
     pub(crate) fn sides(&self, movers: &Movers) -> [Side<I>; 2] {
         [movers.load(&self.locals[0]), movers.load(&self.locals[1])]
@@ -500,7 +523,7 @@ impl<I: Instructions> Batch<I> {
             Some(row) if row.is_there.get(lane) => {
                 row.lever.get(lane) + bodies.poses[patch.pair.first].position
             }
-            _ => patch.point,
+            _ => patch.anew.as_ref().map_or(DVec3::ZERO, |anew| anew.point),
         }
     }
 
@@ -537,7 +560,7 @@ impl<I: Instructions> Batch<I> {
         };
         (0..self.rows.len()).filter(acted).map(move |at| Carried {
             sample: self.anchors[at].sample(lane),
-            impulses: self.impulses_of(at, lane),
+            forces: self.impulses_of(at, lane).map(|impulse| impulse.scaled(1.0 / self.dt)),
         })
     }
 }
@@ -545,6 +568,7 @@ impl<I: Instructions> Batch<I> {
 /// A point that was taken out of a lane.
 struct Taken {
     carried: Carried,
+    impulses: [PointImpulse; 2],
     met_at: Option<f64>,
     touched: bool,
 }

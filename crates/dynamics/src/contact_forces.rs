@@ -1,10 +1,9 @@
 //! What contacts carried at the end of a frame.
 
+use crate::Bodies;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
-use crate::substeps::SUBSTEPS;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame};
 use glam::DVec3;
 
 /// A force at a point of contact.
@@ -18,29 +17,27 @@ pub struct ContactForce {
     pub force: DVec3,
 }
 
-/// The forces of the frame's last substep at the points that were found at its start, in order. What bounced has left none.
-pub fn contact_forces(
+/// The forces of the frame's last substep at the points that some manifolds had at its start, in order. What bounced has left none.
+pub fn contact_forces<'a>(
     bodies: &Bodies,
-    manifolds: &[Manifold],
+    manifolds: impl Iterator<Item = Manifold<'a>>,
     carried: &WarmStart,
-    frame: &Frame,
 ) -> Vec<ContactForce> {
-    let rate = f64::from(SUBSTEPS) / frame.dt;
-    let of = |manifold: &Manifold| {
+    let of = |manifold: Manifold| {
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
-            let impulses = &carried.get(bodies, pair, point.sample)?.impulses;
-            let impulse =
-                |at: usize| f64::from(impulses[at].normal) * point.normal + impulses[at].tangent.as_dvec3();
+            let forces = &carried.get(bodies, pair, point.sample)?.forces;
+            let force =
+                |at: usize| f64::from(forces[at].normal) * point.normal + forces[at].tangent.as_dvec3();
             let towards =
                 |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);
             let points = [
                 point.anchor_first - towards(pair.first, point.rounding[0]),
                 point.anchor_second + towards(pair.second, point.rounding[1]),
             ];
-            Some(ContactForce { pair, points, force: rate * (impulse(0) + impulse(1)) })
+            Some(ContactForce { pair, points, force: force(0) + force(1) })
         });
         forces.collect::<Vec<_>>()
     };
-    manifolds.iter().flat_map(of).collect()
+    manifolds.flat_map(of).collect()
 }

@@ -240,6 +240,11 @@ const MOST_ELONGATED: f64 = 1e4;
 impl<I: Instructions> Directions<I> {
     pub(crate) const NONE: Self = Self { normal: Kept3::ZERO, tangent: Kept3::ZERO };
 
+    /// Whether a lane has this normal.
+    pub(crate) fn is(&self, lane: usize, normal: DVec3) -> bool {
+        self.normal.get(lane).as_vec3() == normal.as_vec3()
+    }
+
     pub(crate) fn set(&mut self, lane: usize, normal: DVec3) {
         self.normal.set(lane, normal);
         self.tangent.set(lane, normal.any_orthonormal_vector());

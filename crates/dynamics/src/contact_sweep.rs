@@ -33,7 +33,7 @@ pub(crate) struct Pass {
     /// All points act: normal, friction, rolling.
     sweeps: bool,
     /// Only those act that meet fast.
-    only_meeting: bool,
+    pub(crate) only_meeting: bool,
     /// The last one over what does not meet fast, or over what does.
     is_last: [bool; 2],
 }
@@ -43,17 +43,16 @@ impl Pass {
     pub(crate) const TOGETHER: Self =
         Self { is_fro: false, together: true, sweeps: false, only_meeting: true, is_last: [false; 2] };
 
-    /// Over all rows.
-    pub(crate) const TO: Self = Self { together: false, sweeps: true, only_meeting: false, ..Self::TOGETHER };
-
-    /// And back.
-    pub(crate) const FRO: Self = Self { is_fro: true, is_last: [true, false], ..Self::TO };
-
     /// Another one over what meets fast: it has no impulses to start from.
     pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
 
     /// The last of these.
     pub(crate) const LAST_MEETING: Self = Self { is_last: [false, true], ..Self::MEETING };
+
+    /// Over all rows, to or fro.
+    pub(crate) fn over_all(is_fro: bool, is_last: bool) -> Self {
+        Self { is_fro, together: false, sweeps: true, only_meeting: false, is_last: [is_last, false] }
+    }
 }
 
 impl<I: Instructions> Given<I> {
@@ -175,9 +174,6 @@ impl<I: Instructions> Batch<I> {
     /// One pass over the rows.
     #[inline(always)]
     pub(crate) fn act(&mut self, movers: &mut Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
-        if pass.only_meeting && !self.bounces {
-            return;
-        }
         let mut visit = Visit::new(self.sides(movers), beat);
         if pass.together {
             self.act_together(&mut visit, beat);

@@ -35,6 +35,8 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + 'static {
     fn narrow(a: Numbers) -> Singles;
     /// Rows become columns.
     fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES];
+    /// Asks for what will be needed soon; changes nothing.
+    fn prefetch<T>(soon: &[T]);
     /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine must have them.
     fn run(kernel: impl FnOnce());
 }
@@ -122,6 +124,9 @@ impl Instructions for Scalar {
         }
         columns
     }
+
+    #[inline(always)]
+    fn prefetch<T>(_: &[T]) {}
 
     #[inline(always)]
     fn run(kernel: impl FnOnce()) {
@@ -251,6 +256,14 @@ mod x86 {
                         out[i] = Self::numbers(columns[i]);
                     }
                     out
+                }
+
+                #[inline(always)]
+                fn prefetch<T>(soon: &[T]) {
+                    let start = soon.as_ptr().cast::<i8>();
+                    for line in (0..size_of_val(soon)).step_by(64) {
+                        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) };
+                    }
                 }
 
                 #[inline(always)]

@@ -5,6 +5,7 @@ use crate::evolve::evolve;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Motion, Pose, Velocity};
+use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 
 /// A body, in lines that are loaded for several bodies at once.
@@ -28,6 +29,8 @@ pub(crate) struct Movers {
     moving: Vec<Moving>,
     /// Poses at the frame's start.
     starts: Vec<Pose>,
+    /// Radii of balls around the centres of mass that hold them [m].
+    sizes: Vec<f64>,
     /// How far any of their points can have moved since the frame's start [m].
     travel: Vec<f64>,
     /// Impulse and angular impulse about the world's origin that gravity gave.
@@ -63,6 +66,7 @@ impl Movers {
         let mut movers = Self {
             moving: vec![Moving::NONE; who.len() + 1],
             starts: who.iter().map(|&i| bodies.poses[i]).collect(),
+            sizes: who.iter().map(|&i| radius(&bodies.shapes[i])).collect(),
             travel: vec![0.0; who.len()],
             who,
             gravity: (DVec3::ZERO, DVec3::ZERO),
@@ -112,7 +116,7 @@ impl Movers {
                     (velocity.linear.length(), fastest * velocity.angular_momentum.length())
                 }
             };
-            let size = radius(&bodies.shapes[i]);
+            let size = self.sizes[local];
             let turning = if spin > 0.0 { spin * size } else { 0.0 };
             self.travel[local] += step.dt * (speed + turning);
             let stirred = if size.is_finite() { self.travel[local] / size } else { 0.0 };
@@ -162,6 +166,14 @@ impl Movers {
         }
     }
 
+    /// Asks for some bodies that will be loaded.
+    #[inline(always)]
+    pub(crate) fn prefetch<I: Instructions>(&self, locals: &[u32; LANES]) {
+        for &local in locals {
+            I::prefetch(&self.moving[local as usize..][..1]);
+        }
+    }
+
     /// No body that can move is in two lanes.
     #[inline(always)]
     pub(crate) fn store<I: Instructions>(&mut self, locals: &[u32; LANES], side: &Side<I>) {
@@ -184,6 +196,16 @@ impl Movers {
         }
         let [x, y, z, qx, qy, qz, qw, stirred] = Lanes::transposed(shifts);
         Shift { translation: Lanes3 { x, y, z }, rotation: (Lanes3 { x: qx, y: qy, z: qz }, qw), stirred }
+    }
+
+    /// Radius of a ball around a body's centre of mass that holds it [m].
+    pub(crate) fn size(&self, local: u32) -> f64 {
+        self.sizes[local as usize]
+    }
+
+    /// `second_from_first` of a pair at the frame's start.
+    pub(crate) fn start_second_from_first(&self, [first, second]: [u32; 2]) -> RigidTransform {
+        self.start(second).world_from_body().inverse().after(&self.start(first).world_from_body())
     }
 
     /// Where a body was at the frame's start.

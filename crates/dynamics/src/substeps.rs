@@ -15,8 +15,8 @@ use crate::warm_start::{Carried, WarmStart};
 use crate::{Bodies, Frame, Motion, Pose, Tally, Width};
 use glam::DVec3;
 
-/// Substeps of a frame: with four, stacks of ten drift by centimetres.
-pub(crate) const SUBSTEPS: u32 = 8;
+/// Steps in which kinematic bodies turn through a frame.
+const TURNS: u32 = 8;
 
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
@@ -35,30 +35,29 @@ pub struct Solved {
 /// Moves all bodies through one frame: cluster by cluster, as none feels another. What `warm` keeps from the last frame is replaced by
 /// what acted in this one.
 pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
-    let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
     match available(frame.settings.width) {
-        Width::Scalar => solve_with::<Scalar>(bodies, manifolds, warm, &step, &mut solved),
+        Width::Scalar => solve_with::<Scalar>(bodies, manifolds, warm, frame, &mut solved),
         #[cfg(target_arch = "x86_64")]
-        Width::Sse2 => solve_with::<Sse2>(bodies, manifolds, warm, &step, &mut solved),
+        Width::Sse2 => solve_with::<Sse2>(bodies, manifolds, warm, frame, &mut solved),
         #[cfg(target_arch = "x86_64")]
-        Width::Avx2 => solve_with::<Avx2>(bodies, manifolds, warm, &step, &mut solved),
+        Width::Avx2 => solve_with::<Avx2>(bodies, manifolds, warm, frame, &mut solved),
         #[cfg(target_arch = "x86_64")]
-        Width::Avx512 => solve_with::<Avx512>(bodies, manifolds, warm, &step, &mut solved),
+        Width::Avx512 => solve_with::<Avx512>(bodies, manifolds, warm, frame, &mut solved),
         #[cfg(not(target_arch = "x86_64"))]
         Width::Sse2 | Width::Avx2 | Width::Avx512 => {
-            solve_with::<Scalar>(bodies, manifolds, warm, &step, &mut solved)
+            solve_with::<Scalar>(bodies, manifolds, warm, frame, &mut solved)
         }
     }
     solved
 }
 
-/// [`solve`] with some instructions, in substeps of `step`.
+/// [`solve`] with some instructions.
 fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
     warm: &mut WarmStart,
-    step: &Frame,
+    frame: &Frame,
     solved: &mut Solved,
 ) {
     let (clusters, is_in_one) = clusters(bodies, manifolds);
@@ -70,27 +69,29 @@ fn solve_with<I: Instructions>(
         let kinematic = |&i: &usize| matches!(bodies.motions[i], Motion::Kinematic { .. });
         let driven: Vec<usize> = cluster.bodies.iter().copied().filter(kinematic).collect();
         driven.into_iter().for_each(|i| bodies.poses[i] = starts[i]);
-        let mut solver = Solver::<I>::new(bodies, cluster, manifolds, (&carried, step));
-        for done in 0..SUBSTEPS {
-            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..*step };
-            solver.substep(&rest, step);
+        let substeps = cluster.effort.substeps;
+        let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
+        let mut solver = Solver::<I>::new(bodies, cluster, manifolds, (&carried, &step));
+        for done in 0..substeps {
+            let rest = Frame { dt: f64::from(substeps - done) * step.dt, ..step };
+            solver.substep(&rest, &step, frame);
         }
         solver.close(&mut kept, solved);
     }
-    fly(bodies, &is_in_one, &starts, step, solved);
+    fly(bodies, &is_in_one, &starts, frame, solved);
     kept.put_in_order();
     *warm = kept;
 }
 
 /// Bodies that may touch nothing, and kinematic ones, for which nothing is in the way.
-fn fly(bodies: &mut Bodies, is_in_one: &[bool], starts: &[Pose], step: &Frame, solved: &mut Solved) {
-    let frame = Frame { dt: f64::from(SUBSTEPS) * step.dt, ..*step };
+fn fly(bodies: &mut Bodies, is_in_one: &[bool], starts: &[Pose], frame: &Frame, solved: &mut Solved) {
+    let step = Frame { dt: frame.dt / f64::from(TURNS), ..*frame };
     for i in 0..bodies.len() {
         match bodies.motions[i] {
             Motion::Static => {}
             Motion::Kinematic { .. } => {
                 let velocity = bodies.velocities[i];
-                let end = (0..SUBSTEPS).fold(starts[i], |pose, _| evolve(bodies, i, &pose, &velocity, step));
+                let end = (0..TURNS).fold(starts[i], |pose, _| evolve(bodies, i, &pose, &velocity, &step));
                 bodies.poses[i] = end;
             }
             Motion::Dynamic if is_in_one[i] => {}
@@ -99,12 +100,35 @@ fn fly(bodies: &mut Bodies, is_in_one: &[bool], starts: &[Pose], step: &Frame, s
                 let weight = bodies.masses[i] * half;
                 bodies.velocities[i].linear += half;
                 solved.gravity.1 += bodies.poses[i].position.cross(weight);
-                bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], &frame);
+                bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame);
                 bodies.velocities[i].linear += half;
                 solved.gravity.1 += bodies.poses[i].position.cross(weight);
                 solved.gravity.0 += 2.0 * weight;
             }
         }
+    }
+}
+
+/// Batches of which fewer than this are all in the core's own cache.
+const FAR: usize = 256;
+
+/// Visits all batches, to or fro. Of many, it asks for the memory of the next ones first.
+#[inline(always)]
+fn each<I: Instructions>(
+    batches: &mut [Batch<I>],
+    movers: &mut Movers,
+    is_fro: bool,
+    mut visit: impl FnMut(&mut Batch<I>, &mut Movers),
+) {
+    let count = batches.len();
+    for step in 0..count {
+        let at = if is_fro { count - 1 - step } else { step };
+        if count > FAR {
+            let ahead = |by: usize| if is_fro { at.saturating_sub(by) } else { (at + by).min(count - 1) };
+            I::prefetch(&batches[ahead(2)..][..1]);
+            batches[ahead(1)].prefetch(movers);
+        }
+        visit(&mut batches[at], movers);
     }
 }
 
@@ -116,6 +140,7 @@ struct Solver<'a, I> {
     finder: ManifoldFinder,
     given: Given<I>,
     tally: Tally,
+    passes: u32,
 }
 
 impl<'a, I: Instructions> Solver<'a, I> {
@@ -135,16 +160,17 @@ impl<'a, I: Instructions> Solver<'a, I> {
             finder: ManifoldFinder::default(),
             given: Given::ZERO,
             tally: Tally::default(),
+            passes: cluster.effort.passes,
         };
         solver.follow(None);
         solver
     }
 
     /// Half kick, impulses, drift, half kick, relax, bounce. `rest` is what is left of the frame.
-    fn substep(&mut self, rest: &Frame, step: &Frame) {
+    fn substep(&mut self, rest: &Frame, step: &Frame, frame: &Frame) {
         self.refresh(rest);
         self.movers.kick(self.bodies, step);
-        self.meet(step);
+        self.meet(step, frame);
         self.contact(&Beat::new(Stage::BeforeDrift, step));
         self.movers.drift(self.bodies, step);
         self.movers.kick(self.bodies, step);
@@ -167,16 +193,20 @@ impl<'a, I: Instructions> Solver<'a, I> {
     }
 
     /// Who meets in this substep.
-    fn meet(&mut self, step: &Frame) {
-        let threshold = BOUNCE * step.gravity.length() * f64::from(SUBSTEPS) * step.dt;
+    fn meet(&mut self, step: &Frame, frame: &Frame) {
+        let threshold = BOUNCE * frame.gravity.length() * frame.dt;
         let Self { bodies, movers, batches, .. } = self;
         batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
         I::run(
             #[inline(always)]
             || {
-                for batch in batches {
-                    batch.meet(movers, threshold, step);
-                }
+                each(
+                    batches,
+                    movers,
+                    false,
+                    #[inline(always)]
+                    |batch, movers| batch.meet(movers, threshold, step),
+                );
             },
         );
     }
@@ -187,9 +217,13 @@ impl<'a, I: Instructions> Solver<'a, I> {
         I::run(
             #[inline(always)]
             || {
-                for batch in batches.iter_mut() {
-                    batch.follow(movers, drifted);
-                }
+                each(
+                    batches,
+                    movers,
+                    false,
+                    #[inline(always)]
+                    |batch, movers| batch.follow(movers, drifted),
+                );
             },
         );
         for batch in batches.iter_mut() {
@@ -200,14 +234,17 @@ impl<'a, I: Instructions> Solver<'a, I> {
         }
     }
 
-    /// Contact at one stage of a substep: what acted at this stage of the last one, then a pass over all rows to and one fro, so that none
+    /// Contact at one stage of a substep: what acted at this stage of the last one, then passes over all rows, to and fro, so that none
     /// always has the last word and stacks do not lean. What meets now has no impulses to start from, and takes more passes, its normals
     /// first.
     fn contact(&mut self, beat: &Beat) {
         self.go_on(beat);
         self.pass(beat, Pass::TOGETHER);
-        self.pass(beat, Pass::TO);
-        self.pass(beat, Pass::FRO);
+        let begins_fro = self.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
+        for number in 0..self.passes {
+            let is_fro = (number % 2 == 1) != begins_fro;
+            self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
+        }
         for _ in 2..MEETING_PASSES {
             self.pass(beat, Pass::MEETING);
         }
@@ -220,9 +257,13 @@ impl<'a, I: Instructions> Solver<'a, I> {
         I::run(
             #[inline(always)]
             || {
-                for batch in batches.iter_mut() {
-                    batch.go_on(movers, beat, given);
-                }
+                each(
+                    batches,
+                    movers,
+                    false,
+                    #[inline(always)]
+                    |batch, movers| batch.go_on(movers, beat, given),
+                );
             },
         );
     }
@@ -233,11 +274,19 @@ impl<'a, I: Instructions> Solver<'a, I> {
         I::run(
             #[inline(always)]
             || {
-                let count = batches.len();
-                for at in 0..count {
-                    let batch = &mut batches[if pass.is_fro { count - 1 - at } else { at }];
-                    batch.act(movers, beat, pass, given);
+                if pass.only_meeting {
+                    for batch in batches.iter_mut().filter(|batch| batch.bounces) {
+                        batch.act(movers, beat, pass, given);
+                    }
+                    return;
                 }
+                each(
+                    batches,
+                    movers,
+                    pass.is_fro,
+                    #[inline(always)]
+                    |batch, movers| batch.act(movers, beat, pass, given),
+                );
             },
         );
     }

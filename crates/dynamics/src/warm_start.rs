@@ -6,7 +6,7 @@ use crate::{Bodies, BodyId};
 use glam::Vec3;
 use std::ops::Range;
 
-/// The last substep's impulses of each contact point that acted, before and after its drift.
+/// What acted in a frame's last substep at each contact point, before and after its drift.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     points: Vec<Carried>,
@@ -19,8 +19,8 @@ pub struct WarmStart {
 pub struct Carried {
     /// Whether it is a sample or feature of the pair's first body, and which.
     pub sample: (bool, u64),
-    /// Before and after the drift.
-    pub impulses: [PointImpulse; 2],
+    /// Before and after the drift: impulses per second of a substep, since the next frame may have more or fewer of them.
+    pub forces: [PointImpulse; 2],
 }
 
 /// What acts at one contact point.
@@ -32,6 +32,14 @@ pub struct PointImpulse {
     pub tangent: Vec3,
     /// Of rolling and spinning friction, world frame [N m s].
     pub twist: Vec3,
+}
+
+impl PointImpulse {
+    /// So many times as much.
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        let by = by as f32;
+        Self { normal: by * self.normal, tangent: by * self.tangent, twist: by * self.twist }
+    }
 }
 
 impl WarmStart {

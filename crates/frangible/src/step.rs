@@ -171,8 +171,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let is_glued = |&Manifold { pair: Pair { first, second }, .. }: &Manifold| {
         labels[first].bonds.is_some() || labels[second].bonds.is_some()
     };
-    let on_glued = manifolds.into_iter().filter(is_glued).collect::<Vec<_>>();
-    let forces = contact_forces(bodies, &on_glued, warm, frame);
+    let forces = contact_forces(bodies, manifolds.into_iter().filter(is_glued), warm);
     note_carried(world, &forces);
     clock.lap("solve");
     Moved { fractures, flight, gravity, tally }
