@@ -50,52 +50,61 @@ pub(crate) struct Hold<I> {
 pub(crate) struct Batch<I> {
     /// Their bodies, by their place in the cluster.
     pub(crate) locals: [[u32; LANES]; 2],
-    /// Centres of mass of the first bodies less those of the second ones, now and at the frame's start [m].
+    /// Centres of mass of the first bodies less those of the second ones [m].
     pub(crate) offset: Lanes3<I>,
-    start_offset: Lanes3<I>,
+    /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
+    pub(crate) given: Lanes<I>,
+    pub(crate) soft: Softness<Kept<I>>,
+    pub(crate) friction: Kept<I>,
     pub(crate) rows: Vec<Row<I>>,
     /// One for all rows, or one for each.
     directions: Vec<Directions<I>>,
-    pub(crate) soft: Softness<Kept<I>>,
-    pub(crate) friction: Kept<I>,
-    pub(crate) restitution: Lanes<I>,
-    /// Of rolling and of spinning friction [m].
-    pub(crate) roll_lengths: [Lanes<I>; 2],
-    /// Whether any of these is not zero.
+    /// Whether there is rolling or spinning friction.
     pub(crate) rolls: bool,
     /// Whether a kinematic body is among them.
     pub(crate) is_driven: bool,
+    /// Whether a static or kinematic body is among them.
+    pub(crate) has_outside: bool,
     /// Whether any point has to bounce.
     pub(crate) bounces: bool,
+    pub(crate) rest: Box<Rest<I>>,
+}
+
+/// What not every pass needs to know of a batch.
+pub(crate) struct Rest<I> {
+    /// Centres of mass of the first bodies less those of the second ones, at the frame's start [m].
+    start_offset: Lanes3<I>,
+    /// Centres of mass of the first bodies at the frame's start, and now if there is something outside [m].
+    start: Lanes3<I>,
+    pub(crate) centre: Lanes3<I>,
+    /// How much [`Movers`] had been stirred when the rows' responses were found.
+    answered_at: Lanes<I>,
+    pub(crate) restitution: Lanes<I>,
+    /// Of rolling and of spinning friction [m].
+    pub(crate) roll_lengths: [Lanes<I>; 2],
+    /// What kinematic bodies add to the spin of the first bodies less that of the second ones [rad/s].
+    pub(crate) spin: Lanes3<I>,
+    /// Work of kinematic bodies in this frame [J].
+    pub(crate) work: Lanes<I>,
+    /// At which speed the surfaces of each row have met [m/s].
+    pub(crate) met_at: Vec<Lanes<I>>,
     /// Of rolling and spinning friction, before and after the drift, a pair for each row if anything rolls [N m s].
     pub(crate) twists: Vec<[Lanes3<I>; 2]>,
     /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are
     /// there [m/s].
     drives: Vec<Lanes3<I>>,
-    /// What they add to the spin of the first bodies less that of the second ones [rad/s].
-    pub(crate) spin: Lanes3<I>,
-    /// At which speed the surfaces of each row have met [m/s].
-    pub(crate) met_at: Vec<Lanes<I>>,
-    /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
-    pub(crate) given: Lanes<I>,
-    /// Work of kinematic bodies in this frame [J].
-    pub(crate) work: Lanes<I>,
-    /// Whether a static or kinematic body is among them; then, centres of mass of the first bodies at the frame's start and now [m].
-    pub(crate) has_outside: bool,
-    start: Lanes3<I>,
-    pub(crate) centre: Lanes3<I>,
-    /// How much [`Movers`] had been stirred when the rows' responses were found.
-    answered_at: Lanes<I>,
-    /// Of a substep [s].
-    dt: f64,
     anchors: Vec<Anchors<I>>,
     /// One for each lane that is used.
     pub(crate) patches: Vec<Patch>,
+    /// Of a substep [s].
+    dt: f64,
 }
 
 /// What is known of one pair.
 pub(crate) struct Patch {
     pub(crate) pair: Pair,
+    /// Its place among the manifolds.
+    pub(crate) manifold: usize,
     /// The bodies' travel when it was last looked at [m].
     travel: f64,
     /// Of the smaller body [m].
@@ -141,7 +150,7 @@ impl<I: Instructions> Batch<I> {
         let mut batch = Self::empty([[movers.nobody(); LANES]; 2], step.dt);
         for (lane, member) in group.iter().enumerate() {
             let manifold = &manifolds[member.manifold];
-            batch.add_pair((bodies, movers), lane, manifold.pair, member.locals);
+            batch.add_pair((bodies, movers), lane, member, manifold.pair);
             let orientations = batch.start_orientations(movers, lane);
             let carried = carried[member.manifold];
             for (number, point) in manifold.points.iter().enumerate() {
@@ -156,61 +165,67 @@ impl<I: Instructions> Batch<I> {
     }
 
     fn empty(locals: [[u32; LANES]; 2], dt: f64) -> Self {
-        Self {
-            dt,
-            locals,
-            offset: Lanes3::ZERO,
+        let rest = Rest {
             start_offset: Lanes3::ZERO,
-            rows: Vec::with_capacity(4),
-            directions: Vec::with_capacity(1),
-            soft: Softness { rate: Kept::ZERO, mass_scale: Kept::ZERO, impulse_scale: Kept::ZERO },
-            friction: Kept::ZERO,
-            restitution: Lanes::ZERO,
-            roll_lengths: [Lanes::ZERO; 2],
-            rolls: false,
-            is_driven: false,
-            bounces: false,
-            twists: Vec::new(),
-            drives: Vec::new(),
-            spin: Lanes3::ZERO,
-            met_at: Vec::with_capacity(4),
-            given: Lanes::ZERO,
-            work: Lanes::ZERO,
-            has_outside: false,
             start: Lanes3::ZERO,
             centre: Lanes3::ZERO,
             answered_at: Lanes::ZERO,
+            restitution: Lanes::ZERO,
+            roll_lengths: [Lanes::ZERO; 2],
+            spin: Lanes3::ZERO,
+            work: Lanes::ZERO,
+            met_at: Vec::with_capacity(4),
+            twists: Vec::new(),
+            drives: Vec::new(),
             anchors: Vec::with_capacity(4),
             patches: Vec::with_capacity(LANES),
+            dt,
+        };
+        Self {
+            locals,
+            offset: Lanes3::ZERO,
+            given: Lanes::ZERO,
+            soft: Softness { rate: Kept::ZERO, mass_scale: Kept::ZERO, impulse_scale: Kept::ZERO },
+            friction: Kept::ZERO,
+            rows: Vec::with_capacity(4),
+            directions: Vec::with_capacity(1),
+            rolls: false,
+            is_driven: false,
+            has_outside: false,
+            bounces: false,
+            rest: Box::new(rest),
         }
     }
 
     /// Gives a lane its pair.
-    fn add_pair(&mut self, (bodies, movers): (&Bodies, &Movers), lane: usize, pair: Pair, locals: [u32; 2]) {
+    fn add_pair(&mut self, (bodies, movers): (&Bodies, &Movers), lane: usize, member: &Member, pair: Pair) {
+        let locals = member.locals;
         [self.locals[0][lane], self.locals[1][lane]] = locals;
         let (centre, other_centre) = (movers.start(locals[0]).position, movers.start(locals[1]).position);
-        self.start_offset.set(lane, centre - other_centre);
+        self.rest.start_offset.set(lane, centre - other_centre);
 
         // How its surfaces hold.
         let surfaces = bodies.pair_contactant(pair.first, pair.second);
         self.friction.set(lane, surfaces.friction);
-        self.restitution.set(lane, surfaces.restitution);
-        self.roll_lengths[0].set(lane, surfaces.rolling_friction);
-        self.roll_lengths[1].set(lane, surfaces.spinning_friction);
+        self.rest.restitution.set(lane, surfaces.restitution);
+        self.rest.roll_lengths[0].set(lane, surfaces.rolling_friction);
+        self.rest.roll_lengths[1].set(lane, surfaces.spinning_friction);
         self.rolls |= surfaces.rolling_friction > 0.0 || surfaces.spinning_friction > 0.0;
 
         // What comes from outside.
-        let motions = [pair.first, pair.second].map(|i| bodies.motions[i]);
-        self.has_outside |= motions.iter().any(|motion| *motion != Motion::Dynamic);
-        self.start.set(lane, centre);
-        self.is_driven |= motions.iter().any(|motion| matches!(motion, Motion::Kinematic { .. }));
-        let [spin, other_spin] = motions.map(|motion| match motion {
-            Motion::Kinematic { angular, .. } => angular,
-            Motion::Static | Motion::Dynamic => DVec3::ZERO,
-        });
-        self.spin.set(lane, spin - other_spin);
-        self.patches.push(Patch {
+        self.rest.start.set(lane, centre);
+        for (local, i, sign) in [(locals[0], pair.first, 1.0), (locals[1], pair.second, -1.0)] {
+            if !movers.is_mobile(local) {
+                self.has_outside = true;
+                if let Motion::Kinematic { angular, .. } = bodies.motions[i] {
+                    self.is_driven = true;
+                    self.rest.spin.set(lane, self.rest.spin.get(lane) + sign * angular);
+                }
+            }
+        }
+        self.rest.patches.push(Patch {
             pair,
+            manifold: member.manifold,
             travel: 0.0,
             size: movers.size(locals[0]).min(movers.size(locals[1])),
             touched: false,
@@ -223,9 +238,9 @@ impl<I: Instructions> Batch<I> {
     fn soften(&mut self, lane: usize, points: usize) {
         let share = (4.0 / points as f64).min(1.0);
         let hertz = share.sqrt() * CONTACT_HERTZ;
-        let omega = std::f64::consts::TAU * hertz.min(0.25 / self.dt);
-        let a = 2.0 * CONTACT_DAMPING + self.dt * omega;
-        let b = self.dt * omega * a;
+        let omega = std::f64::consts::TAU * hertz.min(0.25 / self.rest.dt);
+        let a = 2.0 * CONTACT_DAMPING + self.rest.dt * omega;
+        let b = self.rest.dt * omega * a;
         self.soft.rate.set(lane, omega / a);
         self.soft.mass_scale.set(lane, b / (1.0 + b));
         self.soft.impulse_scale.set(lane, 1.0 / (1.0 + b));
@@ -242,20 +257,20 @@ impl<I: Instructions> Batch<I> {
         self.turn_lane(lane, number, point.normal);
         while self.rows.len() <= number {
             self.rows.push(Row::empty());
-            self.anchors.push(Anchors::empty());
-            self.met_at.push(Lanes::ZERO);
+            self.rest.anchors.push(Anchors::empty());
+            self.rest.met_at.push(Lanes::ZERO);
         }
         if self.rolls {
-            self.twists.resize(self.rows.len(), [Lanes3::ZERO; 2]);
+            self.rest.twists.resize(self.rows.len(), [Lanes3::ZERO; 2]);
         }
         if self.is_driven {
-            self.drives.resize(self.rows.len(), Lanes3::ZERO);
+            self.rest.drives.resize(self.rows.len(), Lanes3::ZERO);
         }
 
         // Where it was at the frame's start.
         let directions = self.directions[number.min(self.directions.len() - 1)];
         let (normal, tangent) = (directions.normal.get(lane), directions.tangent.get(lane));
-        let anchors = &mut self.anchors[number];
+        let anchors = &mut self.rest.anchors[number];
         let levers =
             [start_orientations[0] * point.anchor_first, start_orientations[1] * point.anchor_second];
         for side in 0..2 {
@@ -264,7 +279,7 @@ impl<I: Instructions> Batch<I> {
         }
         anchors.is_of_first.set(lane, point.sample.0);
         anchors.sample[lane] = point.sample.1;
-        let apart = (self.start_offset.get(lane) + levers[0] - levers[1]).dot(normal);
+        let apart = (self.rest.start_offset.get(lane) + levers[0] - levers[1]).dot(normal);
         anchors.gap.set(lane, apart - point.rounding[0] - point.rounding[1]);
 
         let row = &mut self.rows[number];
@@ -275,7 +290,7 @@ impl<I: Instructions> Batch<I> {
             row.impulses[at].tangent[0].set(lane, across.dot(tangent));
             row.impulses[at].tangent[1].set(lane, across.dot(normal.cross(tangent)));
             if self.rolls {
-                self.twists[number][at].set(lane, twist.as_dvec3());
+                self.rest.twists[number][at].set(lane, twist.as_dvec3());
             }
         }
     }
@@ -313,12 +328,12 @@ impl<I: Instructions> Batch<I> {
                 continue;
             }
             let impulses = self.impulses_of(at, lane);
-            let carried = Carried { sample: self.anchors[at].sample(lane), forces: impulses };
-            let met_at = row.has_met.get(lane).then_some(self.met_at[at].get(lane));
+            let carried = Carried { sample: self.rest.anchors[at].sample(lane), forces: impulses };
+            let met_at = row.has_met.get(lane).then_some(self.rest.met_at[at].get(lane));
             taken.push(Taken { carried, impulses, met_at, touched: row.touched.get(lane) });
             self.rows[at].clear(lane);
             if self.rolls {
-                self.twists[at].iter_mut().for_each(|twist| twist.set(lane, DVec3::ZERO));
+                self.rest.twists[at].iter_mut().for_each(|twist| twist.set(lane, DVec3::ZERO));
             }
         }
         taken
@@ -333,7 +348,11 @@ impl<I: Instructions> Batch<I> {
             PointImpulse {
                 normal: normal.get(lane) as f32,
                 tangent: (tangent[0].get(lane) * t + tangent[1].get(lane) * n.cross(t)).as_vec3(),
-                twist: self.twists.get(at).map_or(Vec3::ZERO, |twists| twists[stage].get(lane).as_vec3()),
+                twist: self
+                    .rest
+                    .twists
+                    .get(at)
+                    .map_or(Vec3::ZERO, |twists| twists[stage].get(lane).as_vec3()),
             }
         })
     }
@@ -348,9 +367,9 @@ impl<I: Instructions> Batch<I> {
         rest: &Frame,
     ) -> bool {
         let mut is_changed = false;
-        for lane in 0..self.patches.len() {
+        for lane in 0..self.rest.patches.len() {
             let pair = [self.locals[0][lane], self.locals[1][lane]];
-            let patch = &self.patches[lane];
+            let patch = &self.rest.patches[lane];
             let may_be_stale = movers.travel(pair) - patch.travel > STALE * patch.size;
             if may_be_stale {
                 let (first, second) = placed(bodies, patch.pair, &bodies.poses);
@@ -363,7 +382,7 @@ impl<I: Instructions> Batch<I> {
                     self.find_anew(lane, (bodies, movers), finder, rest);
                     is_changed = true;
                 }
-                self.patches[lane].travel = movers.travel(pair);
+                self.rest.patches[lane].travel = movers.travel(pair);
             }
         }
         is_changed
@@ -376,16 +395,16 @@ impl<I: Instructions> Batch<I> {
         finder: &mut ManifoldFinder,
         rest: &Frame,
     ) {
-        let pair = self.patches[lane].pair;
+        let pair = self.rest.patches[lane].pair;
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let point = self.last_point(bodies, lane);
         let taken = self.take(lane);
-        let patch = &mut self.patches[lane];
+        let patch = &mut self.rest.patches[lane];
         patch.anew = Some(Box::new(Anew { found_at: second_from_first(first, second), point }));
         patch.touched |= taken.iter().any(|taken| taken.touched);
 
-        let mut warm = WarmStart::default();
-        warm.keep(bodies, pair, taken.iter().filter(|taken| taken.touched).map(|taken| taken.carried));
+        let mut warm = WarmStart::with_room(1);
+        warm.keep(0, bodies, pair, taken.iter().filter(|taken| taken.touched).map(|taken| taken.carried));
         let manifold = finder.find(bodies, pair, &warm, rest);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
         let orientations = self.start_orientations(movers, lane);
@@ -397,7 +416,7 @@ impl<I: Instructions> Batch<I> {
                 let row = &mut self.rows[number];
                 row.has_met.set(lane, same.met_at.is_some());
                 row.touched.set(lane, same.touched);
-                self.met_at[number].set(lane, same.met_at.unwrap_or(0.0));
+                self.rest.met_at[number].set(lane, same.met_at.unwrap_or(0.0));
             }
         }
         self.soften(lane, points.len());
@@ -408,18 +427,19 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
         let (sides, shared) = (self.sides(movers), self.shared_basis());
         let (first, second) = (movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1]));
-        self.offset = self.start_offset + (first.translation - second.translation);
+        self.offset = self.rest.start_offset + (first.translation - second.translation);
         if self.has_outside {
-            self.centre = self.start + first.translation;
+            self.rest.centre = self.rest.start + first.translation;
         }
         let stirred = first.stirred + second.stirred;
-        let answers = drifted.is_none() || (stirred - self.answered_at).above(Lanes::splat(STIRRED)).any();
+        let answers =
+            drifted.is_none() || (stirred - self.rest.answered_at).above(Lanes::splat(STIRRED)).any();
         if answers {
-            self.answered_at = stirred;
+            self.rest.answered_at = stirred;
         }
         for at in 0..self.rows.len() {
             let normal = self.basis(at, shared).normal;
-            let anchors = &self.anchors[at];
+            let anchors = &self.rest.anchors[at];
             let [lever, other_lever] = [anchors.levers[0].lanes(), anchors.levers[1].lanes()];
             let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
             let shift = first.translation - second.translation + turn - other_turn;
@@ -449,9 +469,9 @@ impl<I: Instructions> Batch<I> {
         if !self.is_driven {
             return;
         }
-        for (lane, patch) in self.patches.iter().enumerate() {
+        for (lane, patch) in self.rest.patches.iter().enumerate() {
             let motions = [patch.pair.first, patch.pair.second].map(|i| &bodies.motions[i]);
-            for (row, drives) in self.rows.iter().zip(&mut self.drives) {
+            for (row, drives) in self.rows.iter().zip(&mut self.rest.drives) {
                 let lever = row.lever.get(lane);
                 let levers = [lever, lever + self.offset.get(lane)];
                 let of = |side: usize| drive(motions[side], levers[side], chord);
@@ -501,7 +521,7 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn point(&self, at: usize, shared: Option<Basis<I>>) -> Point<I> {
         let lever = self.rows[at].lever.lanes();
-        let drive = if self.is_driven { Some(self.drives[at]) } else { None };
+        let drive = if self.is_driven { Some(self.rest.drives[at]) } else { None };
         Point { basis: self.basis(at, shared), levers: [lever, lever + self.offset], drive }
     }
 
@@ -518,7 +538,7 @@ impl<I: Instructions> Batch<I> {
 
     /// Where the first point of a pair is, in the world frame [m]; where one was, if it has none.
     fn last_point(&self, bodies: &Bodies, lane: usize) -> DVec3 {
-        let patch = &self.patches[lane];
+        let patch = &self.rest.patches[lane];
         match self.rows.first() {
             Some(row) if row.is_there.get(lane) => {
                 row.lever.get(lane) + bodies.poses[patch.pair.first].position
@@ -530,18 +550,18 @@ impl<I: Instructions> Batch<I> {
     /// Books what kinematic bodies did.
     pub(crate) fn book_work(&self, bodies: &Bodies, tally: &mut Tally) {
         if self.is_driven {
-            for (lane, patch) in self.patches.iter().enumerate() {
+            for (lane, patch) in self.rest.patches.iter().enumerate() {
                 let Pair { first, second } = patch.pair;
                 let is_on_first = bodies.inertias[second].is_infinite();
                 let [on, by] = if is_on_first { [first, second] } else { [second, first] };
-                tally.book_outside(bodies, [on, by], (DVec3::ZERO, DVec3::ZERO), self.work.get(lane));
+                tally.book_outside(bodies, [on, by], (DVec3::ZERO, DVec3::ZERO), self.rest.work.get(lane));
             }
         }
     }
 
     /// What each pair gave in all, if anything: to be paid back where its first point acts.
     pub(crate) fn debt(&self, bodies: &Bodies, lane: usize) -> Option<Debt> {
-        let patch = &self.patches[lane];
+        let patch = &self.rest.patches[lane];
         let ids = [patch.pair.first, patch.pair.second].map(|i| bodies.ids[i]);
         let energy = self.given.get(lane);
         (energy > 0.0).then(|| Debt { ids, point: self.last_point(bodies, lane), energy })
@@ -549,7 +569,7 @@ impl<I: Instructions> Batch<I> {
 
     /// Whether a pair has exchanged impulses in this frame.
     pub(crate) fn touched(&self, lane: usize) -> bool {
-        self.patches[lane].touched || self.rows.iter().any(|row| row.touched.get(lane))
+        self.rest.patches[lane].touched || self.rows.iter().any(|row| row.touched.get(lane))
     }
 
     /// The points of a pair that acted, and what acts there.
@@ -559,8 +579,8 @@ impl<I: Instructions> Batch<I> {
             row.is_there.get(lane) && row.touched.get(lane)
         };
         (0..self.rows.len()).filter(acted).map(move |at| Carried {
-            sample: self.anchors[at].sample(lane),
-            forces: self.impulses_of(at, lane).map(|impulse| impulse.scaled(1.0 / self.dt)),
+            sample: self.rest.anchors[at].sample(lane),
+            forces: self.impulses_of(at, lane).map(|impulse| impulse.scaled(1.0 / self.rest.dt)),
         })
     }
 }

@@ -109,7 +109,7 @@ impl<I: Instructions> Batch<I> {
             let squared = start * start + Lanes::splat(2.0) * acceleration * gap.max(Lanes::ZERO);
             let approaches = closing.above(Lanes::ZERO);
             let speed = approaches.select(squared.max(Lanes::ZERO).sqrt(), Lanes::ZERO);
-            let met_at = &mut self.met_at[at];
+            let met_at = &mut self.rest.met_at[at];
             *met_at = meets.select(speed, *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
@@ -134,7 +134,7 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn forget_if_parted(&mut self, at: usize, stage: Stage, closing: Lanes<I>, dt: f64) -> Mask {
         let parts = self.rows[at].forget_if_parted(stage, closing, dt);
         if self.rolls {
-            let twist = &mut self.twists[at][stage.at()];
+            let twist = &mut self.rest.twists[at][stage.at()];
             *twist = parts.select3(Lanes3::ZERO, *twist);
         }
         parts
@@ -165,7 +165,7 @@ impl<I: Instructions> Batch<I> {
             visit.push(&point, point.impulse(normal, tangent));
             visit.note_normal(normal, before + Lanes::splat(0.5) * gain, (&point, row.bounces));
             if self.rolls {
-                visit.turn(self.spin, self.twists[at][beat.stage.at()]);
+                visit.turn(self.rest.spin, self.rest.twists[at][beat.stage.at()]);
             }
         }
         self.settle(visit, movers, given);
@@ -190,8 +190,8 @@ impl<I: Instructions> Batch<I> {
                 stop(row, &point, (&hold, leaving), &mut visit, (beat, acts, true));
                 if self.rolls && beat.stage != Stage::Bounce {
                     let load = row.impulses[beat.stage.at()].normal.lanes();
-                    let twist = &mut self.twists[at][beat.stage.at()];
-                    let lengths = (&self.roll_lengths, self.spin);
+                    let twist = &mut self.rest.twists[at][beat.stage.at()];
+                    let lengths = (&self.rest.roll_lengths, self.rest.spin);
                     *twist = stop_roll(&mut visit, point.basis.normal, lengths, (load, *twist, acts));
                 }
             }
@@ -228,7 +228,7 @@ impl<I: Instructions> Batch<I> {
     /// Speed at which a row that bounces leaves [m/s].
     #[inline(always)]
     fn leaving(&self, at: usize) -> Lanes<I> {
-        self.restitution * self.rows[at].has_met.select(self.met_at[at], Lanes::ZERO)
+        self.rest.restitution * self.rows[at].has_met.select(self.rest.met_at[at], Lanes::ZERO)
     }
 
     /// The impulses of what bounces begin, and end, at nothing.
@@ -238,7 +238,7 @@ impl<I: Instructions> Batch<I> {
                 row.impulses.iter_mut().for_each(|impulse| impulse.clear(lane));
             }
         }
-        for (row, twists) in self.rows.iter().zip(&mut self.twists) {
+        for (row, twists) in self.rows.iter().zip(&mut self.rest.twists) {
             twists.iter_mut().for_each(|twist| *twist = row.bounces.select3(Lanes3::ZERO, *twist));
         }
     }
@@ -280,8 +280,8 @@ impl<I: Instructions> Batch<I> {
             let sign = visit.sides[0].falls - visit.sides[1].falls;
             let turned = visit.sides[0].angular_momentum - visit.before[0].angular_momentum;
             given.impulse = given.impulse + visit.impulse * sign;
-            given.moment = given.moment + (turned + self.centre.cross(visit.impulse)) * sign;
-            self.work = self.work + visit.work;
+            given.moment = given.moment + (turned + self.rest.centre.cross(visit.impulse)) * sign;
+            self.rest.work = self.rest.work + visit.work;
         }
         self.store(movers, &visit.sides);
     }

@@ -198,6 +198,11 @@ impl Movers {
         Shift { translation: Lanes3 { x, y, z }, rotation: (Lanes3 { x: qx, y: qy, z: qz }, qw), stirred }
     }
 
+    /// Whether impulses move a body.
+    pub(crate) fn is_mobile(&self, local: u32) -> bool {
+        self.moving[local as usize].is_mobile()
+    }
+
     /// Radius of a ball around a body's centre of mass that holds it [m].
     pub(crate) fn size(&self, local: u32) -> f64 {
         self.sizes[local as usize]

@@ -62,7 +62,7 @@ fn solve_with<I: Instructions>(
 ) {
     let (clusters, is_in_one) = clusters(bodies, manifolds);
     let starts = bodies.poses.clone();
-    let mut kept = WarmStart::default();
+    let mut kept = WarmStart::with_room(manifolds.len());
     let carried = warm.of_manifolds(bodies, manifolds);
     for cluster in &clusters {
         // Kinematic bodies go the same way in each.
@@ -314,8 +314,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         given.book(&mut tally);
         for batch in &batches {
             batch.book_work(bodies, &mut tally);
-            for (lane, patch) in batch.patches.iter().enumerate() {
-                kept.keep(bodies, patch.pair, batch.carried(lane));
+            for (lane, patch) in batch.rest.patches.iter().enumerate() {
+                kept.keep(patch.manifold, bodies, patch.pair, batch.carried(lane));
                 let debt = batch.debt(bodies, lane);
                 if batch.touched(lane) || debt.is_some() {
                     tally.link(bodies, patch.pair);

@@ -73,17 +73,30 @@ impl WarmStart {
         self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
     }
 
-    /// Keeps the points of a pair that has none yet. Nothing is found before they are [put in order](Self::put_in_order).
-    pub(crate) fn keep(&mut self, bodies: &Bodies, pair: Pair, carried: impl Iterator<Item = Carried>) {
+    /// None yet, of some pairs.
+    pub(crate) fn with_room(pairs: usize) -> Self {
+        let nobody = BodyId { index: 0, generation: 0 };
+        Self { points: Vec::new(), pairs: vec![([nobody; 2], 0..0); pairs] }
+    }
+
+    /// Keeps the points of the pair in some place. Nothing is found before all are [put in order](Self::put_in_order).
+    pub(crate) fn keep(
+        &mut self,
+        place: usize,
+        bodies: &Bodies,
+        pair: Pair,
+        carried: impl Iterator<Item = Carried>,
+    ) {
         let start = self.points.len();
         self.points.extend(carried);
-        if self.points.len() > start {
-            self.pairs.push((ids(bodies, pair), start..self.points.len()));
-        }
+        self.pairs[place] = (ids(bodies, pair), start..self.points.len());
     }
 
     pub(crate) fn put_in_order(&mut self) {
-        self.pairs.sort_unstable_by_key(|kept| kept.0);
+        self.pairs.retain(|kept| !kept.1.is_empty());
+        if !self.pairs.is_sorted_by_key(|kept| kept.0) {
+            self.pairs.sort_unstable_by_key(|kept| kept.0);
+        }
     }
 }
 
