@@ -10,6 +10,7 @@ mod incline;
 mod masonry;
 mod nut;
 mod pane;
+mod pile_table;
 mod piles;
 mod pillar;
 mod plank;
@@ -110,6 +111,7 @@ pub const SHOTS: &[Shot] = &[
     incline::INCLINE,
     piles::SPREAD,
     piles::DEEP,
+    pile_table::TABLE,
     piles::BRICKS,
     towers::TOWER,
     towers::PYRAMID,
