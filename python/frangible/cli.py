@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _frangible
+from .bench import RESULTS, bench, describe_bench, shots_to_bench
 from .breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
 from .cache import CacheError
 from .output import Output, OutputError, open_output, open_plot
@@ -24,7 +25,8 @@ from .pieces_files import open_pieces_output
 from .progress import report_progress
 from .recording import Recorder, Recording, step_frames
 from .report import StepReport
-from .summary import describe, summarise
+from .stepping import BenchError, moving_mass
+from .summary import Summary, describe, summarise
 from .verification import ClaimError, Verdict, as_json, table_head, table_rows, verify
 
 #: More threads than any machine has processors.
@@ -50,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = options.command(options) or 0
         sys.stdout.flush()
         return status
-    except (_frangible.BuildError, CacheError, ClaimError, OutputError) as error:
+    except (_frangible.BuildError, BenchError, CacheError, ClaimError, OutputError) as error:
         print(f"frangible: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except BrokenPipeError:
@@ -96,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--frame", type=_natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
+    _add_bench(commands)
     _add_break(commands)
 
     plot = commands.add_parser("plot", help="draw energy by cause and momentum over time")
@@ -132,6 +135,18 @@ def _parser() -> argparse.ArgumentParser:
     info.set_defaults(command=_info)
     info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb) or cache (.npz, .usda, .usdc)")
     return parser
+
+
+def _add_bench(commands: Any) -> None:
+    bencher = commands.add_parser("bench", help="measure how long the stages of a frame take, and how much memory a piece")
+    bencher.set_defaults(command=_bench)
+    bencher.add_argument("shot", metavar="SHOT", nargs="?", help="one of those that `frangible shots` lists, or all [the piles, and some small ones]")
+    bencher.add_argument("--frames", type=_positive(int, "a whole number"), metavar="N", help="number of steps [each shot's]")
+    bencher.add_argument("--threads", type=_natural(MOST_THREADS), default=1, metavar="N", help="0 means one for every processor [%(default)s]")
+    bencher.add_argument("--peers", action="store_true", help="piles in other engines too, on one core; from the root of the repository")
+    bencher.add_argument("--runs", type=_positive(int, "a whole number"), default=3, metavar="N", help="of each engine with --peers, by turns [%(default)s]")
+    bencher.add_argument("--out", default=RESULTS, metavar="FOLDER", help="where the table goes that results are appended to [%(default)s]")
+    bencher.add_argument("--json", action="store_true", help="one line of JSON on stdout for every shot, instead of its table")
 
 
 def _add_break(commands: Any) -> None:
@@ -219,7 +234,7 @@ def _run(options: argparse.Namespace) -> None:
     world = _frangible.World.build(scene, options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.
-    start_bodies, start_mass = len(world.ids), _mass(world)
+    start_bodies, start_mass = len(world.ids), moving_mass(world)
     start_energy = world.energy
     recorder = Recorder(world) if outputs else None
     reports: list[StepReport] = []
@@ -244,7 +259,7 @@ def _run(options: argparse.Namespace) -> None:
         dt=world.dt,
         state_hash=world.state_hash(),
         bodies=(start_bodies, len(world.ids)),
-        mass=(start_mass, _mass(world)),
+        mass=(start_mass, moving_mass(world)),
         energy=start_energy,
         depths=depths,
         step_ms=step_ms,
@@ -252,9 +267,22 @@ def _run(options: argparse.Namespace) -> None:
     print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))
 
 
-def _mass(world: _frangible.World) -> float:
-    masses = world.masses
-    return math.fsum(masses[np.isfinite(masses)])
+def _bench(options: argparse.Namespace) -> None:
+    def say(summary: Summary) -> None:
+        print(json.dumps(summary) if options.json else describe_bench(summary), flush=True)
+
+    if options.peers:
+        from .peers import PILES, compare, describe_peers
+
+        piles = PILES if options.shot is None else shots_to_bench(options.shot)
+
+        def show(rows: list[dict[str, Any]]) -> None:
+            print(json.dumps(rows) if options.json else describe_peers(rows), flush=True)
+
+        compare(piles, frames=options.frames, runs=options.runs, folder=options.out, on_done=show)
+        return
+    shots = shots_to_bench(options.shot)
+    bench(shots, frames=options.frames, threads=options.threads, folder=options.out, on_done=say)
 
 
 def _write(outputs: list[Output], recording: Recording) -> None:

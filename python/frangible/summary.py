@@ -51,7 +51,7 @@ def summarise(
         "dt": dt,
         "state_hash": state_hash,
         "fractures": sum(len(report["fractures"]) for report in reports),
-        "peak_memory_MiB": _peak_memory(),
+        "peak_memory_MiB": peak_memory(),
         "bodies": {
             "start": bodies[0],
             "end": bodies[1],
@@ -76,12 +76,7 @@ def summarise(
             "p99": _percentile(penetrations, 99),
             "max": _percentile(penetrations, 100),
         },
-        "ms_per_frame": {
-            "mean": float(np.mean(step_ms)),
-            "median": _percentile(step_ms, 50),
-            "p95": _percentile(step_ms, 95),
-            "max": _percentile(step_ms, 100),
-        },
+        "ms_per_frame": spread(step_ms),
         "stages_ms": stages,
     }
 
@@ -115,12 +110,30 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+def spread(values: Sequence[float]) -> dict[str, float]:
+    """Mean, median, 95th percentile and maximum."""
+    return {
+        "mean": float(np.mean(values)),
+        "median": _percentile(values, 50),
+        "p95": _percentile(values, 95),
+        "max": _percentile(values, 100),
+    }
+
+
 def _percentile(values: Any, percent: float) -> float:
     return float(np.percentile(values, percent)) if len(values) else 0.0
 
 
-def _peak_memory() -> float:
+def peak_memory() -> float:
     """Largest resident set of this process [MiB]."""
+    # What `getrusage` says on Linux may be of the process that started this one.
+    try:
+        with open("/proc/self/status", encoding="ascii") as file:
+            for line in file:
+                if line.startswith("VmHWM:"):
+                    return float(line.split()[1]) / 2**10
+    except OSError:
+        pass
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # Linux counts kibibytes, macOS bytes.
     return peak / (2**20 if sys.platform == "darwin" else 2**10)

@@ -1,0 +1,163 @@
+//! What the programs beside this one share: the file of a pile that they read, and the times and states that they write.
+//!
+//! `python/frangible/pile_file.py` writes the file and says what stands in it.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Write as _};
+use std::time::Instant;
+
+const MAGIC: &[u8] = b"FRANPILE";
+
+/// A convex body. Its frame has its origin in the centre of mass, and the principal axes of inertia.
+pub struct Body {
+    /// Corners, body frame [m].
+    pub vertices: Vec<[f64; 3]>,
+    /// Of the centre of mass, world frame [m].
+    pub position: [f64; 3],
+    /// `world_from_body`, x, y, z, w.
+    pub orientation: [f64; 4],
+    /// World frame [m/s].
+    pub velocity: [f64; 3],
+    /// World frame [rad/s].
+    pub angular_velocity: [f64; 3],
+    /// [kg]; infinite for what stays where it is: a box along the axes of its frame.
+    pub mass: f64,
+    /// About the principal axes [kg m^2].
+    pub inertia: [f64; 3],
+    /// Coulomb's coefficient.
+    pub friction: f64,
+    /// From 0 to 1.
+    pub restitution: f64,
+}
+
+impl Body {
+    /// Whether it stays where it is.
+    pub fn is_static(&self) -> bool {
+        self.mass.is_infinite()
+    }
+
+    /// Half of the edge lengths of the box around it, along the axes of its frame [m].
+    pub fn half_extent(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.vertices.iter().map(|vertex| vertex[axis].abs()).fold(0.0, f64::max))
+    }
+}
+
+/// What falls.
+pub struct Pile {
+    /// Of a frame [s].
+    pub dt: f64,
+    /// [m/s^2]
+    pub gravity: [f64; 3],
+    pub bodies: Vec<Body>,
+}
+
+/// Position, orientation, velocity and angular velocity, as in [`Body`].
+pub type State = [f32; 13];
+
+/// Reads numbers from the front of a file's bytes.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> io::Result<[u8; N]> {
+        let (head, rest) = self.0.split_first_chunk().ok_or(io::ErrorKind::UnexpectedEof)?;
+        self.0 = rest;
+        Ok(*head)
+    }
+
+    fn count(&mut self) -> io::Result<usize> {
+        Ok(u32::from_le_bytes(self.take()?) as usize)
+    }
+
+    fn numbers<const N: usize>(&mut self) -> io::Result<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = f64::from_le_bytes(self.take()?);
+        }
+        Ok(numbers)
+    }
+}
+
+impl Pile {
+    fn load(path: &str) -> io::Result<Self> {
+        let bytes = fs::read(path)?;
+        let mut reader = Reader(bytes.strip_prefix(MAGIC).ok_or(io::ErrorKind::InvalidData)?);
+        let count = reader.count()?;
+        let [dt] = reader.numbers()?;
+        let gravity = reader.numbers()?;
+        let mut bodies = Vec::with_capacity(count);
+        for _ in 0..count {
+            let corners = reader.count()?;
+            let vertices = (0..corners).map(|_| reader.numbers()).collect::<io::Result<_>>()?;
+            let (position, orientation) = (reader.numbers()?, reader.numbers()?);
+            let (velocity, angular_velocity) = (reader.numbers()?, reader.numbers()?);
+            let ([mass], inertia) = (reader.numbers()?, reader.numbers()?);
+            let [friction, restitution] = reader.numbers()?;
+            bodies.push(Body {
+                vertices,
+                position,
+                orientation,
+                velocity,
+                angular_velocity,
+                mass,
+                inertia,
+                friction,
+                restitution,
+            });
+        }
+        Ok(Self { dt, gravity, bodies })
+    }
+}
+
+/// An engine with a pile in it.
+pub trait Engine {
+    /// Name and version.
+    const NAME: &str;
+
+    fn build(pile: &Pile) -> Self;
+
+    /// Advances by one frame of `dt` [s].
+    fn step(&mut self, dt: f64);
+
+    /// Of a body, by its place in the pile.
+    fn state(&self, body: usize) -> State;
+}
+
+/// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps it, and writes the
+/// milliseconds of each step, one on a line, and after each the states of all bodies, little endian, if they are wanted.
+/// Only the steps are timed. Says on stdout who it is.
+///
+/// # Errors
+/// If a file cannot be read or written, or an argument is missing.
+pub fn run<E: Engine>() -> io::Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let usage = || io::Error::new(io::ErrorKind::InvalidInput, "usage: PILE FRAMES TIMES [STATES]");
+    let (path, frames, times, states) = match arguments.as_slice() {
+        [path, frames, times] => (path, frames, times, None),
+        [path, frames, times, states] => (path, frames, times, Some(states)),
+        _ => return Err(usage()),
+    };
+    let frames: usize = frames.parse().map_err(|_| usage())?;
+    let pile = Pile::load(path)?;
+    let mut states = states.map(fs::File::create).transpose()?.map(io::BufWriter::new);
+    let mut engine = E::build(&pile);
+    let mut lines = String::new();
+    for _ in 0..frames {
+        let begin = Instant::now();
+        engine.step(pile.dt);
+        let _ = writeln!(lines, "{:.6}", 1e3 * begin.elapsed().as_secs_f64());
+        if let Some(file) = &mut states {
+            for body in 0..pile.bodies.len() {
+                for number in engine.state(body) {
+                    file.write_all(&number.to_le_bytes())?;
+                }
+            }
+        }
+    }
+    if let Some(mut file) = states {
+        file.flush()?;
+    }
+    fs::write(times, lines)?;
+    println!("{}", E::NAME);
+    Ok(())
+}

@@ -1,0 +1,172 @@
+"""The same piles in other engines: ``frangible bench --peers``.
+
+Each engine has a program of its own in a folder under `PROGRAMS`, which reads a pile from a file (`pile_file`), steps it with the settings
+that the engine comes with, and writes how long each frame took and where everything was. All that is said of an engine is measured
+here, from what its program wrote, by the same code for all.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from . import _frangible
+from .bench import append_rows, today
+from .pile_file import Pile, load_states
+from .recording import Float64
+from .stepping import LAST_FRAMES, BenchError, Request, run_apart
+from .summary import spread
+
+#: Beside the sources, from the root of the repository.
+PROGRAMS = Path("bench") / "peers"
+
+#: What is run in other engines unless somebody says what.
+PILES = ("pile-spread", "pile-deep", "pile-table")
+
+OURS = "frangible"
+
+COLUMNS = (
+    "date", "shot", "engine", "frames", "runs", "last_median_ms", "last_p95_ms", "last_max_ms", "time_ratio", "penetration_p50_mm",
+    "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """What a run came to, apart from its time."""
+
+    #: Median, 99th percentile and maximum of how deep overlapping pairs are at the end [m].
+    penetration: tuple[float, float, float]
+    #: Largest rise of the energy of all pieces in a frame, in units of their energy at the start, relative to the ground.
+    energy_gain: float
+    #: Below the ground, far away or nowhere at the end.
+    lost: int
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """An engine's runs of a pile."""
+
+    engine: str
+    #: Medians over the runs of what the last frames took [ms].
+    times: dict[str, float]
+    quality: Quality
+
+
+def programs(folder: Path = PROGRAMS) -> list[Path]:
+    """The folders of the engines' programs; `BenchError` if there are none here."""
+    found = sorted(path.parent.parent for path in folder.glob("*/src/main.rs"))
+    if not found:
+        raise BenchError(f"--peers: {folder}, must be here: run it from the root of the repository")
+    return found
+
+
+def build(program: Path) -> Path | None:
+    """The path of a program, compiled for this machine; nothing if that fails, which Cargo has explained then on stderr."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", "target")).absolute() / "peers"
+    command = ["cargo", "build", "--release", "--locked", "--quiet", "--manifest-path", str(program / "Cargo.toml"), "--target-dir", str(target)]
+    flags = os.environ.get("RUSTFLAGS", "") + " -C target-cpu=native"
+    done = subprocess.run(command, env=os.environ | {"RUSTFLAGS": flags}, check=False)
+    return target / "release" / f"peer-{program.name}" if done.returncode == 0 else None
+
+
+def compare(shots: Sequence[str], *, frames: int | None, runs: int, folder: str, on_done: Callable[[list[dict[str, Any]]], None]) -> None:
+    """Run piles in this engine and in all others that can be built, by turns, and append the results to a table in a folder."""
+    piles = {shot: Pile.of_shot(shot) for shot in shots}
+    built = [path for program in programs() if (path := build(program)) is not None]
+    os.makedirs(folder, exist_ok=True)
+    _stay_on_one_core()
+    for shot, pile in piles.items():
+        count = _frangible.shot_frames(shot) if frames is None else frames
+        rows = result_rows(shot, count, runs, _run_by_turns(shot, pile, built, count, runs))
+        append_rows(os.path.join(folder, "peers.csv"), COLUMNS, rows)
+        on_done(rows)
+
+
+def _run_by_turns(shot: str, pile: Pile, built: Sequence[Path], frames: int, runs: int) -> list[Result]:
+    times: dict[str, list[dict[str, float]]] = {}
+    qualities: dict[str, Quality] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
+        with open(path, "wb") as file:
+            pile.write(file)
+        for _ in range(runs):
+            for program in (None, *built):
+                name, spent = _run_ours(shot, frames, states) if program is None else _run_peer(program, path, frames, states)
+                times.setdefault(name, []).append(spent)
+                # A run is the same every time but for how long it takes.
+                if name not in qualities:
+                    qualities[name] = judge(pile, load_states(states, pile))
+    return [
+        Result(name, {key: median(run[key] for run in spent) for key in ("median", "p95", "max")}, qualities[name])
+        for name, spent in times.items()
+    ]
+
+
+def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
+    return OURS, run_apart(Request(shot, frames, 1, states))["ms_per_frame"]
+
+
+def _run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
+    times = states + ".times"
+    print(f"{program.name}: {frames} frames", file=sys.stderr, flush=True)
+    done = subprocess.run([program, pile, str(frames), times, states], stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        raise BenchError(f"{program.name}: ended with status {done.returncode}")
+    return done.stdout.strip(), spread(np.loadtxt(times, ndmin=1)[-LAST_FRAMES:].tolist())
+
+
+def judge(pile: Pile, states: Float64) -> Quality:
+    """How good a run is, from the states (f, n, `STATE`) that it went through."""
+    energies = pile.energies(np.concatenate([pile.start[None], states]))
+    ground = float(np.sum(pile.masses[pile.moves])) * abs(pile.scene["gravity"][1]) * pile.ground
+    depths = pile.penetrations(states[-1])
+    percentiles = tuple(np.percentile(depths, [50, 99, 100]).tolist()) if len(depths) else (0.0, 0.0, 0.0)
+    gain = max(float(np.diff(energies).max()), 0.0) / (float(energies[0]) - ground)
+    return Quality(percentiles, gain, int(pile.lost(states[-1]).sum()))
+
+
+def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) -> list[dict[str, Any]]:
+    """A row for each engine, ours first, as `COLUMNS` names them; a ratio is a time in units of ours."""
+    ours = results[0].times["median"]
+    return [
+        {
+            "date": today(),
+            "shot": shot,
+            "engine": result.engine,
+            "frames": frames,
+            "runs": runs,
+            **{f"last_{key}_ms": round(value, 2) for key, value in result.times.items()},
+            "time_ratio": round(result.times["median"] / ours, 2),
+            **{f"penetration_{key}_mm": round(1e3 * depth, 3) for key, depth in zip(("p50", "p99", "max"), result.quality.penetration, strict=True)},
+            "energy_gain": f"{result.quality.energy_gain:.2g}",
+            "pieces_lost": result.quality.lost,
+        }
+        for result in results
+    ]
+
+
+def describe_peers(rows: Sequence[dict[str, Any]]) -> str:
+    """The table for people."""
+    shot, frames = rows[0]["shot"], rows[0]["frames"]
+    heads = ("engine", "median ms", "p95", "max", "of ours", "overlap mm p50", "p99", "max", "energy gained", "lost")
+    keys = ("engine", *COLUMNS[5:])
+    cells = [heads, *(tuple(str(row[key]) for key in keys) for row in rows)]
+    widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
+    lines = ["  ".join(cell.ljust(width) if at == 0 else cell.rjust(width) for at, (cell, width) in enumerate(zip(line, widths, strict=True))) for line in cells]
+    return "\n".join([f"{shot}: the last {min(frames, LAST_FRAMES)} of {frames} frames, {rows[0]['runs']} runs by turns on one core", *lines])
+
+
+def _stay_on_one_core() -> None:
+    """This process and those that it starts; where the system can."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})

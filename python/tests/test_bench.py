@@ -1,0 +1,156 @@
+"""Benchmarks, on what is small."""
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from frangible import World, peers, pile_file, shot_frames, shot_scene
+from frangible.bench import COLUMNS, append_rows, describe_bench, shots_to_bench
+from frangible.cli import main
+from frangible.pile_file import Pile, load_states
+from frangible.stepping import LAST_FRAMES, STATE, Request, run_apart, run_here
+
+
+def test_a_benchmark_ends_with_what_a_run_says_and_times_by_stage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    frames = LAST_FRAMES + 40
+    arguments = ["stack", "--frames", str(frames), "--threads", "1", "--json"]
+    assert main(["bench", *arguments, "--out", str(tmp_path)]) == 0
+    measured = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert main(["run", *arguments]) == 0
+    run = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert set(run) < set(measured)
+    for key in ("shot", "method", "frames", "dt", "state_hash", "bodies", "mass_kg", "energy_J", "momentum"):
+        assert measured[key] == run[key]
+
+    # The last frames are without the first, and the stages are parts of the frame.
+    assert set(measured["ms_per_frame"]) == set(measured["ms_per_frame_all"]) == set(run["ms_per_frame"])
+    assert measured["ms_per_frame"]["max"] <= measured["ms_per_frame_all"]["max"]
+    assert measured["ms_per_frame"]["mean"] != measured["ms_per_frame_all"]["mean"]
+    assert set(measured["stages_last_ms"]) == set(measured["stages_all_ms"]) == set(run["stages_ms"])
+    assert 0 < sum(stage["mean"] for stage in measured["stages_all_ms"].values()) <= measured["ms_per_frame_all"]["mean"]
+    assert measured["memory_per_piece_KiB"] > 0
+
+    # A row for each stage and one for the frame.
+    with open(tmp_path / "stages.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    assert [row["stage"] for row in rows] == [*measured["stages_last_ms"], "frame"]
+    assert float(rows[-1]["last_median_ms"]) == pytest.approx(measured["ms_per_frame"]["median"], abs=5e-4)
+
+
+def test_the_table_of_a_benchmark_names_stages_and_memory(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "stack", "--frames", "3", "--out", str(tmp_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("stack: ") and "3 frames of 33.33 ms (frame-rate method), 1 thread" in lines[0]
+    assert "last 3 frames" in lines[1]
+    assert [word for word in lines[-2].split()][0] == "frame" and len(lines[-2].split()) == 7
+    assert lines[-1].split()[0] == "memory" and lines[-1].endswith("KiB a piece")
+
+
+def test_all_are_those_that_need_no_mesh() -> None:
+    shots = shots_to_bench("all")
+    assert "stack" in shots and "pile-table" in shots
+    assert "bunny" not in shots
+
+
+def test_what_cannot_be_measured_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    for arguments, sentence in (
+        (["wall-e"], "unknown shot 'wall-e'"),
+        (["impact"], "needs a mesh file"),
+        (["wall", "--peers"], "wall: body 'wall', must be a hull or a box"),
+        (["slab", "--peers"], "--peers: bench/peers, must be here"),
+    ):
+        assert main(["bench", *arguments, "--frames", "2"]) == 2
+        assert sentence in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def slab() -> Pile:
+    return Pile.of_shot("slab")
+
+
+def test_the_file_of_a_pile_holds_what_the_world_holds(slab: Pile) -> None:
+    file = io.BytesIO()
+    slab.write(file)
+    data = file.getvalue()
+    assert data.startswith(b"FRANPILE")
+    assert int.from_bytes(data[8:12], "little") == len(slab.start)
+    numbers = np.frombuffer(data[12:44], "<f8")
+    assert numbers.tolist() == pytest.approx([1 / 30, 0.0, -9.81, 0.0])
+
+    # Body by body, to the end of the file.
+    at = 44
+    world = World.build(shot_scene("slab"))
+    for row, mass in enumerate(world.masses.tolist()):
+        count = int.from_bytes(data[at : at + 4], "little")
+        vertices = np.frombuffer(data, "<f8", 3 * count, at + 4).reshape(-1, 3)
+        rest = np.frombuffer(data, "<f8", STATE + 6, at + 4 + 24 * count)
+        at += 4 + 24 * count + 8 * (STATE + 6)
+        assert rest[STATE] == mass
+        assert rest[-2:].tolist() == [0.5, 0.5]
+        if math.isinf(mass):
+            assert vertices[:, 1].max() + rest[1] == 0.0
+            continue
+        assert rest[:3] == pytest.approx(world.positions[row])
+        # A body's moments are about its centre: for a solid, less than its mass times the square of how far its corners are.
+        farthest = np.linalg.norm(vertices, axis=1).max()
+        assert 0 < rest[STATE + 1 : STATE + 4].min() and rest[STATE + 1 : STATE + 4].max() < mass * farthest**2
+    assert at == len(data)
+
+
+def test_energies_and_overlaps_from_a_file_of_states_are_the_worlds(slab: Pile, tmp_path: Path) -> None:
+    path = tmp_path / "states"
+    summary = run_here(Request("slab", 5, 1, str(path)))
+    states = load_states(str(path), slab)
+    assert states.shape == (5, len(slab.start), STATE)
+    assert slab.energies(states)[-1] == pytest.approx(summary["energy_J"]["end"], rel=1e-5)
+    assert np.percentile(slab.penetrations(states[-1]), 99) == pytest.approx(summary["penetration_m"]["p99"], abs=1e-6)
+
+
+def test_gains_and_losses_are_seen(slab: Pile) -> None:
+    still = np.repeat(slab.start[None], 3, axis=0)
+    quality = peers.judge(slab, still)
+    assert quality.energy_gain == 0.0 and quality.lost == 0 and quality.penetration[2] < 1e-6
+
+    # One is pushed a millimetre up, one falls through the ground, one is nowhere: mass and height say what that is worth.
+    wrong = still.copy()
+    wrong[1:, 3, 1] += 1e-3
+    energies = slab.energies(still)
+    assert peers.judge(slab, wrong).energy_gain == pytest.approx(slab.masses[3] * 9.81 * 1e-3 / energies[0], rel=1e-6)
+    wrong[2, 5, 1] = -1.0
+    wrong[2, 6, 0] = np.nan
+    assert peers.judge(slab, wrong).lost == 2
+
+
+def test_the_table_of_engines_is_in_units_of_ours() -> None:
+    quality = peers.Quality((0.0011, 0.02, 0.3), 0.0015, 2)
+    results = [
+        peers.Result(name, {"median": time, "p95": time, "max": time}, quality) for name, time in (("frangible", 20.0), ("other 1.0", 50.0))
+    ]
+    rows = peers.result_rows("pile", 150, 3, results)
+    assert [row["time_ratio"] for row in rows] == [1.0, 2.5]
+    lines = peers.describe_peers(rows).splitlines()
+    assert lines[0] == "pile: the last 150 of 150 frames, 3 runs by turns on one core"
+    assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2"]
+    assert len({len(line) for line in lines[1:]}) == 1
+
+
+def test_rows_are_appended_below_one_head(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    for number in (1, 2):
+        append_rows(str(path), ["number"], [{"number": number}])
+    assert path.read_text().split() == ["number", "1", "2"]
+
+
+def test_a_process_of_its_own_says_the_same(slab: Pile) -> None:
+    request = Request("stack", 2, 1)
+    apart, here = run_apart(request), run_here(request)
+    assert apart["state_hash"] == here["state_hash"]
+    assert shot_frames("stack") > 2 and "stack: " in describe_bench(apart)
