@@ -1,12 +1,13 @@
 """The same piles in other engines: ``frangible bench --peers``.
 
 Each engine has a program of its own in a folder under `PROGRAMS`, which reads a pile from a file (`pile_file`), steps it with the settings
-that the engine comes with, and writes how long each frame took and where everything was. All that is said of an engine is measured
+that the engine comes with, and writes how much processor time each frame took and where everything was. All that is said of an engine is measured
 here, from what its program wrote, by the same code for all.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -35,7 +36,7 @@ PILES = ("pile-spread", "pile-deep", "pile-table")
 OURS = "frangible"
 
 COLUMNS = (
-    "date", "shot", "engine", "frames", "runs", "last_median_ms", "last_p95_ms", "last_max_ms", "time_ratio", "penetration_p50_mm",
+    "date", "shot", "engine", "frames", "runs", "cpu_median_ms", "cpu_p95_ms", "cpu_max_ms", "time_ratio", "penetration_p50_mm",
     "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost",
 )  # fmt: skip
 
@@ -57,7 +58,7 @@ class Result:
     """An engine's runs of a pile."""
 
     engine: str
-    #: Medians over the runs of what the last frames took [ms].
+    #: Medians over the runs of the processor time that the last frames took [ms].
     times: dict[str, float]
     quality: Quality
 
@@ -74,9 +75,21 @@ def build(program: Path) -> Path | None:
     """The path of a program, compiled for this machine; nothing if that fails, which Cargo has explained then on stderr."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", "target")).absolute() / "peers"
     command = ["cargo", "build", "--release", "--locked", "--quiet", "--manifest-path", str(program / "Cargo.toml"), "--target-dir", str(target)]
-    flags = os.environ.get("RUSTFLAGS", "") + " -C target-cpu=native"
-    done = subprocess.run(command, env=os.environ | {"RUSTFLAGS": flags}, check=False)
+    done = subprocess.run(command, env=os.environ | _compiler_settings(), check=False)
     return target / "release" / f"peer-{program.name}" if done.returncode == 0 else None
+
+
+def _compiler_settings() -> dict[str, str]:
+    """All compilers know this very processor, and what makes Rust's names for C finds libclang and the compiler's own headers."""
+    settings = {"RUSTFLAGS": os.environ.get("RUSTFLAGS", "") + " -C target-cpu=native"}
+    for variable in ("CFLAGS", "CXXFLAGS"):
+        settings[variable] = os.environ.get(variable, "") + " -march=native"
+    libclang = importlib.util.find_spec("clang")
+    if "LIBCLANG_PATH" not in os.environ and libclang is not None and libclang.submodule_search_locations:
+        settings["LIBCLANG_PATH"] = os.path.join(libclang.submodule_search_locations[0], "native")
+        headers = subprocess.run(["cc", "-print-file-name=include"], stdout=subprocess.PIPE, text=True, check=False).stdout.strip()
+        settings["BINDGEN_EXTRA_CLANG_ARGS"] = os.environ.get("BINDGEN_EXTRA_CLANG_ARGS", "") + f" -I{headers}"
+    return settings
 
 
 def compare(shots: Sequence[str], *, frames: int | None, runs: int, folder: str, on_done: Callable[[list[dict[str, Any]]], None]) -> None:
@@ -113,7 +126,7 @@ def _run_by_turns(shot: str, pile: Pile, built: Sequence[Path], frames: int, run
 
 
 def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
-    return OURS, run_apart(Request(shot, frames, 1, states))["ms_per_frame"]
+    return OURS, run_apart(Request(shot, frames, 1, states))["cpu_ms_per_frame"]
 
 
 def _run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
@@ -145,7 +158,7 @@ def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) ->
             "engine": result.engine,
             "frames": frames,
             "runs": runs,
-            **{f"last_{key}_ms": round(value, 2) for key, value in result.times.items()},
+            **{f"cpu_{key}_ms": round(value, 2) for key, value in result.times.items()},
             "time_ratio": round(result.times["median"] / ours, 2),
             **{f"penetration_{key}_mm": round(1e3 * depth, 3) for key, depth in zip(("p50", "p99", "max"), result.quality.penetration, strict=True)},
             "energy_gain": f"{result.quality.energy_gain:.2g}",
@@ -163,7 +176,7 @@ def describe_peers(rows: Sequence[dict[str, Any]]) -> str:
     cells = [heads, *(tuple(str(row[key]) for key in keys) for row in rows)]
     widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
     lines = ["  ".join(cell.ljust(width) if at == 0 else cell.rjust(width) for at, (cell, width) in enumerate(zip(line, widths, strict=True))) for line in cells]
-    return "\n".join([f"{shot}: the last {min(frames, LAST_FRAMES)} of {frames} frames, {rows[0]['runs']} runs by turns on one core", *lines])
+    return "\n".join([f"{shot}: the last {min(frames, LAST_FRAMES)} of {frames} frames, {rows[0]['runs']} runs by turns on one core, processor time", *lines])
 
 
 def _stay_on_one_core() -> None:

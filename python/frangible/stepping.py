@@ -9,6 +9,7 @@ import json
 import math
 import subprocess
 import sys
+import time
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -56,6 +57,7 @@ def run_apart(request: Request) -> Summary:
 def run_here(request: Request) -> Summary:
     """What `frangible run` says of a run, with times of the last frames and of all, also by stage, and memory by piece.
 
+    ``cpu_ms_per_frame`` is processor time of the last frames, of all threads, which other work on the machine hardly changes.
     ``penetration_m`` is of the last state: to look for it between the steps would disturb what is timed.
     """
     memory = peak_memory()
@@ -64,14 +66,20 @@ def run_here(request: Request) -> Summary:
     ids = world.ids
     states = None if request.states is None else open(request.states, "wb")
     reports: list[StepReport] = []
+    cpu_ms: list[float] = []
+    begin = 0.0
 
     def keep(report: StepReport) -> None:
+        nonlocal begin
+        cpu_ms.append(1e3 * (time.process_time() - begin))
         reports.append(report)
         if states is not None:
             states.write(_state(world, ids.tolist()).astype("<f4").tobytes())
+        begin = time.process_time()
 
     try:
         with report_progress(request.frames) as progress:
+            begin = time.process_time()
             step_ms = step_frames(world, request.frames, on_step=keep, progress=progress)
     finally:
         if states is not None:
@@ -95,6 +103,7 @@ def run_here(request: Request) -> Summary:
         "memory_per_piece_KiB": 1024.0 * (summary["peak_memory_MiB"] - memory) / max(pieces, 1),
         "ms_per_frame": spread(step_ms[-LAST_FRAMES:]),
         "ms_per_frame_all": spread(step_ms),
+        "cpu_ms_per_frame": spread(cpu_ms[-LAST_FRAMES:]),
         "stages_last_ms": _stages(reports[-LAST_FRAMES:]),
         "stages_all_ms": _stages(reports),
     }

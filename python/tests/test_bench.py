@@ -33,6 +33,7 @@ def test_a_benchmark_ends_with_what_a_run_says_and_times_by_stage(tmp_path: Path
     assert measured["ms_per_frame"]["mean"] != measured["ms_per_frame_all"]["mean"]
     assert set(measured["stages_last_ms"]) == set(measured["stages_all_ms"]) == set(run["stages_ms"])
     assert 0 < sum(stage["mean"] for stage in measured["stages_all_ms"].values()) <= measured["ms_per_frame_all"]["mean"]
+    assert 0 < measured["cpu_ms_per_frame"]["mean"]
     assert measured["memory_per_piece_KiB"] > 0
 
     # A row for each stage and one for the frame.
@@ -137,7 +138,7 @@ def test_the_table_of_engines_is_in_units_of_ours() -> None:
     rows = peers.result_rows("pile", 150, 3, results)
     assert [row["time_ratio"] for row in rows] == [1.0, 2.5]
     lines = peers.describe_peers(rows).splitlines()
-    assert lines[0] == "pile: the last 150 of 150 frames, 3 runs by turns on one core"
+    assert lines[0] == "pile: the last 150 of 150 frames, 3 runs by turns on one core, processor time"
     assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2"]
     assert len({len(line) for line in lines[1:]}) == 1
 

@@ -2,10 +2,10 @@
 //!
 //! `python/frangible/pile_file.py` writes the file and says what stands in it.
 
+use cpu_time::ProcessTime;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write as _};
-use std::time::Instant;
 
 const MAGIC: &[u8] = b"FRANPILE";
 
@@ -124,8 +124,8 @@ pub trait Engine {
 }
 
 /// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps it, and writes the
-/// milliseconds of each step, one on a line, and after each the states of all bodies, little endian, if they are wanted.
-/// Only the steps are timed. Says on stdout who it is.
+/// milliseconds of processor time of each step, one on a line, and after each the states of all bodies, little endian, if
+/// they are wanted. Says on stdout who it is.
 ///
 /// # Errors
 /// If a file cannot be read or written, or an argument is missing.
@@ -143,7 +143,7 @@ pub fn run<E: Engine>() -> io::Result<()> {
     let mut engine = E::build(&pile);
     let mut lines = String::new();
     for _ in 0..frames {
-        let begin = Instant::now();
+        let begin = ProcessTime::now();
         engine.step(pile.dt);
         let _ = writeln!(lines, "{:.6}", 1e3 * begin.elapsed().as_secs_f64());
         if let Some(file) = &mut states {
