@@ -7,18 +7,18 @@
 
 use crate::Inertia;
 use crate::jacobi::{Series, arithmetic_geometric_mean};
-use crate::rotation::rotation_by;
+use crate::vector::{Number, Turn, Vector};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// A turn [rad] that leaves a quaternion as it is.
-const NO_TURN: f64 = 1e-20;
+pub(crate) const NO_TURN: f64 = 1e-20;
 
 /// A turn [rad] up to which the series in time is exact to rounding: its next term, of fifth order, is below 1e-16.
-const SLOW: f64 = 1e-3;
+pub(crate) const SLOW: f64 = 1e-3;
 
 /// Angular momentum [kg m^2/s] whose square is too small for its length to be precise.
-const NO_MOMENTUM: f64 = 1e-140;
+pub(crate) const NO_MOMENTUM: f64 = 1e-140;
 
 /// Rotates `orientation` (`world_from_body`) over `dt` [s], of either sign, without torque. `angular_momentum` L is in
 /// the world frame [kg m^2/s]; it is an input only, and the kinetic energy is kept to round-off. The error in angle is
@@ -36,7 +36,7 @@ pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inert
     let direction_world = angular_momentum * (1.0 / magnitude);
     let direction = orientation.conjugate() * direction_world;
     if angle.abs() < SLOW {
-        return settle(orientation * turn_slowly(direction, rates, angle), direction_world, direction, rates);
+        return rotate_slowly(orientation.into(), (direction_world, rates), angle).into();
     }
 
     let (axes, start) = circulation_axes(direction, rates);
@@ -45,24 +45,38 @@ pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inert
     // L is at rest in the world, and the body turns about it: undo the tilt to l at the end, turn, and redo the
     // tilt to l at the start.
     let turn_body = axes.restore(tilt_turn_tilt(start, phase, end));
-    settle(orientation * turn_body, direction_world, direction, rates)
+    settle((orientation * turn_body).into(), direction_world, direction, rates).into()
+}
+
+/// Rotates within an `angle` below [`SLOW`] in units of the fastest principal axis' rate, as [`rotate_exact`] does. `direction_world` is that
+/// of L, `rates` are those of the principal axes, relative to the fastest.
+#[inline(always)]
+pub(crate) fn rotate_slowly<V: Vector>(
+    orientation: Turn<V>,
+    (direction_world, rates): (V, V),
+    angle: V::Number,
+) -> Turn<V> {
+    let direction = orientation.back().turn(direction_world);
+    let turn_body = turn_slowly(direction, rates, angle);
+    settle(orientation.after(turn_body), direction_world, direction, rates)
 }
 
 /// The turn within `angle`, in the body frame: the logarithm of the rotation to fourth order in time [Mag54].
-#[inline]
-fn turn_slowly(l: DVec3, rates: DVec3, angle: f64) -> DQuat {
+#[inline(always)]
+fn turn_slowly<V: Vector>(l: V, rates: V, angle: V::Number) -> Turn<V> {
     // Derivatives of l and of omega in the body frame, where l' = l x omega.
-    let omega = rates * l;
+    let of = V::Number::of;
+    let omega = rates.times(l);
     let l_1 = l.cross(omega);
-    let omega_1 = rates * l_1;
+    let omega_1 = rates.times(l_1);
     let l_2 = l_1.cross(omega) + l.cross(omega_1);
-    let omega_2 = rates * l_2;
-    let l_3 = l_2.cross(omega) + 2.0 * l_1.cross(omega_1) + l.cross(omega_2);
-    let omega_3 = rates * l_3;
+    let omega_2 = rates.times(l_2);
+    let l_3 = l_2.cross(omega) + l_1.cross(omega_1) * of(2.0) + l.cross(omega_2);
+    let omega_3 = rates.times(l_3);
 
-    let third = omega_2 / 6.0 + omega.cross(omega_1) / 12.0;
-    let fourth = (omega_3 + omega.cross(omega_2)) / 24.0;
-    rotation_by(angle * (omega + angle * (0.5 * omega_1 + angle * (third + angle * fourth))))
+    let third = omega_2 * of(1.0 / 6.0) + omega.cross(omega_1) * of(1.0 / 12.0);
+    let fourth = (omega_3 + omega.cross(omega_2)) * of(1.0 / 24.0);
+    Turn::by_little((omega + (omega_1 * of(0.5) + (third + fourth * angle) * angle) * angle) * angle)
 }
 
 /// Principal axes renamed, and some turned round, by a proper rotation.
@@ -285,21 +299,25 @@ fn tilt_turn_tilt(start: DVec3, phase: f64, end: DVec3) -> DQuat {
 /// Turns from within rounding of the energy at the start to within less, on average, and normalises what nearly is so.
 /// The constants of a polhode are rounded alike in every step, which would add up. `start` is the direction of L at the
 /// start, body frame.
-#[inline]
-fn settle(orientation: DQuat, direction_world: DVec3, start: DVec3, rates: DVec3) -> DQuat {
-    let end = orientation.conjugate() * direction_world;
+#[inline(always)]
+fn settle<V: Vector>(orientation: Turn<V>, direction_world: V, start: V, rates: V) -> Turn<V> {
+    let of = V::Number::of;
+    let end = orientation.back().turn(direction_world);
     // The squares change by as much together as apart, so any one rate may be taken off all of them.
-    let energy = rates.dot(end * end);
-    let gain = ((rates - energy) * (end - start)).dot(end + start);
+    let energy = rates.dot(end.times(end));
+    let gain = rates.less(energy).times(end - start).dot(end + start);
     // About L x omega, where the energy changes fastest; by no more than rounding where it hardly does.
-    let axis = end.cross(rates * end);
-    let half_turn = 0.25 * gain / (axis.length_squared() + 1e-5 * energy * energy) * axis;
-    let vector = orientation.xyz();
-    let change = orientation.w * half_turn + vector.cross(half_turn);
+    let axis = end.cross(rates.times(end));
+    let half_turn = axis * (of(0.25) * gain / (axis.dot(axis) + of(1e-5) * energy * energy));
+    let Turn { vector, scalar } = orientation;
+    let change = half_turn * scalar + vector.cross(half_turn);
     // Next to 1 rounding is lopsided; this sum avoids it.
-    let [x, y, z, w] = orientation.to_array();
-    let stretch = 0.5 * ((((1.0 - x * x) - y * y) - z * z) - w * w);
-    orientation + (orientation * stretch + DQuat::from_vec4(change.extend(-vector.dot(half_turn))))
+    let [x, y, z] = vector.components();
+    let stretch = of(0.5) * ((((of(1.0) - x * x) - y * y) - z * z) - scalar * scalar);
+    Turn {
+        vector: vector + (vector * stretch + change),
+        scalar: scalar + (scalar * stretch - vector.dot(half_turn)),
+    }
 }
 
 /// Squares of the positive nodes on [-1, 1], and weights of the mean of both signs, of Gauss's rules

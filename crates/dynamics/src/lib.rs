@@ -51,6 +51,7 @@ pub mod state;
 pub mod substeps;
 mod take_out;
 pub mod tally;
+mod vector;
 pub mod warm_start;
 
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant};

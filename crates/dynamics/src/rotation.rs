@@ -2,6 +2,7 @@
 
 use crate::energy_fix::fix_rotational_energy;
 use crate::exact_rotation::rotate_exact;
+use crate::vector::Turn;
 use crate::{Inertia, Pose, Rotation, Velocity};
 use glam::{DQuat, DVec3};
 
@@ -44,17 +45,13 @@ pub fn rotate_second_order(orientation: DQuat, angular_momentum: DVec3, inertia:
 
 /// The rotation `exp(theta*)` by `|theta|` [rad] about `theta`.
 pub fn rotation_by(theta: DVec3) -> DQuat {
-    // sin(|theta|/2) / |theta|, by its series where the next term, |theta|^6/46080 of the cosine, is below rounding.
     let squared = theta.length_squared();
-    let (cosine, sine_ratio) = if squared < 1e-4 {
-        let square = squared * squared;
-        (1.0 - squared / 8.0 + square / 384.0, 0.5 - squared / 48.0 + square / 3840.0)
-    } else {
-        let angle = squared.sqrt();
-        let (sine, cosine) = libm::sincos(0.5 * angle);
-        (cosine, sine / angle)
-    };
-    DQuat::from_vec4((sine_ratio * theta).extend(cosine))
+    if squared < 1e-4 {
+        return Turn::by_little(theta).into();
+    }
+    let angle = squared.sqrt();
+    let (sine, cosine) = libm::sincos(0.5 * angle);
+    DQuat::from_vec4((sine / angle * theta).extend(cosine))
 }
 
 #[cfg(test)]

@@ -150,7 +150,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         manifolds: &[Manifold],
         with: (&[&[Carried]], &Frame),
     ) -> Self {
-        let movers = Movers::new(bodies, cluster.bodies.clone());
+        let movers = Movers::new::<I>(bodies, cluster.bodies.clone());
         let batch = |group: &Vec<Member>| Batch::new(bodies, &movers, group, manifolds, with);
         let batches = cluster.groups.iter().map(batch).collect();
         let mut solver = Self {
@@ -169,11 +169,11 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// Half kick, impulses, drift, half kick, relax, bounce. `rest` is what is left of the frame.
     fn substep(&mut self, rest: &Frame, step: &Frame, frame: &Frame) {
         self.refresh(rest);
-        self.movers.kick(self.bodies, step);
+        self.movers.kick(step);
         self.meet(step, frame);
         self.contact(&Beat::new(Stage::BeforeDrift, step));
-        self.movers.drift(self.bodies, step);
-        self.movers.kick(self.bodies, step);
+        self.movers.drift::<I>(self.bodies, step);
+        self.movers.kick(step);
         self.follow(Some(step.dt));
         self.contact(&Beat::new(Stage::AfterDrift, step));
         self.bounce(step);

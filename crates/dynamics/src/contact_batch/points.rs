@@ -121,7 +121,7 @@ impl<I: Instructions> Batch<I> {
             pair,
             manifold: member.manifold,
             travel: 0.0,
-            size: movers.size(locals[0]).min(movers.size(locals[1])),
+            size: smaller(movers.size(locals[0]), movers.size(locals[1])),
             touched: false,
             anew: None,
         });
@@ -297,4 +297,9 @@ impl<I: Instructions> Batch<I> {
         }
         self.soften(lane, points.len());
     }
+}
+
+/// The smaller of two sizes, of which one may be 0 and infinite.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a > 0.0 && b > 0.0 { a.min(b) } else { a.max(b) }
 }

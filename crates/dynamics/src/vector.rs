@@ -1,0 +1,154 @@
+//! Vectors and unit quaternions of one body, or of several side by side: what is written for these is the same for either, bit for bit.
+
+use crate::lanes::{Instructions, Lanes, Lanes3};
+use glam::{DQuat, DVec3};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number, or one in each lane.
+pub(crate) trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    fn of(value: f64) -> Self;
+}
+
+/// Three numbers.
+pub(crate) trait Vector:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Number, Output = Self> + Neg<Output = Self>
+{
+    type Number: Number;
+    fn dot(self, other: Self) -> Self::Number;
+    fn cross(self, other: Self) -> Self;
+    /// Component by component.
+    fn times(self, other: Self) -> Self;
+    /// Each component less a number.
+    fn less(self, number: Self::Number) -> Self;
+    fn components(self) -> [Self::Number; 3];
+}
+
+/// A unit quaternion by its vector and its scalar.
+#[derive(Clone, Copy)]
+pub(crate) struct Turn<V: Vector> {
+    pub(crate) vector: V,
+    pub(crate) scalar: V::Number,
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl<I: Instructions> Number for Lanes<I> {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self::splat(value)
+    }
+}
+
+impl Vector for DVec3 {
+    type Number = f64;
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        DVec3::dot(self, other)
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        DVec3::cross(self, other)
+    }
+
+    #[inline(always)]
+    fn less(self, number: f64) -> Self {
+        self - number
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+
+    #[inline(always)]
+    fn components(self) -> [f64; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl<I: Instructions> Vector for Lanes3<I> {
+    type Number = Lanes<I>;
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> Lanes<I> {
+        Lanes3::dot(self, other)
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Lanes3::cross(self, other)
+    }
+
+    #[inline(always)]
+    fn less(self, number: Lanes<I>) -> Self {
+        Self { x: self.x - number, y: self.y - number, z: self.z - number }
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
+    }
+
+    #[inline(always)]
+    fn components(self) -> [Lanes<I>; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl<V: Vector> Turn<V> {
+    /// First `other`, then this.
+    #[inline(always)]
+    pub(crate) fn after(self, other: Self) -> Self {
+        Self {
+            vector: other.vector * self.scalar + self.vector * other.scalar + self.vector.cross(other.vector),
+            scalar: self.scalar * other.scalar - self.vector.dot(other.vector),
+        }
+    }
+
+    /// The other way.
+    #[inline(always)]
+    pub(crate) fn back(self) -> Self {
+        Self { vector: -self.vector, scalar: self.scalar }
+    }
+
+    /// Turns a vector.
+    #[inline(always)]
+    pub(crate) fn turn(self, v: V) -> V {
+        let twice = self.vector.cross(v) * V::Number::of(2.0);
+        v + twice * self.scalar + self.vector.cross(twice)
+    }
+
+    /// By `|theta|` [rad] about `theta`, of which the square is below 1e-4: by its series, where the next term, |theta|^6/46080 of the
+    /// cosine, is below rounding.
+    #[inline(always)]
+    pub(crate) fn by_little(theta: V) -> Self {
+        let of = V::Number::of;
+        let squared = theta.dot(theta);
+        let square = squared * squared;
+        let sine_ratio = of(0.5) - squared / of(48.0) + square / of(3840.0);
+        Self { vector: theta * sine_ratio, scalar: of(1.0) - squared / of(8.0) + square / of(384.0) }
+    }
+}
+
+impl From<DQuat> for Turn<DVec3> {
+    #[inline(always)]
+    fn from(q: DQuat) -> Self {
+        Self { vector: q.xyz(), scalar: q.w }
+    }
+}
+
+impl From<Turn<DVec3>> for DQuat {
+    #[inline(always)]
+    fn from(turn: Turn<DVec3>) -> Self {
+        Self::from_vec4(turn.vector.extend(turn.scalar))
+    }
+}
