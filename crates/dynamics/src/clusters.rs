@@ -1,9 +1,10 @@
 //! Who is solved with whom: islands of bodies that may touch do not feel each other, so some of them at a time go through all substeps
 //! while their numbers are at hand; and within them, pairs that share no body act side by side.
 
-use crate::Bodies;
+use crate::effort::Effort;
 use crate::lanes::LANES;
 use crate::manifold::Manifold;
+use crate::{Bodies, Frame};
 
 /// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
 const CLUSTER_PAIRS: usize = 512;
@@ -15,26 +16,8 @@ pub(crate) struct Cluster {
     /// Their pairs, in groups of at most [`LANES`] that share no body that can move: one group after the other does what one pair after the
     /// other, in the order of the manifolds, would do.
     pub(crate) groups: Vec<Vec<Member>>,
+    /// How often they act.
     pub(crate) effort: Effort,
-}
-
-/// How often the pairs of a cluster act in a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Effort {
-    pub(crate) substeps: u32,
-    /// Passes over all pairs at each stage of a substep, every other one backwards.
-    pub(crate) passes: u32,
-}
-
-/// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
-const HEAP_PAIRS: usize = 2048;
-
-impl Effort {
-    /// What an island of some pairs takes. With four substeps stacks of ten drift by centimetres; with one pass, to before the drift and
-    /// fro after it, turned stacks do. Heaps bear both.
-    fn of(pairs: usize) -> Self {
-        if pairs > HEAP_PAIRS { Self { substeps: 4, passes: 1 } } else { Self { substeps: 8, passes: 2 } }
-    }
 }
 
 /// A pair of a cluster.
@@ -44,23 +27,42 @@ pub(crate) struct Member {
     pub(crate) manifold: usize,
     /// The places of its bodies in the cluster.
     pub(crate) locals: [u32; 2],
+    /// Of its contact, in units of that of a pair that carries one body.
+    pub(crate) stiffness: f64,
 }
 
 /// All clusters, and whether each body is in one.
-pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold]) -> (Vec<Cluster>, Vec<bool>) {
+pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -> (Vec<Cluster>, Vec<bool>) {
     let mut clusters = Vec::new();
     let mut is_in_one = vec![false; bodies.len()];
     let mut local = vec![NOWHERE; bodies.len()];
+    let mut stiffness = vec![1.0; manifolds.len()];
+    let mut add = |pairs: &[usize], effort: Effort, stiffness: &[f64]| {
+        let cluster = Cluster::new(bodies, manifolds, (pairs, effort), stiffness, &mut local);
+        cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
+        clusters.push(cluster);
+    };
+
+    // What takes more has a cluster of its own.
     let mut pairs = Vec::new();
     let islands = islands(bodies, manifolds);
     for (number, island) in islands.iter().enumerate() {
+        if let Some((effort, loads)) = Effort::of_island(bodies, manifolds, island, frame) {
+            for (&at, load) in island.iter().zip(loads) {
+                stiffness[at] = load.clamp(1.0, effort.stiffest);
+            }
+            add(island, effort, &stiffness);
+            continue;
+        }
         pairs.extend_from_slice(island);
         let next = islands.get(number + 1).map_or(usize::MAX, Vec::len);
         if pairs.len() >= CLUSTER_PAIRS || next >= CLUSTER_PAIRS {
-            let cluster = Cluster::new(bodies, manifolds, &std::mem::take(&mut pairs), &mut local);
-            cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
-            clusters.push(cluster);
+            add(&pairs, Effort::of_size(pairs.len()), &stiffness);
+            pairs.clear();
         }
+    }
+    if !pairs.is_empty() {
+        add(&pairs, Effort::of_size(pairs.len()), &stiffness);
     }
     (clusters, is_in_one)
 }
@@ -70,8 +72,13 @@ const NOWHERE: u32 = u32::MAX;
 
 impl Cluster {
     /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
-    fn new(bodies: &Bodies, manifolds: &[Manifold], pairs: &[usize], local: &mut [u32]) -> Self {
-        let effort = Effort::of(pairs.len());
+    fn new(
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        (pairs, effort): (&[usize], Effort),
+        stiffness: &[f64],
+        local: &mut [u32],
+    ) -> Self {
         let mut cluster = Self { bodies: Vec::new(), groups: Vec::new(), effort };
         // Each pair is one rank behind those before it that share a body with it.
         let mut next_rank: Vec<usize> = Vec::new();
@@ -94,7 +101,7 @@ impl Cluster {
             if rank == ranks.len() {
                 ranks.push(Vec::new());
             }
-            ranks[rank].push(Member { manifold, locals });
+            ranks[rank].push(Member { manifold, locals, stiffness: stiffness[manifold] });
         }
 
         // Side by side are those with about as many points.

@@ -108,6 +108,8 @@ pub(crate) struct Patch {
     travel: f64,
     /// Of the smaller body [m].
     size: f64,
+    /// Of its contact, in units of that of one that carries itself.
+    stiffness: f64,
     /// Whether points acted that have been replaced since.
     touched: bool,
     /// If its points were found anew since the frame's start.

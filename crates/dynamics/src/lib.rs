@@ -20,6 +20,7 @@ mod contact_rows;
 mod contact_sweep;
 pub mod detection;
 pub mod displacements;
+mod effort;
 mod encounter;
 pub mod energy_fix;
 pub mod evolve;

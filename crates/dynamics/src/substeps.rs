@@ -60,7 +60,7 @@ fn solve_with<I: Instructions>(
     frame: &Frame,
     solved: &mut Solved,
 ) {
-    let (clusters, is_in_one) = clusters(bodies, manifolds);
+    let (clusters, is_in_one) = clusters(bodies, manifolds, frame);
     let starts = bodies.poses.clone();
     let mut kept = WarmStart::with_room(manifolds.len());
     let carried = warm.of_manifolds(bodies, manifolds);

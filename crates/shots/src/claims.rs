@@ -79,6 +79,7 @@ pub const CLAIMS: &[Claim] = &[
     rolling::ROLLING_FRICTION,
     standing::TOWERS,
     standing::ARCH,
+    standing::LOAD,
     fitting::SLAB,
     fitting::PLATE,
     fitting::NUT,

@@ -115,6 +115,7 @@ pub const SHOTS: &[Shot] = &[
     piles::BRICKS,
     towers::TOWER,
     towers::PYRAMID,
+    towers::LOAD,
     arch::ARCH,
     slab::SLAB,
     plate::PLATE,

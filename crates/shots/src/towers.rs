@@ -1,16 +1,16 @@
-//! Cubes on cubes: a tower and a pyramid.
+//! Cubes on cubes: a tower, a pyramid, and a load that is a thousand times as heavy as what bears it.
 
 use crate::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 
-/// Ten cubes.
+/// Fifty cubes.
 pub(crate) const TOWER: Shot = Shot {
     name: "tower",
-    caption: "a tower of ten cubes stands",
+    caption: "a tower of 50 cubes stands",
     frames: 150,
     takes_mesh: false,
     is_large: true,
-    build: |_| Ok(tower(10)),
+    build: |_| Ok(tower(50)),
 };
 
 /// Rows of cubes, each one shorter than the one below.
@@ -23,6 +23,16 @@ pub(crate) const PYRAMID: Shot = Shot {
     build: |_| Ok(pyramid()),
 };
 
+/// The heaviest on top.
+pub(crate) const LOAD: Shot = Shot {
+    name: "load",
+    caption: "ten cubes bear an eleventh that is a thousand times as heavy as each of them",
+    frames: 150,
+    takes_mesh: false,
+    is_large: true,
+    build: |_| Ok(load(LOAD_RATIO)),
+};
+
 /// Of all cubes [m].
 const EDGE: f64 = 0.5;
 
@@ -31,6 +41,15 @@ const BASE: usize = 20;
 
 /// Between the cubes of a row [m].
 const GAP: f64 = 0.02;
+
+/// Cubes below the load.
+const BEARERS: usize = 10;
+
+/// Mass of the load in units of each of those that bear it.
+pub(crate) const LOAD_RATIO: f64 = 1000.0;
+
+/// Of those that bear the load [kg/m^3]: of softwood; the load is a notion.
+const LIGHT: f64 = 500.0;
 
 fn cube(x: f64, level: usize) -> BodyDesc {
     let shape = ShapeDesc::Box { size: [EDGE; 3], resolution: Resolution::default() };
@@ -60,4 +79,16 @@ pub(crate) fn pyramid() -> SceneDesc {
         (0..count).map(move |place| cube(along(place), level))
     };
     on_ground((0..BASE).flat_map(row))
+}
+
+/// Ten cubes, and one `ratio` times as heavy on top of them.
+pub(crate) fn load(ratio: f64) -> SceneDesc {
+    let wood = |level: usize| BodyDesc { density: LIGHT, look: Some(LookDesc::Wood), ..cube(0.0, level) };
+    let load = BodyDesc {
+        name: "load".into(),
+        density: ratio * LIGHT,
+        look: Some(LookDesc::Metal),
+        ..cube(0.0, BEARERS)
+    };
+    on_ground((0..BEARERS).map(wood).chain([load]))
 }

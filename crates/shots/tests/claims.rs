@@ -177,6 +177,11 @@ fn nut() {
 }
 
 #[test]
+fn load() {
+    holds("load");
+}
+
+#[test]
 fn each_claim_has_its_test() {
     for claim in CLAIMS {
         let call = format!("    holds(\"{}\");", claim.name);

@@ -53,7 +53,7 @@ impl<I: Instructions> Batch<I> {
                 let impulses = [forces[0].scaled(step.dt), forces[1].scaled(step.dt)];
                 batch.place(lane, (number, point), &orientations, impulses);
             }
-            batch.soften(lane, manifold.points.len());
+            batch.soften(lane, manifold.points.len(), member.stiffness);
         }
         batch
     }
@@ -122,6 +122,7 @@ impl<I: Instructions> Batch<I> {
             manifold: member.manifold,
             travel: 0.0,
             size: smaller(movers.size(locals[0]), movers.size(locals[1])),
+            stiffness: member.stiffness,
             touched: false,
             anew: None,
         });
@@ -129,10 +130,10 @@ impl<I: Instructions> Batch<I> {
 
     /// However many points a contact has, it is as stiff as with four: soft contact is a spring and a damper that no step size makes
     /// unstable [Cat24].
-    fn soften(&mut self, lane: usize, points: usize) {
+    fn soften(&mut self, lane: usize, points: usize, stiffness: f64) {
         let share = (4.0 / points as f64).min(1.0);
         let hertz = share.sqrt() * CONTACT_HERTZ;
-        let omega = std::f64::consts::TAU * hertz.min(0.25 / self.rest.dt);
+        let omega = std::f64::consts::TAU * hertz.min(0.25 / self.rest.dt) * stiffness.sqrt();
         let a = 2.0 * CONTACT_DAMPING + self.rest.dt * omega;
         let b = self.rest.dt * omega * a;
         self.soft.rate.set(lane, omega / a);
@@ -295,7 +296,7 @@ impl<I: Instructions> Batch<I> {
                 self.rest.met_at[number].set(lane, same.met_at.unwrap_or(0.0));
             }
         }
-        self.soften(lane, points.len());
+        self.soften(lane, points.len(), self.rest.patches[lane].stiffness);
     }
 }
 

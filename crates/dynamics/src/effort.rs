@@ -1,0 +1,132 @@
+//! What the solver does for an island: more for what carries much through few.
+
+use crate::manifold::Manifold;
+use crate::{Bodies, Frame};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// How often the pairs of a cluster act in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Effort {
+    pub(crate) substeps: u32,
+    /// Passes over all pairs at each stage of a substep, every other one backwards.
+    pub(crate) passes: u32,
+    /// How much stiffer its contacts may be than those that carry one body.
+    pub(crate) stiffest: f64,
+}
+
+/// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
+const HEAP_PAIRS: usize = 2048;
+
+/// Loads up to which one pass is enough, in units of what is lighter: so much do heaps of a few layers carry.
+const LIGHT: f64 = 4.0;
+
+/// Passes to and fro for each unit of the load: it has to get through as many others.
+const PASSES_PER_LOAD: f64 = 0.5;
+
+/// The fewest passes that are worth it: stiffer contacts sway with less.
+const FEWEST_PASSES: f64 = 3.0;
+
+/// The most passes.
+const MOST_PASSES: f64 = 32.0;
+
+/// Pairs times passes for one island: more is not in real time.
+const BUDGET: f64 = 1024.0;
+
+/// How much stiffer contacts may be for each pass: what is stiffer than its passes have settled sways.
+const STIFFER_PER_PASS: f64 = 6.0;
+
+/// The cosine between a normal and the vertical from which on one body rests on the other.
+const RESTS: f64 = 0.1;
+
+impl Effort {
+    /// What a cluster of some pairs takes that carry little. With four substeps stacks of ten drift by centimetres; with one pass, to before
+    /// the drift and fro after it, turned stacks do. Heaps bear both.
+    pub(crate) fn of_size(pairs: usize) -> Self {
+        let (substeps, passes) = if pairs > HEAP_PAIRS { (4, 1) } else { (8, 2) };
+        Self { substeps, passes, stiffest: 1.0 }
+    }
+
+    /// What an island takes that carries much, if it is small enough for that, and the load of each of its pairs.
+    pub(crate) fn of_island(
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        island: &[usize],
+        frame: &Frame,
+    ) -> Option<(Self, Vec<f64>)> {
+        if FEWEST_PASSES * island.len() as f64 > BUDGET {
+            return None;
+        }
+        let loads = loads(bodies, manifolds, island, frame);
+        let effort = Self::of_load(island.len(), loads.iter().copied().fold(0.0, f64::max))?;
+        Some((effort, loads))
+    }
+
+    /// By the largest load. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
+    fn of_load(pairs: usize, load: f64) -> Option<Self> {
+        let passes = (PASSES_PER_LOAD * load).min(BUDGET / pairs as f64).min(MOST_PASSES).floor();
+        (load > LIGHT && passes >= FEWEST_PASSES).then(|| Self {
+            passes: 2 * passes as u32,
+            stiffest: STIFFER_PER_PASS * passes,
+            ..Self::of_size(pairs)
+        })
+    }
+}
+
+/// What each pair of an island carries, in units of the lighter one's weight: each body hands its own weight and what rests on it to those
+/// that it rests on, in equal parts, from the highest down.
+fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Frame) -> Vec<f64> {
+    let Some(up) = (-frame.gravity).try_normalize() else { return vec![0.0; island.len()] };
+    let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
+
+    // Who rests on whom.
+    let mut supports: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
+    for (place, &at) in island.iter().enumerate() {
+        let Manifold { pair, points } = &manifolds[at];
+        let normal = points.first().map_or(DVec3::ZERO, |point| point.normal);
+        let cosine = normal.dot(up);
+        let (upper, lower) = if cosine > 0.0 { (pair.first, pair.second) } else { (pair.second, pair.first) };
+        for i in [upper, lower].into_iter().filter(|&i| is_mobile(i)) {
+            supports.entry(i).or_default();
+        }
+        if cosine.abs() > RESTS && is_mobile(upper) {
+            supports.entry(upper).or_default().push((place, lower));
+        }
+    }
+
+    // From the highest down.
+    let mut order: Vec<usize> = supports.keys().copied().collect();
+    let height = |i: usize| bodies.poses[i].position.dot(up);
+    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+    let mut loads = vec![0.0; island.len()];
+    let mut rests_on: BTreeMap<usize, f64> = BTreeMap::new();
+    for upper in order {
+        let of_upper = &supports[&upper];
+        let mass = bodies.masses[upper] + rests_on.get(&upper).copied().unwrap_or(0.0);
+        let share = mass / of_upper.len() as f64;
+        for &(place, lower) in of_upper {
+            let lightness = bodies.inertias[upper].inverse_mass.max(bodies.inertias[lower].inverse_mass);
+            loads[place] += share * lightness;
+            *rests_on.entry(lower).or_default() += share;
+        }
+    }
+    loads
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is large gets no more than its size says, and neither does what carries little.
+    #[test]
+    fn effort_follows_the_load_within_the_budget() {
+        assert_eq!(Effort::of_load(10, LIGHT), None);
+        assert_eq!(Effort::of_load(BUDGET as usize, 1000.0), None);
+        let of = |pairs: usize, load: f64| Effort::of_load(pairs, load).unwrap_or(Effort::of_size(pairs));
+        let (tower, higher, wider) = (of(10, 10.0), of(20, 20.0), of(200, 20.0));
+        assert_eq!(tower.passes, 10);
+        assert!(higher.passes > tower.passes && higher.stiffest > tower.stiffest);
+        assert!(wider.passes < higher.passes && wider.passes > Effort::of_size(200).passes);
+        assert!(f64::from(of(1, 1e9).passes) <= 2.0 * MOST_PASSES);
+    }
+}
