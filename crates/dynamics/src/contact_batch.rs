@@ -3,6 +3,8 @@
 
 mod points;
 
+pub(crate) use points::STALE;
+
 use crate::Bodies;
 use crate::contact_rows::{Basis, Directions, Point, Row, RowImpulse, Stage};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};

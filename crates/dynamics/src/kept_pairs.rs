@@ -1,15 +1,16 @@
-//! Pairs of polyhedra over the frames: what has hardly moved against each other since its points were found keeps them, and what was
+//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against each other since its points were found keeps them, and what was
 //! further apart than it can have come since is still apart.
 
 use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::hull_contact::hull_points;
-use crate::manifold::{ManifoldFinder, ManifoldPoint, Manifolds, hulls_of};
+use crate::hull_contact::{HullPoint, hull_points};
+use crate::manifold::{ManifoldFinder, ManifoldPoint, Manifolds, Solid, may_last};
 use crate::pair::{Pair, placed};
+use crate::plane_contact::plane_points;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose};
-use frangible_geometry::{Hull, RigidTransform};
+use frangible_geometry::RigidTransform;
 use glam::{DVec3, DVec4};
 
 /// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
@@ -105,9 +106,12 @@ impl KeptPairs {
                 self.kept.points.extend_from_slice(points);
                 self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&encounter)));
                 self.keep(KeptPair { since, ..*kept }, pair);
-            } else if let Some(hulls) = hulls_of(bodies, pair) {
+                continue;
+            }
+            let solids = [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
+            if may_last(solids) {
                 let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
-                self.find_anew(Encounter { last_normal, ..encounter }, hulls);
+                self.find_anew(Encounter { last_normal, ..encounter }, solids);
             } else if let Some(manifold) = self.finder.of_encounter(&encounter, warm) {
                 self.found.add(pair, manifold.points.iter().copied());
             }
@@ -162,17 +166,29 @@ impl KeptPairs {
         self.kept.pairs.push(KeptPair { bodies, end: self.kept.points.len() as u32, ..kept });
     }
 
-    /// Looks where two polyhedra touch, and keeps it for the next frame.
-    fn find_anew(&mut self, mut encounter: Encounter, hulls: [&Hull; 2]) {
+    /// Looks where a pair touches, and keeps it for the next frame.
+    fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
         let Encounter { bodies, pair, reach, size, .. } = encounter;
         encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
         let ManifoldFinder { room, points } = &mut self.finder;
         points.clear();
-        let beyond = hull_points(&encounter, hulls, room, points);
+        let beyond = match solids {
+            [Solid::Hull(first), Solid::Hull(second)] => {
+                hull_points(&encounter, [first, second], room, points)
+            }
+            [Solid::Ground(ground), Solid::Hull(hull)] => {
+                plane_points(&encounter, hull, false, ground, room, points)
+            }
+            _ => None,
+        };
         let begin = self.kept.points.len();
+        let normal_of = |seen: &HullPoint| match solids[0] {
+            Solid::Ground(ground) => -ground.normal,
+            _ => seen.normal,
+        };
         self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
             anchors: [point.anchor_first, point.anchor_second],
-            normal: seen.normal,
+            normal: normal_of(seen),
             sample: point.sample,
         }));
 

@@ -221,23 +221,22 @@ pub(crate) fn exact_points(
             let _ = hull_points(encounter, [a, b], room, points);
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
-            plane_points(encounter, hull, true, ground, room, points);
+            let _ = plane_points(encounter, hull, true, ground, room, points);
         }
         [Solid::Ground(ground), Solid::Hull(hull)] => {
-            plane_points(encounter, hull, false, ground, room, points);
+            let _ = plane_points(encounter, hull, false, ground, room, points);
         }
         _ => return false,
     }
     true
 }
 
-/// The polyhedra of a pair of them, that meet as such.
-pub(crate) fn hulls_of(bodies: &Bodies, pair: Pair) -> Option<[&Hull; 2]> {
-    match [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])] {
-        [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            Some([a, b])
-        }
-        _ => None,
+/// Whether the points of a pair may last for some frames: those of two polyhedra, or of a polyhedron on the ground.
+pub(crate) fn may_last(solids: [Solid; 2]) -> bool {
+    match solids {
+        [Solid::Hull(a), Solid::Hull(b)] => a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS,
+        [Solid::Ground(_), Solid::Hull(_)] => true,
+        _ => false,
     }
 }
 

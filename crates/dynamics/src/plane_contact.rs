@@ -5,7 +5,8 @@ use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::ManifoldPoint;
 use frangible_geometry::{HalfSpace, Hull};
 
-/// Adds the vertices that touch a half-space, or may within the frame: at most four.
+/// Adds the vertices that touch a half-space, or may within the frame: at most four. Returns how far away all else is now [m], if it is
+/// so slow that these are all that are near now.
 pub(crate) fn plane_points(
     encounter: &Encounter,
     hull: &Hull,
@@ -13,7 +14,7 @@ pub(crate) fn plane_points(
     half_space: HalfSpace,
     room: &mut Room,
     points: &mut Vec<ManifoldPoint>,
-) {
+) -> Option<f64> {
     let [first, second] = encounter.flights;
     let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
 
@@ -24,12 +25,14 @@ pub(crate) fn plane_points(
         let normal = body_from_ground.direction(half_space.normal);
         HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
     };
-    let Encounter { reach, frame, .. } = *encounter;
-    let now = plane_at(0.0);
-    if -now.offset > flight.radius + reach {
-        return;
+    let Encounter { reach, search, frame, .. } = *encounter;
+    let (now, sag) = (plane_at(0.0), sag(frame));
+    let is_slow = reach <= 2.0 * sag;
+    let beyond = is_slow.then_some(search);
+    room.points.clear();
+    if -now.offset > flight.radius + search {
+        return beyond;
     }
-    let sag = sag(frame);
     let mut then = None;
     let world_from_body = flight.start.world_from_body();
     let outward = world_from_body.direction(now.normal);
@@ -39,15 +42,15 @@ pub(crate) fn plane_points(
     };
 
     // What comes near now or later.
-    room.points.clear();
     for (number, &vertex) in hull.vertices().iter().enumerate() {
         let gap = now.distance(vertex);
-        if gap > reach {
+        if gap > search {
             continue;
         }
         let on = [vertex, vertex - gap * now.normal];
         let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
-        let comes_near = gap <= sag
+        let comes_near = is_slow
+            || gap <= sag
             || gap <= frame.dt * closing(&point) + sag
             || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= sag;
         if comes_near {
@@ -75,4 +78,5 @@ pub(crate) fn plane_points(
     };
     reduce(&mut room.points, &mut room.spare, now.normal, PREFERENCE * flight.radius);
     points.extend(room.points.iter().map(manifold_point));
+    beyond
 }

@@ -22,7 +22,7 @@ const CONTACT_DAMPING: f64 = 10.0;
 
 /// Relative motion after which a pair's points are found anew, relative to the size of the smaller body: within it a curved
 /// surface's normal turns by no more than some degrees.
-const STALE: f64 = 0.1;
+pub(crate) const STALE: f64 = 0.1;
 
 /// A point that was taken out of a lane.
 struct Taken {

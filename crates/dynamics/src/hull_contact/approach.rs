@@ -1,6 +1,7 @@
 //! When two hulls meet on their ways through a frame.
 
 use super::{HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
+use crate::contact_batch::STALE;
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
@@ -29,6 +30,8 @@ struct Instant<'a> {
     world_from_first: RigidTransform,
     pair: HullPair<'a>,
     contact: HullContact,
+    /// Whether its points are all that are near at the frame's start.
+    lasts: bool,
 }
 
 /// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns how far apart all else was at the
@@ -51,7 +54,7 @@ pub(crate) fn hull_points(
     room.points.retain(|point| approach.can_touch(&instant, point));
     reduce(&mut room.points, &mut room.spare, instant.contact.normal, PREFERENCE * encounter.size);
     points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
-    (instant.time == 0.0).then_some(encounter.search)
+    instant.lasts.then_some(encounter.search)
 }
 
 impl<'a> Approach<'a> {
@@ -60,7 +63,7 @@ impl<'a> Approach<'a> {
     /// found: their points hold in case that others push them. If they are too far apart to be looked for, how far they are at the
     /// frame's start, if that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
-        let Encounter { size, search, frame, .. } = *self.encounter;
+        let Encounter { size, reach, search, frame, .. } = *self.encounter;
         let (mut time, mut enough) = (0.0, NEAR * size);
         let mut steps_left = MOST_STEPS;
         loop {
@@ -76,7 +79,7 @@ impl<'a> Approach<'a> {
                     self.encounter.last_normal.and_then(|last| pair.on_face_along(last, room))
                 && contact.gap <= enough
             {
-                return Ok(Instant { time, world_from_first, pair, contact });
+                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
             let axes = pair.face_axes(search).map_err(at_start)?;
             let mut apart = pair.apart_by(&axes);
@@ -88,10 +91,16 @@ impl<'a> Approach<'a> {
             // On to where the gap cannot have closed before.
             let next = time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
             steps_left -= 1;
-            if apart.gap <= enough || !(time..=frame.dt).contains(&next) || steps_left == 0 {
+            let is_passing = !(time..=frame.dt).contains(&next);
+            // What others push that far is looked at again before it can meet anything.
+            if is_passing && time == 0.0 && reach > size && apart.gap > STALE * size {
+                pair.over_face(&axes, apart, room);
+                return Ok(Instant { time, world_from_first, pair, contact: apart, lasts: false });
+            }
+            if apart.gap <= enough || is_passing || steps_left == 0 {
                 let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
-                return Ok(Instant { time, world_from_first, pair, contact });
+                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
             (time, enough) = (next, TOUCH * size);
         }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::manifold::{Manifold, find_manifolds};
 use crate::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
-use frangible_geometry::{ClosedForm, Hull, Shape};
+use frangible_geometry::{ClosedForm, HalfSpace, Hull, Shape};
 use glam::DQuat;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -67,6 +67,36 @@ fn what_rests_keeps_its_points() {
                 let gap = (on_first - on_second).dot(new.normal);
                 assert!((gap + 0.002 + sign * (bodies.poses[1].position.y - 0.998)).abs() < 1e-12, "{gap}");
             }
+        }
+    }
+}
+
+/// So does what rests on the ground.
+#[test]
+fn what_rests_on_the_ground_keeps_its_points() {
+    let (mut bodies, mut kept) = (Bodies::default(), KeptPairs::default());
+    let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.1 });
+    bodies.spawn(NewBody {
+        shape: Arc::new(Shape::closed_form(ground, 0.1)),
+        density: 1000.0,
+        motion: Motion::Static,
+        pose: Pose { position: DVec3::ZERO, orientation: DQuat::from_rotation_y(0.4) },
+        velocity: Velocity::default(),
+        contactant: Contactant::new(0.0, 0.5),
+    });
+    spawn(&mut bodies, cube(), DVec3::new(0.2, 0.598, 0.1), 0.7 * DVec3::Y, DVec3::ZERO);
+    let pairs = [Pair { first: 0, second: 1 }];
+    for (shift, is_kept) in
+        [(DVec3::ZERO, true), (DVec3::new(1e-3, 1e-3, 0.0), true), (0.01 * DVec3::X, false)]
+    {
+        bodies.poses[1].position += shift;
+        let kept = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
+        let anew = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame());
+        assert_eq!(list(&kept)[0].points.len(), 4);
+        for (kept, anew) in list(&kept)[0].points.iter().zip(list(&anew)[0].points) {
+            assert!((kept.normal - anew.normal).length() < 1e-15 && kept.sample == anew.sample);
+            let moved = kept.anchor_first - anew.anchor_first;
+            assert!((moved.length() > 1e-9) == (is_kept && shift != DVec3::ZERO), "{moved}");
         }
     }
 }
