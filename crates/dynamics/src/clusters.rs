@@ -5,6 +5,7 @@ use crate::effort::Effort;
 use crate::lanes::LANES;
 use crate::manifold::Manifold;
 use crate::{Bodies, Frame};
+use std::collections::BTreeMap;
 
 /// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
 const CLUSTER_PAIRS: usize = 512;
@@ -43,7 +44,8 @@ pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -
         clusters.push(cluster);
     };
 
-    // What takes more has a cluster of its own.
+    // What takes more goes with those that take as much.
+    let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
     let mut pairs = Vec::new();
     let islands = islands(bodies, manifolds);
     for (number, island) in islands.iter().enumerate() {
@@ -51,7 +53,11 @@ pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -
             for (&at, load) in island.iter().zip(loads) {
                 stiffness[at] = load.clamp(1.0, effort.stiffest);
             }
-            add(island, effort, &stiffness);
+            let (alike, _) = careful.entry(effort.passes).or_insert_with(|| (Vec::new(), effort));
+            alike.extend_from_slice(island);
+            if alike.len() >= CLUSTER_PAIRS {
+                add(&std::mem::take(alike), effort, &stiffness);
+            }
             continue;
         }
         pairs.extend_from_slice(island);
@@ -61,8 +67,11 @@ pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -
             pairs.clear();
         }
     }
-    if !pairs.is_empty() {
-        add(&pairs, Effort::of_size(pairs.len()), &stiffness);
+    let size = pairs.len();
+    for (pairs, effort) in careful.into_values().chain([(pairs, Effort::of_size(size))]) {
+        if !pairs.is_empty() {
+            add(&pairs, effort, &stiffness);
+        }
     }
     (clusters, is_in_one)
 }
