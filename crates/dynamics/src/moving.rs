@@ -28,6 +28,11 @@ struct Moving {
 /// since the frame's start [m]; its mass if impulses move it [kg].
 type Build = Numbers;
 
+/// Places in a [`Build`].
+const FASTEST: usize = 3;
+const SIZE: usize = 4;
+const TRAVEL: usize = 5;
+
 /// The bodies of a cluster.
 pub(crate) struct Movers {
     /// Dense indices.
@@ -131,7 +136,7 @@ impl Movers {
         for (local, &i) in self.who.iter().enumerate() {
             let is_driven = matches!(bodies.motions[i], Motion::Kinematic { .. });
             let momentum = self.moving[local].velocity().angular_momentum;
-            let angle = step.dt * self.builds[local].0[3] * momentum.length();
+            let angle = step.dt * self.builds[local].0[FASTEST] * momentum.length();
             let is_slow = step.settings.rotation == Rotation::Exact && angle < SLOW;
             if is_driven || !is_slow {
                 let pose =
@@ -141,7 +146,7 @@ impl Movers {
             if let Motion::Kinematic { linear, angular } = bodies.motions[i] {
                 let turning =
                     if angular == DVec3::ZERO { 0.0 } else { angular.length() * radius(&bodies.shapes[i]) };
-                self.builds[local].0[5] += step.dt * (linear.length() + turning);
+                self.builds[local].0[TRAVEL] += step.dt * (linear.length() + turning);
             }
             if bodies.motions[i] != Motion::Static {
                 bodies.poses[i] = pose_of(&self.poses[local]);
@@ -229,7 +234,7 @@ impl Movers {
             for lane in 0..LANES {
                 let moving = &mut self.moving[begin + lane];
                 (moving.answer, moving.shift) = (answers[lane], shifts[lane]);
-                self.builds[begin + lane].0[5] = travel.get(lane);
+                self.builds[begin + lane].0[TRAVEL] = travel.get(lane);
             }
         }
         self.moment_of_mass = moment_of_mass.sum();
@@ -246,7 +251,7 @@ impl Movers {
 
     /// How far two points of two bodies can have moved relative to each other since the frame's start [m].
     pub(crate) fn travel(&self, pair: [u32; 2]) -> f64 {
-        pair.into_iter().map(|local| self.builds[local as usize].0[5]).sum()
+        pair.into_iter().map(|local| self.builds[local as usize].0[TRAVEL]).sum()
     }
 
     /// The bodies get the velocities that they have here.
@@ -329,7 +334,7 @@ impl Movers {
 
     /// Radius of a ball around a body's centre of mass that holds it [m]; 0 if it is infinite.
     pub(crate) fn size(&self, local: u32) -> f64 {
-        self.builds[local as usize].0[4]
+        self.builds[local as usize].0[SIZE]
     }
 
     /// `second_from_first` of a pair at the frame's start.
