@@ -36,6 +36,9 @@ const BUDGET: f64 = 1024.0;
 /// How much stiffer contacts may be for each pass: what is stiffer than its passes have settled sways.
 const STIFFER_PER_PASS: f64 = 6.0;
 
+/// Speed [m/s] below which bodies stand: what was struck and flies carries nothing, and stiff contacts would fling it.
+const STANDS: f64 = 2.0;
+
 /// The cosine between a normal and the vertical from which on one body rests on the other.
 const RESTS: f64 = 0.1;
 
@@ -54,7 +57,11 @@ impl Effort {
         island: &[usize],
         frame: &Frame,
     ) -> Option<(Self, Vec<f64>)> {
-        if FEWEST_PASSES * island.len() as f64 > BUDGET {
+        let stands = |&at: &usize| {
+            let pair = manifolds[at].pair;
+            [pair.first, pair.second].into_iter().all(|i| bodies.velocities[i].linear.length() < STANDS)
+        };
+        if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
         let loads = loads(bodies, manifolds, island, frame);
