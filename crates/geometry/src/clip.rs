@@ -52,14 +52,21 @@ impl Clip {
         &self.half_spaces
     }
 
-    /// Largest signed distance [m] to any of the planes at a point in lattice units; minus infinity without any.
+    /// Largest signed distance [m] to any of the planes at a point in lattice units; minus infinity without any. What is above `most`
+    /// [m] need only be known to be so.
     #[inline]
-    pub(crate) fn value(&self, lattice: Vec3) -> f32 {
-        let distances = self.planes.iter().map(|&(slope, at_origin)| slope.dot(lattice) + at_origin);
-        distances.fold(f32::NEG_INFINITY, larger)
+    pub(crate) fn value(&self, lattice: Vec3, most: f32) -> f32 {
+        let mut largest = f32::NEG_INFINITY;
+        for &(slope, at_origin) in &self.planes {
+            largest = larger(slope.dot(lattice) + at_origin, largest);
+            if largest > most {
+                break;
+            }
+        }
+        largest
     }
 
-    /// The same and its unit gradient.
+    /// The same, whatever it is, and its unit gradient.
     pub(crate) fn value_and_gradient(&self, lattice: Vec3) -> (f32, Vec3) {
         let mut farthest = (f32::NEG_INFINITY, Vec3::Y);
         for (&(slope, at_origin), half_space) in self.planes.iter().zip(&self.half_spaces) {

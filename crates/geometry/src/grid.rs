@@ -67,6 +67,11 @@ impl Grid {
         (point - self.origin) / self.spacing
     }
 
+    /// How far along x its middle is from the first node, in units of the spacing.
+    pub fn middle_along_x(&self) -> f64 {
+        0.5 * (self.dims[0] - 1) as f64
+    }
+
     /// Volume of one voxel [m^3].
     pub fn voxel_volume(&self) -> f64 {
         self.spacing * self.spacing * self.spacing

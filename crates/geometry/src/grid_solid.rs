@@ -2,7 +2,7 @@
 
 use crate::clip::{RowScratch, distances_over, larger};
 use crate::material::{Held, Material, Run};
-use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, coverage};
+use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, RunCore, coverage};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -115,12 +115,12 @@ impl GridSolid {
         }
     }
 
-    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `share`
-    /// says which material is the part's, with the rows of this solid's grid, in order.
+    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `runs`
+    /// are the material that is the part's, with the rows of this solid's grid, in order.
     ///
     /// Its outline knows the first of the intersections: the others are slivers that joined it.
-    pub fn clipped(&self, share: impl Iterator<Item = Run> + Clone, regions: &[&[HalfSpace]]) -> Self {
-        let mut part = self.part(share);
+    pub fn clipped(&self, runs: Vec<Run>, regions: &[&[HalfSpace]]) -> Self {
+        let mut part = self.part(runs);
         let extent = part.extent();
         let old: Vec<&[HalfSpace]> = if self.parts.is_empty() {
             vec![&[]]
@@ -144,12 +144,8 @@ impl GridSolid {
     }
 
     /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
-    pub fn intersected(
-        &self,
-        share: impl Iterator<Item = Run> + Clone,
-        distance: impl Fn(DVec3) -> f64,
-    ) -> Self {
-        let mut part = self.part(share);
+    pub fn intersected(&self, runs: Vec<Run>, distance: impl Fn(DVec3) -> f64) -> Self {
+        let mut part = self.part(runs);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
         let nodes = part.sample_nodes(distance);
@@ -175,10 +171,10 @@ impl GridSolid {
     }
 
     /// Grid, field and material of a part, without its planes.
-    fn part(&self, share: impl Iterator<Item = Run> + Clone) -> Self {
+    fn part(&self, runs: Vec<Run>) -> Self {
         let mut low = [u32::MAX; 3];
         let mut high = [0; 3];
-        for Run { row: [j, k], start, end, .. } in share.clone() {
+        for &Run { row: [j, k], start, end, .. } in &runs {
             low = [low[0].min(start), low[1].min(j), low[2].min(k)];
             high = [high[0].max(end - 1), high[1].max(j), high[2].max(k)];
         }
@@ -191,7 +187,7 @@ impl GridSolid {
         let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
         let grid = Grid { origin, spacing: h, dims };
         Self {
-            held: self.held.part(share, from, (&self.grid, &grid)),
+            held: self.held.part(runs, from, (&self.grid, &grid)),
             grid,
             field: self.field.clone(),
             shift: std::array::from_fn(|axis| self.shift[axis] + from[axis]),
@@ -232,6 +228,11 @@ impl GridSolid {
     /// The same by stretches of rows, in order: between their ends is no gap.
     pub fn runs(&self) -> &[Run] {
         &self.held.runs
+    }
+
+    /// The same, to be cut: for each of the runs.
+    pub fn cores(&self) -> &[RunCore] {
+        self.held.cores(&self.grid)
     }
 
     /// The fraction of each node's voxel that is this solid's material, x fastest.
@@ -280,7 +281,8 @@ impl GridSolid {
     /// Signed distance [m] to the parts at a point in lattice units, and beyond the grid at least the way to it.
     #[inline]
     fn clip_value(&self, lattice: Vec3) -> f32 {
-        let nearest = self.parts.iter().fold(f32::INFINITY, |nearest, part| nearest.min(part.value(lattice)));
+        let nearer = |nearest: f32, part: &Clip| nearest.min(part.value(lattice, nearest));
+        let nearest = self.parts.iter().fold(f32::INFINITY, nearer);
         larger(nearest, self.beyond(lattice))
     }
 

@@ -1,7 +1,6 @@
 //! What of a grid's voxels is material, row by row in runs.
 
-use crate::{Grid, LevelSet};
-use std::ops::Range;
+use crate::{Grid, LevelSet, RunCore};
 use std::sync::{Arc, OnceLock};
 
 /// Consecutive nodes of a row whose voxels are filled alike.
@@ -46,25 +45,18 @@ impl Run {
         Self { row, start, end: start, inside: 0, moments: [0.0; 3] }
     }
 
-    /// Adds some nodes of a span of the same row, in a grid with `width` nodes along x.
+    /// Adds a span of the same row, where the middle of the grid is `middle` nodes along x from the first one.
     #[inline]
-    pub fn add(&mut self, span: &Span, nodes: Range<u32>, width: usize) {
-        let count = nodes.end - nodes.start;
-        self.end = nodes.end;
+    pub fn add(&mut self, span: &Span, middle: f64) {
+        let count = span.end - span.start;
+        self.end = span.end;
         self.inside += if span.inside { count } else { 0 };
-        let middle = 0.5 * (f64::from(nodes.start + nodes.end - 1) - (width - 1) as f64);
-        let coverage = f64::from(span.coverage);
-        if count == 1 {
-            self.moments[0] += coverage;
-            self.moments[1] += coverage * middle;
-            self.moments[2] += coverage * (middle * middle);
-            return;
-        }
+        let place = 0.5 * f64::from(span.start + span.end - 1) - middle;
         let count = f64::from(count);
-        let volume = count * coverage;
+        let volume = count * f64::from(span.coverage);
         self.moments[0] += volume;
-        self.moments[1] += volume * middle;
-        self.moments[2] += volume * (middle * middle + (count * count - 1.0) * (1.0 / 12.0));
+        self.moments[1] += volume * place;
+        self.moments[2] += volume * (place * place + (count * count - 1.0) * (1.0 / 12.0));
     }
 
     /// Whether nodes from `start` on, of a row, follow this run's.
@@ -90,21 +82,22 @@ pub(crate) struct Held {
     rows_y: [usize; 2],
     rows: usize,
     own: OnceLock<Arc<Material>>,
+    cores: OnceLock<Vec<RunCore>>,
 }
 
 impl Held {
     /// All of a grid's material.
     pub(crate) fn all(grid: &Grid, material: Material) -> Self {
-        let width = grid.dims[0];
+        let middle = grid.middle_along_x();
         let mut runs: Vec<Run> = Vec::new();
         for row in 0..material.rows() {
             for span in material.row(row) {
                 let place = [row % grid.dims[1], row / grid.dims[1]].map(|n| n as u32);
                 match runs.last_mut().filter(|run| run.is_followed_by(place, span.start)) {
-                    Some(run) => run.add(span, span.start..span.end, width),
+                    Some(run) => run.add(span, middle),
                     None => {
                         let mut run = Run::empty(place, span.start);
-                        run.add(span, span.start..span.end, width);
+                        run.add(span, middle);
                         runs.push(run);
                     }
                 }
@@ -112,38 +105,52 @@ impl Held {
         }
         let source = Arc::new(material);
         let (rows_y, rows) = ([grid.dims[1]; 2], source.rows());
-        Self { runs, own: OnceLock::from(source.clone()), source, shift: [0; 3], rows_y, rows }
+        let own = OnceLock::from(source.clone());
+        let held = Self { runs, own, source, shift: [0; 3], rows_y, rows, cores: OnceLock::new() };
+        held.cores(grid);
+        held
     }
 
-    /// Some of it, `share` in order, on a grid whose first node is `from` here.
-    pub(crate) fn part(
-        &self,
-        share: impl Iterator<Item = Run>,
-        from: [i64; 3],
-        (grid, own): (&Grid, &Grid),
-    ) -> Self {
+    /// Some of it, `runs` in order, on a grid whose first node is `from` here.
+    pub(crate) fn part(&self, mut runs: Vec<Run>, from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
         // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
         let ahead = 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64;
-        let moved = |run: Run| {
+        for run in &mut runs {
             let across = |axis: usize| (i64::from(run.row[axis]) - from[axis + 1]) as u32;
             let along = |i: u32| (i64::from(i) - from[0]) as u32;
             let [volume, first, second] = run.moments;
-            Run {
+            *run = Run {
                 row: [across(0), across(1)],
                 start: along(run.start),
                 end: along(run.end),
                 inside: run.inside,
                 moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
-            }
-        };
+            };
+        }
         Self {
-            runs: share.map(moved).collect(),
+            runs,
             source: self.material().clone(),
             shift: from,
             rows_y: [own.dims[1], grid.dims[1]],
             rows: own.dims[1] * own.dims[2],
             own: OnceLock::new(),
+            cores: OnceLock::new(),
         }
+    }
+
+    /// Where most cuts go through each run, on the holder's grid; made when something breaks that is itself a piece.
+    pub(crate) fn cores(&self, grid: &Grid) -> &[RunCore] {
+        self.cores.get_or_init(|| {
+            let material = self.material();
+            let mut cores = Vec::with_capacity(self.runs.len());
+            cores.extend(self.runs.iter().map(|run| {
+                let of_row = material.row(run.number(grid.dims[1]));
+                let first = of_row.partition_point(|span| span.end <= run.start);
+                let after = of_row.partition_point(|span| span.start < run.end);
+                RunCore::of(run, &of_row[first..after], grid.middle_along_x())
+            }));
+            cores
+        })
     }
 
     /// In spans, of the holder's grid.
@@ -262,13 +269,13 @@ mod tests {
                 for span in material.row(run.number(4)) {
                     let nodes = span.start.max(cut.start)..span.end.min(run.end).min(high);
                     if nodes.start < nodes.end {
-                        cut.add(span, nodes, 5);
+                        cut.add(&Span { start: nodes.start, end: nodes.end, ..*span }, grid.middle_along_x());
                     }
                 }
                 share.extend((cut.start < cut.end).then_some(cut));
             }
             let own = Grid { dims: [10, 7, 6], ..grid };
-            let part = whole.part(share.iter().copied(), [-2, -1, -3], (&grid, &own));
+            let part = whole.part(share.clone(), [-2, -1, -3], (&grid, &own));
             let again = Held::all(&own, part.material().as_ref().clone());
             prop_assert_eq!(part.runs.len(), again.runs.len());
             for (a, b) in part.runs.iter().zip(&again.runs) {

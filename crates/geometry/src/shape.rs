@@ -282,32 +282,30 @@ fn without_cracks(mesh: TriMesh) -> Surface {
     Surface::with_coordinates(mesh, vec![false; normals.len()], &normals)
 }
 
-/// The lower of each two coordinates that are not NaN: one instruction for several, unlike [`DVec3::min`].
-#[inline]
-fn least(a: DVec3, b: DVec3) -> DVec3 {
-    let least = |a: f64, b: f64| if a < b { a } else { b };
-    DVec3::new(least(a.x, b.x), least(a.y, b.y), least(a.z, b.z))
-}
-
 /// Lowest and highest corner, in the body frame, around all voxels with material and all samples.
 fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &[Vec3]) -> (DVec3, DVec3) {
     let grid = solid.grid();
     let rotation = body_from_grid.matrix();
     let half_voxel =
         0.5 * grid.spacing * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
-    // The voxels of a run lie on a line, so that its two ends bound them all.
+    // The voxels of a run lie on a line, so that its two ends bound them all: along each axis one is the lower, which one is the same
+    // for all runs. The three lowest places, then the three highest with their signs turned.
     let steps = rotation * grid.spacing;
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let both = |low: DVec3, high: DVec3| [low.x, low.y, low.z, -high.x, -high.y, -high.z];
+    let [along_x, along_y, along_z] = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| both(step, step));
+    let along_run = both(steps.x_axis.min(DVec3::ZERO), steps.x_axis.max(DVec3::ZERO));
+    let mut ends = [f64::INFINITY; 6];
     for run in solid.runs() {
         let [j, k] = run.row.map(f64::from);
-        let start = steps.y_axis * j + steps.z_axis * k + steps.x_axis * f64::from(run.start);
-        let last = start + steps.x_axis * f64::from(run.end - 1 - run.start);
-        low = least(low, least(start, last));
-        high = -least(-high, least(-start, -last));
+        let (start, length) = (f64::from(run.start), f64::from(run.end - 1 - run.start));
+        let end: [f64; 6] = std::array::from_fn(|n| {
+            along_y[n] * j + along_z[n] * k + along_x[n] * start + along_run[n] * length
+        });
+        ends = std::array::from_fn(|n| if end[n] < ends[n] { end[n] } else { ends[n] });
     }
     let origin = body_from_grid.point(grid.origin);
-    low += origin - half_voxel;
-    high += origin + half_voxel;
+    let low = DVec3::new(ends[0], ends[1], ends[2]) + (origin - half_voxel);
+    let high = DVec3::new(-ends[3], -ends[4], -ends[5]) + (origin + half_voxel);
     let (mut lowest, mut highest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for &sample in samples {
         lowest = lowest.min(sample);

@@ -58,23 +58,23 @@ pub(crate) fn connected_components(
 
 /// One component for each region that holds anything, numbered in the order of their first shares.
 fn of_convex(shares: &Shares) -> Components {
+    let regions = shares.all.iter().fold(0, |most, share| most.max(share.region as usize + 1));
+    // Each region's component, whether that has nodes inside, and its material.
+    let mut of_region = vec![(NONE, false, 0.0); regions];
     let mut components = Components::empty(shares);
-    let mut of_region = Vec::new();
     for (Share { run, region }, of_share) in shares.all.iter().zip(&mut components.of_share) {
-        let region_number = *region as usize;
-        if of_region.len() <= region_number {
-            of_region.resize(region_number + 1, NONE);
-        }
-        if of_region[region_number] == NONE {
-            of_region[region_number] = components.region.len() as u32;
+        let (component, has_inside, material) = &mut of_region[*region as usize];
+        if *component == NONE {
+            *component = components.region.len() as u32;
             components.region.push(*region);
-            components.has_inside.push(false);
-            components.material.push(0.0);
         }
-        *of_share = of_region[region_number];
-        components.has_inside[*of_share as usize] |= run.inside > 0;
-        components.material[*of_share as usize] += run.moments[0];
+        *of_share = *component;
+        *has_inside |= run.inside > 0;
+        *material += run.moments[0];
     }
+    let sums = || components.region.iter().map(|&region| of_region[region as usize]);
+    components.has_inside = sums().map(|(_, has_inside, _)| has_inside).collect();
+    components.material = sums().map(|(.., material)| material).collect();
     components
 }
 
@@ -101,7 +101,7 @@ impl Components {
 
 /// Cuts the shares of surface voxels, each filled alike, into single nodes.
 fn split_surface(solid: &GridSolid, shares: &mut Shares) {
-    let width = solid.grid().dims[0];
+    let middle = solid.grid().middle_along_x();
     let mut split = Shares::default();
     for row in 0..shares.rows() {
         split.first_of_row.push(split.all.len() as u32);
@@ -114,7 +114,7 @@ fn split_surface(solid: &GridSolid, shares: &mut Shares) {
             let span = Span { start: whole.start, end: whole.end, coverage: fill(&whole), inside: false };
             split.all.extend((whole.start..whole.end).map(|start| {
                 let mut run = Run::empty(whole.row, start);
-                run.add(&span, start..start + 1, width);
+                run.add(&Span { start, end: start + 1, ..span }, middle);
                 Share { run, ..*share }
             }));
         }

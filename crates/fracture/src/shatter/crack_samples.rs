@@ -4,25 +4,37 @@ use crate::{pattern::Region, polygon};
 use frangible_geometry::{ClosedForm, GridSolid, HalfSpace, Root};
 use glam::{DVec2, DVec3};
 
-/// A point on a crack.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CrackSample {
+/// Points on the cracks around a region, face after face.
+#[derive(Debug, Default)]
+pub(crate) struct CrackSamples {
     /// Grid frame [m].
-    pub(crate) point: DVec3,
-    /// Of the crack, out of the region.
-    pub(crate) normal: DVec3,
+    pub(crate) points: Vec<DVec3>,
+    /// Where the points of each face end, and its normal, out of the region.
+    faces: Vec<(usize, DVec3)>,
+}
+
+impl CrackSamples {
+    /// The points with the normals of their cracks.
+    pub(crate) fn with_normals(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let starts = std::iter::once(0).chain(self.faces.iter().map(|&(end, _)| end));
+        let faces = starts.zip(&self.faces);
+        faces.flat_map(|(start, &(end, normal))| {
+            self.points[start..end].iter().map(move |&point| (point, normal))
+        })
+    }
 }
 
 impl<'a> Sampler<'a> {
     /// Of cracks within the parent, by points about `spacing` [m] apart.
     pub(crate) fn new(parent: &'a Parent<'a>, spacing: f64) -> Self {
-        let (samples, edges, corners) = (Vec::new(), Vec::new(), Vec::new());
+        let (samples, edges, corners) = (CrackSamples::default(), Vec::new(), Vec::new());
         Self { parent, spacing, samples, edges, corners, lines: Lines::default() }
     }
 
     /// Points of all cracks around a region: corners, edges, rims, and the faces between them. Neighbours follow each other.
-    pub(crate) fn sample(&mut self, region: &Region) -> &[CrackSample] {
-        self.samples.clear();
+    pub(crate) fn sample(&mut self, region: &Region) -> &CrackSamples {
+        self.samples.points.clear();
+        self.samples.faces.clear();
         self.edges.clear();
         self.corners.clear();
         for cut in &region.cuts {
@@ -189,7 +201,7 @@ fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
 pub(crate) struct Sampler<'a> {
     parent: &'a Parent<'a>,
     spacing: f64,
-    samples: Vec<CrackSample>,
+    samples: CrackSamples,
     /// The edges and corners that another face has brought already.
     edges: Vec<(DVec3, DVec3)>,
     corners: Vec<DVec3>,
@@ -213,7 +225,7 @@ impl Lines {
     }
 
     /// All points, a tile of neighbouring lines after the other.
-    fn in_tiles(&self, mut take: impl FnMut(&DVec3)) {
+    fn in_tiles(&self, mut take: impl FnMut(&[DVec3])) {
         // As many as fill a cluster.
         const TILE: usize = 4;
         for first_line in (0..self.ends.len()).step_by(TILE) {
@@ -223,7 +235,7 @@ impl Lines {
                 for line in band.clone() {
                     let points = self.line(line);
                     let tile = first.min(points.len())..(first + TILE).min(points.len());
-                    points[tile].iter().for_each(&mut take);
+                    take(&points[tile]);
                 }
             }
         }
@@ -235,7 +247,6 @@ struct Face<'a> {
     corners: &'a [DVec3],
     flat: Vec<DVec2>,
     origin: DVec3,
-    normal: DVec3,
     along: DVec3,
     across: DVec3,
 }
@@ -261,10 +272,11 @@ impl Sampler<'_> {
         let across = normal.cross(along);
         let flat = corners.iter().map(|&corner| corner - corners[0]);
         let flat = flat.map(|corner| DVec2::new(corner.dot(along), corner.dot(across))).collect();
-        let face = Face { corners, flat, origin: corners[0], normal, along, across };
+        let face = Face { corners, flat, origin: corners[0], along, across };
 
         self.sample_inside(&face);
         self.sample_edges(&face);
+        self.samples.faces.push((self.samples.points.len(), normal));
     }
 
     /// Points on lines along the longest edge, and where these leave the parent; where the rim runs along them, lines across
@@ -290,8 +302,8 @@ impl Sampler<'_> {
             }
             self.lines.ends.push(self.lines.points.len());
         }
-        let (lines, samples) = (&self.lines, &mut self.samples);
-        lines.in_tiles(|&point| samples.push(CrackSample { point, normal: face.normal }));
+        let (lines, points) = (&self.lines, &mut self.samples.points);
+        lines.in_tiles(|tile| points.extend_from_slice(tile));
 
         if matches!(self.parent.curved, Curved::Nothing) {
             return;
@@ -304,7 +316,7 @@ impl Sampler<'_> {
                 for at in stretch.iter().filter(|&&at| at > 0.0 && at < 1.0) {
                     let rim = start.lerp(end, *at);
                     if !self.crosses_rim(rim, face.along, face.across) {
-                        self.samples.push(CrackSample { point: rim, normal: face.normal });
+                        self.samples.points.push(rim);
                     }
                 }
             }
@@ -329,7 +341,7 @@ impl Sampler<'_> {
             let known = self.corners.iter().any(|&corner| is_same(corner, start));
             if !known && self.parent.distance(start) <= tolerance {
                 self.corners.push(start);
-                self.samples.push(CrackSample { point: start, normal: face.normal });
+                self.samples.points.push(start);
             }
             let known = self.edges.iter().any(|&(a, b)| {
                 (is_same(a, start) && is_same(b, end)) || (is_same(a, end) && is_same(b, start))
@@ -345,10 +357,7 @@ impl Sampler<'_> {
                 let first = if stretch[0] > 0.0 { 0 } else { 1 };
                 let last = if stretch[1] < 1.0 { steps as usize } else { steps as usize - 1 };
                 let way = (to - from) / steps;
-                self.samples.extend(
-                    (first..=last)
-                        .map(|step| CrackSample { point: from + way * step as f64, normal: face.normal }),
-                );
+                self.samples.points.extend((first..=last).map(|step| from + way * step as f64));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{
     ShatterSettings,
-    crack_samples::{CrackSample, Parent, Sampler},
+    crack_samples::{Parent, Sampler},
 };
 use crate::pattern::Region;
 use frangible_geometry::{BodyFrame, ClusteredSamples, GridSolid, RigidTransform, Shape};
@@ -261,8 +261,11 @@ impl Lookup<'_> {
             for &sample in samples {
                 let inside = around.region_around(sample.as_dvec3());
                 region = inside.unwrap_or_else(|| regions.nearest(sample.as_dvec3(), region));
-                let point = grid_from_body.point(sample.as_dvec3());
-                if let Some(piece) = self.piece_at(region, point) {
+                let piece = match self.of_regions[region].as_slice() {
+                    [piece] => Some(*piece as usize),
+                    _ => self.piece_at(region, grid_from_body.point(sample.as_dvec3())),
+                };
+                if let Some(piece) = piece {
                     let collector = &mut collectors[piece];
                     collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
                 }
@@ -294,10 +297,10 @@ impl Lookup<'_> {
                 && let [_] = self.pieces[*piece as usize].0.parts()
             {
                 let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
-                cracks.extend(samples.iter().map(|sample| body_from_grid.point(sample.point)));
+                cracks.extend(samples.points.iter().map(|&point| body_from_grid.point(point)));
                 continue;
             }
-            for &CrackSample { point, normal } in samples {
+            for (point, normal) in samples.with_normals() {
                 if let Some(piece) = self.piece_at(number, point)
                     && self.is_on_surface(piece, point, normal)
                 {
@@ -311,10 +314,13 @@ impl Lookup<'_> {
     /// Whether a point of a region's crack is on a piece, and the crack is not healed there because a sliver joined from
     /// across.
     fn is_on_surface(&self, piece: usize, point: DVec3, normal: DVec3) -> bool {
-        let solid = &self.pieces[piece].0;
-        let h = solid.grid().spacing;
-        let near = f64::from(solid.value(point)) < 0.5 * h;
-        near && f64::from(solid.value(point + 0.5 * h * normal)) > 0.0
+        let (solid, _) = &self.pieces[piece];
+        let grid = solid.grid();
+        let half_voxel = 0.5 * grid.spacing;
+        let value = |point: DVec3, most: f64| {
+            f64::from(solid.value_at_lattice(grid.lattice_from_point(point).as_vec3(), most as f32))
+        };
+        value(point + half_voxel * normal, 0.0) > 0.0 && value(point, half_voxel) < half_voxel
     }
 }
 

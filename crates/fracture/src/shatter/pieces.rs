@@ -6,7 +6,7 @@ use super::{
     slivers::Pieces,
 };
 use crate::pattern::Region;
-use frangible_geometry::{GridSolid, HalfSpace};
+use frangible_geometry::{GridSolid, HalfSpace, Run};
 use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
@@ -35,19 +35,19 @@ pub(crate) fn intersect_level_sets(
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let of_regions = pieces_of_regions(regions.len(), components, pieces);
-    let shares_of_pieces = shares_of_pieces(components, pieces);
+    let runs_of_pieces = runs_of_pieces(shares, components, pieces);
     let planes_of = |region: u32| -> Vec<HalfSpace> {
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
-    let solid = |(members, own_shares): (&Vec<u32>, &Vec<u32>)| {
+    let solid = |(members, runs): (&Vec<u32>, Vec<Run>)| {
         let (own, any_inside) = regions_of_piece(members, components);
         let planes: Vec<Vec<HalfSpace>> = own.iter().map(|&region| planes_of(region)).collect();
         let planes: Vec<&[HalfSpace]> = planes.iter().map(Vec::as_slice).collect();
-        let clipped = parent.clipped(shares.runs(own_shares), &planes);
+        let clipped = parent.clipped(runs, &planes);
         let is_all = own.iter().all(|&region| of_regions[region as usize].len() == 1);
         if is_all && any_inside { clipped } else { clipped.sampled() }
     };
-    pieces.components.iter().zip(&shares_of_pieces).map(solid).collect()
+    pieces.components.iter().zip(runs_of_pieces).map(solid).collect()
 }
 
 /// The same for cells of any form: `distance(cell, point)` [m] in the grid frame, sampled at the pieces' nodes.
@@ -58,14 +58,14 @@ pub(crate) fn intersect_sampled(
     components: &Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
-    let shares_of_pieces = shares_of_pieces(components, pieces);
-    let solid = |(members, own_shares): (&Vec<u32>, &Vec<u32>)| {
+    let runs_of_pieces = runs_of_pieces(shares, components, pieces);
+    let solid = |(members, runs): (&Vec<u32>, Vec<Run>)| {
         let (own, _) = regions_of_piece(members, components);
-        parent.intersected(shares.runs(own_shares), |point| {
+        parent.intersected(runs, |point| {
             own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
         })
     };
-    pieces.components.iter().zip(&shares_of_pieces).map(solid).collect()
+    pieces.components.iter().zip(runs_of_pieces).map(solid).collect()
 }
 
 /// The regions that a piece is made of, and whether it has any node inside. A film of surface voxels does not take the region
@@ -83,13 +83,19 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// Which shares each piece has, in order.
-fn shares_of_pieces(components: &Components, pieces: &Pieces) -> Vec<Vec<u32>> {
-    let mut of_pieces = vec![Vec::new(); pieces.components.len()];
-    for (share, &component) in (0..).zip(&components.of_share) {
+/// What each piece holds, in order.
+fn runs_of_pieces(shares: &Shares, components: &Components, pieces: &Pieces) -> Vec<Vec<Run>> {
+    let mut counts = vec![0; pieces.of_component.len()];
+    for &component in &components.of_share {
+        counts[component as usize] += 1;
+    }
+    let count = |members: &Vec<u32>| members.iter().map(|&component| counts[component as usize]).sum();
+    let mut of_pieces: Vec<Vec<Run>> =
+        pieces.components.iter().map(|members| Vec::with_capacity(count(members))).collect();
+    for (share, &component) in shares.all.iter().zip(&components.of_share) {
         let piece = pieces.of_component[component as usize];
         if piece != NONE {
-            of_pieces[piece as usize].push(share);
+            of_pieces[piece as usize].push(share.run);
         }
     }
     of_pieces

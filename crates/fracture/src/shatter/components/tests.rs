@@ -19,7 +19,7 @@ fn shares_of(solid: &GridSolid, region_of_node: &[u32]) -> Shares {
                 let region = region_of_node[row * solid.grid().dims[0] + i as usize];
                 let place = [row % solid.grid().dims[1], row / solid.grid().dims[1]];
                 let mut run = Run::empty(place.map(|n| n as u32), i);
-                run.add(span, i..i + 1, solid.grid().dims[0]);
+                run.add(&Span { start: i, end: i + 1, ..*span }, solid.grid().middle_along_x());
                 shares.all.push(Share { run, region });
             }
         }

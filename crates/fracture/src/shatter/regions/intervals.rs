@@ -1,0 +1,242 @@
+//! Which part of each row of nodes lies in which region, for neighbouring rows at a time.
+
+use super::NONE;
+use crate::Cut;
+use crate::pattern::Region;
+use frangible_geometry::{Grid, GridSolid};
+use glam::DVec3;
+
+/// Distance between a node and a plane in units of the spacing that counts as none.
+const ON_CRACK: f64 = 1e-9;
+
+/// Rows of a tile along y and along z: what is true of all of them is found out once.
+pub(super) const TILE: usize = 8;
+
+/// Where the material of each row is.
+pub(super) struct RowEnds {
+    /// First and last node of each row, as numbers along x; the first lies behind the last in a row without material.
+    ends: Vec<[f64; 2]>,
+    /// Which run a row is, if it is one without a gap.
+    run: Vec<u32>,
+}
+
+impl RowEnds {
+    pub(super) fn of(solid: &GridSolid) -> Self {
+        let [_, rows_y, rows_z] = solid.grid().dims;
+        let (runs, rows) = (solid.runs(), rows_y * rows_z);
+        let (mut ends, mut run) = (vec![[f64::INFINITY, f64::NEG_INFINITY]; rows], vec![NONE; rows]);
+        for (number, here) in (0..).zip(runs) {
+            let row = here.number(rows_y);
+            let is_first = ends[row][0] == f64::INFINITY;
+            run[row] = if is_first { number } else { NONE };
+            ends[row] = [f64::from(here.start).min(ends[row][0]), f64::from(here.end - 1)];
+        }
+        Self { ends, run }
+    }
+
+    /// Of one row; `None` without material.
+    #[inline]
+    pub(super) fn of_row(&self, row: usize) -> Option<[f64; 2]> {
+        let [first, last] = self.ends[row];
+        (first <= last).then_some([first, last])
+    }
+
+    /// The number of the run that a row is, if there is no gap in it.
+    #[inline]
+    pub(super) fn run(&self, row: usize) -> Option<usize> {
+        Some(self.run[row]).filter(|&run| run != NONE).map(|run| run as usize)
+    }
+
+    /// The box of the material in a tile of rows, in lattice units.
+    fn tile_bounds(&self, grid: &Grid, [tile_y, tile_z]: [usize; 2]) -> Option<(DVec3, DVec3)> {
+        let [_, rows_y, rows_z] = grid.dims;
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for k in tile_z * TILE..((tile_z + 1) * TILE).min(rows_z) {
+            for j in tile_y * TILE..((tile_y + 1) * TILE).min(rows_y) {
+                if let Some([first, last]) = self.of_row(j + rows_y * k) {
+                    low = low.min(DVec3::new(first, j as f64, k as f64));
+                    high = high.max(DVec3::new(last, j as f64, k as f64));
+                }
+            }
+        }
+        (low.x <= high.x).then_some((low, high))
+    }
+}
+
+/// A plane as a function on the lattice, in units of the spacing.
+#[derive(Clone, Copy)]
+struct LatticePlane {
+    normal: DVec3,
+    at_origin: f64,
+}
+
+/// Where rows cross a plane: at `at_origin + along_y * j + along_z * k`, a little outside of it.
+#[derive(Clone, Copy)]
+struct Crossing {
+    at_origin: f64,
+    along_y: f64,
+    along_z: f64,
+    side: Side,
+}
+
+/// Which part of a row is inside of a plane.
+#[derive(Clone, Copy)]
+enum Side {
+    BelowCrossing,
+    AboveCrossing,
+    /// All of it or nothing: the plane lies along x, and the crossing's place is how deep inside the row is.
+    Either,
+}
+
+impl Crossing {
+    fn new(plane: &LatticePlane) -> Self {
+        let slope = plane.normal.x;
+        let (scale, side) = match slope {
+            _ if slope.abs() < ON_CRACK * 1e-3 => (1.0, Side::Either),
+            _ if slope > 0.0 => (1.0 / slope, Side::BelowCrossing),
+            _ => (1.0 / slope, Side::AboveCrossing),
+        };
+        Self {
+            at_origin: (ON_CRACK - plane.at_origin) * scale,
+            along_y: -plane.normal.y * scale,
+            along_z: -plane.normal.z * scale,
+            side,
+        }
+    }
+}
+
+/// For each tile of rows the regions that reach into it, and those of their planes that pass through it.
+pub(super) struct Tiles {
+    /// Tiles along y.
+    count_y: usize,
+    /// Where each tile begins in `regions`, and one more entry at the end.
+    first_of_tile: Vec<u32>,
+    regions: Vec<TileRegion>,
+    crossings: Vec<Crossing>,
+}
+
+/// A region that reaches into a tile.
+struct TileRegion {
+    number: u32,
+    /// Where its planes begin and end.
+    crossings: [u32; 2],
+}
+
+/// The nodes of neighbouring rows that lie inside of a region or on its cracks, within the rows' ends: from the first to the last
+/// one, whole numbers; none where the first lies behind the last.
+pub(super) struct Intervals {
+    pub(super) region: u32,
+    pub(super) first: [f64; TILE],
+    pub(super) last: [f64; TILE],
+    /// Where along x it is about.
+    place: f64,
+}
+
+impl Tiles {
+    pub(super) fn new(grid: &Grid, ends: &RowEnds, regions: &[Region]) -> Self {
+        let on_lattice = |region: &Region| -> Vec<LatticePlane> {
+            let plane = |cut: &Cut| LatticePlane {
+                normal: cut.half_space.normal,
+                at_origin: cut.half_space.distance(grid.origin) / grid.spacing,
+            };
+            region.cuts.iter().map(plane).collect()
+        };
+        let regions: Vec<Vec<LatticePlane>> = regions.iter().map(on_lattice).collect();
+        let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
+        let mut tiles =
+            Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), crossings: Vec::new() };
+        for tile in 0..count_y * count_z {
+            tiles.first_of_tile.push(tiles.regions.len() as u32);
+            if let Some(bounds) = ends.tile_bounds(grid, [tile % count_y, tile / count_y]) {
+                tiles.add_tile(&regions, bounds);
+            }
+        }
+        tiles.first_of_tile.push(tiles.regions.len() as u32);
+        tiles
+    }
+
+    /// Adds the regions that reach into the box from `low` to `high`, in lattice units.
+    fn add_tile(&mut self, regions: &[Vec<LatticePlane>], (low, high): (DVec3, DVec3)) {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        for (region, number) in regions.iter().zip(0..) {
+            let first = self.crossings.len();
+            let mut reaches_in = true;
+            for plane in region {
+                let distance = plane.normal.dot(middle) + plane.at_origin;
+                let reach = plane.normal.abs().dot(half);
+                if distance - reach > ON_CRACK {
+                    reaches_in = false;
+                    break;
+                }
+                if distance + reach > 0.0 {
+                    self.crossings.push(Crossing::new(plane));
+                }
+            }
+            if reaches_in {
+                let crossings = [first, self.crossings.len()].map(|crossing| crossing as u32);
+                self.regions.push(TileRegion { number, crossings });
+            } else {
+                self.crossings.truncate(first);
+            }
+        }
+    }
+
+    /// What the rows from j on, along y, hold of each region that reaches into their tile; about in order along x.
+    pub(super) fn cross(&self, grid: &Grid, ends: &RowEnds, [j, k]: [usize; 2], found: &mut Vec<Intervals>) {
+        found.clear();
+        let (mut firsts, mut lasts) = ([f64::INFINITY; TILE], [f64::NEG_INFINITY; TILE]);
+        let row = j + grid.dims[1] * k;
+        let rows = &ends.ends[row..row + TILE.min(grid.dims[1] - j)];
+        for (&[first, last], row) in rows.iter().zip(0..TILE) {
+            (firsts[row], lasts[row]) = (first, last);
+        }
+
+        let tile = j / TILE + self.count_y * (k / TILE);
+        let regions = self.first_of_tile[tile] as usize..self.first_of_tile[tile + 1] as usize;
+        let at_y: [f64; TILE] = std::array::from_fn(|row| (j + row) as f64);
+        for &TileRegion { number, crossings: [from, to] } in &self.regions[regions] {
+            let (mut low, mut high) = (firsts, lasts);
+            for crossing in &self.crossings[from as usize..to as usize] {
+                let at_z = crossing.at_origin + crossing.along_z * k as f64;
+                let at: [f64; TILE] = std::array::from_fn(|row| at_z + crossing.along_y * at_y[row]);
+                match crossing.side {
+                    Side::BelowCrossing => {
+                        high =
+                            std::array::from_fn(|row| if at[row] < high[row] { at[row] } else { high[row] });
+                    }
+                    Side::AboveCrossing => {
+                        low = std::array::from_fn(|row| if at[row] > low[row] { at[row] } else { low[row] });
+                    }
+                    Side::Either => {
+                        high = std::array::from_fn(
+                            |row| if at[row] < 0.0 { f64::NEG_INFINITY } else { high[row] },
+                        );
+                    }
+                }
+            }
+            let (first, last) = (low.map(ceil), high.map(floor));
+            if let Some(row) = (0..TILE).find(|&row| first[row] <= last[row]) {
+                let place = first[row] + last[row];
+                let behind = found.iter().rev().take_while(|other| other.place > place).count();
+                found.insert(found.len() - behind, Intervals { region: number, first, last, place });
+            }
+        }
+    }
+}
+
+/// Numbers of this size are whole, so that a sum with it rounds to the nearest whole number.
+const WHOLE: f64 = (1_u64 << f64::MANTISSA_DIGITS - 1) as f64;
+
+/// The least whole number that is not below `x`, of an `x` from zero to [`WHOLE`] or infinite: in instructions for several at a time.
+#[inline]
+fn ceil(x: f64) -> f64 {
+    let nearest = (x + WHOLE) - WHOLE;
+    nearest + if nearest < x { 1.0 } else { 0.0 }
+}
+
+/// The largest whole number that is not above `x`, likewise; something negative if `x` is.
+#[inline]
+fn floor(x: f64) -> f64 {
+    let nearest = (x + WHOLE) - WHOLE;
+    nearest - if nearest > x { 1.0 } else { 0.0 }
+}

@@ -1,0 +1,103 @@
+//! Runs that are cut again and again.
+
+use crate::{Run, Span};
+
+/// The longest span of a run, and what the others hold together. Most cuts go through it, so that none of the others is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct RunCore {
+    /// Of the run.
+    row: [u32; 2],
+    /// Of the grid, along x.
+    middle: f64,
+    /// First and last node of the run, and of its longest span.
+    ends: [f64; 2],
+    core: [f64; 2],
+    /// Of the longest span.
+    coverage: f64,
+    is_inside: bool,
+    before: Sums,
+    behind: Sums,
+}
+
+/// How many nodes are inside, and the moments of some spans.
+#[derive(Clone, Copy, Debug)]
+struct Sums {
+    inside: u32,
+    moments: [f64; 3],
+}
+
+/// A whole number from zero to the largest `u32`: the last bits of a sum with 2^52.
+#[inline]
+fn number(whole: f64) -> u32 {
+    (whole + (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64).to_bits() as u32
+}
+
+impl Sums {
+    fn of(spans: &[Span], start: u32, middle: f64) -> Self {
+        let mut run = Run::empty([0; 2], start);
+        spans.iter().for_each(|span| run.add(span, middle));
+        Self { inside: run.inside, moments: run.moments }
+    }
+
+    #[inline]
+    fn plus(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.moments, other.moments);
+        Self { inside: self.inside + other.inside, moments: [a + x, b + y, c + z] }
+    }
+}
+
+impl RunCore {
+    /// Of a run and its spans, in a grid that has its middle so many nodes along x.
+    pub(crate) fn of(run: &Run, spans: &[Span], middle: f64) -> Self {
+        let longest = (0..spans.len()).rev().max_by_key(|&at| spans[at].end - spans[at].start).unwrap_or(0);
+        let nothing = Span { start: run.start, end: run.start + 1, coverage: 0.0, inside: false };
+        let core = spans.get(longest).copied().unwrap_or(nothing);
+        let ends = |start: u32, end: u32| [f64::from(start), f64::from(end) - 1.0];
+        let behind = spans.get(longest + 1..).unwrap_or_default();
+        Self {
+            row: run.row,
+            middle,
+            ends: ends(run.start, run.end),
+            core: ends(core.start, core.end),
+            coverage: f64::from(core.coverage),
+            is_inside: core.inside,
+            before: Sums::of(&spans[..longest], run.start, middle),
+            behind: Sums::of(behind, core.end, middle),
+        }
+    }
+
+    /// The part of the run from one node to another, whole numbers; `spans` are those of its row.
+    #[inline]
+    pub fn cut(&self, spans: &[Span], [first, last]: [f64; 2]) -> Run {
+        let [before, behind] = [first < self.core[0], last > self.core[1]];
+        let from = if before { self.core[0] } else { first };
+        let to = if behind { self.core[1] } else { last };
+        if from > to || (before && first != self.ends[0]) || (behind && last != self.ends[1]) {
+            return self.cut_elsewhere(spans, [number(first), number(last) + 1]);
+        }
+        let (count, place) = (to - from + 1.0, 0.5 * (from + to) - self.middle);
+        let volume = count * self.coverage;
+        let square = volume * (place * place + (count * count - 1.0) * (1.0 / 12.0));
+        let inside = if self.is_inside { number(count) } else { 0 };
+        let mut sums = Sums { inside, moments: [volume, volume * place, square] };
+        if before {
+            sums = self.before.plus(sums);
+        }
+        if behind {
+            sums = sums.plus(self.behind);
+        }
+        let (start, end) = (number(first), number(last) + 1);
+        Run { row: self.row, start, end, inside: sums.inside, moments: sums.moments }
+    }
+
+    /// The part below `end`, span by span.
+    #[cold]
+    fn cut_elsewhere(&self, spans: &[Span], [start, end]: [u32; 2]) -> Run {
+        let mut run = Run::empty(self.row, start);
+        let first = spans.iter().take_while(|span| span.end <= start).count();
+        for span in spans[first..].iter().take_while(|span| span.start < end) {
+            run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, self.middle);
+        }
+        run
+    }
+}
