@@ -2,7 +2,8 @@
 
 use crate::{Run, Span};
 
-/// The longest span of a run, and what the others hold together. Most cuts go through it, so that none of the others is looked at.
+/// The longest span of a run, and what the others hold together. Most cuts go through it, and then none of
+/// the others is looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct RunCore {
     /// Of the run.
@@ -99,5 +100,40 @@ impl RunCore {
             run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, self.middle);
         }
         run
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Wherever a run is cut, the part holds what its spans do.
+        #[test]
+        fn parts_hold_what_their_spans_do(
+            lengths in prop::collection::vec((1..4_u32, 0.0..1.0_f32, any::<bool>()), 1..8),
+            (low, high) in (0.0..1.0_f64, 0.0..1.0_f64),
+        ) {
+            let (middle, mut run) = (11.5, Run::empty([3, 4], 5));
+            let mut spans = Vec::new();
+            for (length, coverage, inside) in lengths {
+                let span = Span { start: run.end, end: run.end + length, coverage, inside };
+                run.add(&span, middle);
+                spans.push(span);
+            }
+            let node = |part: f64| run.start + (part * f64::from(run.end - run.start)) as u32;
+            let (start, end) = (node(low.min(high)), node(low.max(high)) + 1);
+            let cut = RunCore::of(&run, &spans, middle).cut(&spans, [f64::from(start), f64::from(end - 1)]);
+            let mut expected = Run::empty(run.row, start);
+            for span in spans.iter().filter(|span| span.start < end && span.end > start) {
+                expected.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, middle);
+            }
+            prop_assert_eq!((cut.row, cut.start, cut.end), (expected.row, start, end));
+            prop_assert_eq!(cut.inside, expected.inside);
+            for (a, b) in cut.moments.iter().zip(expected.moments) {
+                prop_assert!((a - b).abs() < 1e-12, "{} {}", a, b);
+            }
+        }
     }
 }

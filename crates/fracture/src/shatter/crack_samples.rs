@@ -1,25 +1,53 @@
 //! Points on the faces that a break uncovers, and on their rims.
 
+mod parent;
+
 use crate::{pattern::Region, polygon};
-use frangible_geometry::{ClosedForm, GridSolid, HalfSpace, Root};
 use glam::{DVec2, DVec3};
+pub(crate) use parent::Parent;
 
 /// Points on the cracks around a region, face after face.
 #[derive(Debug, Default)]
 pub(crate) struct CrackSamples {
     /// Grid frame [m].
-    pub(crate) points: Vec<DVec3>,
-    /// Where the points of each face end, and its normal, out of the region.
-    faces: Vec<(usize, DVec3)>,
+    points: Vec<DVec3>,
+    /// Of all faces [m].
+    corners: Vec<DVec3>,
+    /// Where each face's points and corners end, and its normal.
+    faces: Vec<([usize; 2], DVec3)>,
+}
+
+/// One of a region's cracks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CrackFace<'a> {
+    /// Grid frame [m].
+    pub(crate) points: &'a [DVec3],
+    /// Of a polygon that holds all of them [m].
+    pub(crate) corners: &'a [DVec3],
+    /// Out of the region.
+    pub(crate) normal: DVec3,
 }
 
 impl CrackSamples {
-    /// The points with the normals of their cracks.
-    pub(crate) fn with_normals(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let starts = std::iter::once(0).chain(self.faces.iter().map(|&(end, _)| end));
-        let faces = starts.zip(&self.faces);
-        faces.flat_map(|(start, &(end, normal))| {
-            self.points[start..end].iter().map(move |&point| (point, normal))
+    fn clear(&mut self) {
+        self.points.clear();
+        self.corners.clear();
+        self.faces.clear();
+    }
+
+    /// Makes a face of the points that were added since the last one.
+    fn end_face(&mut self, corners: &[DVec3], normal: DVec3) {
+        self.corners.extend_from_slice(corners);
+        self.faces.push(([self.points.len(), self.corners.len()], normal));
+    }
+
+    /// In order.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = CrackFace<'_>> {
+        let starts = std::iter::once([0; 2]).chain(self.faces.iter().map(|&(ends, _)| ends));
+        starts.zip(&self.faces).map(|(starts, &(ends, normal))| CrackFace {
+            points: &self.points[starts[0]..ends[0]],
+            corners: &self.corners[starts[1]..ends[1]],
+            normal,
         })
     }
 }
@@ -33,8 +61,7 @@ impl<'a> Sampler<'a> {
 
     /// Points of all cracks around a region: corners, edges, rims, and the faces between them. Neighbours follow each other.
     pub(crate) fn sample(&mut self, region: &Region) -> &CrackSamples {
-        self.samples.points.clear();
-        self.samples.faces.clear();
+        self.samples.clear();
         self.edges.clear();
         self.corners.clear();
         for cut in &region.cuts {
@@ -57,144 +84,6 @@ impl<'a> Sampler<'a> {
         }
         &self.samples
     }
-}
-
-/// What cracks are cut off by.
-pub(crate) struct Parent<'a> {
-    /// The flat pieces of the parent's surface, and the box of its grid.
-    walls: Vec<HalfSpace>,
-    curved: Curved<'a>,
-}
-
-/// What of the parent's surface is not flat.
-enum Curved<'a> {
-    Nothing,
-    /// Around the origin.
-    Sphere {
-        radius: f64,
-    },
-    /// Around the y axis.
-    Cylinder {
-        radius: f64,
-    },
-    /// What is known by samples only.
-    Sampled(&'a GridSolid),
-}
-
-impl<'a> Parent<'a> {
-    pub(crate) fn new(solid: &'a GridSolid) -> Self {
-        let mut walls = solid.outline.cuts.clone();
-        let of_root = match &solid.outline.root {
-            Root::ClosedForm(ClosedForm::Box { half }) => {
-                walls.extend(polygon::box_half_spaces(-half, *half));
-                Curved::Nothing
-            }
-            Root::ClosedForm(ClosedForm::Cylinder { half_height, radius }) => {
-                let caps = [DVec3::Y, DVec3::NEG_Y];
-                walls.extend(caps.map(|normal| HalfSpace { normal, offset: *half_height }));
-                Curved::Cylinder { radius: *radius }
-            }
-            Root::ClosedForm(ClosedForm::HalfSpace(half_space)) => {
-                walls.push(*half_space);
-                Curved::Nothing
-            }
-            Root::Hull(hull) => {
-                walls.extend(hull.planes());
-                Curved::Nothing
-            }
-            Root::ClosedForm(ClosedForm::Sphere { radius }) => Curved::Sphere { radius: *radius },
-            Root::Sampled(_) => Curved::Sampled(solid),
-        };
-        let (low, high) = solid.grid().bounds();
-        walls.extend(polygon::box_half_spaces(low, high));
-        // Slivers that joined it make a convex body something else.
-        let curved = if solid.is_convex() { of_root } else { Curved::Sampled(solid) };
-        Self { walls, curved }
-    }
-
-    /// Whether a plane is known to miss the parent.
-    fn misses(&self, plane: &HalfSpace) -> bool {
-        match self.curved {
-            Curved::Sphere { radius } => plane.offset.abs() > radius,
-            Curved::Cylinder { .. } | Curved::Nothing | Curved::Sampled(_) => false,
-        }
-    }
-
-    /// Signed distance [m] where only samples know it.
-    fn distance(&self, point: DVec3) -> f64 {
-        match self.curved {
-            Curved::Sampled(solid) => f64::from(solid.value(point)),
-            Curved::Sphere { radius } => point.length() - radius,
-            Curved::Cylinder { radius } => (point.x * point.x + point.z * point.z).sqrt() - radius,
-            Curved::Nothing => f64::NEG_INFINITY,
-        }
-    }
-
-    /// Outward normal at a point of the curved surface.
-    fn normal(&self, point: DVec3) -> DVec3 {
-        match self.curved {
-            Curved::Sampled(solid) => solid.value_and_gradient(point).1.as_dvec3(),
-            Curved::Cylinder { .. } => DVec3::new(point.x, 0.0, point.z),
-            Curved::Sphere { .. } | Curved::Nothing => point,
-        }
-    }
-
-    /// The stretches of a line between two points that lie inside, as fractions of the way.
-    fn inside(&self, start: DVec3, end: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
-        stretches.clear();
-        let way = end - start;
-        let flat = DVec3::new(1.0, 0.0, 1.0);
-        match self.curved {
-            Curved::Nothing => stretches.push([0.0, 1.0]),
-            Curved::Sphere { radius } => stretches.extend(within_ball(start, way, radius)),
-            Curved::Cylinder { radius } => stretches.extend(within_ball(start * flat, way * flat, radius)),
-            Curved::Sampled(_) => {
-                let steps = (way.length() / spacing).ceil().max(1.0) as usize;
-                let mut last = (0.0, self.distance(start));
-                let mut entry = (last.1 <= 0.0).then_some(0.0);
-                for step in 1..=steps {
-                    let at = step as f64 / steps as f64;
-                    let here = (at, self.distance(start + way * at));
-                    if last.1 <= 0.0 && here.1 > 0.0 {
-                        let exit = self.bisect(start, way, [last.0, here.0]);
-                        stretches.extend(entry.take().map(|entry| [entry, exit]));
-                    } else if last.1 > 0.0 && here.1 <= 0.0 {
-                        entry = Some(self.bisect(start, way, [here.0, last.0]));
-                    }
-                    last = here;
-                }
-                stretches.extend(entry.map(|entry| [entry, 1.0]));
-            }
-        }
-    }
-
-    /// Where a line crosses the surface between a fraction of the way that is inside and one that is outside.
-    fn bisect(&self, start: DVec3, way: DVec3, [mut inside, mut outside]: [f64; 2]) -> f64 {
-        // From the distance between samples to a hundredth of a percent of it.
-        const HALVINGS: usize = 13;
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            if self.distance(start + way * middle) <= 0.0 {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        inside
-    }
-}
-
-/// The part of a line from `start` along `way` within a ball around the origin, as fractions of the way in [0, 1].
-fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
-    let square = way.length_squared();
-    let half = start.dot(way);
-    let beyond = start.length_squared() - radius * radius;
-    if square <= 1e-24 * radius * radius {
-        return (beyond <= 0.0).then_some([0.0, 1.0]);
-    }
-    let root = (half * half - square * beyond).max(0.0).sqrt();
-    let (from, to) = (((-half - root) / square).max(0.0), ((-half + root) / square).min(1.0));
-    (from < to).then_some([from, to])
 }
 
 /// Collects samples of the faces of one region, in memory that it keeps from one to the next.
@@ -276,7 +165,7 @@ impl Sampler<'_> {
 
         self.sample_inside(&face);
         self.sample_edges(&face);
-        self.samples.faces.push((self.samples.points.len(), normal));
+        self.samples.end_face(corners, normal);
     }
 
     /// Points on lines along the longest edge, and where these leave the parent; where the rim runs along them, lines across
@@ -305,7 +194,7 @@ impl Sampler<'_> {
         let (lines, points) = (&self.lines, &mut self.samples.points);
         lines.in_tiles(|tile| points.extend_from_slice(tile));
 
-        if matches!(self.parent.curved, Curved::Nothing) {
+        if self.parent.is_flat() {
             return;
         }
         let turned: Vec<DVec2> = face.flat.iter().map(|corner| DVec2::new(-corner.y, corner.x)).collect();

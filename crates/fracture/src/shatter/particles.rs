@@ -2,10 +2,10 @@
 
 use super::{
     ShatterSettings,
-    crack_samples::{Parent, Sampler},
+    crack_samples::{CrackFace, Parent, Sampler},
 };
 use crate::pattern::Region;
-use frangible_geometry::{BodyFrame, ClusteredSamples, GridSolid, RigidTransform, Shape};
+use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
 use glam::{DMat3, DVec3, Vec3};
 
 /// A body with fewer samples cannot stand on anything.
@@ -73,7 +73,7 @@ pub(crate) fn assign_particles(
         lookup.pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
     lookup.share_out_samples(shape, &mut collectors);
     let spacing = settings.sample_spacing_voxels * solid.grid().spacing;
-    lookup.sample_cracks(&Parent::new(solid), spacing, &mut collectors);
+    lookup.sample_cracks(solid, spacing, &mut collectors);
 
     finish(collectors, lookup.pieces)
 }
@@ -286,28 +286,45 @@ impl Lookup<'_> {
     }
 
     /// Samples the cracks around each region, for the pieces that its inside belongs to.
-    fn sample_cracks(&self, parent: &Parent, spacing: f64, collectors: &mut [Collector]) {
-        let mut sampler = Sampler::new(parent, spacing);
+    fn sample_cracks(&self, solid: &GridSolid, spacing: f64, collectors: &mut [Collector]) {
+        let parent = Parent::new(solid);
+        let mut sampler = Sampler::new(&parent, spacing);
         for (number, region) in self.regions.iter().enumerate() {
             if self.of_regions[number].is_empty() {
                 continue;
             }
-            let samples = sampler.sample(region);
-            if let [piece] = self.of_regions[number].as_slice()
-                && let [_] = self.pieces[*piece as usize].0.parts()
-            {
-                let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
-                cracks.extend(samples.points.iter().map(|&point| body_from_grid.point(point)));
-                continue;
-            }
-            for (point, normal) in samples.with_normals() {
-                if let Some(piece) = self.piece_at(number, point)
-                    && self.is_on_surface(piece, point, normal)
+            for face in sampler.sample(region).faces() {
+                if let [piece] = self.of_regions[number].as_slice()
+                    && self.is_all_on_surface(solid, *piece as usize, face)
                 {
-                    let collector = &mut collectors[piece];
-                    collector.cracks.push(collector.body_from_grid.point(point));
+                    let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
+                    cracks.extend(face.points.iter().map(|&point| body_from_grid.point(point)));
+                    continue;
+                }
+                for &point in face.points {
+                    if let Some(piece) = self.piece_at(number, point)
+                        && self.is_on_surface(piece, point, face.normal)
+                    {
+                        let collector = &mut collectors[piece];
+                        collector.cracks.push(collector.body_from_grid.point(point));
+                    }
                 }
             }
+        }
+    }
+
+    /// Whether a region's crack is known to be on a piece everywhere, the region being all of that one: the body is whole, so that
+    /// its surface alone bounds the crack, and what joined the piece lies nowhere across.
+    fn is_all_on_surface(&self, parent: &GridSolid, piece: usize, face: CrackFace) -> bool {
+        let (solid, _) = &self.pieces[piece];
+        let across = 0.5 * solid.grid().spacing * face.normal;
+        let misses = |part: &Clip| {
+            let beyond = |plane: &HalfSpace| face.corners.iter().all(|&at| plane.distance(at + across) > 0.0);
+            part.half_spaces().iter().any(beyond)
+        };
+        match solid.parts() {
+            [_] => true,
+            parts => parent.is_convex() && parent.parts().is_empty() && parts.iter().all(misses),
         }
     }
 
