@@ -225,7 +225,7 @@ impl Tiles {
 }
 
 /// Numbers of this size are whole, so that a sum with it rounds to the nearest whole number.
-const WHOLE: f64 = (1_u64 << f64::MANTISSA_DIGITS - 1) as f64;
+const WHOLE: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
 /// The least whole number that is not below `x`, of an `x` from zero to [`WHOLE`] or infinite: in instructions for several at a time.
 #[inline]
