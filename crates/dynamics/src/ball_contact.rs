@@ -68,7 +68,7 @@ impl BallContact<'_> {
 
     /// The instant of the first touch within the frame, after `start`; `None` if they pass or do not get there.
     fn first_touch(&self, start: Gap) -> Option<Gap> {
-        let (most_speed, dt) = (self.encounter.most_speed(), self.encounter.frame.dt);
+        let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {

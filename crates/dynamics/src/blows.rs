@@ -124,7 +124,7 @@ fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
         return true;
     }
     let [first, second] = Flight::of_pair(bodies, pair, frame);
-    borne * answer >= 2.0 * Encounter::new(bodies, pair, [&first, &second], frame).most_speed()
+    borne * answer >= 2.0 * Encounter::new(bodies, pair, [&first, &second], frame).most_speed
 }
 
 /// A collision within the frame.

@@ -66,8 +66,10 @@ pub(crate) struct Batch<I> {
     pub(crate) is_driven: bool,
     /// Whether a static or kinematic body is among them.
     pub(crate) has_outside: bool,
-    /// Whether any point has to bounce.
+    /// Whether any point has met fast in this substep.
     pub(crate) bounces: bool,
+    /// Whether any takes part in the impact that acts now.
+    pub(crate) impacts: bool,
     pub(crate) rest: Box<Rest<I>>,
 }
 
@@ -87,8 +89,10 @@ pub(crate) struct Rest<I> {
     pub(crate) spin: Lanes3<I>,
     /// Work of kinematic bodies in this frame [J].
     pub(crate) work: Lanes<I>,
-    /// At which speed the surfaces of each row have met [m/s].
+    /// At which speed the surfaces of each row have met [m/s]; 0 if they touched before.
     pub(crate) met_at: Vec<Lanes<I>>,
+    /// The rows' impulses when this substep began, if anything rebounds in it.
+    pub(crate) starts: Vec<[RowImpulse<I>; 2]>,
     /// Of rolling and spinning friction, before and after the drift, a pair for each row if anything rolls [N m s].
     pub(crate) twists: Vec<[Lanes3<I>; 2]>,
     /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are

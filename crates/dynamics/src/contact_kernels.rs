@@ -137,7 +137,7 @@ pub(crate) fn stop<I: Instructions>(
         return;
     }
     visit.push(point, point.impulse(change, rub));
-    visit.note_normal(change, speed + Lanes::splat(0.5) * to_normal.x * change, (point, row.bounces));
+    visit.note_normal(change, speed + Lanes::splat(0.5) * to_normal.x * change, (point, row.meets(beat)));
     row.impulses[at] = RowImpulse { normal: total.kept(), tangent: [held[0].kept(), held[1].kept()] };
 }
 

@@ -13,10 +13,10 @@ const PUSH_SPEED: f64 = 3.0;
 pub(crate) enum Stage {
     /// Overlaps begin to close.
     BeforeDrift,
+    /// What met fast leaves again.
+    Bounce,
     /// The closing speed is taken out again.
     AfterDrift,
-    /// Then, what met fast leaves again.
-    Bounce,
 }
 
 /// When rows act.
@@ -43,8 +43,10 @@ pub(crate) struct Row<I> {
     pub(crate) is_there: Mask,
     /// Whether the surfaces have met.
     pub(crate) has_met: Mask,
-    /// Whether it still has to bounce.
+    /// Whether it has met fast in this substep.
     pub(crate) bounces: Mask,
+    /// Whether it takes part in the impact that acts now.
+    pub(crate) impacts: Mask,
     /// Whether it has acted.
     pub(crate) touched: Mask,
 }
@@ -124,6 +126,7 @@ impl<I: Instructions> Row<I> {
             is_there: Mask::NONE,
             has_met: Mask::NONE,
             bounces: Mask::NONE,
+            impacts: Mask::NONE,
             touched: Mask::NONE,
         }
     }
@@ -155,6 +158,12 @@ impl<I: Instructions> Row<I> {
     #[inline(always)]
     pub(crate) fn acts(&self, beat: &Beat) -> Mask {
         if beat.stage == Stage::BeforeDrift { self.is_there } else { self.is_there.and(self.has_met) }
+    }
+
+    /// Those that meet fast at a stage.
+    #[inline(always)]
+    pub(crate) fn meets(&self, beat: &Beat) -> Mask {
+        if beat.stage == Stage::Bounce { self.impacts } else { self.bounces }
     }
 
     /// Speed at which the surfaces are to separate [m/s], negative if they may approach; and where they overlap before the drift: such
@@ -272,5 +281,13 @@ impl<I: Instructions> RowImpulse<I> {
     pub(crate) fn clear(&mut self, lane: usize) {
         self.normal.set(lane, 0.0);
         self.tangent.iter_mut().for_each(|tangent| tangent.set(lane, 0.0));
+    }
+
+    /// The same, but another one in some lanes.
+    #[inline(always)]
+    pub(crate) fn but(&self, lanes: Mask, other: Self) -> Self {
+        let pick = |now: Kept<I>, other: Kept<I>| lanes.select(other.lanes(), now.lanes()).kept();
+        let ([t, b], [other_t, other_b]) = (self.tangent, other.tangent);
+        Self { normal: pick(self.normal, other.normal), tangent: [pick(t, other_t), pick(b, other_b)] }
     }
 }

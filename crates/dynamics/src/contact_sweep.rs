@@ -2,7 +2,7 @@
 
 use crate::contact_batch::Batch;
 use crate::contact_kernels::{Visit, stop, stop_roll};
-use crate::contact_rows::{Beat, Stage};
+use crate::contact_rows::{Basis, Beat, Stage};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
 use crate::moving::Movers;
 use crate::settings::Frame;
@@ -80,7 +80,7 @@ impl<I: Instructions> Given<I> {
 
 impl<I: Instructions> Batch<I> {
     /// Rows whose gap closes in this substep: at which speed, and whether they will bounce. What has come apart can meet again; so can
-    /// what touches and is struck. What meets no faster than `threshold` [m/s] bounces no more.
+    /// what touches and is struck, but it does not begin to bounce by itself. What meets no faster than `threshold` [m/s] bounces no more.
     #[inline(always)]
     pub(crate) fn meet(&mut self, movers: &Movers, threshold: f64, step: &Frame) {
         let sides = self.sides(movers);
@@ -100,7 +100,8 @@ impl<I: Instructions> Batch<I> {
             let meets = row.is_there.and(gap.above(closing * dt).or(is_still).not());
 
             // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
-            row.has_met = row.has_met.or(meets);
+            let touched = row.has_met;
+            row.has_met = touched.or(meets);
             if !meets.any() && !row.bounces.any() {
                 continue;
             }
@@ -110,7 +111,7 @@ impl<I: Instructions> Batch<I> {
             let approaches = closing.above(Lanes::ZERO);
             let speed = approaches.select(squared.max(Lanes::ZERO).sqrt(), Lanes::ZERO);
             let met_at = &mut self.rest.met_at[at];
-            *met_at = meets.select(speed, *met_at);
+            *met_at = meets.select(touched.select(Lanes::ZERO, speed), *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
             any_bounces = any_bounces.or(row.bounces);
@@ -158,17 +159,29 @@ impl<I: Instructions> Batch<I> {
             {
                 continue;
             }
-            let point = self.point(at, shared);
-            let before = -point.closing(&visit.sides);
-            let Lanes3 { x, y, z } = row.response.to_normal.lanes();
-            let gain = x * normal + y * tangent[0] + z * tangent[1];
-            visit.push(&point, point.impulse(normal, tangent));
-            visit.note_normal(normal, before + Lanes::splat(0.5) * gain, (&point, row.bounces));
+            self.give(&mut visit, (at, shared), normal, tangent);
             if self.rolls {
                 visit.turn(self.rest.spin, self.rest.twists[at][beat.stage.at()]);
             }
         }
         self.settle(visit, movers, given);
+    }
+
+    /// Gives the bodies an impulse at a row's points, along its normals and tangents.
+    #[inline(always)]
+    pub(crate) fn give(
+        &self,
+        visit: &mut Visit<I>,
+        (at, shared): (usize, Option<Basis<I>>),
+        normal: Lanes<I>,
+        tangent: [Lanes<I>; 2],
+    ) {
+        let (row, point) = (&self.rows[at], self.point(at, shared));
+        let before = -point.closing(&visit.sides);
+        let Lanes3 { x, y, z } = row.response.to_normal.lanes();
+        let gain = x * normal + y * tangent[0] + z * tangent[1];
+        visit.push(&point, point.impulse(normal, tangent));
+        visit.note_normal(normal, before + Lanes::splat(0.5) * gain, (&point, row.bounces));
     }
 
     /// One pass over the rows.
@@ -186,7 +199,7 @@ impl<I: Instructions> Batch<I> {
                 let point = self.point(at, shared);
                 let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
                 let row = &mut self.rows[at];
-                let acts = if pass.only_meeting { row.bounces } else { row.acts(beat) };
+                let acts = if pass.only_meeting { row.meets(beat) } else { row.acts(beat) };
                 stop(row, &point, (&hold, leaving), &mut visit, (beat, acts, true));
                 if self.rolls && beat.stage != Stage::Bounce {
                     let load = row.impulses[beat.stage.at()].normal.lanes();
@@ -202,11 +215,16 @@ impl<I: Instructions> Batch<I> {
         self.settle(visit, movers, given);
     }
 
+    /// Whether any point meets fast at a stage.
+    pub(crate) fn meets(&self, beat: &Beat) -> bool {
+        if beat.stage == Stage::Bounce { self.impacts } else { self.bounces }
+    }
+
     /// Lets the points of each pair that meet fast act together: to and fro until what one does to the others has settled. A face that
     /// lands flat must not turn by the order of its corners. Normals come first: it does not slip.
     #[inline(always)]
     fn act_together(&mut self, visit: &mut Visit<I>, beat: &Beat) {
-        let of_lane = |lane: usize| self.rows.iter().filter(|row| row.bounces.get(lane)).count();
+        let of_lane = |lane: usize| self.rows.iter().filter(|row| row.meets(beat).get(lane)).count();
         let together = Mask::of(|lane| of_lane(lane) > 1);
         if !together.any() {
             return;
@@ -219,7 +237,7 @@ impl<I: Instructions> Batch<I> {
                 let point = self.point(at, shared);
                 let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
                 let row = &mut self.rows[at];
-                let acts = row.bounces.and(together);
+                let acts = row.meets(beat).and(together);
                 stop(row, &point, (&hold, leaving), visit, (beat, acts, false));
             }
         }
@@ -232,6 +250,7 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// The impulses of what bounces begin, and end, at nothing.
+    #[inline(always)]
     pub(crate) fn clear_bouncing(&mut self) {
         for row in &mut self.rows {
             for lane in (0..LANES).filter(|&lane| row.bounces.get(lane)) {
@@ -266,7 +285,7 @@ impl<I: Instructions> Batch<I> {
 
     /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
     #[inline(always)]
-    fn settle(&mut self, visit: Visit<I>, movers: &mut Movers, given: &mut Given<I>) {
+    pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &mut Movers, given: &mut Given<I>) {
         given.collision = given.collision + visit.by_collision;
         given.contact = given.contact + visit.by_contact;
         if !visit.acted {

@@ -13,6 +13,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) pair: Pair,
     pub(crate) flights: [&'a Flight; 2],
     pub(crate) frame: &'a Frame,
+    /// No two points of the pair move faster against each other at any time of the frame [m/s].
+    pub(crate) most_speed: f64,
     /// How far apart two surfaces may be and still meet within the frame [m].
     pub(crate) reach: f64,
     /// How far apart they are to be looked for, at least the reach [m].
@@ -29,13 +31,9 @@ impl<'a> Encounter<'a> {
     pub(crate) fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
         let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
+        let most_speed = speed + frame.gravity.length() * frame.dt;
         let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
-        Self { bodies, pair, flights, frame, reach, search: reach, size, last_normal: None }
-    }
-
-    /// No two points of the pair move faster against each other at any time of the frame [m/s].
-    pub(crate) fn most_speed(&self) -> f64 {
-        self.reach / self.frame.dt
+        Self { bodies, pair, flights, frame, most_speed, reach, search: reach, size, last_normal: None }
     }
 
     /// Whether balls around the two cannot meet within the frame.
@@ -56,7 +54,10 @@ impl<'a> Encounter<'a> {
     }
 }
 
+/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found there, too, as it can be struck.
+const LEAST_GRAVITY: f64 = 1.0;
+
 /// How far a body falls in one frame from rest, twice over [m].
 pub(crate) fn sag(frame: &Frame) -> f64 {
-    frame.gravity.length() * frame.dt * frame.dt
+    frame.gravity.length().max(LEAST_GRAVITY) * frame.dt * frame.dt
 }

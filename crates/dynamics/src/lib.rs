@@ -44,6 +44,7 @@ pub mod payment;
 pub mod penetration;
 mod plane_contact;
 pub mod push_out;
+mod rebounds;
 pub mod rigid_part;
 pub mod rotation;
 pub mod settings;

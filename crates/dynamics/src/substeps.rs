@@ -11,6 +11,7 @@ use crate::instructions::{Scalar, available};
 use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
+use crate::rebounds::Reached;
 use crate::warm_start::{Carried, WarmStart};
 use crate::{Bodies, Frame, Motion, Pose, Tally, Width};
 use glam::DVec3;
@@ -23,6 +24,9 @@ const BOUNCE: f64 = 1.0;
 
 /// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
 const MEETING_PASSES: u32 = 4;
+
+/// The most impacts that follow each other in a substep; others follow in the next one.
+const IMPACTS: u32 = 32;
 
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
@@ -166,17 +170,25 @@ impl<'a, I: Instructions> Solver<'a, I> {
         solver
     }
 
-    /// Half kick, impulses, drift, half kick, relax, bounce. `rest` is what is left of the frame.
+    /// Half kick, impulses, drift, half kick, bounce, relax. `rest` is what is left of the frame.
     fn substep(&mut self, rest: &Frame, step: &Frame, frame: &Frame) {
         self.refresh(rest);
         self.movers.kick(step);
-        self.meet(step, frame);
+        let threshold = BOUNCE * frame.gravity.length() * frame.dt;
+        self.meet(step, threshold);
+        let rebounds = self.batches.iter().any(|batch| batch.rebounding().any());
+        if rebounds {
+            self.batches.iter_mut().for_each(Batch::note_starts);
+        }
         self.contact(&Beat::new(Stage::BeforeDrift, step));
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step);
         self.follow(Some(step.dt));
+        if rebounds {
+            self.rebound(step, threshold);
+        }
         self.contact(&Beat::new(Stage::AfterDrift, step));
-        self.bounce(step);
+        self.end_meeting();
     }
 
     /// Points that have moved too far are found anew.
@@ -193,8 +205,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     }
 
     /// Who meets in this substep.
-    fn meet(&mut self, step: &Frame, frame: &Frame) {
-        let threshold = BOUNCE * frame.gravity.length() * frame.dt;
+    fn meet(&mut self, step: &Frame, threshold: f64) {
         let Self { bodies, movers, batches, .. } = self;
         batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
         I::run(
@@ -275,7 +286,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             #[inline(always)]
             || {
                 if pass.only_meeting {
-                    for batch in batches.iter_mut().filter(|batch| batch.bounces) {
+                    for batch in batches.iter_mut().filter(|batch| batch.meets(beat)) {
                         batch.act(movers, beat, pass, given);
                     }
                     return;
@@ -291,17 +302,55 @@ impl<'a, I: Instructions> Solver<'a, I> {
         );
     }
 
-    /// What met fast enough leaves again; what stopped it is no guide to the next substep.
-    fn bounce(&mut self, step: &Frame) {
-        if !self.batches.iter().any(|batch| batch.bounces) {
-            return;
+    /// What met fast leaves again, by impacts that follow each other.
+    fn rebound(&mut self, step: &Frame, threshold: f64) {
+        let beat = &Beat::new(Stage::Bounce, step);
+        let Self { movers, batches, given, .. } = self;
+        let mut reached = Reached::none(movers);
+        I::run(
+            #[inline(always)]
+            || {
+                let (mut spreads, mut is_fro) = (true, false);
+                while spreads {
+                    spreads = false;
+                    each(
+                        batches,
+                        movers,
+                        is_fro,
+                        #[inline(always)]
+                        |batch, movers| spreads |= batch.reach(movers, &mut reached),
+                    );
+                    is_fro = !is_fro;
+                }
+                batches.iter_mut().for_each(|batch| batch.take_back(movers, &reached, (beat, given)));
+            },
+        );
+        for impact in 1..=IMPACTS {
+            let Self { movers, batches, .. } = self;
+            let mut any = false;
+            I::run(
+                #[inline(always)]
+                || {
+                    for batch in batches.iter_mut() {
+                        any |= batch.find_impacts(movers, (threshold, impact), &mut reached);
+                    }
+                },
+            );
+            if !any {
+                return;
+            }
+            self.pass(beat, Pass::TOGETHER);
+            for _ in 0..MEETING_PASSES {
+                self.pass(beat, Pass::MEETING);
+            }
         }
-        self.batches.iter_mut().filter(|batch| batch.bounces).for_each(Batch::clear_bouncing);
-        for _ in 0..MEETING_PASSES {
-            self.pass(&Beat::new(Stage::Bounce, step), Pass::MEETING);
-        }
-        self.batches.iter_mut().filter(|batch| batch.bounces).for_each(Batch::clear_bouncing);
+        self.batches.iter_mut().filter(|batch| batch.impacts).for_each(Batch::end_impacts);
+    }
+
+    /// What stopped what met fast is no guide to the next substep.
+    fn end_meeting(&mut self) {
         for batch in self.batches.iter_mut().filter(|batch| batch.bounces) {
+            batch.clear_bouncing();
             batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
             batch.bounces = false;
         }

@@ -4,6 +4,7 @@
 
 mod bounce;
 mod carried;
+mod cradle;
 mod energy;
 mod fitting;
 mod flight;
@@ -83,6 +84,8 @@ pub const CLAIMS: &[Claim] = &[
     fitting::SLAB,
     fitting::PLATE,
     fitting::NUT,
+    cradle::CRADLE,
+    standing::CARD_HOUSE,
 ];
 
 /// No claim has that name.

@@ -2,8 +2,10 @@
 
 mod arch;
 mod bonded_pillar;
+mod card_house;
 pub mod claims;
 mod concrete;
+mod cradle;
 mod cylinder;
 mod impact;
 mod incline;
@@ -120,6 +122,8 @@ pub const SHOTS: &[Shot] = &[
     slab::SLAB,
     plate::PLATE,
     nut::NUT,
+    cradle::CRADLE,
+    card_house::CARD_HOUSE,
 ];
 
 impl Shot {

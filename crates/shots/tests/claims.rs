@@ -177,6 +177,16 @@ fn nut() {
 }
 
 #[test]
+fn cradle() {
+    holds("cradle");
+}
+
+#[test]
+fn card_house() {
+    holds("card-house");
+}
+
+#[test]
 fn load() {
     holds("load");
 }

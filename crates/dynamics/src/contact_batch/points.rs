@@ -69,6 +69,7 @@ impl<I: Instructions> Batch<I> {
             spin: Lanes3::ZERO,
             work: Lanes::ZERO,
             met_at: Vec::with_capacity(4),
+            starts: Vec::new(),
             twists: Vec::new(),
             drives: Vec::new(),
             anchors: Vec::with_capacity(4),
@@ -87,6 +88,7 @@ impl<I: Instructions> Batch<I> {
             is_driven: false,
             has_outside: false,
             bounces: false,
+            impacts: false,
             rest: Box::new(rest),
         }
     }

@@ -1,9 +1,11 @@
 //! What stands by its shape and by friction, and falls without.
 
+use super::scenes::ball;
 use super::{Claim, Finding, Obstacle, largest};
 use crate::arch::{FRICTION as STONE, arch};
+use crate::card_house::{FRICTION as PAPER, card_house};
 use crate::towers::{LOAD_RATIO, load, pyramid, tower};
-use frangible::{SceneDesc, World, step};
+use frangible::{BodyDesc, SceneDesc, World, step};
 use glam::DVec3;
 
 /// Up.
@@ -28,6 +30,14 @@ pub(super) const ARCH: Claim = Claim {
     says: "an arch of 15 loose stones stands for 10 s, and falls if they are smooth",
     source: "[Hey66]",
     measure: || of_friction("arch", arch, STONE, 0.1),
+};
+
+/// Of cards.
+pub(super) const CARD_HOUSE: Claim = Claim {
+    name: "card-house",
+    says: "a house of 40 cards stands for 10 s, and falls if they are smooth or a ball strikes it",
+    source: "mechanics",
+    measure: card_houses,
 };
 
 /// How far anything that stands may get in 10 s [m].
@@ -74,6 +84,35 @@ fn loads() -> Result<Vec<Finding>, Obstacle> {
     for ratio in [10.0, LOAD_RATIO] {
         findings.extend(stands(&format!("a stack under a load of {ratio}"), &load(ratio), MOST_SWAY)?);
     }
+    Ok(findings)
+}
+
+/// Of the first bodies [m].
+fn positions(world: &World, count: usize) -> Vec<DVec3> {
+    world.bodies().poses[..count].iter().map(|pose| pose.position).collect()
+}
+
+fn card_houses() -> Result<Vec<Finding>, Obstacle> {
+    let mut findings = stands("a house of cards", &card_house(PAPER), MOST_DRIFT)?.to_vec();
+    let [moved, _] = drift(&card_house(0.1))?;
+    findings.push(Finding::at_least("the same with friction 0.1", "m", moved, 5.0 * MOST_SWAY));
+
+    // Of a few kilograms, at a card of the lowest storey; how far the cards got.
+    let mut scene = card_house(PAPER);
+    let cards = scene.bodies.len();
+    scene.bodies.push(BodyDesc {
+        position: [-3.0, 0.25, 0.0],
+        linear_velocity: [8.0, 0.0, 0.0],
+        density: 7800.0,
+        ..BodyDesc::new("ball", ball(0.05))
+    });
+    let mut struck = World::build(&scene)?;
+    let start = positions(&struck, cards);
+    for _ in 0..FRAMES {
+        step(&mut struck);
+    }
+    let moved = largest(positions(&struck, cards).iter().zip(&start).map(|(now, then)| now.distance(*then)));
+    findings.push(Finding::at_least("the same, struck by a ball", "m", moved, 5.0 * MOST_SWAY));
     Ok(findings)
 }
 
