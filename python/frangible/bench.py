@@ -46,14 +46,17 @@ def _needs_mesh(shot: str) -> bool:
     return False
 
 
-def bench(shots: Sequence[str], *, frames: int | None, threads: int, folder: str, on_done: Callable[[Summary], None]) -> None:
-    """Measure shots one after the other, each in a process of its own, and append them to a table in a folder."""
+def bench(
+    shots: Sequence[str], *, frames: int | None, threads: Sequence[int], folder: str, on_done: Callable[[Summary], None]
+) -> None:
+    """Measure shots one after the other, on each number of threads, in processes of their own; append them to a table in a folder."""
     os.makedirs(folder, exist_ok=True)
     for shot in shots:
         count = _frangible.shot_frames(shot) if frames is None else frames
-        summary = run_apart(Request(shot, count, threads))
-        append_rows(os.path.join(folder, "stages.csv"), COLUMNS, stage_rows(summary))
-        on_done(summary)
+        for number in threads:
+            summary = run_apart(Request(shot, count, number))
+            append_rows(os.path.join(folder, "stages.csv"), COLUMNS, stage_rows(summary))
+            on_done(summary)
 
 
 def append_rows(path: str, columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:

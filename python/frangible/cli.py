@@ -142,7 +142,9 @@ def _add_bench(commands: Any) -> None:
     bencher.set_defaults(command=_bench)
     bencher.add_argument("shot", metavar="SHOT", nargs="?", help="one of those that `frangible shots` lists, or all [the piles, and some small ones]")
     bencher.add_argument("--frames", type=_positive(int, "a whole number"), metavar="N", help="number of steps [each shot's]")
-    bencher.add_argument("--threads", type=_natural(MOST_THREADS), default=1, metavar="N", help="0 means one for every processor [%(default)s]")
+    bencher.add_argument(
+        "--threads", type=_naturals(MOST_THREADS), default=[1], metavar="N[,N]", help="0 means one for every processor; of several, each in turn [1]"
+    )
     bencher.add_argument("--peers", action="store_true", help="piles in other engines too, on one core; from the root of the repository")
     bencher.add_argument("--runs", type=_positive(int, "a whole number"), default=3, metavar="N", help="of each engine with --peers, by turns [%(default)s]")
     bencher.add_argument("--out", default=RESULTS, metavar="FOLDER", help="where the table goes that results are appended to [%(default)s]")
@@ -218,6 +220,11 @@ def _natural(largest: int) -> Callable[[str], int]:
         return int(text)
 
     return parse
+
+
+def _naturals(largest: int) -> Callable[[str], list[int]]:
+    parse = _natural(largest)
+    return lambda text: [parse(part) for part in text.split(",")]
 
 
 def _run(options: argparse.Namespace) -> None:

@@ -53,6 +53,13 @@ def test_the_table_of_a_benchmark_names_stages_and_memory(tmp_path: Path, capsys
     assert lines[-1].split()[0] == "memory" and lines[-1].endswith("KiB a piece")
 
 
+def test_each_number_of_threads_is_measured_and_ends_in_the_same_state(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "bricks", "--frames", "4", "--threads", "1,2", "--json", "--out", str(tmp_path)]) == 0
+    runs = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [run["threads"] for run in runs] == [1, 2]
+    assert runs[0]["state_hash"] == runs[1]["state_hash"]
+
+
 def test_all_are_those_that_need_no_mesh() -> None:
     shots = shots_to_bench("all")
     assert "stack" in shots and "pile-table" in shots

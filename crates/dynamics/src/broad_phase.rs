@@ -4,6 +4,7 @@ mod strips;
 
 use crate::detection::radius;
 use crate::pair::Pair;
+use crate::threads;
 use crate::{Bodies, Motion, Pose};
 use frangible_geometry::{ClosedForm, Geometry, RigidTransform, Shape};
 use glam::DVec3;
@@ -94,7 +95,7 @@ pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) ->
             |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
         bounds(start).around(&bounds(end)).grown(0.5 * margin)
     };
-    let bounds: Vec<Bounds> = (0..bodies.len()).map(swept).collect();
+    let bounds = threads::list(bodies.len(), swept);
     overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
 }
 
@@ -104,14 +105,16 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
     let mut pairs = overlapping_bounded(bounds, &moves);
 
     // What is boundless meets everything, but for what is above ground.
+    let mut with_boundless = Vec::new();
     for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
         for b in (0..bodies.len()).filter(|&b| (moves[a] || moves[b]) && a != b) {
             let is_second = bounds[b].is_boundless() && b < a;
             if !is_second && !bounds[b].is_nan() && !is_above(bodies, a, &bounds[b], poses) {
-                pairs.push(Pair { first: a.min(b), second: a.max(b) });
+                with_boundless.push(Pair { first: a.min(b), second: a.max(b) });
             }
         }
     }
+    pairs.push(with_boundless);
     sorted(&pairs, bodies.len())
 }
 
@@ -129,22 +132,35 @@ fn is_above(bodies: &Bodies, ground: usize, bounds: &Bounds, poses: &[&[Pose]]) 
         })
 }
 
+/// Bodies whose pairs a thread sorts together.
+const SORTED: usize = 512;
+
 /// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are few to each.
-fn sorted(pairs: &[Pair], count: usize) -> Vec<Pair> {
+fn sorted(pairs: &[Vec<Pair>], count: usize) -> Vec<Pair> {
     let mut begin = vec![0; count + 1];
-    pairs.iter().for_each(|pair| begin[pair.first + 1] += 1);
+    pairs.iter().flatten().for_each(|pair| begin[pair.first + 1] += 1);
     for first in 0..count {
         begin[first + 1] += begin[first];
     }
     let mut next = begin.clone();
-    let mut ordered = vec![Pair { first: 0, second: 0 }; pairs.len()];
-    for pair in pairs {
+    let mut ordered = vec![Pair { first: 0, second: 0 }; pairs.iter().map(Vec::len).sum()];
+    for pair in pairs.iter().flatten() {
         ordered[next[pair.first]] = *pair;
         next[pair.first] += 1;
     }
-    for first in 0..count {
-        ordered[begin[first]..begin[first + 1]].sort_unstable_by_key(|pair| pair.second);
+    let mut of_each = Vec::with_capacity(count.div_ceil(SORTED));
+    let mut rest = ordered.as_mut_slice();
+    for first in (0..count).step_by(SORTED) {
+        let begins = &begin[first..=(first + SORTED).min(count)];
+        let (some, others) = rest.split_at_mut(begins[begins.len() - 1] - begins[0]);
+        of_each.push((some, begins));
+        rest = others;
     }
+    threads::for_each(&mut of_each, |(some, begins)| {
+        for ends in begins.windows(2) {
+            some[ends[0] - begins[0]..ends[1] - begins[0]].sort_unstable_by_key(|pair| pair.second);
+        }
+    });
     ordered
 }
 

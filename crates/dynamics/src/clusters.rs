@@ -2,8 +2,7 @@
 //! while their numbers are at hand; and within them, pairs that share no body act side by side.
 
 use crate::effort::Effort;
-use crate::lanes::LANES;
-use crate::manifold::Manifold;
+use crate::manifold::{MOST_POINTS, Manifold};
 use crate::{Bodies, Frame};
 use std::collections::BTreeMap;
 
@@ -14,9 +13,11 @@ const CLUSTER_PAIRS: usize = 512;
 pub(crate) struct Cluster {
     /// Their bodies and the static and kinematic ones that they may touch, by dense index.
     pub(crate) bodies: Vec<usize>,
-    /// Their pairs, in groups of at most [`LANES`] that share no body that can move: one group after the other does what one pair after the
+    /// Their pairs, rank by rank.
+    pub(crate) members: Vec<Member>,
+    /// Where each rank ends among them. Pairs of one rank share no body that can move: one rank after the other does what one pair after the
     /// other, in the order of the manifolds, would do.
-    pub(crate) groups: Vec<Vec<Member>>,
+    pub(crate) rank_ends: Vec<usize>,
     /// How often they act.
     pub(crate) effort: Effort,
 }
@@ -48,8 +49,9 @@ pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
     let mut pairs = Vec::new();
     let islands = islands(bodies, manifolds);
-    for (number, island) in islands.iter().enumerate() {
-        if let Some((effort, loads)) = Effort::of_island(bodies, manifolds, island, frame) {
+    let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
+    for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
+        if let Some((effort, loads)) = effort {
             for (&at, load) in island.iter().zip(loads) {
                 stiffness[at] = load.clamp(1.0, effort.stiffest);
             }
@@ -88,38 +90,73 @@ impl Cluster {
         stiffness: &[f64],
         local: &mut [u32],
     ) -> Self {
-        let mut cluster = Self { bodies: Vec::new(), groups: Vec::new(), effort };
         // Each pair is one rank behind those before it that share a body with it.
-        let mut next_rank: Vec<usize> = Vec::new();
-        let mut ranks: Vec<Vec<Member>> = Vec::new();
+        let (mut who, mut next_rank) = (Vec::new(), Vec::<usize>::new());
+        let mut ranked = Vec::with_capacity(pairs.len());
+        let mut places = Places::default();
         for &manifold in pairs {
-            let pair = manifolds[manifold].pair;
+            let Manifold { pair, points } = &manifolds[manifold];
             let locals = [pair.first, pair.second].map(|i| {
                 if local[i] == NOWHERE {
-                    local[i] = cluster.bodies.len() as u32;
-                    cluster.bodies.push(i);
+                    local[i] = who.len() as u32;
+                    who.push(i);
                     next_rank.push(0);
                 }
                 local[i]
             });
-            let mobile = |&local: &usize| !bodies.inertias[cluster.bodies[local]].is_infinite();
-            let both = locals.map(|local| local as usize);
-            let rank =
-                both.iter().filter(|local| mobile(local)).map(|&local| next_rank[local]).max().unwrap_or(0);
-            both.iter().filter(|local| mobile(local)).for_each(|&local| next_rank[local] = rank + 1);
-            if rank == ranks.len() {
-                ranks.push(Vec::new());
-            }
-            ranks[rank].push(Member { manifold, locals, stiffness: stiffness[manifold] });
+            let mobile = |&local: &u32| !bodies.inertias[who[local as usize]].is_infinite();
+            let rank = locals.iter().filter(|local| mobile(local)).map(|&local| next_rank[local as usize]);
+            let rank = rank.max().unwrap_or(0);
+            locals
+                .iter()
+                .filter(|local| mobile(local))
+                .for_each(|&local| next_rank[local as usize] = rank + 1);
+            let place = places.count(rank, points.len());
+            ranked.push((place, Member { manifold, locals, stiffness: stiffness[manifold] }));
         }
+        who.iter().for_each(|&i| local[i] = NOWHERE);
 
         // Side by side are those with about as many points.
-        for rank in &mut ranks {
-            rank.sort_by_key(|member| std::cmp::Reverse(manifolds[member.manifold].points.len()));
-            cluster.groups.extend(rank.chunks(LANES).map(<[_]>::to_vec));
+        let rank_ends = places.begin();
+        let nobody = Member { manifold: 0, locals: [0; 2], stiffness: 0.0 };
+        let mut members = vec![nobody; ranked.len()];
+        for (place, member) in ranked {
+            members[places.next(place)] = member;
         }
-        cluster.bodies.iter().for_each(|&i| local[i] = NOWHERE);
-        cluster
+        Self { bodies: who, members, rank_ends, effort }
+    }
+}
+
+/// Where the pairs of each rank go, those with more points first and the others in their order.
+#[derive(Default)]
+struct Places(Vec<usize>);
+
+impl Places {
+    /// Makes room for a pair.
+    fn count(&mut self, rank: usize, points: usize) -> usize {
+        let place = rank * (MOST_POINTS + 1) + MOST_POINTS - points.min(MOST_POINTS);
+        if place >= self.0.len() {
+            self.0.resize((rank + 1) * (MOST_POINTS + 1), 0);
+        }
+        self.0[place] += 1;
+        place
+    }
+
+    /// All pairs are counted. Where the ranks end.
+    fn begin(&mut self) -> Vec<usize> {
+        let mut sum = 0;
+        for count in &mut self.0 {
+            sum += std::mem::replace(count, sum);
+        }
+        let begins = self.0.iter().step_by(MOST_POINTS + 1).skip(1).copied();
+        begins.chain([sum]).collect()
+    }
+
+    /// Where the next one goes.
+    fn next(&mut self, place: usize) -> usize {
+        let next = self.0[place];
+        self.0[place] += 1;
+        next
     }
 }
 

@@ -5,7 +5,6 @@ use crate::detection::{Placed, second_from_first};
 use crate::encounter::Encounter;
 use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{ManifoldPoint, Solid, exact_points};
-use crate::pair::placed;
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
@@ -32,8 +31,7 @@ pub(crate) fn compound_points(
     }
 
     let (mut all, mut of_parts) = (Vec::new(), Vec::new());
-    let (first, second) = placed(bodies, pair, &bodies.poses);
-    for parts in near_parts([first, second], compounds, encounter.reach) {
+    for parts in near_parts(encounter.placed(), compounds, encounter.reach) {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => Solid::of(shapes[side]),
@@ -45,13 +43,9 @@ pub(crate) fn compound_points(
         for point in &of_parts {
             let is_inner = |side: usize| {
                 let (Some(compound), Some(part)) = (compounds[side], parts[side]) else { return false };
-                let (i, at) = if side == 0 {
-                    (pair.first, point.anchor_first)
-                } else {
-                    (pair.second, point.anchor_second)
-                };
+                let at = if side == 0 { point.anchor_first } else { point.anchor_second };
                 let outward = if side == 0 { -point.normal } else { point.normal };
-                let body_from_world = bodies.poses[i].world_from_body().inverse();
+                let body_from_world = encounter.flights[side].start.world_from_body().inverse();
                 compound.is_covered(part, at, body_from_world.direction(outward))
             };
             if !is_inner(0) && !is_inner(1) {
@@ -122,10 +116,10 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
 
 /// At most four points of each flat contact, from whichever parts.
 fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
-    let Encounter { bodies, pair, size, .. } = *encounter;
+    let (size, [first, second]) = (encounter.size, encounter.flights);
     let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
     for (index, point) in points.iter().enumerate() {
-        let on = point.on_surfaces(bodies, pair);
+        let on = point.on_surfaces_at([&first.start, &second.start]);
         let gap = (on[0] - on[1]).dot(point.normal);
         let feature = Feature::VertexOfFirst(index as u32);
         let candidate = HullPoint { on, normal: point.normal, gap, feature };

@@ -7,7 +7,7 @@ pub(crate) use points::STALE;
 
 use crate::Bodies;
 use crate::contact_rows::{Basis, Directions, Point, Row, RowImpulse, Stage};
-use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
+use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
 use crate::moving::{Movers, Side, drive};
 use crate::pair::Pair;
 use crate::tally::{Debt, Tally};
@@ -135,21 +135,39 @@ struct Anew {
 const STIRRED: f64 = 0.02;
 
 impl<I: Instructions> Batch<I> {
-    /// What acts at a point.
-    fn impulses_of(&self, at: usize, lane: usize) -> [PointImpulse; 2] {
-        let directions = &self.directions[at.min(self.directions.len() - 1)];
-        let (n, t) = (directions.normal.get(lane), directions.tangent.get(lane));
+    /// What acts at the points of a row, a line for each lane: along the normal and, in the world, across it, before and after the drift.
+    #[inline(always)]
+    fn lines(&self, at: usize) -> [Numbers; LANES] {
+        let Basis { tangents: [t, b], .. } = self.directions[at.min(self.directions.len() - 1)].basis();
+        let across = |impulse: &RowImpulse<I>| {
+            let [along_t, along_b] = impulse.tangent;
+            t * along_t.lanes() + b * along_b.lanes()
+        };
+        let [before, after] = &self.rows[at].impulses;
+        let Lanes3 { x, y, z } = across(before);
+        let (normal, second) = (before.normal.lanes(), across(after));
+        Lanes::rows([normal, x, y, z, after.normal.lanes(), second.x, second.y, second.z])
+    }
+
+    /// The lines of all rows.
+    #[inline(always)]
+    pub(crate) fn all_lines(&self, lines: &mut Vec<[Numbers; LANES]>) {
+        lines.clear();
+        for at in 0..self.rows.len() {
+            lines.push(self.lines(at));
+        }
+    }
+
+    /// What acts at a point, by its row and the row's lines.
+    fn impulses_of(&self, at: usize, lane: usize, lines: &[Numbers; LANES]) -> [PointImpulse; 2] {
+        let Numbers(line) = lines[lane];
+        let twist = |stage: usize| match self.rest.twists.get(at) {
+            Some(twists) => twists[stage].get(lane).as_vec3(),
+            None => Vec3::ZERO,
+        };
         [0, 1].map(|stage| {
-            let RowImpulse { normal, tangent } = &self.rows[at].impulses[stage];
-            PointImpulse {
-                normal: normal.get(lane) as f32,
-                tangent: (tangent[0].get(lane) * t + tangent[1].get(lane) * n.cross(t)).as_vec3(),
-                twist: self
-                    .rest
-                    .twists
-                    .get(at)
-                    .map_or(Vec3::ZERO, |twists| twists[stage].get(lane).as_vec3()),
-            }
+            let [normal, x, y, z] = [0, 1, 2, 3].map(|number| line[4 * stage + number] as f32);
+            PointImpulse { normal, tangent: Vec3::new(x, y, z), twist: twist(stage) }
         })
     }
 
@@ -226,7 +244,7 @@ impl<I: Instructions> Batch<I> {
     }
 
     #[inline(always)]
-    pub(crate) fn store(&self, movers: &mut Movers, sides: &[Side<I>; 2]) {
+    pub(crate) fn store(&self, movers: &Movers, sides: &[Side<I>; 2]) {
         movers.store(&self.locals[0], &sides[0]);
         movers.store(&self.locals[1], &sides[1]);
     }
@@ -268,11 +286,11 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// Where the first point of a pair is, in the world frame [m]; where one was, if it has none.
-    fn last_point(&self, bodies: &Bodies, lane: usize) -> DVec3 {
+    fn last_point(&self, movers: &Movers, lane: usize) -> DVec3 {
         let patch = &self.rest.patches[lane];
         match self.rows.first() {
             Some(row) if row.is_there.get(lane) => {
-                row.lever.get(lane) + bodies.poses[patch.pair.first].position
+                row.lever.get(lane) + movers.pose(self.locals[0][lane]).position
             }
             _ => patch.anew.as_ref().map_or(DVec3::ZERO, |anew| anew.point),
         }
@@ -291,11 +309,11 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// What each pair gave in all, if anything: to be paid back where its first point acts.
-    pub(crate) fn debt(&self, bodies: &Bodies, lane: usize) -> Option<Debt> {
+    pub(crate) fn debt(&self, bodies: &Bodies, movers: &Movers, lane: usize) -> Option<Debt> {
         let patch = &self.rest.patches[lane];
         let ids = [patch.pair.first, patch.pair.second].map(|i| bodies.ids[i]);
         let energy = self.given.get(lane);
-        (energy > 0.0).then(|| Debt { ids, point: self.last_point(bodies, lane), energy })
+        (energy > 0.0).then(|| Debt { ids, point: self.last_point(movers, lane), energy })
     }
 
     /// Whether a pair has exchanged impulses in this frame.
@@ -303,15 +321,12 @@ impl<I: Instructions> Batch<I> {
         self.rest.patches[lane].touched || self.rows.iter().any(|row| row.touched.get(lane))
     }
 
-    /// The points of a pair that acted, and what acts there.
-    pub(crate) fn carried(&self, lane: usize) -> impl Iterator<Item = Carried> {
-        let acted = move |&at: &usize| {
-            let row = &self.rows[at];
-            row.is_there.get(lane) && row.touched.get(lane)
-        };
-        (0..self.rows.len()).filter(acted).map(move |at| Carried {
+    /// The points of a pair that acted, and what acts there, by the lines of all rows.
+    pub(crate) fn carried(&self, lane: usize, lines: &[[Numbers; LANES]]) -> impl Iterator<Item = Carried> {
+        let acted = move |(_, row): &(usize, &Row<I>)| row.is_there.get(lane) && row.touched.get(lane);
+        self.rows.iter().enumerate().filter(acted).map(move |(at, _)| Carried {
             sample: self.rest.anchors[at].sample(lane),
-            forces: self.impulses_of(at, lane).map(|impulse| impulse.scaled(1.0 / self.rest.dt)),
+            forces: self.impulses_of(at, lane, &lines[at]).map(|impulse| impulse.scaled(1.0 / self.rest.dt)),
         })
     }
 }

@@ -143,7 +143,7 @@ impl<I: Instructions> Batch<I> {
 
     /// What acted at this stage of the last substep acts again.
     #[inline(always)]
-    pub(crate) fn go_on(&mut self, movers: &mut Movers, beat: &Beat, given: &mut Given<I>) {
+    pub(crate) fn go_on(&mut self, movers: &Movers, beat: &Beat, given: &mut Given<I>) {
         let mut visit = Visit::new(self.sides(movers), beat);
         let shared = self.shared_basis();
         for at in 0..self.rows.len() {
@@ -186,7 +186,7 @@ impl<I: Instructions> Batch<I> {
 
     /// One pass over the rows.
     #[inline(always)]
-    pub(crate) fn act(&mut self, movers: &mut Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
+    pub(crate) fn act(&mut self, movers: &Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
         let mut visit = Visit::new(self.sides(movers), beat);
         if pass.together {
             self.act_together(&mut visit, beat);
@@ -285,7 +285,7 @@ impl<I: Instructions> Batch<I> {
 
     /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
     #[inline(always)]
-    pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &mut Movers, given: &mut Given<I>) {
+    pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &Movers, given: &mut Given<I>) {
         given.collision = given.collision + visit.by_collision;
         given.contact = given.contact + visit.by_contact;
         if !visit.acted {

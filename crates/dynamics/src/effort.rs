@@ -30,8 +30,9 @@ const FEWEST_PASSES: f64 = 3.0;
 /// The most passes.
 const MOST_PASSES: f64 = 32.0;
 
-/// Pairs times passes for one island: more is not in real time.
+/// Pairs times passes for one island, and for all of them in a frame: more is not in real time.
 const BUDGET: f64 = 1024.0;
+const BUDGET_OF_ALL: f64 = 4096.0;
 
 /// How much stiffer contacts may be for each pass: what is stiffer than its passes have settled sways.
 const STIFFER_PER_PASS: f64 = 6.0;
@@ -51,13 +52,40 @@ impl Effort {
         Self { substeps, passes, stiffest: 1.0 }
     }
 
-    /// What an island takes that carries much, if it is small enough for that, and the load of each of its pairs.
-    pub(crate) fn of_island(
+    /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.
+    pub(crate) fn of_islands(
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        islands: &[Vec<usize>],
+        frame: &Frame,
+    ) -> Vec<Option<(Self, Vec<f64>)>> {
+        let carries = |island: &Vec<usize>| Self::carries_much(bodies, manifolds, island, frame);
+        let loads: Vec<_> = islands.iter().map(carries).collect();
+        let efforts = |share: f64| {
+            let of = move |(island, loads): (&Vec<usize>, &Option<Vec<f64>>)| {
+                let loads = loads.as_ref()?;
+                Self::of_load(island.len(), share * loads.iter().copied().fold(0.0, f64::max))
+            };
+            islands.iter().zip(&loads).map(of)
+        };
+
+        // Where many do, each gets less.
+        let work = |(island, effort): (&Vec<usize>, Option<Self>)| {
+            effort.map_or(0.0, |effort| 0.5 * f64::from(effort.passes) * island.len() as f64)
+        };
+        let all: f64 = islands.iter().zip(efforts(1.0)).map(work).sum();
+        let share = (BUDGET_OF_ALL / all).min(1.0);
+        let efforts: Vec<Option<Self>> = efforts(share).collect();
+        efforts.into_iter().zip(loads).map(|(effort, loads)| effort.zip(loads)).collect()
+    }
+
+    /// The load of each pair of an island, if it stands and may get more effort than others.
+    fn carries_much(
         bodies: &Bodies,
         manifolds: &[Manifold],
         island: &[usize],
         frame: &Frame,
-    ) -> Option<(Self, Vec<f64>)> {
+    ) -> Option<Vec<f64>> {
         let stands = |&at: &usize| {
             let pair = manifolds[at].pair;
             [pair.first, pair.second].into_iter().all(|i| bodies.velocities[i].linear.length() < STANDS)
@@ -65,9 +93,7 @@ impl Effort {
         if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
-        let loads = loads(bodies, manifolds, island, frame);
-        let effort = Self::of_load(island.len(), loads.iter().copied().fold(0.0, f64::max))?;
-        Some((effort, loads))
+        Some(loads(bodies, manifolds, island, frame))
     }
 
     /// By the largest load. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.

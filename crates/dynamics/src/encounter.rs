@@ -1,5 +1,6 @@
 //! Two bodies on their ballistic ways through a frame.
 
+use crate::detection::Placed;
 use crate::flight::Flight;
 #[cfg(doc)]
 use crate::hull_contact::HullPoint;
@@ -34,6 +35,13 @@ impl<'a> Encounter<'a> {
         let most_speed = speed + frame.gravity.length() * frame.dt;
         let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
         Self { bodies, pair, flights, frame, most_speed, reach, search: reach, size, last_normal: None }
+    }
+
+    /// Its bodies where they are at the frame's start.
+    pub(crate) fn placed(&self) -> [Placed<'_>; 2] {
+        let at =
+            |i: usize, side: usize| Placed { shape: &self.bodies.shapes[i], pose: &self.flights[side].start };
+        [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
     /// Whether balls around the two cannot meet within the frame.

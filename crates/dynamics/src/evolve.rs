@@ -1,6 +1,6 @@
 //! Where bodies get to in one frame at a given velocity.
 
-use crate::{Bodies, Frame, Motion, Pose, Velocity, rotation};
+use crate::{Bodies, Frame, Motion, Pose, Velocity, rotation, threads};
 use glam::DVec3;
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09 sec. 2].
@@ -19,7 +19,7 @@ pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame
 
 /// [`evolve`] for all bodies: `poses` and `velocities` may belong to different time levels.
 pub fn evolve_all(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], frame: &Frame) -> Vec<Pose> {
-    (0..bodies.len()).map(|i| evolve(bodies, i, &poses[i], &velocities[i], frame)).collect()
+    threads::list(bodies.len(), |i| evolve(bodies, i, &poses[i], &velocities[i], frame))
 }
 
 /// Velocities after `duration` [s] of gravity alone; bodies of infinite mass do not fall.

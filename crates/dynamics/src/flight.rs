@@ -3,7 +3,7 @@
 use crate::detection::radius;
 use crate::pair::Pair;
 use crate::rotation::rotation_by;
-use crate::{Bodies, Frame, Motion, Pose};
+use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
 /// A body's way from the frame's start: ballistic, its spin taken as constant.
@@ -29,7 +29,16 @@ impl Flight {
     }
 
     pub(crate) fn of(bodies: &Bodies, i: usize, frame: &Frame) -> Self {
-        let (start, velocity) = (bodies.poses[i], &bodies.velocities[i]);
+        Self::from(bodies, i, (bodies.poses[i], &bodies.velocities[i]), frame)
+    }
+
+    /// Of a body that has come to another pose and velocity than that of `bodies`.
+    pub(crate) fn from(
+        bodies: &Bodies,
+        i: usize,
+        (start, velocity): (Pose, &Velocity),
+        frame: &Frame,
+    ) -> Self {
         let (linear, angular, acceleration) = match bodies.motions[i] {
             Motion::Static => (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO),
             Motion::Kinematic { linear, angular } => (linear, angular, DVec3::ZERO),

@@ -19,7 +19,7 @@ impl Numbers {
 pub(crate) struct Singles(pub(crate) [f32; LANES]);
 
 /// What is done to all lanes at once.
-pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + 'static {
+pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'static {
     fn add(a: Numbers, b: Numbers) -> Numbers;
     fn sub(a: Numbers, b: Numbers) -> Numbers;
     fn mul(a: Numbers, b: Numbers) -> Numbers;

@@ -5,9 +5,10 @@ use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{HullPoint, hull_points};
-use crate::manifold::{ManifoldFinder, ManifoldPoint, Manifolds, Solid, may_last};
+use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid, may_last};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
+use crate::threads;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose};
 use frangible_geometry::RigidTransform;
@@ -28,12 +29,16 @@ const DEEP: f64 = 1e-2;
 pub struct KeptPairs {
     /// Of all bodies of the last frame.
     ways: Vec<Way>,
-    kept: Kept,
-    /// Room, and for what does not last.
-    last: Kept,
-    finder: ManifoldFinder,
+    /// One after the other.
+    kept: Vec<Kept>,
+    /// Room.
+    last: Vec<Kept>,
+    finders: Vec<ManifoldFinder>,
     found: Manifolds,
 }
+
+/// Pairs that go to a thread together: a tenth of a millisecond of work.
+const SHARE: usize = 1024;
 
 /// How far a body has come.
 #[derive(Clone, Copy, Debug)]
@@ -85,14 +90,66 @@ impl KeptPairs {
         warm: &WarmStart,
         frame: &Frame,
     ) -> &mut Manifolds {
-        let flights: Vec<Flight> = (0..bodies.len()).map(|i| Flight::of(bodies, i, frame)).collect();
+        let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
         let places = self.go_on(bodies, &flights);
+        let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.kept);
-        let last = std::mem::take(&mut self.last);
+        self.kept.resize_with(count, Kept::default);
+        self.finders.resize_with(count, ManifoldFinder::default);
+        self.found.parts.resize_with(count, Found::default);
+
+        // Each thread takes some pairs that follow each other.
+        let Self { ways, kept, last, finders, found } = self;
+        let firsts = firsts(last, &places);
+        let passing = Passing { parts: last, places: &places, firsts: &firsts, part: 0, at: 0, begin: 0 };
+        let rooms = kept.iter_mut().zip(finders).zip(&mut found.parts);
+        let mut shares: Vec<(Share, &[Pair])> = rooms
+            .zip(pairs.chunks(SHARE))
+            .map(|(((kept, finder), found), pairs)| (Share { ways, kept, finder, found }, pairs))
+            .collect();
+        let find = |(share, pairs): &mut (Share, &[Pair])| {
+            share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
+        };
+        threads::for_each(&mut shares, find);
+        &mut self.found
+    }
+
+    /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
+    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
+        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
+        let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
+        let place = |last: &Way| {
+            let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
+            ways[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
+            i as u32
+        };
+        let places = self.ways.iter().map(place).collect();
+        self.ways = ways;
+        places
+    }
+}
+
+/// Some pairs that follow each other, and room for what is found.
+struct Share<'a> {
+    ways: &'a [Way],
+    kept: &'a mut Kept,
+    finder: &'a mut ManifoldFinder,
+    found: &'a mut Found,
+}
+
+impl Share<'_> {
+    fn find_manifolds(
+        &mut self,
+        pairs: &[Pair],
+        mut passing: Passing,
+        (bodies, flights): (&Bodies, &[Flight]),
+        warm: &WarmStart,
+        frame: &Frame,
+    ) {
         self.kept.pairs.clear();
         self.kept.points.clear();
         self.found.clear();
-        let mut passing = Passing { kept: &last, places: &places, at: 0, begin: 0 };
+        passing.go_to(pairs[0]);
         for &pair in pairs {
             let encounter =
                 Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame);
@@ -116,22 +173,6 @@ impl KeptPairs {
                 self.found.add(pair, manifold.points.iter().copied());
             }
         }
-        self.last = last;
-        &mut self.found
-    }
-
-    /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
-    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
-        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
-        let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
-        let place = |last: &Way| {
-            let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
-            ways[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
-            i as u32
-        };
-        let places = self.ways.iter().map(place).collect();
-        self.ways = ways;
-        places
     }
 
     /// How far the ways of a pair are together [m].
@@ -170,7 +211,7 @@ impl KeptPairs {
     fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
         let Encounter { bodies, pair, reach, size, .. } = encounter;
         encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
-        let ManifoldFinder { room, points } = &mut self.finder;
+        let ManifoldFinder { room, points } = &mut *self.finder;
         points.clear();
         let beyond = match solids {
             [Solid::Hull(first), Solid::Hull(second)] => {
@@ -220,36 +261,67 @@ fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
 }
 
 /// The pairs of the last frame, while those of this one go by in the same order.
+#[derive(Clone, Copy)]
 struct Passing<'a> {
-    kept: &'a Kept,
+    parts: &'a [Kept],
     /// Where their bodies are now.
     places: &'a [u32],
+    /// Of the parts.
+    firsts: &'a [Pair],
+    part: usize,
     at: usize,
     /// Of the points of the pair that comes next.
     begin: usize,
 }
 
 impl<'a> Passing<'a> {
+    /// Passes over parts before a pair.
+    fn go_to(&mut self, pair: Pair) {
+        let part = self.firsts.partition_point(|&first| first <= pair).saturating_sub(1);
+        (self.part, self.at, self.begin) = (part, 0, 0);
+    }
+
     /// A pair and its points, if it was kept; those before it are passed over.
     #[inline]
     fn find(&mut self, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
         loop {
-            let kept = self.kept.pairs.get(self.at)?;
-            let [first, second] =
-                [self.places[kept.bodies[0] as usize], self.places[kept.bodies[1] as usize]];
+            let part = self.parts.get(self.part)?;
+            let Some(kept) = part.pairs.get(self.at) else {
+                (self.part, self.at, self.begin) = (self.part + 1, 0, 0);
+                continue;
+            };
             let end = kept.end as usize;
-            if first != NOWHERE && second != NOWHERE {
-                let kept_pair = Pair { first: first as usize, second: second as usize };
+            if let Some(kept_pair) = now(kept, self.places) {
                 if kept_pair > pair {
                     return None;
                 }
                 if kept_pair == pair {
-                    return Some((kept, &self.kept.points[self.begin..end]));
+                    return Some((kept, &part.points[self.begin..end]));
                 }
             }
             (self.at, self.begin) = (self.at + 1, end);
         }
     }
+}
+
+/// The first pair of each part of which both bodies are still there, or of a later part.
+fn firsts(parts: &[Kept], places: &[u32]) -> Vec<Pair> {
+    const LAST: Pair = Pair { first: usize::MAX, second: usize::MAX };
+    let mut firsts = vec![LAST; parts.len()];
+    let mut next = LAST;
+    for (part, first) in parts.iter().zip(&mut firsts).rev() {
+        next = part.pairs.iter().find_map(|kept| now(kept, places)).unwrap_or(next);
+        *first = next;
+    }
+    firsts
+}
+
+/// What a pair of the last frame is now, if both bodies are still there.
+#[inline]
+fn now(kept: &KeptPair, places: &[u32]) -> Option<Pair> {
+    let [first, second] = kept.bodies.map(|place| places[place as usize]);
+    let pair = Pair { first: first as usize, second: second as usize };
+    (first != NOWHERE && second != NOWHERE).then_some(pair)
 }
 
 impl KeptPoint {

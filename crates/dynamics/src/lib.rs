@@ -48,11 +48,13 @@ mod rebounds;
 pub mod rigid_part;
 pub mod rotation;
 pub mod settings;
+mod shared_lines;
 pub mod shock_propagation;
 pub mod state;
 pub mod substeps;
 mod take_out;
 pub mod tally;
+mod threads;
 mod vector;
 pub mod warm_start;
 

@@ -7,10 +7,10 @@ use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
 use crate::encounter::{Encounter, sag};
 use crate::flight::Flight;
 use crate::hull_contact::{Room, hull_points};
-use crate::pair::{Pair, placed};
+use crate::pair::Pair;
 use crate::plane_contact::plane_points;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame};
+use crate::{Bodies, Frame, Pose};
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
@@ -34,8 +34,13 @@ pub struct ManifoldPoint {
 impl ManifoldPoint {
     /// Where it is on the two surfaces, in the world [m].
     pub fn on_surfaces(&self, bodies: &Bodies, pair: Pair) -> [DVec3; 2] {
-        let [first, second] = [(pair.first, self.anchor_first), (pair.second, self.anchor_second)]
-            .map(|(i, anchor)| bodies.poses[i].world_from_body().point(anchor));
+        self.on_surfaces_at([&bodies.poses[pair.first], &bodies.poses[pair.second]])
+    }
+
+    /// The same for bodies at these poses.
+    pub(crate) fn on_surfaces_at(&self, poses: [&Pose; 2]) -> [DVec3; 2] {
+        let first = poses[0].world_from_body().point(self.anchor_first);
+        let second = poses[1].world_from_body().point(self.anchor_second);
         [first - self.rounding[0] * self.normal, second + self.rounding[1] * self.normal]
     }
 
@@ -56,17 +61,45 @@ pub struct Manifold<'a> {
     pub points: &'a [ManifoldPoint],
 }
 
-/// The manifolds of some pairs, their points in one list.
+/// The manifolds of some pairs, in the order of the pairs, which is increasing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Manifolds {
+    /// One after the other: each thread finds some.
+    pub(crate) parts: Vec<Found>,
+}
+
+/// The manifolds of pairs that follow each other, their points in one list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Found {
     /// Each with its end among the points.
     pairs: Vec<(Pair, usize)>,
     points: Vec<ManifoldPoint>,
 }
 
 impl Manifolds {
-    /// In the order of their pairs, which is increasing.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = Manifold<'_>> {
+    /// One by one.
+    pub fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
+        self.parts.iter().flat_map(Found::iter)
+    }
+
+    /// Pairs and their points.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
+        self.parts.iter_mut().flat_map(Found::iter_mut)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.parts.iter().map(|part| part.pairs.len()).sum()
+    }
+
+    /// Whether nothing touches.
+    pub fn is_empty(&self) -> bool {
+        self.parts.iter().all(|part| part.pairs.is_empty())
+    }
+}
+
+impl Found {
+    fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
         let mut begin = 0;
         self.pairs.iter().map(move |&(pair, end)| {
             let points = &self.points[begin..end];
@@ -75,24 +108,13 @@ impl Manifolds {
         })
     }
 
-    /// Pairs and their points.
-    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
+    fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
         let (mut begin, mut rest) = (0, self.points.as_mut_slice());
         self.pairs.iter().map(move |&(pair, end)| {
             let (points, others) = std::mem::take(&mut rest).split_at_mut(end - begin);
             (begin, rest) = (end, others);
             (pair, points)
         })
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.pairs.len()
-    }
-
-    /// Whether nothing touches.
-    pub fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
     }
 
     /// Adds the points of a pair, if there are any.
@@ -111,7 +133,7 @@ impl Manifolds {
 }
 
 /// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
-const MOST_POINTS: usize = 8;
+pub(crate) const MOST_POINTS: usize = 8;
 
 /// Pairs of edges of two hulls, above which samples are found faster than separating axes.
 pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
@@ -119,13 +141,13 @@ pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
 pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Manifolds {
-    let (mut finder, mut found) = (ManifoldFinder::default(), Manifolds::default());
+    let (mut finder, mut found) = (ManifoldFinder::default(), Found::default());
     for &pair in pairs {
         if let Some(manifold) = finder.find(bodies, pair, warm, frame) {
             found.add(pair, manifold.points.iter().copied());
         }
     }
-    found
+    Manifolds { parts: vec![found] }
 }
 
 /// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it found before.
@@ -160,7 +182,7 @@ impl ManifoldFinder {
         if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
             let candidates = find_candidates(encounter);
             let chosen = choose(bodies, pair, &candidates, warm);
-            points.extend(chosen.into_iter().map(|index| candidates[index].point(bodies, pair)));
+            points.extend(chosen.into_iter().map(|index| candidates[index].point(encounter)));
         }
         (!points.is_empty()).then_some(Manifold { pair, points })
     }
@@ -252,15 +274,15 @@ struct Candidate {
 
 /// All samples of a pair that may touch within the frame.
 fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
-    let Encounter { bodies, pair, frame, .. } = *encounter;
-    let (first, second) = placed(bodies, pair, &bodies.poses);
+    let (frame, [first, second]) = (encounter.frame, encounter.placed());
     let reach = encounter.reach as f32;
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, reach).find_penetrations(first, second, reach, &mut penetrations);
     let candidate = |penetration: &Penetration| {
         let contact = contact_point(first, second, penetration);
         let phi = f64::from(penetration.phi);
-        let closing = -approach_speed(bodies, pair, contact.point, contact.normal);
+        let [of_first, of_second] = encounter.flights.map(|flight| flight.velocity(contact.point, 0.0));
+        let closing = (of_second - of_first).dot(contact.normal);
         let approach = encounter.surface_speed(contact.normal, closing, phi);
         let sample = (penetration.sample_of_first, penetration.sample.into());
         // What separates, or is too far to get there, is left out.
@@ -302,33 +324,23 @@ fn choose(bodies: &Bodies, pair: Pair, candidates: &[Candidate], warm: &WarmStar
 
 impl Candidate {
     /// Its anchors: the sample, and the foot of its distance on the other body.
-    fn point(&self, bodies: &Bodies, pair: Pair) -> ManifoldPoint {
+    fn point(&self, encounter: &Encounter) -> ManifoldPoint {
         let ContactPoint { point, normal } = self.contact;
         let [on_first, on_second] = if self.sample.0 {
             [point, point - self.phi * normal]
         } else {
             [point + self.phi * normal, point]
         };
+        let into_body = |side: usize, point: DVec3| {
+            encounter.flights[side].start.world_from_body().inverse().point(point)
+        };
         ManifoldPoint {
-            anchor_first: into_body(bodies, pair.first, on_first),
-            anchor_second: into_body(bodies, pair.second, on_second),
+            anchor_first: into_body(0, on_first),
+            anchor_second: into_body(1, on_second),
             rounding: [0.0; 2],
             normal,
             sample: self.sample,
             approach: self.approach,
         }
     }
-}
-
-pub(crate) fn into_body(bodies: &Bodies, i: usize, point_world: DVec3) -> DVec3 {
-    bodies.poses[i].world_from_body().inverse().point(point_world)
-}
-
-/// Relative normal velocity of the pair's material at a point [m/s]; negative if they approach.
-pub(crate) fn approach_speed(bodies: &Bodies, pair: Pair, point: DVec3, normal: DVec3) -> f64 {
-    let velocity = |i: usize| {
-        let lever = point - bodies.poses[i].position;
-        bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], lever)
-    };
-    (velocity(pair.first) - velocity(pair.second)).dot(normal)
 }

@@ -23,6 +23,11 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
 /// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
 pub fn energy_at(bodies: &Bodies, pair: Pair, point: DVec3) -> f64 {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
+    energy_of(&approach, stopping)
+}
+
+/// What an impulse that stops a pair takes from it [J].
+fn energy_of(approach: &Approach, stopping: DVec3) -> f64 {
     let available = -0.5 * stopping.dot(approach.relative_velocity);
     if stopping.is_finite() { available.max(0.0) } else { 0.0 }
 }
@@ -31,7 +36,7 @@ pub fn energy_at(bodies: &Bodies, pair: Pair, point: DVec3) -> f64 {
 /// j = -alpha K^-1 u.
 pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
-    let available = energy_at(bodies, pair, point);
+    let available = energy_of(&approach, stopping);
     if available <= 0.0 {
         return;
     }

@@ -86,12 +86,7 @@ impl<I: Instructions> Batch<I> {
 
     /// Takes back what stopped bodies that are reached.
     #[inline(always)]
-    pub(crate) fn take_back(
-        &mut self,
-        movers: &mut Movers,
-        reached: &Reached,
-        given: (&Beat, &mut Given<I>),
-    ) {
+    pub(crate) fn take_back(&mut self, movers: &Movers, reached: &Reached, given: (&Beat, &mut Given<I>)) {
         let lanes = reached.lanes(&self.locals, 1);
         if !lanes.any() {
             return;

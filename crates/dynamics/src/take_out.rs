@@ -5,8 +5,11 @@ use crate::rigid_part::Twist;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 
-/// Halvings of the interval in which the displacements' part is sought: 2^-30 of a displacement is no displacement.
-const HALVINGS: u32 = 30;
+/// What need not be found of what displacements change the energy by, relative to that: a micrometre of a metre's fall.
+const CLOSE: f64 = 1e-6;
+
+/// Steps in which the displacements' part is sought, half of them halvings of an interval: 2^-20 of a displacement is no displacement.
+const MOST_STEPS: u32 = 40;
 
 /// Takes `excess` [J] out of an island, and books what its anchor has to do with it. Tells whether displacements had to be shortened.
 pub(crate) fn take_out(
@@ -111,19 +114,29 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
         total - rigid.work(after.0 - flown.0, after.1 - flown.1)
     };
 
-    // The largest part that the allowance pays for, to the precision of the halvings.
+    // The largest part that the allowance pays for: along a straight line, as potential energy grows, and by halves in turns.
     let allowed = island.allowance + island.bank;
-    let (mut low, mut high) = (0.0, 1.0);
-    if rigid_energy(&poses) <= allowed {
-        low = 1.0;
-    } else {
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            place(&mut poses, middle);
-            if rigid_energy(&poses) <= allowed { low = middle } else { high = middle }
+    let mut energy_at = |part: f64| {
+        place(&mut poses, part);
+        (part, rigid_energy(&poses))
+    };
+    let mut high = energy_at(1.0);
+    let mut low = high;
+    if high.1 > allowed {
+        low = energy_at(0.0);
+        let close = CLOSE * (high.1 - low.1);
+        for step in 0..MOST_STEPS {
+            let left = allowed - low.1;
+            if left <= close {
+                break;
+            }
+            let straight = (1.0 - 0.5 * CLOSE) * left / (high.1 - low.1);
+            let way = if step % 2 == 0 { straight } else { 0.5 };
+            let next = energy_at(low.0 + way * (high.0 - low.0));
+            if next.1 <= allowed { low = next } else { high = next }
         }
     }
-    place(&mut poses, low);
+    place(&mut poses, low.0);
     let rigid = rigid_part(bodies, island, &poses, present);
     for &i in &island.members {
         bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);

@@ -14,6 +14,14 @@ pub struct WarmStart {
     pairs: Vec<([BodyId; 2], Range<usize>)>,
 }
 
+/// What some pairs carried.
+#[derive(Default)]
+pub(crate) struct Part {
+    points: Vec<Carried>,
+    /// Place of each among all pairs, its bodies, and its end among the points.
+    pairs: Vec<(usize, [BodyId; 2], usize)>,
+}
+
 /// A contact point and what it carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
@@ -73,13 +81,33 @@ impl WarmStart {
         self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
     }
 
-    /// None yet, of some pairs.
-    pub(crate) fn with_room(pairs: usize) -> Self {
+    /// Of so many pairs, some of them in each part.
+    pub(crate) fn of_parts(pairs: usize, parts: impl IntoIterator<Item = Part>) -> Self {
         let nobody = BodyId { index: 0, generation: 0 };
-        Self { points: Vec::new(), pairs: vec![([nobody; 2], 0..0); pairs] }
+        let mut all = Self { points: Vec::new(), pairs: vec![([nobody; 2], 0..0); pairs] };
+        for part in parts {
+            let before = all.points.len();
+            let mut begin = before;
+            all.points.extend(part.points);
+            for (place, ids, end) in part.pairs {
+                all.pairs[place] = (ids, begin..before + end);
+                begin = before + end;
+            }
+        }
+        all.put_in_order();
+        all
     }
 
-    /// Keeps the points of the pair in some place. Nothing is found before all are [put in order](Self::put_in_order).
+    fn put_in_order(&mut self) {
+        self.pairs.retain(|kept| !kept.1.is_empty());
+        if !self.pairs.is_sorted_by_key(|kept| kept.0) {
+            self.pairs.sort_unstable_by_key(|kept| kept.0);
+        }
+    }
+}
+
+impl Part {
+    /// Keeps the points of the pair that has some place among all.
     pub(crate) fn keep(
         &mut self,
         place: usize,
@@ -87,16 +115,8 @@ impl WarmStart {
         pair: Pair,
         carried: impl Iterator<Item = Carried>,
     ) {
-        let start = self.points.len();
         self.points.extend(carried);
-        self.pairs[place] = (ids(bodies, pair), start..self.points.len());
-    }
-
-    pub(crate) fn put_in_order(&mut self) {
-        self.pairs.retain(|kept| !kept.1.is_empty());
-        if !self.pairs.is_sorted_by_key(|kept| kept.0) {
-            self.pairs.sort_unstable_by_key(|kept| kept.0);
-        }
+        self.pairs.push((place, ids(bodies, pair), self.points.len()));
     }
 }
 

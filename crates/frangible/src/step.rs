@@ -28,6 +28,19 @@ use std::time::Instant;
 /// Advances a world by one frame: collide and break, move by the scene's method, balance, report (docs/the_step.md). n is
 /// the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
+    // Many bodies are shared among the threads of the pool that this is called in; the bits are the same.
+    if world.bodies.len() > FEW && rayon::current_num_threads() > 1 {
+        rayon::scope(|_| advance(world))
+    } else {
+        advance(world)
+    }
+}
+
+/// Bodies of which fewer than this are not worth the way into the pool.
+const FEW: usize = 256;
+
+/// [`step`] on this thread, and on those of its pool if it has one.
+fn advance(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
     let mut clock = StageClock::new();
 

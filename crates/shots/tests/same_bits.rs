@@ -1,4 +1,5 @@
-//! The same input gives the same bits: with every width of the solver, and from one version to the next unless we say so.
+//! The same input gives the same bits: with every width of the solver, on any number of threads, and from one version to the next unless
+//! we say so.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
@@ -10,26 +11,30 @@ use std::fmt::Write;
 /// Frames of each shot.
 const FRAMES: u32 = 300;
 
-/// Balls, boxes, pieces of boxes, heaps, and what breaks on the grid.
-const SHOTS: [&str; 5] = ["stack", "plank", "wall", "pillar", "cylinder"];
+/// Balls, boxes, pieces of boxes, heaps, what breaks on the grid, and as many bodies as threads are worth while for.
+const SHOTS: [&str; 6] = ["stack", "plank", "wall", "pillar", "cylinder", "bricks"];
 
 /// Of the world after the last frame.
-fn state_hash(shot: &str, width: Width) -> u64 {
-    let mut world = World::build(&Shot::find(shot).unwrap().scene(&ShotOptions::default()).unwrap()).unwrap();
-    world.settings_mut().width = width;
-    for _ in 0..FRAMES {
-        step(&mut world);
-    }
-    world.state_hash()
+fn state_hash(shot: &str, width: Width, threads: usize) -> u64 {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let scene = Shot::find(shot).unwrap().scene(&ShotOptions::default()).unwrap();
+        let mut world = World::build(&scene).unwrap();
+        world.settings_mut().width = width;
+        for _ in 0..FRAMES {
+            step(&mut world);
+        }
+        world.state_hash()
+    })
 }
 
 #[test]
 fn every_width_ends_in_the_same_state_and_that_is_the_recorded_one() {
     let mut states = String::new();
     for shot in SHOTS {
-        let widest = state_hash(shot, Width::Avx512);
+        let widest = state_hash(shot, Width::Avx512, 1);
         for width in [Width::Scalar, Width::Sse2, Width::Avx2] {
-            assert_eq!(state_hash(shot, width), widest, "{shot} with {width:?}");
+            assert_eq!(state_hash(shot, width, 1), widest, "{shot} with {width:?}");
         }
         writeln!(states, "{shot} {widest:016x}").unwrap();
     }
@@ -39,4 +44,14 @@ fn every_width_ends_in_the_same_state_and_that_is_the_recorded_one() {
         "the states after {FRAMES} frames have changed. If the change is meant, say so in CHANGELOG.md and put the new ones into \
          crates/shots/tests/same_bits.txt"
     );
+}
+
+#[test]
+fn any_number_of_threads_ends_in_the_same_state() {
+    for shot in SHOTS {
+        let alone = state_hash(shot, Width::Avx512, 1);
+        for threads in [2, 3, 8] {
+            assert_eq!(state_hash(shot, Width::Avx512, threads), alone, "{shot} on {threads} threads");
+        }
+    }
 }

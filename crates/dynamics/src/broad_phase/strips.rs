@@ -3,6 +3,7 @@
 
 use super::Bounds;
 use crate::pair::Pair;
+use crate::threads;
 use glam::DVec3;
 
 /// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so that none is missed.
@@ -31,9 +32,12 @@ struct Layout {
     strips: usize,
 }
 
+/// Lists of pairs, as many as there may be threads.
+const SHARES: usize = 16;
+
 /// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in no order. Boxes that are apart by no
 /// more than the rounding of single precision may count as overlapping.
-pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Pair> {
+pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<Pair>> {
     let is_bounded = |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
     let layout = Layout::of(bounds, &bounded);
@@ -68,11 +72,15 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Pair
         }
     }
 
-    let mut pairs = Vec::with_capacity(4 * bounded.len());
-    for strip in 0..layout.strips {
-        sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, &mut pairs);
-    }
-    pairs
+    let strips: Vec<usize> = (0..layout.strips).collect();
+    let shares: Vec<&[usize]> = strips.chunks(layout.strips.div_ceil(SHARES)).collect();
+    threads::map(shares, |strips| {
+        let mut pairs = Vec::new();
+        for &strip in strips {
+            sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, &mut pairs);
+        }
+        pairs
+    })
 }
 
 /// The pairs that overlap and whose later one begins in this strip.

@@ -5,11 +5,13 @@ use super::{Anchors, Anew, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row};
 use crate::detection::{moved_since, second_from_first};
+use crate::encounter::Encounter;
+use crate::flight::Flight;
 use crate::lanes::{Instructions, Kept, LANES, Lanes, Lanes3};
 use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint};
 use crate::moving::Movers;
-use crate::pair::{Pair, placed};
-use crate::warm_start::{Carried, PointImpulse, WarmStart};
+use crate::pair::Pair;
+use crate::warm_start::{Carried, Part, PointImpulse, WarmStart};
 use crate::{Bodies, Frame, Motion};
 use glam::{DQuat, DVec3};
 
@@ -224,7 +226,7 @@ impl<I: Instructions> Batch<I> {
             if !row.is_there.get(lane) {
                 continue;
             }
-            let impulses = self.impulses_of(at, lane);
+            let impulses = self.impulses_of(at, lane, &self.lines(at));
             let carried = Carried { sample: self.rest.anchors[at].sample(lane), forces: impulses };
             let met_at = row.has_met.get(lane).then_some(self.rest.met_at[at].get(lane));
             taken.push(Taken { carried, impulses, met_at, touched: row.touched.get(lane) });
@@ -240,29 +242,33 @@ impl<I: Instructions> Batch<I> {
     /// left of the frame. Returns whether there were any: their rows have yet to follow.
     pub(crate) fn refresh(
         &mut self,
-        bodies: &mut Bodies,
-        movers: &Movers,
+        (bodies, movers): (&Bodies, &Movers),
         finder: &mut ManifoldFinder,
         rest: &Frame,
     ) -> bool {
         let mut is_changed = false;
         for lane in 0..self.rest.patches.len() {
-            let pair = [self.locals[0][lane], self.locals[1][lane]];
+            let locals = [self.locals[0][lane], self.locals[1][lane]];
             let patch = &self.rest.patches[lane];
-            let may_be_stale = movers.travel(pair) - patch.travel > STALE * patch.size;
-            if may_be_stale {
-                let (first, second) = placed(bodies, patch.pair, &bodies.poses);
-                let found_at = match &patch.anew {
-                    Some(anew) => anew.found_at,
-                    None => movers.start_second_from_first(pair),
-                };
-                if moved_since(&found_at, first, second, 0.0) > STALE * patch.size {
-                    pair.into_iter().for_each(|local| movers.hand_back_one(bodies, local));
-                    self.find_anew(lane, (bodies, movers), finder, rest);
-                    is_changed = true;
-                }
-                self.rest.patches[lane].travel = movers.travel(pair);
+            if movers.travel(locals) - patch.travel <= STALE * patch.size {
+                continue;
             }
+            let pair = patch.pair;
+            let flights = [(pair.first, locals[0]), (pair.second, locals[1])].map(|(i, local)| {
+                let (pose, velocity) = movers.state(bodies, local);
+                Flight::from(bodies, i, (pose, &velocity), rest)
+            });
+            let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
+            let found_at = match &patch.anew {
+                Some(anew) => anew.found_at,
+                None => movers.start_second_from_first(locals),
+            };
+            let [first, second] = encounter.placed();
+            if moved_since(&found_at, first, second, 0.0) > STALE * patch.size {
+                self.find_anew(lane, movers, finder, &encounter);
+                is_changed = true;
+            }
+            self.rest.patches[lane].travel = movers.travel(locals);
         }
         is_changed
     }
@@ -270,21 +276,23 @@ impl<I: Instructions> Batch<I> {
     fn find_anew(
         &mut self,
         lane: usize,
-        (bodies, movers): (&Bodies, &Movers),
+        movers: &Movers,
         finder: &mut ManifoldFinder,
-        rest: &Frame,
+        encounter: &Encounter,
     ) {
-        let pair = self.rest.patches[lane].pair;
-        let (first, second) = placed(bodies, pair, &bodies.poses);
-        let point = self.last_point(bodies, lane);
+        let Encounter { bodies, pair, .. } = *encounter;
+        let [first, second] = encounter.placed();
+        let point = self.last_point(movers, lane);
         let taken = self.take(lane);
         let patch = &mut self.rest.patches[lane];
         patch.anew = Some(Box::new(Anew { found_at: second_from_first(first, second), point }));
         patch.touched |= taken.iter().any(|taken| taken.touched);
 
-        let mut warm = WarmStart::with_room(1);
-        warm.keep(0, bodies, pair, taken.iter().filter(|taken| taken.touched).map(|taken| taken.carried));
-        let manifold = finder.find(bodies, pair, &warm, rest);
+        let mut carried = Part::default();
+        let touched = taken.iter().filter(|taken| taken.touched);
+        carried.keep(0, bodies, pair, touched.map(|taken| taken.carried));
+        let warm = WarmStart::of_parts(1, [carried]);
+        let manifold = finder.of_encounter(encounter, &warm);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
         let orientations = self.start_orientations(movers, lane);
         for (number, point) in points.iter().enumerate() {

@@ -1,0 +1,261 @@
+//! Bodies drift: those that turn slowly side by side, the others one after the other.
+
+use super::{Build, FASTEST, Movers, Moving, TRAVEL, line_of, pose_of};
+use crate::detection::radius;
+use crate::evolve::evolve;
+use crate::exact_rotation::{NO_MOMENTUM, NO_TURN, SLOW, rotate_slowly};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers};
+use crate::threads;
+use crate::vector::{Turn, Vector};
+use crate::{Bodies, Frame, Motion, Rotation};
+use glam::DVec3;
+
+/// Bodies that go to a thread together, a multiple of [`LANES`]: a hundred kilobytes.
+const STRETCH: usize = 256;
+
+/// Some of the bodies of a cluster.
+struct Stretch<'a> {
+    who: &'a [usize],
+    moving: &'a mut [Moving],
+    poses: &'a mut [Numbers],
+    starts: &'a [Numbers],
+    builds: &'a mut [Build],
+    /// See [`Movers`].
+    moment_of_mass: DVec3,
+}
+
+impl Movers {
+    /// All bodies along their velocities for one substep.
+    pub(crate) fn drift<I: Instructions>(&mut self, bodies: &Bodies, step: &Frame) {
+        self.for_each_stretch(|stretch| {
+            I::run(
+                #[inline(always)]
+                || stretch.drift_slowly::<I>(step),
+            );
+            stretch.drift_others(bodies, step);
+            I::run(
+                #[inline(always)]
+                || stretch.follow_poses::<I>(step.dt),
+            );
+        });
+    }
+
+    /// What depends on the poses, at the frame's start.
+    pub(super) fn follow_poses<I: Instructions>(&mut self) {
+        self.for_each_stretch(|stretch| {
+            I::run(
+                #[inline(always)]
+                || stretch.follow_poses::<I>(0.0),
+            );
+        });
+    }
+
+    fn for_each_stretch(&mut self, visit: impl Fn(&mut Stretch) + Send + Sync) {
+        let lines = self.poses.chunks_mut(STRETCH).zip(self.starts.chunks(STRETCH));
+        let lines = lines.zip(self.builds.chunks_mut(STRETCH));
+        let moving = self.moving.as_mut_slice().chunks_mut(STRETCH);
+        let mut stretches: Vec<Stretch> = moving
+            .zip(lines)
+            .enumerate()
+            .map(|(number, (moving, ((poses, starts), builds)))| {
+                let begin = (number * STRETCH).min(self.who.len());
+                let end = (begin + STRETCH).min(self.who.len());
+                let who = &self.who[begin..end];
+                Stretch { who, moving, poses, starts, builds, moment_of_mass: DVec3::ZERO }
+            })
+            .collect();
+        threads::for_each(&mut stretches, visit);
+        self.moment_of_mass = stretches.iter().map(|stretch| stretch.moment_of_mass).sum();
+    }
+}
+
+impl Stretch<'_> {
+    /// Moves bodies that turn slowly, by [`rotate_slowly`].
+    #[inline(always)]
+    fn drift_slowly<I: Instructions>(&mut self, step: &Frame) {
+        let (dt, one) = (Lanes::<I>::splat(step.dt), Lanes::splat(1.0));
+        let is_exact = step.settings.rotation == Rotation::Exact;
+        for begin in (0..self.poses.len()).step_by(LANES) {
+            let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
+            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(&self.poses, begin);
+            let [ix, iy, iz, fastest, ..] = lanes_of::<I>(&self.builds, begin);
+            let momentum = Lanes3 { x: lx, y: ly, z: lz };
+            let magnitude = momentum.dot(momentum).sqrt();
+            let angle = dt * fastest * magnitude;
+            let rests = Lanes::splat(NO_TURN).above(angle).or(Lanes::splat(NO_MOMENTUM).above(magnitude));
+            let direction = momentum * (one / magnitude);
+            let rates = Lanes3 { x: ix, y: iy, z: iz } * (one / fastest);
+            let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
+            let Turn { vector, scalar } = rotate_slowly(orientation, (direction, rates), angle);
+            let turned = rests.select3(orientation.vector, vector);
+            let scalar = rests.select(qw, scalar);
+
+            // The others wait.
+            let goes = if is_exact { Lanes::splat(SLOW).above(angle) } else { Mask::NONE };
+            let Lanes3 { x: tx, y: ty, z: tz } = goes.select3(turned, orientation.vector);
+            let (linear, position) = (Lanes3 { x, y, z }, Lanes3 { x: px, y: py, z: pz });
+            let Lanes3 { x: px, y: py, z: pz } = goes.select3(position + linear * dt, position);
+            let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(scalar, qw), Lanes::ZERO]);
+            self.poses[begin..begin + LANES].copy_from_slice(&poses);
+        }
+    }
+
+    /// Moves bodies that turn fast, or as they are told.
+    fn drift_others(&mut self, bodies: &Bodies, step: &Frame) {
+        for (local, &i) in self.who.iter().enumerate() {
+            let is_driven = matches!(bodies.motions[i], Motion::Kinematic { .. });
+            let velocity = self.moving[local].velocity();
+            let angle = step.dt * self.builds[local].0[FASTEST] * velocity.angular_momentum.length();
+            let is_slow = step.settings.rotation == Rotation::Exact && angle < SLOW;
+            if is_driven || !is_slow {
+                let pose = evolve(bodies, i, &pose_of(&self.poses[local]), &velocity, step);
+                self.poses[local] = line_of(&pose);
+            }
+            if let Motion::Kinematic { linear, angular } = bodies.motions[i] {
+                let turning =
+                    if angular == DVec3::ZERO { 0.0 } else { angular.length() * radius(&bodies.shapes[i]) };
+                self.builds[local].0[TRAVEL] += step.dt * (linear.length() + turning);
+            }
+        }
+    }
+
+    /// What depends on the poses, `dt` [s] after they were others.
+    #[inline(always)]
+    fn follow_poses<I: Instructions>(&mut self, dt: f64) {
+        let mut moment_of_mass = Lanes3::<I>::ZERO;
+        for begin in (0..self.poses.len()).step_by(LANES) {
+            let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
+            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(&self.poses, begin);
+            let [sx, sy, sz, rx, ry, rz, rw, _] = lanes_of::<I>(&self.starts, begin);
+            let [ix, iy, iz, fastest, size, travel, mass, _] = lanes_of::<I>(&self.builds, begin);
+            let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
+            let start = Turn { vector: Lanes3 { x: rx, y: ry, z: rz }, scalar: rw };
+
+            // The inverse tensor: a sum over the principal axes in the world.
+            let rates = Lanes3 { x: ix, y: iy, z: iz };
+            let a = orientation.turn(Lanes3::splat(DVec3::X));
+            let b = orientation.turn(Lanes3::splat(DVec3::Y));
+            let c = orientation.turn(Lanes3::splat(DVec3::Z));
+            let (row_x, row_y, row_z) = (
+                Lanes3 { x: a.x, y: b.x, z: c.x },
+                Lanes3 { x: a.y, y: b.y, z: c.y },
+                Lanes3 { x: a.z, y: b.z, z: c.z },
+            );
+            let (by_x, by_y, by_z) = (rates.times(row_x), rates.times(row_y), rates.times(row_z));
+            let answers = Lanes::rows([
+                by_x.dot(row_x),
+                by_y.dot(row_y),
+                by_z.dot(row_z),
+                by_y.dot(row_z),
+                by_x.dot(row_z),
+                by_x.dot(row_y),
+                Lanes::ZERO,
+                Lanes::ZERO,
+            ]);
+
+            // How far it has come.
+            let (linear, momentum) = (Lanes3 { x, y, z }, Lanes3 { x: lx, y: ly, z: lz });
+            let speed = linear.dot(linear).sqrt() + fastest * momentum.dot(momentum).sqrt() * size;
+            let travel = travel + Lanes::splat(dt) * speed;
+            let stirred = size.above(Lanes::ZERO).select(travel / size, Lanes::ZERO);
+            let turned = orientation.after(start.back());
+            let Lanes3 { x: tx, y: ty, z: tz } = turned.vector;
+            let shifts = Lanes::rows([px - sx, py - sy, pz - sz, tx, ty, tz, turned.scalar, stirred]);
+            moment_of_mass = moment_of_mass + Lanes3 { x: px, y: py, z: pz } * mass;
+            for lane in 0..LANES {
+                let moving = &mut self.moving[begin + lane];
+                (moving.answer, moving.shift) = (answers[lane], shifts[lane]);
+                self.builds[begin + lane].0[TRAVEL] = travel.get(lane);
+            }
+        }
+        self.moment_of_mass = moment_of_mass.sum();
+    }
+
+    #[inline(always)]
+    fn motions<I: Instructions>(&self, begin: usize) -> [Lanes<I>; LANES] {
+        let mut motions = [Numbers::ZERO; LANES];
+        for lane in 0..LANES {
+            motions[lane] = self.moving[begin + lane].motion;
+        }
+        Lanes::transposed(motions)
+    }
+}
+
+#[inline(always)]
+fn lanes_of<I: Instructions>(lines: &[Numbers], begin: usize) -> [Lanes<I>; LANES] {
+    let mut rows = [Numbers::ZERO; LANES];
+    rows.copy_from_slice(&lines[begin..begin + LANES]);
+    Lanes::transposed(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instructions::Scalar;
+    use crate::{Contactant, NewBody, Pose, StepSettings, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    /// Bodies go the same way side by side as one after the other, to the bit, whether they turn slowly, fast, or as they are told; and
+    /// their tensors and shifts are those of their poses.
+    #[test]
+    fn bodies_go_as_each_would_alone() {
+        let frame = Frame { dt: 1.0 / 240.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+        let mut bodies = Bodies::default();
+        for k in 0..21 {
+            let s = f64::from(k);
+            let motion = match k {
+                3 => Motion::Static,
+                5 => Motion::Kinematic { linear: DVec3::X, angular: DVec3::new(0.3, 2.0, -1.0) },
+                _ => Motion::Dynamic,
+            };
+            // From rest to 30 rad/s.
+            let spin = if k % 4 == 0 { 0.0 } else { 1e-4 * 1.9_f64.powf(s) };
+            let half = DVec3::new(0.1, 0.2, 0.3 + 0.01 * s);
+            let mass = 8.0 * half.element_product() * 1000.0;
+            bodies.spawn(NewBody {
+                shape: Arc::new(Shape::closed_form(ClosedForm::Box { half }, 0.1)),
+                density: 1000.0,
+                motion,
+                pose: Pose {
+                    position: DVec3::new(s, 0.1 * s * s, 3.0),
+                    orientation: DQuat::from_scaled_axis(DVec3::new(0.1 * s, 0.5, -0.2 * s)),
+                },
+                velocity: Velocity {
+                    linear: DVec3::new(0.1 * s, -1.0, 0.3),
+                    angular_momentum: mass * 0.05 * spin * DVec3::new(1.0, -0.5, 0.3),
+                },
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        let alone = &bodies;
+        let mut movers = Movers::new::<Scalar>(&bodies, (0..bodies.len()).collect());
+        for _ in 0..3 {
+            movers.drift::<Scalar>(&bodies, &frame);
+        }
+        let mut fast = 0;
+        for i in 0..bodies.len() {
+            let velocity = alone.velocities[i];
+            let end = (0..3).fold(alone.poses[i], |pose, _| evolve(alone, i, &pose, &velocity, &frame));
+            assert_eq!(movers.pose(i as u32), end, "body {i}");
+            let rate = alone.inertias[i].inverse_moments.max_element() * velocity.angular_momentum.length();
+            fast += usize::from(frame.dt * rate > SLOW);
+
+            let tensor = alone.inertias[i].inverse_tensor(end.orientation);
+            let Numbers([xx, yy, zz, yz, xz, xy, ..]) = movers.moving.read(i).answer;
+            let scale = 1e-14 * alone.inertias[i].inverse_moments.max_element();
+            let entries = [(xx, 0, 0), (yy, 1, 1), (zz, 2, 2), (yz, 1, 2), (xz, 0, 2), (xy, 0, 1)];
+            for (entry, row, column) in entries {
+                assert!((entry - tensor.col(column)[row]).abs() <= scale, "body {i}");
+            }
+            let lever = DVec3::new(0.1, 0.2, 0.3);
+            let Numbers([x, y, z, qx, qy, qz, qw, _]) = movers.moving.read(i).shift;
+            let moved = DVec3::new(x, y, z) + DQuat::from_xyzw(qx, qy, qz, qw) * lever;
+            let turn = end.orientation * alone.poses[i].orientation.conjugate();
+            let expected = end.position - alone.poses[i].position + turn * lever;
+            assert!((moved - expected).length() < 1e-13, "body {i}");
+        }
+        assert!(fast > 2 && fast < 12, "{fast} turn fast");
+    }
+}
