@@ -1,21 +1,24 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
+mod ranks;
+mod rebound;
+
 use crate::clusters::{Cluster, Member, clusters};
 use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};
-use crate::contact_sweep::{Given, Pass};
+use crate::contact_sweep::Pass;
 use crate::evolve::evolve;
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::{Avx2, Avx512, Sse2};
 use crate::instructions::{Scalar, available};
-use crate::lanes::{Instructions, LANES, Mask};
+use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
-use crate::rebounds::Reached;
 use crate::threads;
 use crate::warm_start::{Carried, Part, WarmStart};
 use crate::{Bodies, Frame, Motion, Tally, Width};
 use glam::DVec3;
+use ranks::{Block, Ranks};
 
 /// Steps in which kinematic bodies turn through a frame.
 const TURNS: u32 = 8;
@@ -25,9 +28,6 @@ const BOUNCE: f64 = 1.0;
 
 /// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
 const MEETING_PASSES: u32 = 4;
-
-/// The most impacts that follow each other in a substep; others follow in the next one.
-const IMPACTS: u32 = 32;
 
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
@@ -117,75 +117,11 @@ fn fly(bodies: &mut Bodies, is_in_one: &[bool], frame: &Frame, solved: &mut Solv
     }
 }
 
-/// Batches of which fewer than this are all in the core's own cache.
-const FAR: usize = 256;
-
-/// The most batches that go to a thread together: ten microseconds of work.
-const BLOCK: usize = 16;
-
-/// Batches of pairs that share no body that can move, and what they gave.
-struct Block<I> {
-    batches: Vec<Batch<I>>,
-    given: Given<I>,
-    /// Whether anything in it has met fast in this substep.
-    bounces: bool,
-    /// Whether anything takes part in the impact that acts now.
-    impacts: bool,
-    /// Whether the memory of the next batches has to be asked for.
-    is_far: bool,
-}
-
-impl<I: Instructions> Block<I> {
-    /// Visits all batches.
-    #[inline(always)]
-    fn visit(&mut self, movers: &Movers, visit: impl Fn(&mut Batch<I>, &mut Given<I>)) {
-        let Self { batches, given, is_far, .. } = self;
-        I::run(
-            #[inline(always)]
-            || {
-                let last = batches.len() - 1;
-                for at in 0..batches.len() {
-                    if *is_far {
-                        I::prefetch(&batches[(at + 2).min(last)..][..1]);
-                        batches[(at + 1).min(last)].prefetch(movers);
-                    }
-                    visit(&mut batches[at], given);
-                }
-            },
-        );
-    }
-
-    /// What its pairs carried, and their books.
-    fn close(self, bodies: &Bodies, movers: &Movers) -> (Part, Tally) {
-        let (mut kept, mut tally) = (Part::default(), Tally::default());
-        self.given.book(&mut tally);
-        let mut lines = Vec::new();
-        for batch in &self.batches {
-            I::run(
-                #[inline(always)]
-                || batch.all_lines(&mut lines),
-            );
-            batch.book_work(bodies, &mut tally);
-            for (lane, patch) in batch.rest.patches.iter().enumerate() {
-                kept.keep(patch.manifold, bodies, patch.pair, batch.carried(lane, &lines));
-                let debt = batch.debt(bodies, movers, lane);
-                if batch.touched(lane) || debt.is_some() {
-                    tally.link(bodies, patch.pair);
-                }
-                tally.debts.extend(debt);
-            }
-        }
-        (kept, tally)
-    }
-}
-
 /// A cluster on its way through a frame.
 struct Solver<'a, I> {
     bodies: &'a Bodies,
     movers: Movers,
-    blocks: Vec<Block<I>>,
-    /// Where each rank ends among the blocks: one rank acts after the other, the blocks of a rank side by side.
-    rank_ends: Vec<usize>,
+    ranks: Ranks<I>,
     passes: u32,
 }
 
@@ -205,61 +141,23 @@ impl<'a, I: Instructions> Solver<'a, I> {
     ) -> Self {
         let Cluster { bodies: who, members, rank_ends, effort } = cluster;
         let movers = Movers::new::<I>(bodies, who);
-        let is_far = members.len() > FAR * LANES;
-
-        // Blocks of a rank are of one size.
-        let (mut shares, mut ends, mut begin) = (Vec::new(), Vec::new(), 0);
-        for end in rank_ends {
-            let groups: Vec<&[Member]> = members[begin..end].chunks(LANES).collect();
-            let size = groups.len().div_ceil(groups.len().div_ceil(BLOCK));
-            shares.extend(groups.chunks(size).map(<[_]>::to_vec));
-            ends.push(shares.len());
-            begin = end;
-        }
-        let block = |groups: Vec<&[Member]>| {
-            let batch = |group| Batch::new(bodies, &movers, group, manifolds, with);
-            Block {
-                batches: groups.into_iter().map(batch).collect(),
-                given: Given::ZERO,
-                bounces: false,
-                impacts: false,
-                is_far,
-            }
-        };
-        let blocks = threads::map(shares, block);
-        let mut solver = Self { bodies, movers, blocks, rank_ends: ends, passes: effort.passes };
+        let batch = |group: &[Member]| Batch::new(bodies, &movers, group, manifolds, with);
+        let ranks = Ranks::new(&members, &rank_ends, batch);
+        let mut solver = Self { bodies, movers, ranks, passes: effort.passes };
         solver.follow(None);
         solver
     }
 
-    /// Visits all blocks, in any order.
+    /// Visits all batches, in blocks, in any order.
     fn each(&mut self, visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync) {
-        let Self { movers, blocks, .. } = self;
-        threads::for_each(blocks, |block| visit(movers, block));
+        let Self { movers, ranks, .. } = self;
+        threads::for_each(&mut ranks.blocks, |block| visit(movers, block));
     }
 
-    /// Visits blocks, rank by rank, to or fro: all, or those that are `wanted`.
-    fn each_in_turn(
-        &mut self,
-        is_fro: bool,
-        wanted: Option<fn(&Block<I>) -> bool>,
-        visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync,
-    ) {
-        let Self { movers, blocks, rank_ends, .. } = self;
-        let count = rank_ends.len();
-        for step in 0..count {
-            let at = if is_fro { count - 1 - step } else { step };
-            let begin = if at == 0 { 0 } else { rank_ends[at - 1] };
-            let rank = &mut blocks[begin..rank_ends[at]];
-            match wanted {
-                None => threads::for_each(rank, |block| visit(movers, block)),
-                Some(is_wanted) => {
-                    let mut some: Vec<&mut Block<I>> =
-                        rank.iter_mut().filter(|block| is_wanted(block)).collect();
-                    threads::for_each(&mut some, |block| visit(movers, block));
-                }
-            }
-        }
+    /// Visits all batches in the order of their ranks, or backwards.
+    fn each_in_turn(&mut self, is_fro: bool, visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync) {
+        let Self { movers, ranks, .. } = self;
+        ranks.for_each_in_turn(is_fro, None, |block| visit(movers, block));
     }
 
     /// Half kick, impulses, drift, half kick, bounce, relax. `rest` is what is left of the frame.
@@ -268,7 +166,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.movers.kick(step);
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
         self.meet(step, threshold);
-        let rebounds = self.met().any(|batch| batch.rebounding().any());
+        let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
         if rebounds {
             self.each(|_, block| block.batches.iter_mut().for_each(Batch::note_starts));
         }
@@ -350,7 +248,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// What acted in the last substep acts again, unless it has come apart.
     fn go_on(&mut self, beat: &Beat) {
-        self.each_in_turn(false, None, |movers, block| {
+        self.each_in_turn(false, |movers, block| {
             block.visit(
                 movers,
                 #[inline(always)]
@@ -361,7 +259,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// One pass over all rows.
     fn pass(&mut self, beat: &Beat, pass: Pass) {
-        self.each_in_turn(pass.is_fro, None, |movers, block| {
+        self.each_in_turn(pass.is_fro, |movers, block| {
             block.visit(
                 movers,
                 #[inline(always)]
@@ -374,7 +272,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn meeting_pass(&mut self, beat: &Beat, pass: Pass) {
         let is_wanted: fn(&Block<I>) -> bool =
             if beat.stage == Stage::Bounce { |block| block.impacts } else { |block| block.bounces };
-        self.each_in_turn(pass.is_fro, Some(is_wanted), |movers, block| {
+        let Self { movers, ranks, .. } = self;
+        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), |block| {
             let Block { batches, given, .. } = block;
             I::run(
                 #[inline(always)]
@@ -387,68 +286,9 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// The batches in which something has met fast in this substep.
-    fn met(&mut self) -> impl Iterator<Item = &mut Batch<I>> {
-        let blocks = self.blocks.iter_mut().filter(|block| block.bounces);
-        blocks.flat_map(|block| &mut block.batches).filter(|batch| batch.bounces)
-    }
-
-    /// What met fast leaves again, by impacts that follow each other: one batch after the other, as each may reach the next.
-    fn rebound(&mut self, step: &Frame, threshold: f64) {
-        let beat = &Beat::new(Stage::Bounce, step);
-        let mut reached = Reached::none(&self.movers);
-        let Self { movers, blocks, .. } = self;
-        I::run(
-            #[inline(always)]
-            || {
-                let (mut spreads, mut is_fro) = (true, false);
-                while spreads {
-                    spreads = false;
-                    let count = blocks.len();
-                    for step in 0..count {
-                        let block = &mut blocks[if is_fro { count - 1 - step } else { step }];
-                        for batch in &mut block.batches {
-                            spreads |= batch.reach(movers, &mut reached);
-                        }
-                    }
-                    is_fro = !is_fro;
-                }
-                for Block { batches, given, .. } in blocks {
-                    for batch in batches {
-                        batch.take_back(movers, &reached, (beat, given));
-                    }
-                }
-            },
-        );
-        for impact in 1..=IMPACTS {
-            let Self { movers, blocks, .. } = self;
-            I::run(
-                #[inline(always)]
-                || {
-                    for block in blocks {
-                        block.impacts = false;
-                        for batch in &mut block.batches {
-                            block.impacts |= batch.find_impacts(movers, (threshold, impact), &mut reached);
-                        }
-                    }
-                },
-            );
-            if !self.blocks.iter().any(|block| block.impacts) {
-                return;
-            }
-            self.meeting_pass(beat, Pass::TOGETHER);
-            for _ in 0..MEETING_PASSES {
-                self.meeting_pass(beat, Pass::MEETING);
-            }
-        }
-        let impacting = self.blocks.iter_mut().filter(|block| block.impacts);
-        let batches = impacting.flat_map(|block| &mut block.batches);
-        batches.filter(|batch| batch.impacts).for_each(Batch::end_impacts);
-    }
-
     /// What stopped what met fast is no guide to the next substep.
     fn end_meeting(&mut self) {
-        self.met().for_each(|batch| {
+        self.ranks.met().for_each(|batch| {
             batch.clear_bouncing();
             batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
             batch.bounces = false;
@@ -457,9 +297,9 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// At the frame's end.
     fn close(self) -> Closed {
-        let Self { bodies, movers, blocks, .. } = self;
+        let Self { bodies, movers, ranks, .. } = self;
         let (mut kept, mut all) = (Vec::new(), Tally::default());
-        for (part, tally) in threads::map(blocks, |block| block.close(bodies, &movers)) {
+        for (part, tally) in threads::map(ranks.blocks, |block| block.close(bodies, &movers)) {
             kept.push(part);
             all.add(tally);
         }

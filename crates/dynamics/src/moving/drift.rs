@@ -77,8 +77,8 @@ impl Stretch<'_> {
         let is_exact = step.settings.rotation == Rotation::Exact;
         for begin in (0..self.poses.len()).step_by(LANES) {
             let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
-            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(&self.poses, begin);
-            let [ix, iy, iz, fastest, ..] = lanes_of::<I>(&self.builds, begin);
+            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
+            let [ix, iy, iz, fastest, ..] = lanes_of::<I>(self.builds, begin);
             let momentum = Lanes3 { x: lx, y: ly, z: lz };
             let magnitude = momentum.dot(momentum).sqrt();
             let angle = dt * fastest * magnitude;
@@ -125,9 +125,9 @@ impl Stretch<'_> {
         let mut moment_of_mass = Lanes3::<I>::ZERO;
         for begin in (0..self.poses.len()).step_by(LANES) {
             let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
-            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(&self.poses, begin);
-            let [sx, sy, sz, rx, ry, rz, rw, _] = lanes_of::<I>(&self.starts, begin);
-            let [ix, iy, iz, fastest, size, travel, mass, _] = lanes_of::<I>(&self.builds, begin);
+            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
+            let [sx, sy, sz, rx, ry, rz, rw, _] = lanes_of::<I>(self.starts, begin);
+            let [ix, iy, iz, fastest, size, travel, mass, _] = lanes_of::<I>(self.builds, begin);
             let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
             let start = Turn { vector: Lanes3 { x: rx, y: ry, z: rz }, scalar: rw };
 

@@ -1,0 +1,68 @@
+//! Impacts that follow each other within a substep.
+
+use super::ranks::Block;
+use super::{MEETING_PASSES, Solver};
+use crate::Frame;
+use crate::contact_batch::Batch;
+use crate::contact_rows::{Beat, Stage};
+use crate::contact_sweep::Pass;
+use crate::lanes::Instructions;
+use crate::rebounds::Reached;
+
+/// The most impacts that follow each other in a substep; others follow in the next one.
+const IMPACTS: u32 = 32;
+
+impl<I: Instructions> Solver<'_, I> {
+    /// What met fast leaves again, by impacts that follow each other: one batch after the other, as each may reach the next.
+    pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
+        let beat = &Beat::new(Stage::Bounce, step);
+        let mut reached = Reached::none(&self.movers);
+        let Self { movers, ranks, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                let (mut spreads, mut is_fro) = (true, false);
+                while spreads {
+                    spreads = false;
+                    let count = ranks.blocks.len();
+                    for step in 0..count {
+                        let block = &mut ranks.blocks[if is_fro { count - 1 - step } else { step }];
+                        for batch in &mut block.batches {
+                            spreads |= batch.reach(movers, &mut reached);
+                        }
+                    }
+                    is_fro = !is_fro;
+                }
+                for Block { batches, given, .. } in &mut ranks.blocks {
+                    for batch in batches {
+                        batch.take_back(movers, &reached, (beat, given));
+                    }
+                }
+            },
+        );
+        for impact in 1..=IMPACTS {
+            let Self { movers, ranks, .. } = self;
+            I::run(
+                #[inline(always)]
+                || {
+                    for block in &mut ranks.blocks {
+                        block.impacts = false;
+                        for batch in &mut block.batches {
+                            block.impacts |= batch.find_impacts(movers, (threshold, impact), &mut reached);
+                        }
+                    }
+                },
+            );
+            if !self.ranks.blocks.iter().any(|block| block.impacts) {
+                return;
+            }
+            self.meeting_pass(beat, Pass::TOGETHER);
+            for _ in 0..MEETING_PASSES {
+                self.meeting_pass(beat, Pass::MEETING);
+            }
+        }
+        let impacting = self.ranks.blocks.iter_mut().filter(|block| block.impacts);
+        let batches = impacting.flat_map(|block| &mut block.batches);
+        batches.filter(|batch| batch.impacts).for_each(Batch::end_impacts);
+    }
+}
