@@ -156,7 +156,7 @@ fn sorted(pairs: &[Vec<Pair>], count: usize) -> Vec<Pair> {
         of_each.push((some, begins));
         rest = others;
     }
-    threads::for_each(&mut of_each, |(some, begins)| {
+    threads::for_each(&mut of_each, count, |(some, begins)| {
         for ends in begins.windows(2) {
             some[ends[0] - begins[0]..ends[1] - begins[0]].sort_unstable_by_key(|pair| pair.second);
         }

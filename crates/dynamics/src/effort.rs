@@ -64,7 +64,7 @@ impl Effort {
         let efforts = |share: f64| {
             let of = move |(island, loads): (&Vec<usize>, &Option<Vec<f64>>)| {
                 let loads = loads.as_ref()?;
-                Self::of_load(island.len(), share * loads.iter().copied().fold(0.0, f64::max))
+                Self::of_load(island.len(), loads.iter().copied().fold(0.0, f64::max), share)
             };
             islands.iter().zip(&loads).map(of)
         };
@@ -96,9 +96,10 @@ impl Effort {
         Some(loads(bodies, manifolds, island, frame))
     }
 
-    /// By the largest load. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
-    fn of_load(pairs: usize, load: f64) -> Option<Self> {
-        let passes = (PASSES_PER_LOAD * load).min(BUDGET / pairs as f64).min(MOST_PASSES).floor();
+    /// By the largest load, a share of it. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
+    fn of_load(pairs: usize, load: f64, share: f64) -> Option<Self> {
+        let passes = (PASSES_PER_LOAD * load).min(BUDGET / pairs as f64).min(MOST_PASSES);
+        let passes = (share * passes).floor();
         (load > LIGHT && passes >= FEWEST_PASSES).then(|| Self {
             passes: 2 * passes as u32,
             stiffest: STIFFER_PER_PASS * passes,
@@ -154,13 +155,18 @@ mod tests {
     /// What is large gets no more than its size says, and neither does what carries little.
     #[test]
     fn effort_follows_the_load_within_the_budget() {
-        assert_eq!(Effort::of_load(10, LIGHT), None);
-        assert_eq!(Effort::of_load(BUDGET as usize, 1000.0), None);
-        let of = |pairs: usize, load: f64| Effort::of_load(pairs, load).unwrap_or(Effort::of_size(pairs));
+        assert_eq!(Effort::of_load(10, LIGHT, 1.0), None);
+        assert_eq!(Effort::of_load(BUDGET as usize, 1000.0, 1.0), None);
+        let of =
+            |pairs: usize, load: f64| Effort::of_load(pairs, load, 1.0).unwrap_or(Effort::of_size(pairs));
         let (tower, higher, wider) = (of(10, 10.0), of(20, 20.0), of(200, 20.0));
         assert_eq!(tower.passes, 10);
         assert!(higher.passes > tower.passes && higher.stiffest > tower.stiffest);
         assert!(wider.passes < higher.passes && wider.passes > Effort::of_size(200).passes);
         assert!(f64::from(of(1, 1e9).passes) <= 2.0 * MOST_PASSES);
+
+        // What is at its limits shrinks with its share, too.
+        let shared = Effort::of_load(10, 1e9, 0.25).map_or(0, |effort| effort.passes);
+        assert_eq!(4 * shared, of(10, 1e9).passes);
     }
 }

@@ -110,7 +110,7 @@ impl KeptPairs {
         let find = |(share, pairs): &mut (Share, &[Pair])| {
             share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
         };
-        threads::for_each(&mut shares, find);
+        threads::for_each(&mut shares, pairs.len(), find);
         &mut self.found
     }
 

@@ -48,7 +48,6 @@ mod rebounds;
 pub mod rigid_part;
 pub mod rotation;
 pub mod settings;
-mod shared_lines;
 pub mod shock_propagation;
 pub mod state;
 pub mod substeps;

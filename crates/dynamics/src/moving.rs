@@ -1,15 +1,16 @@
 //! The bodies of a cluster as the substeps' solver moves them: velocities, and how they answer impulses.
 
 mod drift;
+mod shared_lines;
 
 use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
 use crate::rotation::rotation_by;
-use crate::shared_lines::SharedLines;
 use crate::vector::Turn;
 use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
+use shared_lines::SharedLines;
 
 /// A body, in lines that are loaded for several bodies at once.
 #[derive(Clone, Copy)]
@@ -185,7 +186,7 @@ impl Movers {
         }
     }
 
-    /// No body that can move is in two lanes, or is used by another thread.
+    /// No body that can move is in two lanes, or is read or written by another thread.
     #[inline(always)]
     pub(crate) fn store<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>) {
         let Side { linear: v, angular_momentum: l, inverse_mass, falls, .. } = *side;

@@ -64,7 +64,7 @@ fn solve_with<I: Instructions>(
     let (clusters, is_in_one) = clusters(bodies, manifolds, frame);
     let carried = warm.of_manifolds(bodies, manifolds);
     let bodies_now = &*bodies;
-    let closed = threads::map(clusters, |cluster| {
+    let closed = threads::map(clusters, manifolds.len(), |cluster| {
         let substeps = cluster.effort.substeps;
         let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, manifolds, (&carried, &step));
@@ -151,7 +151,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// Visits all batches, in blocks, in any order.
     fn each(&mut self, visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync) {
         let Self { movers, ranks, .. } = self;
-        threads::for_each(&mut ranks.blocks, |block| visit(movers, block));
+        threads::for_each(&mut ranks.blocks, ranks.pairs, |block| visit(movers, block));
     }
 
     /// Visits all batches in the order of their ranks, or backwards.
@@ -299,7 +299,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn close(self) -> Closed {
         let Self { bodies, movers, ranks, .. } = self;
         let (mut kept, mut all) = (Vec::new(), Tally::default());
-        for (part, tally) in threads::map(ranks.blocks, |block| block.close(bodies, &movers)) {
+        for (part, tally) in threads::map(ranks.blocks, ranks.pairs, |block| block.close(bodies, &movers)) {
             kept.push(part);
             all.add(tally);
         }

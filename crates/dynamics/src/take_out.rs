@@ -122,7 +122,8 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
     };
     let mut high = energy_at(1.0);
     let mut low = high;
-    if high.1 > allowed {
+    let is_enough = high.1 <= allowed;
+    if !is_enough {
         low = energy_at(0.0);
         let close = CLOSE * (high.1 - low.1);
         for step in 0..MOST_STEPS {

@@ -3,14 +3,18 @@
 
 use rayon::prelude::*;
 
-/// Whether there is anybody to share with: from outside of the pool, the way into it costs more than most of this work.
-fn has_others() -> bool {
-    rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
+/// Things, pairs or bodies, of which fewer than this are not worth sharing out.
+const FEW: usize = 256;
+
+/// Whether so many things are worth sharing out, and there is anybody to share with: from outside of the pool, the way into it costs more than
+/// most of this work.
+fn is_shared(things: usize) -> bool {
+    things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
-/// Does something with each item.
-pub(crate) fn for_each<T: Send>(items: &mut [T], visit: impl Fn(&mut T) + Send + Sync) {
-    if items.len() > 1 && has_others() {
+/// Does something with each item, that hold so many things between them.
+pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&mut T) + Send + Sync) {
+    if items.len() > 1 && is_shared(things) {
         items.par_iter_mut().for_each(visit);
     } else {
         items.iter_mut().for_each(visit);
@@ -18,8 +22,12 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], visit: impl Fn(&mut T) + Send +
 }
 
 /// What each item gives.
-pub(crate) fn map<T: Send, R: Send>(items: Vec<T>, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
-    if items.len() > 1 && has_others() {
+pub(crate) fn map<T: Send, R: Send>(
+    items: Vec<T>,
+    things: usize,
+    of: impl Fn(T) -> R + Send + Sync,
+) -> Vec<R> {
+    if items.len() > 1 && is_shared(things) {
         items.into_par_iter().map(of).collect()
     } else {
         items.into_iter().map(of).collect()
@@ -28,9 +36,7 @@ pub(crate) fn map<T: Send, R: Send>(items: Vec<T>, of: impl Fn(T) -> R + Send + 
 
 /// A list of so many things, each by its number.
 pub(crate) fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
-    // Things for which a thread is worth while.
-    const FEW: usize = 512;
-    if count > FEW && has_others() {
+    if is_shared(count) {
         (0..count).into_par_iter().with_min_len(FEW).map(of).collect()
     } else {
         (0..count).map(of).collect()

@@ -28,7 +28,7 @@ use std::time::Instant;
 /// Advances a world by one frame: collide and break, move by the scene's method, balance, report (docs/the_step.md). n is
 /// the frame's start. Cannot fail: what goes bad is quarantined and reported.
 pub fn step(world: &mut World) -> StepReport {
-    // Many bodies are shared among the threads of the pool that this is called in; the bits are the same.
+    // Many bodies are shared among the threads of the pool that this is called in, or of the global one; the bits are the same.
     if world.bodies.len() > FEW && rayon::current_num_threads() > 1 {
         rayon::scope(|_| advance(world))
     } else {

@@ -74,7 +74,7 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<
 
     let strips: Vec<usize> = (0..layout.strips).collect();
     let shares: Vec<&[usize]> = strips.chunks(layout.strips.div_ceil(SHARES)).collect();
-    threads::map(shares, |strips| {
+    threads::map(shares, bounded.len(), |strips| {
         let mut pairs = Vec::new();
         for &strip in strips {
             sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, &mut pairs);

@@ -64,7 +64,7 @@ impl Movers {
                 Stretch { who, moving, poses, starts, builds, moment_of_mass: DVec3::ZERO }
             })
             .collect();
-        threads::for_each(&mut stretches, visit);
+        threads::for_each(&mut stretches, self.who.len(), visit);
         self.moment_of_mass = stretches.iter().map(|stretch| stretch.moment_of_mass).sum();
     }
 }

@@ -32,6 +32,8 @@ pub(super) struct Ranks<I> {
     pub(super) blocks: Vec<Block<I>>,
     /// Where each rank ends among them.
     ends: Vec<usize>,
+    /// How many there are.
+    pub(super) pairs: usize,
 }
 
 impl<I: Instructions> Ranks<I> {
@@ -42,11 +44,11 @@ impl<I: Instructions> Ranks<I> {
         batch: impl Fn(&[Member]) -> Batch<I> + Send + Sync,
     ) -> Self {
         let is_far = members.len() > FAR * LANES;
-        // Blocks of a rank are of one size.
+        // Blocks of a rank are of about one size; no rank is empty.
         let (mut shares, mut ends, mut begin) = (Vec::new(), Vec::new(), 0);
         for &end in rank_ends {
             let groups: Vec<&[Member]> = members[begin..end].chunks(LANES).collect();
-            let size = groups.len().div_ceil(groups.len().div_ceil(BLOCK));
+            let size = groups.len().div_ceil(groups.len().div_ceil(BLOCK).max(1)).max(1);
             shares.extend(groups.chunks(size).map(<[_]>::to_vec));
             ends.push(shares.len());
             begin = end;
@@ -58,7 +60,7 @@ impl<I: Instructions> Ranks<I> {
             impacts: false,
             is_far,
         };
-        Self { blocks: threads::map(shares, block), ends }
+        Self { blocks: threads::map(shares, members.len(), block), ends, pairs: members.len() }
     }
 
     /// Visits blocks, rank by rank, to or fro: all, or those that are `wanted`.
@@ -68,18 +70,18 @@ impl<I: Instructions> Ranks<I> {
         wanted: Option<fn(&Block<I>) -> bool>,
         visit: impl Fn(&mut Block<I>) + Send + Sync,
     ) {
-        let Self { blocks, ends } = self;
+        let Self { blocks, ends, pairs } = self;
         let count = ends.len();
         for step in 0..count {
             let at = if is_fro { count - 1 - step } else { step };
             let begin = if at == 0 { 0 } else { ends[at - 1] };
             let rank = &mut blocks[begin..ends[at]];
             match wanted {
-                None => threads::for_each(rank, &visit),
+                None => threads::for_each(rank, *pairs, &visit),
                 Some(is_wanted) => {
                     let mut some: Vec<&mut Block<I>> =
                         rank.iter_mut().filter(|block| is_wanted(block)).collect();
-                    threads::for_each(&mut some, |block| visit(block));
+                    threads::for_each(&mut some, *pairs, |block| visit(block));
                 }
             }
         }

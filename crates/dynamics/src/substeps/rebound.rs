@@ -25,8 +25,8 @@ impl<I: Instructions> Solver<'_, I> {
                 while spreads {
                     spreads = false;
                     let count = ranks.blocks.len();
-                    for step in 0..count {
-                        let block = &mut ranks.blocks[if is_fro { count - 1 - step } else { step }];
+                    for turn in 0..count {
+                        let block = &mut ranks.blocks[if is_fro { count - 1 - turn } else { turn }];
                         for batch in &mut block.batches {
                             spreads |= batch.reach(movers, &mut reached);
                         }

@@ -2,9 +2,10 @@
 
 use std::cell::UnsafeCell;
 
-/// Lines of which no two threads use the same one at a time if either writes it: whoever shares work out sees to that.
+/// Lines of which no two threads use the same one at a time if either writes it: whoever shares work out sees to that, and only the bodies of
+/// a cluster are kept so.
 #[repr(transparent)]
-pub(crate) struct SharedLines<T>(Vec<UnsafeCell<T>>);
+pub(super) struct SharedLines<T>(Vec<UnsafeCell<T>>);
 
 // The promise above.
 #[allow(unsafe_code, reason = "only the ranks of a cluster know that the bodies of their groups differ")]
@@ -12,30 +13,30 @@ unsafe impl<T: Send + Sync> Sync for SharedLines<T> {}
 
 #[allow(unsafe_code, reason = "see there")]
 impl<T: Copy> SharedLines<T> {
-    pub(crate) fn new(line: T, count: usize) -> Self {
+    pub(super) fn new(line: T, count: usize) -> Self {
         Self((0..count).map(|_| UnsafeCell::new(line)).collect())
     }
 
     #[inline(always)]
-    pub(crate) fn read(&self, at: usize) -> T {
+    pub(super) fn read(&self, at: usize) -> T {
         // Nobody writes this line now.
         unsafe { *self.0[at].get() }
     }
 
     #[inline(always)]
-    pub(crate) fn write(&self, at: usize, line: T) {
+    pub(super) fn write(&self, at: usize, line: T) {
         // Nobody else uses this line now.
         unsafe { *self.0[at].get() = line }
     }
 
     /// A line, to ask for its memory only.
     #[inline(always)]
-    pub(crate) fn at(&self, at: usize) -> &[UnsafeCell<T>] {
+    pub(super) fn at(&self, at: usize) -> &[UnsafeCell<T>] {
         &self.0[at..][..1]
     }
 
     /// All lines, for one thread.
-    pub(crate) fn as_mut_slice(&mut self) -> &mut [T] {
+    pub(super) fn as_mut_slice(&mut self) -> &mut [T] {
         let lines: *mut [UnsafeCell<T>] = self.0.as_mut_slice();
         // They are laid out as what they hold.
         unsafe { &mut *(lines as *mut [T]) }
