@@ -13,6 +13,8 @@ pub(crate) struct Effort {
     pub(crate) passes: u32,
     /// How much stiffer its contacts may be than those that carry one body.
     pub(crate) stiffest: f64,
+    /// The most impacts that follow each other in a substep; others follow in the next one.
+    pub(crate) impacts: u32,
 }
 
 /// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
@@ -48,8 +50,8 @@ impl Effort {
     /// What a cluster of some pairs takes that carry little. With four substeps stacks of ten drift by centimetres; with one pass, to before
     /// the drift and fro after it, turned stacks do. Heaps bear both.
     pub(crate) fn of_size(pairs: usize) -> Self {
-        let (substeps, passes) = if pairs > HEAP_PAIRS { (4, 1) } else { (8, 2) };
-        Self { substeps, passes, stiffest: 1.0 }
+        let (substeps, passes, impacts) = if pairs > HEAP_PAIRS { (4, 1, 2) } else { (8, 2, 32) };
+        Self { substeps, passes, stiffest: 1.0, impacts }
     }
 
     /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.

@@ -123,6 +123,7 @@ struct Solver<'a, I> {
     movers: Movers,
     ranks: Ranks<I>,
     passes: u32,
+    impacts: u32,
 }
 
 /// A cluster at the frame's end.
@@ -143,7 +144,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let movers = Movers::new::<I>(bodies, who);
         let batch = |group: &[Member]| Batch::new(bodies, &movers, group, manifolds, with);
         let ranks = Ranks::new(&members, &rank_ends, batch);
-        let mut solver = Self { bodies, movers, ranks, passes: effort.passes };
+        let mut solver = Self { bodies, movers, ranks, passes: effort.passes, impacts: effort.impacts };
         solver.follow(None);
         solver
     }

@@ -9,9 +9,6 @@ use crate::contact_sweep::Pass;
 use crate::lanes::Instructions;
 use crate::rebounds::Reached;
 
-/// The most impacts that follow each other in a substep; others follow in the next one.
-const IMPACTS: u32 = 32;
-
 impl<I: Instructions> Solver<'_, I> {
     /// What met fast leaves again, by impacts that follow each other: one batch after the other, as each may reach the next.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
@@ -40,7 +37,7 @@ impl<I: Instructions> Solver<'_, I> {
                 }
             },
         );
-        for impact in 1..=IMPACTS {
+        for impact in 1..=self.impacts {
             let Self { movers, ranks, .. } = self;
             I::run(
                 #[inline(always)]
