@@ -1,5 +1,5 @@
-//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against each other since its points were found keeps them, and what was
-//! further apart than it can have come since is still apart.
+//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against each other since its points were found
+//! keeps them, and what was further apart than it can have come since is still apart.
 
 use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
