@@ -1,7 +1,7 @@
 """The same piles in other engines: ``frangible bench --peers``.
 
-Each engine has a program of its own in a folder under `PROGRAMS`, which reads a pile from a file (`pile_file`), steps it with the settings
-that the engine comes with, and writes how much processor time each frame took and where everything was. All that is said of an engine is measured
+Each engine has a program of its own in a folder under `PROGRAMS`, or one for each of its solvers, which reads a pile from a file
+(`pile_file`), steps it with the settings that the engine comes with, and writes how much processor time each frame took and where everything was. All that is said of an engine is measured
 here, from what its program wrote, by the same code for all.
 """
 
@@ -31,7 +31,7 @@ from .summary import spread
 PROGRAMS = Path("bench") / "peers"
 
 #: What is run in other engines unless somebody says what.
-PILES = ("pile-spread", "pile-deep", "pile-table")
+PILES = ("pile-spread", "pile-deep", "pile-table", "bricks")
 
 OURS = "frangible"
 
@@ -49,7 +49,7 @@ class Quality:
     penetration: tuple[float, float, float]
     #: Largest rise of the energy of all pieces in a frame, in units of their energy at the start, relative to the ground.
     energy_gain: float
-    #: Below the ground, far away or nowhere at the end.
+    #: Wholly below the ground, far away or nowhere at the end.
     lost: int
 
 
@@ -63,7 +63,7 @@ class Result:
     quality: Quality
 
 
-def programs(folder: Path = PROGRAMS) -> list[Path]:
+def packages(folder: Path = PROGRAMS) -> list[Path]:
     """The folders of the engines' programs; `BenchError` if there are none here."""
     found = sorted(path.parent.parent for path in folder.glob("*/src/main.rs"))
     if not found:
@@ -71,17 +71,26 @@ def programs(folder: Path = PROGRAMS) -> list[Path]:
     return found
 
 
-def build(program: Path) -> Path | None:
-    """The path of a program, compiled for this machine; nothing if that fails, which Cargo has explained then on stderr."""
+def build(package: Path) -> list[Path]:
+    """The paths of a package's programs, compiled for this machine; none if that fails, after saying why on stderr."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", "target")).absolute() / "peers"
-    command = ["cargo", "build", "--release", "--locked", "--quiet", "--manifest-path", str(program / "Cargo.toml"), "--target-dir", str(target)]
-    done = subprocess.run(command, env=os.environ | _compiler_settings(), check=False)
-    return target / "release" / f"peer-{program.name}" if done.returncode == 0 else None
+    command = ["cargo", "build", "--release", "--locked", "--quiet", "--manifest-path", str(package / "Cargo.toml"), "--target-dir", str(target)]
+    try:
+        done = subprocess.run(command, env=os.environ | _compiler_settings(), stderr=subprocess.PIPE, text=True, check=False)
+    except FileNotFoundError:
+        print(f"{package.name}: left out, because there is no Cargo to build it", file=sys.stderr, flush=True)
+        return []
+    if done.returncode != 0:
+        errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
+        print(f"{done.stderr}{package.name}: left out, because Cargo cannot build it: {''.join(errors[:1])}", file=sys.stderr, flush=True)
+        return []
+    names = [f"peer-{package.name}", *sorted(path.stem for path in package.glob("src/bin/*.rs"))]
+    return [target / "release" / name for name in names]
 
 
 def _compiler_settings() -> dict[str, str]:
-    """All compilers know this very processor, and what makes Rust's names for C finds libclang and the compiler's own headers."""
-    settings = {"RUSTFLAGS": os.environ.get("RUSTFLAGS", "") + " -C target-cpu=native"}
+    """All compilers know this very processor, PhysX takes what there is for C++, and what makes Rust's names for C finds libclang and headers."""
+    settings = {"RUSTFLAGS": os.environ.get("RUSTFLAGS", "") + " -C target-cpu=native", "CXX": os.environ.get("CXX", "c++")}
     for variable in ("CFLAGS", "CXXFLAGS"):
         settings[variable] = os.environ.get(variable, "") + " -march=native"
     libclang = importlib.util.find_spec("clang")
@@ -95,7 +104,7 @@ def _compiler_settings() -> dict[str, str]:
 def compare(shots: Sequence[str], *, frames: int | None, runs: int, folder: str, on_done: Callable[[list[dict[str, Any]]], None]) -> None:
     """Run piles in this engine and in all others that can be built, by turns, and append the results to a table in a folder."""
     piles = {shot: Pile.of_shot(shot) for shot in shots}
-    built = [path for program in programs() if (path := build(program)) is not None]
+    built = [program for package in packages() for program in build(package)]
     os.makedirs(folder, exist_ok=True)
     _stay_on_one_core()
     for shot, pile in piles.items():

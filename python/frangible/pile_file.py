@@ -1,10 +1,11 @@
 """A pile of convex bodies in a file that any engine's program can read, and what those programs write.
 
-Little endian, no padding: the bytes ``FRANPILE``, the number of bodies (u32), seconds of a frame, gravity (3); then for each body the
-number of vertices (u32), the vertices in its frame (3 each), position (3), orientation x, y, z, w, velocity (3), angular velocity (3), mass,
-principal moments of inertia (3), friction, restitution; float64 unless it says otherwise. A body's frame has its origin in the centre of
-mass and the principal axes. What is static has infinite mass, is a box along the axes of its frame, and has the smallest friction and
-restitution of all, so that any rule that engines have for a pair gives the same where all pieces are alike.
+Little endian, no padding: the bytes ``FRANPILE``, the number of bodies (u32), seconds of a frame, gravity (3); then for each body its shape,
+position (3), orientation x, y, z, w, velocity (3), angular velocity (3), mass, principal moments of inertia (3), friction, restitution;
+float64 unless it says otherwise. A shape is 0 (u32), the number of vertices (u32) and these (3 each) for a hull; 1 (u32) and half of the edge
+lengths (3) for a box; 2 (u32) and the radius for a ball. A body's frame has its origin in the centre of mass and the principal axes, along
+which boxes lie. What is static has infinite mass, is a box, and has the smallest friction and restitution of all, so that any rule that
+engines have for a pair gives the same where all pieces are alike.
 """
 
 from __future__ import annotations
@@ -25,10 +26,42 @@ MAGIC = b"FRANPILE"
 #: Half of the edge lengths of the box that stands for the ground [m]; its top is the ground.
 GROUND = np.array([60.0, 1.0, 60.0])
 
-#: Further from the middle than this [m], sideways or down, a piece is lost.
+#: Further from the middle than this [m], a piece is lost.
 FAR = 60.0
 
-CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """Of its vertices."""
+
+    #: (v, 3), body frame [m].
+    vertices: Float64
+
+    @property
+    def radius(self) -> float:
+        """Of the ball around the origin that it lies in [m]."""
+        return float(np.linalg.norm(self.vertices, axis=1).max())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Box:
+    """Along the axes of the body's frame, around its origin."""
+
+    #: Half of the edge lengths (3,) [m].
+    half: Float64
+
+    @property
+    def radius(self) -> float:
+        """Of the ball around the origin that it lies in [m]."""
+        return float(np.linalg.norm(self.half))
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """Around the origin of the body's frame."""
+
+    #: [m]
+    radius: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,8 +69,9 @@ class Pile:
     """A scene of convex bodies that do not break, as it starts; one row for each body."""
 
     scene: dict[str, Any]
-    #: Of each body (v, 3), body frame [m].
-    vertices: list[Float64]
+    shapes: list[Hull | Box | Ball]
+    #: (n,) of the balls around the origins of the bodies' frames that their shapes lie in [m].
+    radii: Float64
     #: (n, `STATE`).
     start: Float64
     #: (n,) [kg]; infinite for what is static.
@@ -53,31 +87,38 @@ class Pile:
     @property
     def ground(self) -> float:
         """How high the ground is [m]: the lowest that something static reaches up to."""
-        tops = [self.start[row, 1] + self.vertices[row][:, 1].max() for row in np.flatnonzero(~self.moves).tolist()]
-        return float(min(tops))
+        shapes = [(self.shapes[row], self.start[row, 1]) for row in np.flatnonzero(~self.moves).tolist()]
+        return float(min(height + shape.half[1] for shape, height in shapes if isinstance(shape, Box)))
 
     @staticmethod
     def of_shot(shot: str) -> Pile:
         """The bodies of a shot; `BenchError` if it is no pile of convex bodies that do not break."""
         scene: dict[str, Any] = json.loads(_frangible.shot_scene(shot))
         for body in scene["bodies"]:
-            _check(shot, body)
+            check(shot, body)
         world = _frangible.World.build(json.dumps(scene), 1)
         start = np.concatenate([world.positions, world.orientations, world.velocities, world.angular_velocities], axis=1)
-        vertices, inertias = [], np.zeros((len(start), 3))
+        shapes, inertias = list[Hull | Box | Ball](), np.zeros((len(start), 3))
         for row, (body, number) in enumerate(zip(scene["bodies"], world.ids.tolist(), strict=True)):
-            if body["shape"]["kind"] == "half-space":
-                vertices.append(CORNERS * GROUND)
+            kind = body["shape"]["kind"]
+            if kind == "half-space":
+                shapes.append(Box(GROUND))
                 start[row] = 0.0
                 start[row, 1], start[row, 6] = body["position"][1] - GROUND[1], 1.0
                 continue
-            corners, triangles, _, _ = world.surface(number)
-            vertices.append(np.unique(corners.astype(np.float64), axis=0))
+            surface, triangles, _, _ = world.surface(number)
+            corners = surface.astype(np.float64)
+            if kind == "sphere":
+                shapes.append(Ball(body["shape"]["radius"]))
+                inertias[row] = 0.4 * world.masses[row] * body["shape"]["radius"] ** 2
+                continue
+            shapes.append(Box(corners.max(axis=0)) if kind == "box" else Hull(np.unique(corners, axis=0)))
             if np.isfinite(world.masses[row]):
-                properties = _frangible.mesh_mass((corners.astype(np.float64), triangles))
+                properties = _frangible.mesh_mass((corners, triangles))
                 density = world.masses[row] / properties["volume_m3"]
                 inertias[row] = density * np.diag(np.array(properties["unit_inertia_m5"]))
-        return Pile(scene, vertices, start, world.masses, inertias)
+        radii = np.array([shape.radius for shape in shapes])
+        return Pile(scene, shapes, radii, start, world.masses, inertias)
 
     def write(self, file: BinaryIO) -> None:
         """Write the file that the module describes."""
@@ -87,8 +128,7 @@ class Pile:
         file.write(MAGIC + struct.pack("<I4d", len(self.start), dt, *self.scene["gravity"]))
         for row in range(len(self.start)):
             numbers = (*self.start[row], self.masses[row], *self.inertias[row], *coefficients[row])
-            file.write(struct.pack("<I", len(self.vertices[row])))
-            file.write(self.vertices[row].astype("<f8").tobytes())
+            file.write(_shape_bytes(self.shapes[row]))
             file.write(struct.pack(f"<{len(numbers)}d", *numbers))
 
     def energies(self, states: Float64) -> Float64:
@@ -105,9 +145,9 @@ class Pile:
         return float(np.sum(masses * height + kinetic + rotational))
 
     def lost(self, state: Float64) -> Any:
-        """(n,) which pieces are below the ground, far away, or nowhere."""
+        """(n,) which pieces are wholly below the ground, far away, or nowhere; what only sank in is not lost, but overlaps."""
         position = state[:, :3]
-        below = position[:, 1] < self.ground
+        below = position[:, 1] + self.radii < self.ground
         with np.errstate(invalid="ignore"):
             gone = ~np.isfinite(position).all(axis=1) | (np.abs(position) > FAR).any(axis=1)
         return self.moves & (below | gone)
@@ -143,8 +183,19 @@ def product(left: Float64, right: Float64) -> Float64:
     return np.append(vector, left[3] * right[3] - left[:3] @ right[:3])
 
 
-def _check(shot: str, body: dict[str, Any]) -> None:
+def _shape_bytes(shape: Hull | Box | Ball) -> bytes:
+    match shape:
+        case Hull(vertices):
+            return struct.pack("<2I", 0, len(vertices)) + vertices.astype("<f8").tobytes()
+        case Box(half):
+            return struct.pack("<I3d", 1, *half)
+        case Ball(radius):
+            return struct.pack("<Id", 2, radius)
+
+
+def check(shot: str, body: dict[str, Any]) -> None:
+    """`BenchError` if other engines cannot have a body."""
     kind, is_static = body["shape"]["kind"], body["motion"] == "static"
-    is_convex = kind in ("hull", "box") or (kind == "half-space" and is_static)
-    if not is_convex or body["motion"] == "kinematic" or "breaking" in body or "bonds" in body or (is_static and kind == "hull"):
-        raise BenchError(f"{shot}: body '{body['name']}', must be a hull or a box that does not break, for other engines to run it")
+    is_convex = kind in (("box", "half-space") if is_static else ("hull", "box", "sphere"))
+    if not is_convex or body["motion"] == "kinematic" or "breaking" in body or "bonds" in body:
+        raise BenchError(f"{shot}: body '{body['name']}', must be a hull, a box or a sphere that does not break, for other engines to run it")

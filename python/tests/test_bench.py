@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import World, peers, pile_file, shot_frames, shot_scene
-from frangible.bench import COLUMNS, append_rows, describe_bench, shots_to_bench
+from frangible.bench import COLUMNS, SHOTS, append_rows, describe_bench, shots_to_bench
 from frangible.cli import main
 from frangible.pile_file import Pile, load_states
 from frangible.stepping import LAST_FRAMES, STATE, Request, run_apart, run_here
@@ -71,7 +71,7 @@ def test_what_cannot_be_measured_says_why(tmp_path: Path, monkeypatch: pytest.Mo
     for arguments, sentence in (
         (["wall-e"], "unknown shot 'wall-e'"),
         (["impact"], "needs a mesh file"),
-        (["wall", "--peers"], "wall: body 'wall', must be a hull or a box"),
+        (["wall", "--peers"], "wall: body 'wall', must be a hull, a box or a sphere"),
         (["slab", "--peers"], "--peers: bench/peers, must be here"),
     ):
         assert main(["bench", *arguments, "--frames", "2"]) == 2
@@ -84,33 +84,62 @@ def slab() -> Pile:
     return Pile.of_shot("slab")
 
 
-def test_the_file_of_a_pile_holds_what_the_world_holds(slab: Pile) -> None:
+@pytest.mark.parametrize("shot", ["slab", "bricks"])
+def test_the_file_of_a_pile_holds_what_the_world_holds(shot: str) -> None:
+    pile = Pile.of_shot(shot)
     file = io.BytesIO()
-    slab.write(file)
+    pile.write(file)
     data = file.getvalue()
     assert data.startswith(b"FRANPILE")
-    assert int.from_bytes(data[8:12], "little") == len(slab.start)
+    assert int.from_bytes(data[8:12], "little") == len(pile.start)
     numbers = np.frombuffer(data[12:44], "<f8")
     assert numbers.tolist() == pytest.approx([1 / 30, 0.0, -9.81, 0.0])
 
     # Body by body, to the end of the file.
     at = 44
-    world = World.build(shot_scene("slab"))
-    for row, mass in enumerate(world.masses.tolist()):
-        count = int.from_bytes(data[at : at + 4], "little")
-        vertices = np.frombuffer(data, "<f8", 3 * count, at + 4).reshape(-1, 3)
-        rest = np.frombuffer(data, "<f8", STATE + 6, at + 4 + 24 * count)
-        at += 4 + 24 * count + 8 * (STATE + 6)
+    scene = json.loads(shot_scene(shot))
+    world = World.build(json.dumps(scene))
+    smallest = [min(body[key] for body in scene["bodies"]) for key in ("friction", "restitution")]
+    for row, (mass, body) in enumerate(zip(world.masses.tolist(), scene["bodies"], strict=True)):
+        kind, corners, at = read_shape(data, at)
+        rest = np.frombuffer(data, "<f8", STATE + 6, at)
+        at += 8 * (STATE + 6)
         assert rest[STATE] == mass
-        assert rest[-2:].tolist() == [0.5, 0.5]
+        assert rest[-2:].tolist() == (smallest if math.isinf(mass) else [body["friction"], body["restitution"]])
         if math.isinf(mass):
-            assert vertices[:, 1].max() + rest[1] == 0.0
+            assert kind == 1 and corners[:, 1].max() + rest[1] == 0.0
             continue
+        assert kind == {"hull": 0, "box": 1, "sphere": 2}[body["shape"]["kind"]]
         assert rest[:3] == pytest.approx(world.positions[row])
         # A body's moments are about its centre: for a solid, less than its mass times the square of how far its corners are.
-        farthest = np.linalg.norm(vertices, axis=1).max()
+        farthest = np.linalg.norm(corners, axis=1).max()
+        assert pile.radii[row] == pytest.approx(farthest)
         assert 0 < rest[STATE + 1 : STATE + 4].min() and rest[STATE + 1 : STATE + 4].max() < mass * farthest**2
+        if kind == 1:
+            wanted = mass / 3.0 * (np.sum(corners[-1] ** 2) - corners[-1] ** 2)
+            assert rest[STATE + 1 : STATE + 4] == pytest.approx(wanted, rel=1e-6)
+            assert 2.0 * corners[-1] == pytest.approx(np.array(body["shape"]["size"]), rel=1e-6)
     assert at == len(data)
+
+
+def read_shape(data: bytes, at: int) -> tuple[int, Any, int]:
+    """A shape's kind, points (n, 3) that reach as far as it does, a box's farthest last, and where it ends."""
+    kind = int.from_bytes(data[at : at + 4], "little")
+    if kind == 0:
+        count = int.from_bytes(data[at + 4 : at + 8], "little")
+        return kind, np.frombuffer(data, "<f8", 3 * count, at + 8).reshape(-1, 3), at + 8 + 24 * count
+    if kind == 1:
+        half = np.frombuffer(data, "<f8", 3, at + 4)
+        return kind, np.stack([-half, half]), at + 28
+    radius = float(np.frombuffer(data, "<f8", 1, at + 4)[0])
+    return kind, radius * np.eye(3), at + 12
+
+
+def test_the_piles_of_the_comparison_are_piles_for_other_engines() -> None:
+    assert set(peers.PILES) == {"pile-spread", "pile-deep", "pile-table", "bricks"} <= set(SHOTS)
+    for shot in peers.PILES:
+        for body in json.loads(shot_scene(shot))["bodies"]:
+            pile_file.check(shot, body)
 
 
 def test_energies_and_overlaps_from_a_file_of_states_are_the_worlds(slab: Pile, tmp_path: Path) -> None:
@@ -132,9 +161,28 @@ def test_gains_and_losses_are_seen(slab: Pile) -> None:
     wrong[1:, 3, 1] += 1e-3
     energies = slab.energies(still)
     assert peers.judge(slab, wrong).energy_gain == pytest.approx(slab.masses[3] * 9.81 * 1e-3 / energies[0], rel=1e-6)
+    # What sank into the ground by less than its own size is not lost.
+    wrong[2, 7, 1] = -0.5 * slab.radii[7]
+    assert peers.judge(slab, wrong).lost == 0
     wrong[2, 5, 1] = -1.0
     wrong[2, 6, 0] = np.nan
     assert peers.judge(slab, wrong).lost == 2
+
+
+def test_what_cannot_be_built_is_left_out_with_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    package = tmp_path / "broken"
+    package.mkdir()
+    (package / "Cargo.toml").write_text("[package]\n")
+    assert peers.build(package) == []
+    assert "broken: left out, because " in capsys.readouterr().err
+
+
+def test_every_engine_in_the_repository_is_found_and_told_of() -> None:
+    root = Path(__file__).parents[2]
+    names = [package.name for package in peers.packages(root / peers.PROGRAMS)]
+    assert names == ["box3d", "jolt", "physx", "rapier"]
+    table = (root / "docs" / "performance.md").read_text(encoding="utf-8")
+    assert all(f"`bench/peers/{name}`" in table for name in names)
 
 
 def test_the_table_of_engines_is_in_units_of_ours() -> None:

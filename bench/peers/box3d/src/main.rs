@@ -1,7 +1,7 @@
 //! A pile in Box3D, with the settings it comes with and four substeps, as its manual has it; nothing sleeps.
 
 use box3d_sys::*;
-use peer_pile::{Body, Engine, Pile, State};
+use peer_pile::{Body, Engine, Pile, Shape, State};
 use std::io;
 
 /// "Usually 4."
@@ -9,6 +9,18 @@ const SUBSTEPS: i32 = 4;
 
 /// Enough for any hull of a pile.
 const MOST_VERTICES: i32 = 128;
+
+/// Of a box with edges of 2.
+const CORNERS: [[f64; 3]; 8] = [
+    [-1.0, -1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, 1.0, 1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, 1.0, 1.0],
+];
 
 struct Box3d {
     world: b3WorldId,
@@ -19,14 +31,23 @@ fn vector([x, y, z]: [f64; 3]) -> b3Vec3 {
     b3Vec3 { x: x as f32, y: y as f32, z: z as f32 }
 }
 
+fn attach_hull(id: b3BodyId, shape: &b3ShapeDef, vertices: &[[f64; 3]]) {
+    let points: Vec<b3Vec3> = vertices.iter().map(|&vertex| vector(vertex)).collect();
+    // SAFETY: the points outlive the call, and a shape copies its hull.
+    unsafe {
+        let hull = b3CreateHull(points.as_ptr(), points.len() as i32, MOST_VERTICES);
+        assert!(!hull.is_null(), "a hull of points that span space");
+        b3CreateHullShape(id, shape, hull);
+        b3DestroyHull(hull);
+    }
+}
+
 fn insert(world: b3WorldId, body: &Body) -> b3BodyId {
     let [x, y, z, w] = body.orientation;
-    let points: Vec<b3Vec3> = body.vertices.iter().map(|&vertex| vector(vertex)).collect();
     let [ix, iy, iz] = body.inertia;
     let inertia =
         b3Matrix3 { cx: vector([ix, 0.0, 0.0]), cy: vector([0.0, iy, 0.0]), cz: vector([0.0, 0.0, iz]) };
-    // SAFETY: definitions are Box3D's own defaults, ids are of things that live, the hull's points outlive the call, and a
-    // shape copies its hull.
+    // SAFETY: definitions are Box3D's own defaults, and ids are of things that live.
     unsafe {
         let mut rigid = b3DefaultBodyDef();
         rigid.type_ = if body.is_static() { b3BodyType_b3_staticBody } else { b3BodyType_b3_dynamicBody };
@@ -39,10 +60,19 @@ fn insert(world: b3WorldId, body: &Body) -> b3BodyId {
         let mut shape = b3DefaultShapeDef();
         shape.baseMaterial.friction = body.friction as f32;
         shape.baseMaterial.restitution = body.restitution as f32;
-        let hull = b3CreateHull(points.as_ptr(), points.len() as i32, MOST_VERTICES);
-        assert!(!hull.is_null(), "a hull of points that span space");
-        b3CreateHullShape(id, &shape, hull);
-        b3DestroyHull(hull);
+        match &body.shape {
+            Shape::Hull(vertices) => attach_hull(id, &shape, vertices),
+            // Boxes are hulls here.
+            Shape::Box(half) => attach_hull(
+                id,
+                &shape,
+                &CORNERS.map(|corner| [0, 1, 2].map(|axis| corner[axis] * half[axis])),
+            ),
+            Shape::Ball(radius) => {
+                let ball = b3Sphere { center: vector([0.0; 3]), radius: *radius as f32 };
+                b3CreateSphereShape(id, &shape, &ball);
+            }
+        }
         if !body.is_static() {
             let mass = b3MassData { mass: body.mass as f32, center: vector([0.0; 3]), inertia };
             b3Body_SetMassData(id, mass);

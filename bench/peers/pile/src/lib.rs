@@ -9,10 +9,19 @@ use std::io::{self, Write as _};
 
 const MAGIC: &[u8] = b"FRANPILE";
 
+/// In the frame of its body, whose origin is in the middle of a box or a ball.
+pub enum Shape {
+    /// The hull of vertices [m].
+    Hull(Vec<[f64; 3]>),
+    /// Along the axes: half of its edge lengths [m].
+    Box([f64; 3]),
+    /// Its radius [m].
+    Ball(f64),
+}
+
 /// A convex body. Its frame has its origin in the centre of mass, and the principal axes of inertia.
 pub struct Body {
-    /// Corners, body frame [m].
-    pub vertices: Vec<[f64; 3]>,
+    pub shape: Shape,
     /// Of the centre of mass, world frame [m].
     pub position: [f64; 3],
     /// `world_from_body`, x, y, z, w.
@@ -21,7 +30,7 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// World frame [rad/s].
     pub angular_velocity: [f64; 3],
-    /// [kg]; infinite for what stays where it is: a box along the axes of its frame.
+    /// [kg]; infinite for what stays where it is.
     pub mass: f64,
     /// About the principal axes [kg m^2].
     pub inertia: [f64; 3],
@@ -35,11 +44,6 @@ impl Body {
     /// Whether it stays where it is.
     pub fn is_static(&self) -> bool {
         self.mass.is_infinite()
-    }
-
-    /// Half of the edge lengths of the box around it, along the axes of its frame [m].
-    pub fn half_extent(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.vertices.iter().map(|vertex| vertex[axis].abs()).fold(0.0, f64::max))
     }
 }
 
@@ -76,6 +80,22 @@ impl Reader<'_> {
         }
         Ok(numbers)
     }
+
+    /// With its kind before it, as `pile_file.py` numbers them.
+    fn shape(&mut self) -> io::Result<Shape> {
+        Ok(match self.count()? {
+            0 => {
+                let corners = self.count()?;
+                Shape::Hull((0..corners).map(|_| self.numbers()).collect::<io::Result<_>>()?)
+            }
+            1 => Shape::Box(self.numbers()?),
+            2 => {
+                let [radius] = self.numbers()?;
+                Shape::Ball(radius)
+            }
+            _ => return Err(io::ErrorKind::InvalidData.into()),
+        })
+    }
 }
 
 impl Pile {
@@ -87,14 +107,13 @@ impl Pile {
         let gravity = reader.numbers()?;
         let mut bodies = Vec::with_capacity(count);
         for _ in 0..count {
-            let corners = reader.count()?;
-            let vertices = (0..corners).map(|_| reader.numbers()).collect::<io::Result<_>>()?;
+            let shape = reader.shape()?;
             let (position, orientation) = (reader.numbers()?, reader.numbers()?);
             let (velocity, angular_velocity) = (reader.numbers()?, reader.numbers()?);
             let ([mass], inertia) = (reader.numbers()?, reader.numbers()?);
             let [friction, restitution] = reader.numbers()?;
             bodies.push(Body {
-                vertices,
+                shape,
                 position,
                 orientation,
                 velocity,

@@ -1,6 +1,6 @@
 //! A pile in Rapier, with the settings it comes with; nothing sleeps.
 
-use peer_pile::{Body, Engine, Pile, State};
+use peer_pile::{Body, Engine, Pile, Shape, State};
 use rapier3d::prelude::*;
 use std::io;
 
@@ -14,13 +14,21 @@ fn vector(numbers: [f64; 3]) -> Vector {
 }
 
 fn collider(body: &Body) -> ColliderBuilder {
+    let collider = match &body.shape {
+        Shape::Hull(vertices) => {
+            let points: Vec<Vector> = vertices.iter().map(|&vertex| vector(vertex)).collect();
+            ColliderBuilder::convex_hull(&points).expect("a hull of points that span space")
+        }
+        Shape::Box(half) => {
+            let [x, y, z] = half.map(|half| half as Real);
+            ColliderBuilder::cuboid(x, y, z)
+        }
+        Shape::Ball(radius) => ColliderBuilder::ball(*radius as Real),
+    };
     if body.is_static() {
-        let [x, y, z] = body.half_extent().map(|half| half as Real);
-        return ColliderBuilder::cuboid(x, y, z);
+        return collider;
     }
-    let points: Vec<Vector> = body.vertices.iter().map(|&vertex| vector(vertex)).collect();
-    let mass = MassProperties::new(Vector::ZERO, body.mass as Real, vector(body.inertia));
-    ColliderBuilder::convex_hull(&points).expect("a hull of points that span space").mass_properties(mass)
+    collider.mass_properties(MassProperties::new(Vector::ZERO, body.mass as Real, vector(body.inertia)))
 }
 
 impl Engine for Rapier {
