@@ -51,7 +51,7 @@ def resident(key: str) -> float:
 
 
 def measure(path: str) -> dict[str, float]:
-    """Times of the frames after the fall [ms], and memory while stepping [KiB]."""
+    """Processor time of the frames after the fall [ms], and memory while stepping [KiB]."""
     from frangible import World
 
     before = resident("VmRSS")
@@ -62,10 +62,10 @@ def measure(path: str) -> dict[str, float]:
         file.write("5")
     times = []
     for frame in range(FRAMES):
-        begin = time.perf_counter()
+        begin = time.process_time()
         world.step()
         if frame >= FALLING:
-            times.append(1e3 * (time.perf_counter() - begin))
+            times.append(1e3 * (time.process_time() - begin))
     count = len(world.ids) - 1
     return {
         "pieces": count,
@@ -94,7 +94,7 @@ def main() -> None:
         rows.append({key: round(value, 3) if isinstance(value, float) else value for key, value in row.items()})
         print(rows[-1], flush=True)
     with open("bench/results/scaling.csv", "w", newline="", encoding="utf-8") as file:
-        file.write("# command: python bench/scaling.py; one thread, frames 31 to 60; growth is of the time per piece, from the smallest heap on\n")
+        file.write("# command: python bench/scaling.py; processor time of one thread, frames 31 to 60; growth is of the time per piece, from the smallest heap on\n")
         table = csv.DictWriter(file, COLUMNS)
         table.writeheader()
         table.writerows(rows)
