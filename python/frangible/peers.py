@@ -123,7 +123,7 @@ def _run_by_turns(shot: str, pile: Pile, built: Sequence[Path], frames: int, run
             pile.write(file)
         for _ in range(runs):
             for program in (None, *built):
-                name, spent = _run_ours(shot, frames, states) if program is None else _run_peer(program, path, frames, states)
+                name, spent = _run_ours(shot, frames, states) if program is None else run_peer(program, path, frames, states)
                 times.setdefault(name, []).append(spent)
                 # A run is the same every time but for how long it takes.
                 if name not in qualities:
@@ -138,13 +138,17 @@ def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float
     return OURS, run_apart(Request(shot, frames, 1, states))["cpu_ms_per_frame"]
 
 
-def _run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
+def run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
+    """Who an engine's program says that it is, on its last line, and the times of its run; what else it says goes to stderr."""
     times = states + ".times"
     print(f"{program.name}: {frames} frames", file=sys.stderr, flush=True)
     done = subprocess.run([program, pile, str(frames), times, states], stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         raise BenchError(f"{program.name}: ended with status {done.returncode}")
-    return done.stdout.strip(), spread(np.loadtxt(times, ndmin=1)[-LAST_FRAMES:].tolist())
+    *complaints, name = done.stdout.splitlines()
+    for line in complaints:
+        print(f"{name}: {line}", file=sys.stderr, flush=True)
+    return name, spread(np.loadtxt(times, ndmin=1)[-LAST_FRAMES:].tolist())
 
 
 def judge(pile: Pile, states: Float64) -> Quality:

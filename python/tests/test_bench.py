@@ -177,6 +177,15 @@ def test_what_cannot_be_built_is_left_out_with_a_sentence(tmp_path: Path, capsys
     assert "broken: left out, because " in capsys.readouterr().err
 
 
+def test_what_an_engine_complains_of_is_no_part_of_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program = tmp_path / "peer-loud"
+    program.write_text("#!/bin/sh\necho no room for contacts\nprintf '1.0\\n3.0\\n' > \"$3\"\necho loud 1.0\n")
+    program.chmod(0o755)
+    name, times = peers.run_peer(program, "pile", 2, str(tmp_path / "states"))
+    assert name == "loud 1.0" and times["median"] == 2.0
+    assert "loud 1.0: no room for contacts" in capsys.readouterr().err
+
+
 def test_every_engine_in_the_repository_is_found_and_told_of() -> None:
     root = Path(__file__).parents[2]
     names = [package.name for package in peers.packages(root / peers.PROGRAMS)]
