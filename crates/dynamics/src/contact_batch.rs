@@ -1,28 +1,31 @@
 //! The points of contact as the substeps' solver sees them: several pairs side by side, one in each lane. No body that can move is in
 //! two of them, so they act at the same time.
 
+mod anew;
+mod frame_end;
 mod points;
 
-pub(crate) use points::STALE;
+pub(crate) use anew::STALE;
+pub(crate) use points::Touching;
 
 use crate::Bodies;
-use crate::contact_rows::{Basis, Directions, Point, Row, RowImpulse, Stage};
-use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
+use crate::contact_rows::{Basis, Point, Row, RowDirections, RowImpulse, Stage};
+use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
 use crate::moving::{Movers, Side, drive};
 use crate::pair::Pair;
-use crate::tally::{Debt, Tally};
-use crate::warm_start::{Carried, PointImpulse};
 use frangible_geometry::RigidTransform;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Where the points of a row are on their bodies: see [`ManifoldPoint`](crate::manifold::ManifoldPoint).
 #[derive(Clone)]
-struct Anchors<I> {
+pub(crate) struct Anchors<I> {
     /// Levers of the anchors from the centres of mass at the frame's start [m].
     levers: [Kept3<I>; 2],
     rounding: [Kept<I>; 2],
     /// The gap there if nothing had moved since the frame's start [m].
     gap: Kept<I>,
+    /// At which speed the surfaces have met [m/s]; 0 if they touched before.
+    pub(crate) met_at: Lanes<I>,
     /// Which go with the first body, as samples or features of it; the others go with the second.
     is_of_first: Mask,
     /// Which sample or feature each is.
@@ -58,8 +61,7 @@ pub(crate) struct Batch<I> {
     pub(crate) soft: Softness<Kept<I>>,
     pub(crate) friction: Kept<I>,
     pub(crate) rows: Vec<Row<I>>,
-    /// One for all rows, or one for each.
-    directions: Vec<Directions<I>>,
+    directions: RowDirections<I>,
     /// Whether there is rolling or spinning friction.
     pub(crate) rolls: bool,
     /// Whether a kinematic body is among them.
@@ -83,14 +85,14 @@ pub(crate) struct Rest<I> {
     /// How much [`Movers`] had been stirred when the rows' responses were found.
     answered_at: Lanes<I>,
     pub(crate) restitution: Lanes<I>,
+    /// Of the contacts, in units of that of one that carries itself.
+    stiffness: Lanes<I>,
     /// Of rolling and of spinning friction [m].
     pub(crate) roll_lengths: [Lanes<I>; 2],
     /// What kinematic bodies add to the spin of the first bodies less that of the second ones [rad/s].
     pub(crate) spin: Lanes3<I>,
     /// Work of kinematic bodies in this frame [J].
     pub(crate) work: Lanes<I>,
-    /// At which speed the surfaces of each row have met [m/s]; 0 if they touched before.
-    pub(crate) met_at: Vec<Lanes<I>>,
     /// The rows' impulses when this substep began, if anything rebounds in it.
     pub(crate) starts: Vec<[RowImpulse<I>; 2]>,
     /// Of rolling and spinning friction, before and after the drift, a pair for each row if anything rolls [N m s].
@@ -98,7 +100,7 @@ pub(crate) struct Rest<I> {
     /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are
     /// there [m/s].
     drives: Vec<Lanes3<I>>,
-    anchors: Vec<Anchors<I>>,
+    pub(crate) anchors: Vec<Anchors<I>>,
     /// One for each lane that is used.
     pub(crate) patches: Vec<Patch>,
     /// Of a substep [s].
@@ -114,8 +116,6 @@ pub(crate) struct Patch {
     travel: f64,
     /// Of the smaller body [m].
     size: f64,
-    /// Of its contact, in units of that of one that carries itself.
-    stiffness: f64,
     /// Whether points acted that have been replaced since.
     touched: bool,
     /// If its points were found anew since the frame's start.
@@ -135,42 +135,6 @@ struct Anew {
 const STIRRED: f64 = 0.02;
 
 impl<I: Instructions> Batch<I> {
-    /// What acts at the points of a row, a line for each lane: along the normal and, in the world, across it, before and after the drift.
-    #[inline(always)]
-    fn lines(&self, at: usize) -> [Numbers; LANES] {
-        let Basis { tangents: [t, b], .. } = self.directions[at.min(self.directions.len() - 1)].basis();
-        let across = |impulse: &RowImpulse<I>| {
-            let [along_t, along_b] = impulse.tangent;
-            t * along_t.lanes() + b * along_b.lanes()
-        };
-        let [before, after] = &self.rows[at].impulses;
-        let Lanes3 { x, y, z } = across(before);
-        let (normal, second) = (before.normal.lanes(), across(after));
-        Lanes::rows([normal, x, y, z, after.normal.lanes(), second.x, second.y, second.z])
-    }
-
-    /// The lines of all rows.
-    #[inline(always)]
-    pub(crate) fn all_lines(&self, lines: &mut Vec<[Numbers; LANES]>) {
-        lines.clear();
-        for at in 0..self.rows.len() {
-            lines.push(self.lines(at));
-        }
-    }
-
-    /// What acts at a point, by its row and the row's lines.
-    fn impulses_of(&self, at: usize, lane: usize, lines: &[Numbers; LANES]) -> [PointImpulse; 2] {
-        let Numbers(line) = lines[lane];
-        let twist = |stage: usize| match self.rest.twists.get(at) {
-            Some(twists) => twists[stage].get(lane).as_vec3(),
-            None => Vec3::ZERO,
-        };
-        [0, 1].map(|stage| {
-            let [normal, x, y, z] = [0, 1, 2, 3].map(|number| line[4 * stage + number] as f32);
-            PointImpulse { normal, tangent: Vec3::new(x, y, z), twist: twist(stage) }
-        })
-    }
-
     /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
     pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
@@ -233,9 +197,18 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn prefetch(&self, movers: &Movers) {
         I::prefetch(&self.rows);
-        I::prefetch(&self.directions);
+        self.directions.prefetch();
         movers.prefetch::<I>(&self.locals[0]);
         movers.prefetch::<I>(&self.locals[1]);
+    }
+
+    /// Asks for all that is known of the pairs.
+    #[inline(always)]
+    pub(crate) fn prefetch_all(&self) {
+        I::prefetch(&self.rows);
+        self.directions.prefetch();
+        I::prefetch(&self.rest.anchors);
+        I::prefetch(&self.rest.patches);
     }
 
     #[inline(always)]
@@ -252,9 +225,9 @@ impl<I: Instructions> Batch<I> {
     /// The directions of all rows, if they have the same ones.
     #[inline(always)]
     pub(crate) fn shared_basis(&self) -> Option<Basis<I>> {
-        match self.directions.as_slice() {
-            [directions] => Some(directions.basis()),
-            _ => None,
+        match &self.directions {
+            RowDirections::Shared(directions) => Some(directions.basis()),
+            RowDirections::Each(_) => None,
         }
     }
 
@@ -262,7 +235,7 @@ impl<I: Instructions> Batch<I> {
     fn basis(&self, at: usize, shared: Option<Basis<I>>) -> Basis<I> {
         match shared {
             Some(basis) => basis,
-            None => self.directions[at].basis(),
+            None => self.directions.of(at).basis(),
         }
     }
 
@@ -295,53 +268,9 @@ impl<I: Instructions> Batch<I> {
             _ => patch.anew.as_ref().map_or(DVec3::ZERO, |anew| anew.point),
         }
     }
-
-    /// Books what kinematic bodies did.
-    pub(crate) fn book_work(&self, bodies: &Bodies, tally: &mut Tally) {
-        if self.is_driven {
-            for (lane, patch) in self.rest.patches.iter().enumerate() {
-                let Pair { first, second } = patch.pair;
-                let is_on_first = bodies.inertias[second].is_infinite();
-                let [on, by] = if is_on_first { [first, second] } else { [second, first] };
-                tally.book_outside(bodies, [on, by], (DVec3::ZERO, DVec3::ZERO), self.rest.work.get(lane));
-            }
-        }
-    }
-
-    /// What each pair gave in all, if anything: to be paid back where its first point acts.
-    pub(crate) fn debt(&self, bodies: &Bodies, movers: &Movers, lane: usize) -> Option<Debt> {
-        let patch = &self.rest.patches[lane];
-        let ids = [patch.pair.first, patch.pair.second].map(|i| bodies.ids[i]);
-        let energy = self.given.get(lane);
-        (energy > 0.0).then(|| Debt { ids, point: self.last_point(movers, lane), energy })
-    }
-
-    /// Whether a pair has exchanged impulses in this frame.
-    pub(crate) fn touched(&self, lane: usize) -> bool {
-        self.rest.patches[lane].touched || self.rows.iter().any(|row| row.touched.get(lane))
-    }
-
-    /// The points of a pair that acted, and what acts there, by the lines of all rows.
-    pub(crate) fn carried(&self, lane: usize, lines: &[[Numbers; LANES]]) -> impl Iterator<Item = Carried> {
-        let acted = move |(_, row): &(usize, &Row<I>)| row.is_there.get(lane) && row.touched.get(lane);
-        self.rows.iter().enumerate().filter(acted).map(move |(at, _)| Carried {
-            sample: self.rest.anchors[at].sample(lane),
-            forces: self.impulses_of(at, lane, &lines[at]).map(|impulse| impulse.scaled(1.0 / self.rest.dt)),
-        })
-    }
 }
 
 impl<I: Instructions> Anchors<I> {
-    fn empty() -> Self {
-        Self {
-            levers: [Kept3::ZERO; 2],
-            rounding: [Kept::ZERO; 2],
-            gap: Kept::ZERO,
-            is_of_first: Mask::NONE,
-            sample: [0; LANES],
-        }
-    }
-
     fn sample(&self, lane: usize) -> (bool, u64) {
         (self.is_of_first.get(lane), self.sample[lane])
     }

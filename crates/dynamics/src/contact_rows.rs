@@ -82,6 +82,14 @@ pub(crate) struct Directions<I> {
     pub(crate) tangent: Kept3<I>,
 }
 
+/// Directions of contact of some rows, as they are kept.
+pub(crate) enum RowDirections<I> {
+    /// All rows have the same ones, as long as all points of each pair have.
+    Shared(Directions<I>),
+    /// Of each row.
+    Each(Vec<Directions<I>>),
+}
+
 /// Directions of contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Basis<I> {
@@ -249,20 +257,54 @@ const MOST_ELONGATED: f64 = 1e4;
 impl<I: Instructions> Directions<I> {
     pub(crate) const NONE: Self = Self { normal: Kept3::ZERO, tangent: Kept3::ZERO };
 
-    /// Whether a lane has this normal.
-    pub(crate) fn is(&self, lane: usize, normal: DVec3) -> bool {
-        self.normal.get(lane).as_vec3() == normal.as_vec3()
-    }
-
-    pub(crate) fn set(&mut self, lane: usize, normal: DVec3) {
-        self.normal.set(lane, normal);
-        self.tangent.set(lane, normal.any_orthonormal_vector());
-    }
-
     #[inline(always)]
     pub(crate) fn basis(&self) -> Basis<I> {
         let (normal, tangent) = (self.normal.lanes(), self.tangent.lanes());
         Basis { normal, tangents: [tangent, normal.cross(tangent)] }
+    }
+
+    /// The same, but others in some lanes.
+    #[inline(always)]
+    fn but(&self, lanes: Mask, other: Self) -> Self {
+        Self { normal: self.normal.but(lanes, other.normal), tangent: self.tangent.but(lanes, other.tangent) }
+    }
+}
+
+impl<I: Instructions> RowDirections<I> {
+    /// Asks for them.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self) {
+        if let Self::Each(each) = self {
+            I::prefetch(each);
+        }
+    }
+
+    /// Those of a row.
+    #[inline(always)]
+    pub(crate) fn of(&self, row: usize) -> &Directions<I> {
+        match self {
+            Self::Shared(shared) => shared,
+            Self::Each(each) => &each[row],
+        }
+    }
+
+    /// Gives some lanes of a row, of so many, other ones; first to a lane's first row.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, (row, rows): (usize, usize), lanes: Mask, other: Directions<I>) {
+        if let Self::Shared(shared) = self {
+            if row == 0 {
+                *shared = shared.but(lanes, other);
+            }
+            if !shared.normal.differs(other.normal).and(lanes).any() {
+                return;
+            }
+            *self = Self::Each(vec![*shared; rows]);
+        }
+        if let Self::Each(each) = self {
+            let last = each[each.len() - 1];
+            each.resize(rows.max(each.len()), last);
+            each[row] = each[row].but(lanes, other);
+        }
     }
 }
 
@@ -278,6 +320,13 @@ impl<I: Instructions> Response<I> {
 impl<I: Instructions> RowImpulse<I> {
     pub(crate) const ZERO: Self = Self { normal: Kept::ZERO, tangent: [Kept::ZERO; 2] };
 
+    /// What acts along the normal and, in the world, across it.
+    #[inline(always)]
+    pub(crate) fn new(normal: Lanes<I>, across: Lanes3<I>, basis: &Basis<I>) -> Self {
+        let [t, b] = basis.tangents;
+        Self { normal: normal.kept(), tangent: [across.dot(t).kept(), across.dot(b).kept()] }
+    }
+
     pub(crate) fn clear(&mut self, lane: usize) {
         self.normal.set(lane, 0.0);
         self.tangent.iter_mut().for_each(|tangent| tangent.set(lane, 0.0));
@@ -286,8 +335,10 @@ impl<I: Instructions> RowImpulse<I> {
     /// The same, but another one in some lanes.
     #[inline(always)]
     pub(crate) fn but(&self, lanes: Mask, other: Self) -> Self {
-        let pick = |now: Kept<I>, other: Kept<I>| lanes.select(other.lanes(), now.lanes()).kept();
         let ([t, b], [other_t, other_b]) = (self.tangent, other.tangent);
-        Self { normal: pick(self.normal, other.normal), tangent: [pick(t, other_t), pick(b, other_b)] }
+        Self {
+            normal: self.normal.but(lanes, other.normal),
+            tangent: [t.but(lanes, other_t), b.but(lanes, other_b)],
+        }
     }
 }

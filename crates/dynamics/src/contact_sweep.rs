@@ -110,7 +110,7 @@ impl<I: Instructions> Batch<I> {
             let squared = start * start + Lanes::splat(2.0) * acceleration * gap.max(Lanes::ZERO);
             let approaches = closing.above(Lanes::ZERO);
             let speed = approaches.select(squared.max(Lanes::ZERO).sqrt(), Lanes::ZERO);
-            let met_at = &mut self.rest.met_at[at];
+            let met_at = &mut self.rest.anchors[at].met_at;
             *met_at = meets.select(touched.select(Lanes::ZERO, speed), *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
@@ -246,7 +246,7 @@ impl<I: Instructions> Batch<I> {
     /// Speed at which a row that bounces leaves [m/s].
     #[inline(always)]
     fn leaving(&self, at: usize) -> Lanes<I> {
-        self.rest.restitution * self.rows[at].has_met.select(self.rest.met_at[at], Lanes::ZERO)
+        self.rest.restitution * self.rows[at].has_met.select(self.rest.anchors[at].met_at, Lanes::ZERO)
     }
 
     /// The impulses of what bounces begin, and end, at nothing.

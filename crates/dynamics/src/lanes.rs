@@ -141,6 +141,12 @@ impl<I: Instructions> Kept<I> {
     pub(crate) fn set(&mut self, lane: usize, value: f64) {
         self.0.0[lane] = value as f32;
     }
+
+    /// The same, but another one in some lanes.
+    #[inline(always)]
+    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
+        lanes.select(other.lanes(), self.lanes()).kept()
+    }
 }
 
 impl<I: Instructions> Kept3<I> {
@@ -156,11 +162,17 @@ impl<I: Instructions> Kept3<I> {
         DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
 
+    /// See [`Kept::but`].
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: DVec3) {
-        self.x.set(lane, value.x);
-        self.y.set(lane, value.y);
-        self.z.set(lane, value.z);
+    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
+        Self { x: self.x.but(lanes, other.x), y: self.y.but(lanes, other.y), z: self.z.but(lanes, other.z) }
+    }
+
+    /// The lanes in which it is another one.
+    #[inline(always)]
+    pub(crate) fn differs(self, other: Self) -> Mask {
+        let differs = |a: Kept<I>, b: Kept<I>| (a.lanes() - b.lanes()).differs_from_zero();
+        differs(self.x, other.x).or(differs(self.y, other.y)).or(differs(self.z, other.z))
     }
 }
 

@@ -26,14 +26,12 @@ struct Moving {
 }
 
 /// What a body is like, and how far it has come, as a line: inverse principal moments of inertia, and the largest of them
-/// [1/(kg m^2)]; radius of a ball around the centre of mass that holds it, 0 if it is infinite [m]; how far any of its points can have moved
-/// since the frame's start [m]; its mass if impulses move it [kg].
+/// [1/(kg m^2)]; how far any of its points can have moved since the frame's start [m]; its mass if impulses move it [kg].
 type Build = Numbers;
 
 /// Places in a [`Build`].
 const FASTEST: usize = 3;
-const SIZE: usize = 4;
-const TRAVEL: usize = 5;
+const TRAVEL: usize = 4;
 
 /// The bodies of a cluster.
 pub(crate) struct Movers {
@@ -41,7 +39,8 @@ pub(crate) struct Movers {
     pub(crate) who: Vec<usize>,
     /// In the same order, and then one that never moves, for the lanes that hold none.
     moving: SharedLines<Moving>,
-    /// Positions and orientations, now and at the frame's start.
+    /// Positions and orientations, now and at the frame's start; in the line of the start also the radius of a ball around the centre of
+    /// mass that holds the body, 0 if it is infinite [m].
     poses: Vec<Numbers>,
     starts: Vec<Numbers>,
     builds: Vec<Build>,
@@ -65,6 +64,15 @@ pub(crate) struct Side<I> {
     pub(crate) falls: Lanes<I>,
 }
 
+/// How some bodies began the frame.
+pub(crate) struct Start<I: Instructions> {
+    /// Centre of mass [m].
+    pub(crate) centre: Lanes3<I>,
+    pub(crate) orientation: Turn<Lanes3<I>>,
+    /// Radius of a ball around the centre of mass that holds the body [m]; 0 if it is infinite.
+    pub(crate) size: Lanes<I>,
+}
+
 /// How some bodies have moved since the frame's start.
 pub(crate) struct Shift<I: Instructions> {
     pub(crate) translation: Lanes3<I>,
@@ -81,7 +89,7 @@ impl Movers {
         let mut movers = Self {
             moving: SharedLines::new(Moving::NONE, lines),
             poses: vec![still; lines],
-            starts: Vec::new(),
+            starts: vec![still; lines],
             builds: vec![Numbers::ZERO; lines],
             mass: 0.0,
             moment_of_mass: DVec3::ZERO,
@@ -93,6 +101,8 @@ impl Movers {
             let (inertia, size) = (&bodies.inertias[i], radius(&bodies.shapes[i]));
             let size = if size.is_finite() { size } else { 0.0 };
             movers.poses[local] = line_of(&bodies.poses[i]);
+            movers.starts[local] = movers.poses[local];
+            movers.starts[local].0[7] = size;
             let DVec3 { x, y, z } = inertia.inverse_moments;
             let mut mass = 0.0;
             if !inertia.is_infinite() {
@@ -101,9 +111,8 @@ impl Movers {
                 mass = bodies.masses[i];
                 movers.mass += mass;
             }
-            movers.builds[local] = Numbers([x, y, z, x.max(y).max(z), size, 0.0, mass, 0.0]);
+            movers.builds[local] = Numbers([x, y, z, x.max(y).max(z), 0.0, mass, 0.0, 0.0]);
         }
-        movers.starts.clone_from(&movers.poses);
         movers.follow_poses::<I>();
         movers
     }
@@ -180,9 +189,17 @@ impl Movers {
 
     /// Asks for some bodies that will be loaded.
     #[inline(always)]
-    pub(crate) fn prefetch<I: Instructions>(&self, locals: &[u32; LANES]) {
+    pub(crate) fn prefetch<I: Instructions>(&self, locals: &[u32]) {
         for &local in locals {
             I::prefetch(self.moving.at(local as usize));
+        }
+    }
+
+    /// Asks for how some bodies began the frame.
+    #[inline(always)]
+    pub(crate) fn prefetch_starts<I: Instructions>(&self, locals: &[u32]) {
+        for &local in locals {
+            I::prefetch(&self.starts[local as usize..][..1]);
         }
     }
 
@@ -198,6 +215,18 @@ impl Movers {
                 self.moving.write(at, Moving { motion: motions[lane], ..moving });
             }
         }
+    }
+
+    /// How they began the frame.
+    #[inline(always)]
+    pub(crate) fn starts<I: Instructions>(&self, locals: &[u32; LANES]) -> Start<I> {
+        let mut starts = [Numbers::ZERO; LANES];
+        for lane in 0..LANES {
+            starts[lane] = self.starts[locals[lane] as usize];
+        }
+        let [x, y, z, qx, qy, qz, scalar, size] = Lanes::transposed(starts);
+        let vector = Lanes3 { x: qx, y: qy, z: qz };
+        Start { centre: Lanes3 { x, y, z }, orientation: Turn { vector, scalar }, size }
     }
 
     /// How they have moved since the frame's start.
@@ -218,11 +247,6 @@ impl Movers {
     /// Whether impulses move a body.
     pub(crate) fn is_mobile(&self, local: u32) -> bool {
         self.moving.read(local as usize).is_mobile()
-    }
-
-    /// Radius of a ball around a body's centre of mass that holds it [m]; 0 if it is infinite.
-    pub(crate) fn size(&self, local: u32) -> f64 {
-        self.builds[local as usize].0[SIZE]
     }
 
     /// `second_from_first` of a pair at the frame's start.

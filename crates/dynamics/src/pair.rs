@@ -4,7 +4,7 @@ use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
 use crate::pair_rotation::turn_pair;
-use crate::{Bodies, Inertia, PairContactant, Pose, Tally, Velocity};
+use crate::{Bodies, BodyId, Inertia, PairContactant, Pose, Tally, Velocity};
 use glam::{DMat3, DVec3};
 
 /// A pair of bodies, by dense index; the first has the smaller one.
@@ -14,6 +14,13 @@ pub struct Pair {
     pub first: usize,
     /// `-j` acts on it.
     pub second: usize,
+}
+
+impl Pair {
+    /// By which its bodies are known over the frames.
+    pub(crate) fn ids(self, bodies: &Bodies) -> [BodyId; 2] {
+        [bodies.ids[self.first], bodies.ids[self.second]]
+    }
 }
 
 /// Two bodies that approach each other at a point.

@@ -49,7 +49,7 @@ impl<I: Instructions> Batch<I> {
         if !self.bounces {
             return Mask::NONE;
         }
-        let met = |at: usize| self.rows[at].bounces.and(self.rest.met_at[at].above(Lanes::ZERO));
+        let met = |at: usize| self.rows[at].bounces.and(self.rest.anchors[at].met_at.above(Lanes::ZERO));
         let any = (0..self.rows.len()).fold(Mask::NONE, |any, at| any.or(met(at)));
         any.and(self.rest.restitution.above(Lanes::ZERO))
     }
@@ -124,7 +124,7 @@ impl<I: Instructions> Batch<I> {
         for at in 0..self.rows.len() {
             let closing = self.point(at, shared).closing(&sides);
             let row = &mut self.rows[at];
-            let met_at = &mut self.rest.met_at[at];
+            let met_at = &mut self.rest.anchors[at].met_at;
             let as_met = if impact == 1 { row.bounces.and(met_at.above(Lanes::ZERO)) } else { Mask::NONE };
             let touches = row.is_there.and(row.has_met.or(row.gap.lanes().above(Lanes::ZERO).not()));
             let acts =

@@ -3,8 +3,8 @@
 mod ranks;
 mod rebound;
 
-use crate::clusters::{Cluster, Member, clusters};
-use crate::contact_batch::Batch;
+use crate::clusters::{Cluster, clusters};
+use crate::contact_batch::{Batch, Touching};
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
 use crate::evolve::evolve;
@@ -15,7 +15,7 @@ use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::Movers;
 use crate::threads;
-use crate::warm_start::{Carried, Part, WarmStart};
+use crate::warm_start::{Part, WarmStart};
 use crate::{Bodies, Frame, Motion, Tally, Width};
 use glam::DVec3;
 use ranks::{Block, Ranks};
@@ -63,11 +63,11 @@ fn solve_with<I: Instructions>(
 ) -> Solved {
     let (clusters, is_in_one) = clusters(bodies, manifolds, frame);
     let carried = warm.of_manifolds(bodies, manifolds);
-    let bodies_now = &*bodies;
+    let (bodies_now, touching) = (&*bodies, Touching { manifolds, carried: &carried });
     let closed = threads::map(clusters, manifolds.len(), |cluster| {
         let substeps = cluster.effort.substeps;
         let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
-        let mut solver = Solver::<I>::new(bodies_now, cluster, manifolds, (&carried, &step));
+        let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
         for done in 0..substeps {
             let rest = Frame { dt: f64::from(substeps - done) * step.dt, ..step };
             solver.substep(&rest, &step, frame);
@@ -134,16 +134,11 @@ struct Closed {
 }
 
 impl<'a, I: Instructions> Solver<'a, I> {
-    fn new(
-        bodies: &'a Bodies,
-        cluster: Cluster,
-        manifolds: &[Manifold],
-        with: (&[&[Carried]], &Frame),
-    ) -> Self {
+    /// Substeps take `dt` [s].
+    fn new(bodies: &'a Bodies, cluster: Cluster, touching: Touching, dt: f64) -> Self {
         let Cluster { bodies: who, members, rank_ends, effort } = cluster;
         let movers = Movers::new::<I>(bodies, who);
-        let batch = |group: &[Member]| Batch::new(bodies, &movers, group, manifolds, with);
-        let ranks = Ranks::new(&members, &rank_ends, batch);
+        let ranks = Ranks::new((bodies, &movers), (&members, &rank_ends), touching, dt);
         let mut solver = Self { bodies, movers, ranks, passes: effort.passes, impacts: effort.impacts };
         solver.follow(None);
         solver

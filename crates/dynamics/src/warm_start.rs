@@ -9,15 +9,24 @@ use std::ops::Range;
 /// What acted in a frame's last substep at each contact point, before and after its drift.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
-    points: Vec<Carried>,
-    /// The points of each pair, in the order of ids.
-    pairs: Vec<([BodyId; 2], Range<usize>)>,
+    /// Of some pairs each.
+    points: Vec<Vec<Carried>>,
+    /// In the order of ids.
+    pairs: Vec<CarriedPair>,
+}
+
+/// Where the points of a pair are.
+#[derive(Clone, Debug)]
+struct CarriedPair {
+    ids: [BodyId; 2],
+    part: usize,
+    points: Range<usize>,
 }
 
 /// What some pairs carried.
 #[derive(Default)]
 pub(crate) struct Part {
-    points: Vec<Carried>,
+    pub(crate) points: Vec<Carried>,
     /// Place of each among all pairs, its bodies, and its end among the points.
     pairs: Vec<(usize, [BodyId; 2], usize)>,
 }
@@ -32,7 +41,7 @@ pub struct Carried {
 }
 
 /// What acts at one contact point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointImpulse {
     /// Along the normal, not negative [N s].
     pub normal: f32,
@@ -43,7 +52,10 @@ pub struct PointImpulse {
 }
 
 impl PointImpulse {
+    pub(crate) const ZERO: Self = Self { normal: 0.0, tangent: Vec3::ZERO, twist: Vec3::ZERO };
+
     /// So many times as much.
+    #[inline(always)]
     pub(crate) fn scaled(&self, by: f64) -> Self {
         let by = by as f32;
         Self { normal: by * self.normal, tangent: by * self.tangent, twist: by * self.twist }
@@ -53,22 +65,26 @@ impl PointImpulse {
 impl WarmStart {
     /// The points of a pair that carried.
     pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
-        let found = self.pairs.binary_search_by_key(&ids(bodies, pair), |kept| kept.0);
-        found.map_or(&[], |at| &self.points[self.pairs[at].1.clone()])
+        let found = self.pairs.binary_search_by_key(&pair.ids(bodies), |kept| kept.ids);
+        found.map_or(&[], |at| self.points_of(&self.pairs[at]))
+    }
+
+    fn points_of(&self, pair: &CarriedPair) -> &[Carried] {
+        &self.points[pair.part][pair.points.clone()]
     }
 
     /// Those of many pairs: most of them come in the order of ids.
     pub(crate) fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
         let mut next = 0;
         let of = |manifold: &Manifold| {
-            let wanted = ids(bodies, manifold.pair);
-            if self.pairs.get(next).is_none_or(|kept| kept.0 != wanted) {
-                next = self.pairs.partition_point(|kept| kept.0 < wanted);
+            let wanted = manifold.pair.ids(bodies);
+            if self.pairs.get(next).is_none_or(|kept| kept.ids != wanted) {
+                next = self.pairs.partition_point(|kept| kept.ids < wanted);
             }
             match self.pairs.get(next) {
-                Some(kept) if kept.0 == wanted => {
+                Some(kept) if kept.ids == wanted => {
                     next += 1;
-                    &self.points[kept.1.clone()]
+                    self.points_of(kept)
                 }
                 _ => &[],
             }
@@ -82,44 +98,29 @@ impl WarmStart {
     }
 
     /// Of so many pairs, some of them in each part.
-    pub(crate) fn of_parts(pairs: usize, parts: impl IntoIterator<Item = Part>) -> Self {
+    pub(crate) fn of_parts(pairs: usize, parts: Vec<Part>) -> Self {
         let nobody = BodyId { index: 0, generation: 0 };
-        let mut all = Self { points: Vec::new(), pairs: vec![([nobody; 2], 0..0); pairs] };
-        for part in parts {
-            let before = all.points.len();
-            let mut begin = before;
-            all.points.extend(part.points);
-            for (place, ids, end) in part.pairs {
-                all.pairs[place] = (ids, begin..before + end);
-                begin = before + end;
+        let none = CarriedPair { ids: [nobody; 2], part: 0, points: 0..0 };
+        let mut all = Self { points: Vec::with_capacity(parts.len()), pairs: vec![none; pairs] };
+        for Part { points, pairs } in parts {
+            let (part, mut begin) = (all.points.len(), 0);
+            for (place, ids, end) in pairs {
+                all.pairs[place] = CarriedPair { ids, part, points: begin..end };
+                begin = end;
             }
+            all.points.push(points);
         }
-        all.put_in_order();
+        all.pairs.retain(|kept| !kept.points.is_empty());
+        if !all.pairs.is_sorted_by_key(|kept| kept.ids) {
+            all.pairs.sort_unstable_by_key(|kept| kept.ids);
+        }
         all
-    }
-
-    fn put_in_order(&mut self) {
-        self.pairs.retain(|kept| !kept.1.is_empty());
-        if !self.pairs.is_sorted_by_key(|kept| kept.0) {
-            self.pairs.sort_unstable_by_key(|kept| kept.0);
-        }
     }
 }
 
 impl Part {
-    /// Keeps the points of the pair that has some place among all.
-    pub(crate) fn keep(
-        &mut self,
-        place: usize,
-        bodies: &Bodies,
-        pair: Pair,
-        carried: impl Iterator<Item = Carried>,
-    ) {
-        self.points.extend(carried);
-        self.pairs.push((place, ids(bodies, pair), self.points.len()));
+    /// The points since the last pair are those of a pair that has some place among all.
+    pub(crate) fn end_pair(&mut self, place: usize, ids: [BodyId; 2]) {
+        self.pairs.push((place, ids, self.points.len()));
     }
-}
-
-fn ids(bodies: &Bodies, pair: Pair) -> [BodyId; 2] {
-    [pair.first, pair.second].map(|i| bodies.ids[i])
 }

@@ -126,8 +126,8 @@ impl Stretch<'_> {
         for begin in (0..self.poses.len()).step_by(LANES) {
             let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
             let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
-            let [sx, sy, sz, rx, ry, rz, rw, _] = lanes_of::<I>(self.starts, begin);
-            let [ix, iy, iz, fastest, size, travel, mass, _] = lanes_of::<I>(self.builds, begin);
+            let [sx, sy, sz, rx, ry, rz, rw, size] = lanes_of::<I>(self.starts, begin);
+            let [ix, iy, iz, fastest, travel, mass, ..] = lanes_of::<I>(self.builds, begin);
             let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
             let start = Turn { vector: Lanes3 { x: rx, y: ry, z: rz }, scalar: rw };
 

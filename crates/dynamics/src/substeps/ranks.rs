@@ -1,7 +1,7 @@
 //! The batches of a cluster, rank by rank, as threads take them.
 
 use crate::clusters::Member;
-use crate::contact_batch::Batch;
+use crate::contact_batch::{Batch, Touching};
 use crate::contact_sweep::Given;
 use crate::lanes::{Instructions, LANES};
 use crate::moving::Movers;
@@ -37,11 +37,12 @@ pub(super) struct Ranks<I> {
 }
 
 impl<I: Instructions> Ranks<I> {
-    /// Of some pairs, with the ends of their ranks.
+    /// Of some pairs, with the ends of their ranks. Substeps take `dt` [s].
     pub(super) fn new(
-        members: &[Member],
-        rank_ends: &[usize],
-        batch: impl Fn(&[Member]) -> Batch<I> + Send + Sync,
+        (bodies, movers): (&Bodies, &Movers),
+        (members, rank_ends): (&[Member], &[usize]),
+        touching: Touching,
+        dt: f64,
     ) -> Self {
         let is_far = members.len() > FAR * LANES;
         // Blocks of a rank are of about one size; no rank is empty.
@@ -53,12 +54,19 @@ impl<I: Instructions> Ranks<I> {
             ends.push(shares.len());
             begin = end;
         }
-        let block = |groups: Vec<&[Member]>| Block {
-            batches: groups.into_iter().map(&batch).collect(),
-            given: Given::ZERO,
-            bounces: false,
-            impacts: false,
-            is_far,
+        let batch = |(group, next): (&[Member], &[Member])| {
+            touching.prefetch::<I>(movers, next);
+            Batch::new((bodies, movers), group, touching, dt)
+        };
+        let block = |groups: Vec<&[Member]>| {
+            let next = groups.iter().copied().skip(1).chain([&[][..]]);
+            Block {
+                batches: groups.iter().copied().zip(next).map(batch).collect(),
+                given: Given::ZERO,
+                bounces: false,
+                impacts: false,
+                is_far,
+            }
         };
         Self { blocks: threads::map(shares, members.len(), block), ends, pairs: members.len() }
     }
@@ -116,24 +124,19 @@ impl<I: Instructions> Block<I> {
 
     /// What its pairs carried, and their books.
     pub(super) fn close(self, bodies: &Bodies, movers: &Movers) -> (Part, Tally) {
-        let (mut kept, mut tally) = (Part::default(), Tally::default());
+        let (mut kept, mut tally, mut lines) = (Part::default(), Tally::default(), Vec::new());
         self.given.book(&mut tally);
-        let mut lines = Vec::new();
-        for batch in &self.batches {
-            I::run(
-                #[inline(always)]
-                || batch.all_lines(&mut lines),
-            );
-            batch.book_work(bodies, &mut tally);
-            for (lane, patch) in batch.rest.patches.iter().enumerate() {
-                kept.keep(patch.manifold, bodies, patch.pair, batch.carried(lane, &lines));
-                let debt = batch.debt(bodies, movers, lane);
-                if batch.touched(lane) || debt.is_some() {
-                    tally.link(bodies, patch.pair);
+        I::run(
+            #[inline(always)]
+            || {
+                for (at, batch) in self.batches.iter().enumerate() {
+                    if let Some(next) = self.batches.get(at + 1) {
+                        next.prefetch_all();
+                    }
+                    batch.end_frame((bodies, movers), &mut lines, (&mut kept, &mut tally));
                 }
-                tally.debts.extend(debt);
-            }
-        }
+            },
+        );
         (kept, tally)
     }
 }
