@@ -5,15 +5,14 @@ use crate::{Bodies, Frame};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How often the pairs of a cluster act in a frame.
+/// How often the pairs of a cluster act in a substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Effort {
-    pub(crate) substeps: u32,
-    /// Passes over all pairs at each stage of a substep, every other one backwards.
+    /// Passes over all pairs at each of its stages, every other one backwards.
     pub(crate) passes: u32,
     /// How much stiffer its contacts may be than those that carry one body.
     pub(crate) stiffest: f64,
-    /// The most impacts that follow each other in a substep; others follow in the next one.
+    /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on.
     pub(crate) impacts: u32,
 }
 
@@ -47,11 +46,11 @@ const STANDS: f64 = 2.0;
 const RESTS: f64 = 0.1;
 
 impl Effort {
-    /// What a cluster of some pairs takes that carry little. With four substeps stacks of ten drift by centimetres; with one pass, to before
-    /// the drift and fro after it, turned stacks do. Heaps bear both.
+    /// What a cluster of some pairs takes that carry little. With one pass, to before the drift and fro after it, turned stacks drift by
+    /// centimetres; heaps bear it. In a heap nobody sees who strikes whom next.
     pub(crate) fn of_size(pairs: usize) -> Self {
-        let (substeps, passes, impacts) = if pairs > HEAP_PAIRS { (4, 1, 2) } else { (8, 2, 32) };
-        Self { substeps, passes, stiffest: 1.0, impacts }
+        let (passes, impacts) = if pairs > HEAP_PAIRS { (1, 1) } else { (2, 32) };
+        Self { passes, stiffest: 1.0, impacts }
     }
 
     /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.

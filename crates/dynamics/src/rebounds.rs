@@ -43,6 +43,17 @@ impl Reached {
     }
 }
 
+/// One of the impacts that follow each other.
+#[derive(Clone, Copy)]
+pub(crate) struct Impact {
+    /// From 1.
+    pub(crate) number: u32,
+    /// Nothing follows it: what met leaves, and what stopped it holds.
+    pub(crate) is_only: bool,
+    /// What approaches no faster bounces no more [m/s].
+    pub(crate) threshold: f64,
+}
+
 impl<I: Instructions> Batch<I> {
     /// Which lanes have a point that met fast and leaves again.
     pub(crate) fn rebounding(&self) -> Mask {
@@ -108,13 +119,9 @@ impl<I: Instructions> Batch<I> {
     /// Finds what an impact brings about among the bodies that the one before has reached, and how fast that is: the first is what met, as
     /// it met. Whether there is any.
     #[inline(always)]
-    pub(crate) fn find_impacts(
-        &mut self,
-        movers: &Movers,
-        (threshold, impact): (f64, u32),
-        reached: &mut Reached,
-    ) -> bool {
-        let lanes = reached.lanes(&self.locals, impact);
+    pub(crate) fn find_impacts(&mut self, movers: &Movers, impact: Impact, reached: &mut Reached) -> bool {
+        let Impact { number, is_only, threshold } = impact;
+        let lanes = if is_only { self.rebounding() } else { reached.lanes(&self.locals, number) };
         if !lanes.any() {
             return false;
         }
@@ -125,10 +132,10 @@ impl<I: Instructions> Batch<I> {
             let closing = self.point(at, shared).closing(&sides);
             let row = &mut self.rows[at];
             let met_at = &mut self.rest.anchors[at].met_at;
-            let as_met = if impact == 1 { row.bounces.and(met_at.above(Lanes::ZERO)) } else { Mask::NONE };
+            let as_met = if number == 1 { row.bounces.and(met_at.above(Lanes::ZERO)) } else { Mask::NONE };
             let touches = row.is_there.and(row.has_met.or(row.gap.lanes().above(Lanes::ZERO).not()));
-            let acts =
-                as_met.and(closing.above(Lanes::ZERO)).or(touches.and(closing.above(least))).and(lanes);
+            let approaches = as_met.and(closing.above(Lanes::ZERO)).or(touches.and(closing.above(least)));
+            let acts = if is_only { as_met } else { approaches }.and(lanes);
             *met_at = acts.and(as_met.not()).select(closing, *met_at);
 
             // What carried goes on to do so.
@@ -143,7 +150,7 @@ impl<I: Instructions> Batch<I> {
             any = any.or(acts);
         }
         self.impacts = any.any();
-        reached.add(movers, &self.locals, (any, impact + 1));
+        reached.add(movers, &self.locals, (any, number + 1));
         self.impacts
     }
 

@@ -20,6 +20,9 @@ use crate::{Bodies, Frame, Motion, Tally, Width};
 use glam::DVec3;
 use ranks::{Block, Ranks};
 
+/// Small steps of a frame. With four of them stacks of ten drift by centimetres, and what falls in a heap is pressed into it.
+const SUBSTEPS: u32 = 8;
+
 /// Steps in which kinematic bodies turn through a frame.
 const TURNS: u32 = 8;
 
@@ -65,11 +68,10 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let (bodies_now, touching) = (&*bodies, Touching { manifolds, carried: &carried });
     let closed = threads::map(clusters, manifolds.len(), |cluster| {
-        let substeps = cluster.effort.substeps;
-        let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
+        let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
-        for done in 0..substeps {
-            let rest = Frame { dt: f64::from(substeps - done) * step.dt, ..step };
+        for done in 0..SUBSTEPS {
+            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..step };
             solver.substep(&rest, &step, frame);
         }
         solver.close()

@@ -8,6 +8,7 @@ mod cradle;
 mod energy;
 mod fitting;
 mod flight;
+mod heap;
 mod incline;
 mod pillar;
 mod random_scene;
@@ -75,6 +76,7 @@ pub const CLAIMS: &[Claim] = &[
     carried::CONVEYOR,
     swarm::SWARM,
     settled::SETTLED_PILE,
+    heap::HEAP,
     settled::LOSSLESS,
     rolling::ROLLING,
     rolling::ROLLING_FRICTION,

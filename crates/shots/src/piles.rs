@@ -49,7 +49,8 @@ const APART: f64 = 2.05;
 /// Thickness and height of the pit's walls [m].
 const PIT: [f64; 2] = [0.5, 6.0];
 
-fn pile(counts: [usize; 3], in_pit: bool, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+/// Rubble of the options' seed in layers, each piece free of the others.
+pub(crate) fn pile(counts: [usize; 3], in_pit: bool, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let mut random = Random::new(options.seed);
     let mut scene = SceneDesc::new("");
     scene.bodies.push(BodyDesc::ground(0.0));

@@ -204,3 +204,8 @@ fn a_claim_that_nobody_made_is_named() {
     let error = Claim::find("perpetual-motion").unwrap_err().to_string();
     assert!(error.starts_with("unknown claim 'perpetual-motion', must be one of: "), "{error}");
 }
+
+#[test]
+fn heap() {
+    holds("heap");
+}

@@ -7,37 +7,19 @@ use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
 use crate::lanes::Instructions;
-use crate::rebounds::Reached;
+use crate::rebounds::{Impact, Reached};
 
 impl<I: Instructions> Solver<'_, I> {
-    /// What met fast leaves again, by impacts that follow each other: one batch after the other, as each may reach the next.
+    /// What met fast leaves again, by impacts that follow each other if there may be more than one.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
         let beat = &Beat::new(Stage::Bounce, step);
+        let is_only = self.impacts == 1;
         let mut reached = Reached::none(&self.movers);
-        let Self { movers, ranks, .. } = self;
-        I::run(
-            #[inline(always)]
-            || {
-                let (mut spreads, mut is_fro) = (true, false);
-                while spreads {
-                    spreads = false;
-                    let count = ranks.blocks.len();
-                    for turn in 0..count {
-                        let block = &mut ranks.blocks[if is_fro { count - 1 - turn } else { turn }];
-                        for batch in &mut block.batches {
-                            spreads |= batch.reach(movers, &mut reached);
-                        }
-                    }
-                    is_fro = !is_fro;
-                }
-                for Block { batches, given, .. } in &mut ranks.blocks {
-                    for batch in batches {
-                        batch.take_back(movers, &reached, (beat, given));
-                    }
-                }
-            },
-        );
-        for impact in 1..=self.impacts {
+        if !is_only {
+            self.take_back(beat, &mut reached);
+        }
+        for number in 1..=self.impacts {
+            let impact = Impact { number, is_only, threshold };
             let Self { movers, ranks, .. } = self;
             I::run(
                 #[inline(always)]
@@ -45,7 +27,7 @@ impl<I: Instructions> Solver<'_, I> {
                     for block in &mut ranks.blocks {
                         block.impacts = false;
                         for batch in &mut block.batches {
-                            block.impacts |= batch.find_impacts(movers, (threshold, impact), &mut reached);
+                            block.impacts |= batch.find_impacts(movers, impact, &mut reached);
                         }
                     }
                 },
@@ -61,5 +43,32 @@ impl<I: Instructions> Solver<'_, I> {
         let impacting = self.ranks.blocks.iter_mut().filter(|block| block.impacts);
         let batches = impacting.flat_map(|block| &mut block.batches);
         batches.filter(|batch| batch.impacts).for_each(Batch::end_impacts);
+    }
+
+    /// Takes back what stopped all that the first impact reaches: one batch after the other, as each may reach the next.
+    fn take_back(&mut self, beat: &Beat, reached: &mut Reached) {
+        let Self { movers, ranks, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                let (mut spreads, mut is_fro) = (true, false);
+                while spreads {
+                    spreads = false;
+                    let count = ranks.blocks.len();
+                    for turn in 0..count {
+                        let block = &mut ranks.blocks[if is_fro { count - 1 - turn } else { turn }];
+                        for batch in &mut block.batches {
+                            spreads |= batch.reach(movers, reached);
+                        }
+                    }
+                    is_fro = !is_fro;
+                }
+                for Block { batches, given, .. } in &mut ranks.blocks {
+                    for batch in batches {
+                        batch.take_back(movers, reached, (beat, given));
+                    }
+                }
+            },
+        );
     }
 }

@@ -1,0 +1,71 @@
+//! How heaps come to lie.
+
+use super::{Claim, Finding, Obstacle};
+use crate::ShotOptions;
+use crate::piles::pile;
+use frangible::{World, step};
+
+/// Rubble in a pit.
+pub(super) const HEAP: Claim = Claim {
+    name: "heap",
+    says: "rubble that falls into a pit comes to lie as high as in fine steps, and does not hang in the air on its way",
+    source: "docs/adr/010",
+    measure: measured,
+};
+
+/// Pieces along, up and across: of more pairs than are solved with care, and of less.
+const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
+
+/// Until they lie [s].
+const FALL: f64 = 3.0;
+
+/// How a heap came to lie.
+struct Fallen {
+    /// Mean of its pieces [m].
+    height: f64,
+    /// The most that it rose by in a frame of the second half of that time, in which nothing but small pieces still bounces [m].
+    rise: f64,
+    /// Of all islands in all frames, those whose velocities the ledger scaled down.
+    scaled: f64,
+}
+
+fn fallen(counts: [usize; 3], frames_per_second: f64) -> Result<Fallen, Obstacle> {
+    let mut scene = pile(counts, true, &ShotOptions::default())?;
+    scene.frames_per_second = frames_per_second;
+    let mut world = World::build(&scene)?;
+    let (mut islands, mut scaled, mut rise) = (0, 0, 0.0_f64);
+    let frames = (FALL * frames_per_second) as u32;
+    for frame in 0..frames {
+        let before = mean_height(&world);
+        let balance = step(&mut world).balance;
+        islands += balance.islands;
+        scaled += balance.scaled;
+        if 2 * frame > frames {
+            rise = rise.max(mean_height(&world) - before);
+        }
+    }
+    Ok(Fallen { height: mean_height(&world), rise, scaled: scaled as f64 / islands as f64 })
+}
+
+/// Of all pieces [m].
+fn mean_height(world: &World) -> f64 {
+    let bodies = world.bodies();
+    let pieces = (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite());
+    let heights: Vec<f64> = pieces.map(|i| bodies.poses[i].position.y).collect();
+    heights.iter().sum::<f64>() / heights.len() as f64
+}
+
+fn measured() -> Result<Vec<Finding>, Obstacle> {
+    let mut findings = Vec::new();
+    for counts in HEAPS {
+        let [heap, fine] = [fallen(counts, 30.0)?, fallen(counts, 300.0)?];
+        let of = format!("{} pieces", counts.iter().product::<usize>());
+        let quantity = format!("height of {of} per that at 300 frames per second");
+        findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.9, 1.05));
+        let quantity = format!("largest rise of {of} in a frame when they lie");
+        findings.push(Finding::at_most(quantity, "m", heap.rise, 1e-4));
+        let quantity = format!("share of islands whose motion was scaled down, {of}");
+        findings.push(Finding::at_most(quantity, "1", heap.scaled, 1e-2));
+    }
+    Ok(findings)
+}
