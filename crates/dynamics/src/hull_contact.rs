@@ -87,12 +87,18 @@ pub(crate) const PREFERENCE: f64 = 5e-4;
 /// Cosine of the angle by which a face may have turned since it was found.
 const SAME_FACE: f64 = 0.99;
 
+/// Overlap, relative to the size of the smaller hull, up to which the face that they touched with goes on to serve, even if an axis may
+/// separate them better: so shallow, they part along any.
+const SHALLOW: f64 = 1e-2;
+
 /// Two hulls where they are.
 #[derive(Clone, Copy)]
 pub(crate) struct HullPair<'a> {
     pub(crate) hulls: [&'a Hull; 2],
     first_from_second: Placement,
     second_from_first: Placement,
+    /// Of the smaller one [m].
+    size: f64,
     /// Lengths that differ by less are equal [m].
     close: f64,
 }
@@ -102,7 +108,7 @@ impl<'a> HullPair<'a> {
     pub(crate) fn new(hulls: [&'a Hull; 2], first_from_second: &RigidTransform, size: f64) -> Self {
         let first_from_second = Placement::new(first_from_second);
         let second_from_first = first_from_second.inverse();
-        Self { hulls, first_from_second, second_from_first, close: PREFERENCE * size }
+        Self { hulls, first_from_second, second_from_first, size, close: PREFERENCE * size }
     }
 
     /// In the first one's frame.
@@ -147,8 +153,8 @@ impl<'a> HullPair<'a> {
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
     }
 
-    /// How the two meet on the face whose normal is nearly this one, given as in [`HullPoint::normal`], if there is one and no axis separates
-    /// them clearly better. So what keeps its face is spared the search for it.
+    /// How the two meet on the face whose normal is nearly this one, given as in [`HullPoint::normal`], if there is one and they overlap little,
+    /// or no axis separates them clearly better. So what keeps its face is spared the search for it.
     fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
         let [first, second] = self.hulls;
         let (of_first, of_second) =
@@ -165,7 +171,9 @@ impl<'a> HullPair<'a> {
         };
         self.face_points(&[axis, axis], is_of_first, room);
         let normal = room.points.first()?.normal;
-        self.is_least(axis.separation, &room.points).then_some(HullContact { normal, gap: axis.separation })
+        let is_shallow = axis.separation <= 0.0 && axis.separation >= -SHALLOW * self.size;
+        let holds = is_shallow || self.is_least(axis.separation, &room.points);
+        holds.then_some(HullContact { normal, gap: axis.separation })
     }
 
     /// How the two meet, given the best face of each, with their points in `room`; `None` if they are more than `most` [m] apart.
