@@ -85,8 +85,8 @@ mod tests {
 
             let sorted = |v: DVec3| { let mut a = v.to_array(); a.sort_by(f64::total_cmp); a };
             for (found, exact) in sorted(found).iter().zip(sorted(moments)) {
-                // The assembled tensor itself is rounded at its largest entry.
-                prop_assert!((found - exact).abs() < 4e-16 * moments.max_element() + 1e-14 * exact);
+                // The assembled tensor itself is rounded at its largest entry, some times over.
+                prop_assert!((found - exact).abs() < 2e-15 * moments.max_element() + 1e-14 * exact);
             }
             prop_assert!((frame_from_principal.length() - 1.0).abs() < 1e-15);
             let axes = DMat3::from_quat(frame_from_principal);
