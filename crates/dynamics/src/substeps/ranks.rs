@@ -59,6 +59,7 @@ impl<I: Instructions> Ranks<I> {
             Batch::new((bodies, movers), group, touching, dt)
         };
         let block = |groups: Vec<&[Member]>| {
+            // Each group with the one after it, whose memory is asked for meanwhile.
             let next = groups.iter().copied().skip(1).chain([&[][..]]);
             Block {
                 batches: groups.iter().copied().zip(next).map(batch).collect(),
