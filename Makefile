@@ -11,7 +11,7 @@ DEMO_FRAME := 14
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
 
-.PHONY: help build demo verify claims soak test test-rust test-python clean
+.PHONY: help build demo verify claims soak explore test test-rust test-python clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -33,6 +33,10 @@ claims: build ## Measure it and write the table of docs/claims.md anew
 
 soak: ## Check what takes minutes: figure 8 with 100 and 1000 balls
 	cargo test --release --locked -p frangible-shots --test fractures -- --ignored --nocapture
+
+explore: ## Check properties on other cases than the tests draw, from the seed it prints
+	seed=$$(date +%s); echo "PROPTEST_RNG_SEED=$$seed"; \
+	  PROPTEST_RNG_SEED=$$seed cargo test --release --workspace --locked
 
 test: test-rust test-python ## Check everything, as continuous integration does
 
