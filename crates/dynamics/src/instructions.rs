@@ -41,6 +41,15 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync 
     fn run(kernel: impl FnOnce());
 }
 
+/// Asks for what will be needed soon, whatever the instructions; changes nothing.
+#[inline(always)]
+pub(crate) fn prefetch<T>(soon: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    Sse2::prefetch(soon);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = soon;
+}
+
 /// The widest that the machine has, or the one that is asked for if that is narrower.
 pub(crate) fn available(asked: Width) -> Width {
     #[cfg(target_arch = "x86_64")]

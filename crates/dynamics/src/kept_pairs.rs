@@ -1,18 +1,23 @@
 //! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against each other since its points were found
 //! keeps them, and what was further apart than it can have come since is still apart.
 
+mod ahead;
+mod passing;
+
 use crate::detection::{moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{HullPoint, hull_points};
-use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid, may_last};
+use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
 use crate::threads;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose};
+use ahead::{Ahead, Seen};
 use frangible_geometry::RigidTransform;
 use glam::{DVec3, DVec4};
+use passing::{NOWHERE, Passing, firsts};
 
 /// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
 const STEADY: f64 = 5e-3;
@@ -91,6 +96,7 @@ impl KeptPairs {
         frame: &Frame,
     ) -> &mut Manifolds {
         let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
+        let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
         let places = self.go_on(bodies, &flights);
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.kept);
@@ -101,11 +107,11 @@ impl KeptPairs {
         // Each thread takes some pairs that follow each other.
         let Self { ways, kept, last, finders, found } = self;
         let firsts = firsts(last, &places);
-        let passing = Passing { parts: last, places: &places, firsts: &firsts, part: 0, at: 0, begin: 0 };
+        let passing = Passing::new(last, &places, &firsts);
         let rooms = kept.iter_mut().zip(finders).zip(&mut found.parts);
         let mut shares: Vec<(Share, &[Pair])> = rooms
             .zip(pairs.chunks(SHARE))
-            .map(|(((kept, finder), found), pairs)| (Share { ways, kept, finder, found }, pairs))
+            .map(|(((kept, finder), found), pairs)| (Share { ways, seen: &seen, kept, finder, found }, pairs))
             .collect();
         let find = |(share, pairs): &mut (Share, &[Pair])| {
             share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
@@ -129,9 +135,17 @@ impl KeptPairs {
     }
 }
 
+/// What is known of a pair from the last frame, and from when on its ways count if that still holds.
+struct Look<'a> {
+    pair: Pair,
+    known: Option<(&'a KeptPair, &'a [KeptPoint])>,
+    since: Option<f64>,
+}
+
 /// Some pairs that follow each other, and room for what is found.
 struct Share<'a> {
     ways: &'a [Way],
+    seen: &'a [Seen<'a>],
     kept: &'a mut Kept,
     finder: &'a mut ManifoldFinder,
     found: &'a mut Found,
@@ -150,23 +164,40 @@ impl Share<'_> {
         self.kept.points.clear();
         self.found.clear();
         passing.go_to(pairs[0]);
+
+        // What holds, and what is to be looked at anew.
+        let (mut looks, mut anew) = (Vec::with_capacity(pairs.len()), Vec::new());
+        let encounter =
+            |pair: Pair| Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame);
         for &pair in pairs {
-            let encounter =
-                Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame);
+            let encounter = encounter(pair);
             if encounter.is_out_of_reach() {
                 continue;
             }
             let known = passing.find(pair);
+            let since = known.and_then(|(kept, points)| self.still_holds(kept, points, &encounter));
+            if since.is_none() {
+                anew.push(pair);
+            }
+            looks.push(Look { pair, known, since });
+        }
+
+        let mut ahead = Ahead::new(self.seen, &anew);
+        for Look { pair, known, since } in looks {
             if let Some((kept, points)) = known
-                && let Some(since) = self.still_holds(kept, points, &encounter)
+                && let Some(since) = since
             {
-                self.kept.points.extend_from_slice(points);
-                self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&encounter)));
+                if !points.is_empty() {
+                    let encounter = encounter(pair);
+                    self.kept.points.extend_from_slice(points);
+                    self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&encounter)));
+                }
                 self.keep(KeptPair { since, ..*kept }, pair);
                 continue;
             }
-            let solids = [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
-            if may_last(solids) {
+            ahead.go_on();
+            let encounter = encounter(pair);
+            if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
                 let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
                 self.find_anew(Encounter { last_normal, ..encounter }, solids);
             } else if let Some(manifold) = self.finder.of_encounter(&encounter, warm) {
@@ -249,79 +280,12 @@ impl Share<'_> {
     }
 }
 
-/// Of a body that is gone.
-const NOWHERE: u32 = u32::MAX;
-
 /// No point of a body of this radius [m] has moved further from one pose to the other [m].
 fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
     // See `moved_between`.
     let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
-}
-
-/// The pairs of the last frame, while those of this one go by in the same order.
-#[derive(Clone, Copy)]
-struct Passing<'a> {
-    parts: &'a [Kept],
-    /// Where their bodies are now.
-    places: &'a [u32],
-    /// Of the parts.
-    firsts: &'a [Pair],
-    part: usize,
-    at: usize,
-    /// Of the points of the pair that comes next.
-    begin: usize,
-}
-
-impl<'a> Passing<'a> {
-    /// Passes over parts before a pair.
-    fn go_to(&mut self, pair: Pair) {
-        let part = self.firsts.partition_point(|&first| first <= pair).saturating_sub(1);
-        (self.part, self.at, self.begin) = (part, 0, 0);
-    }
-
-    /// A pair and its points, if it was kept; those before it are passed over.
-    #[inline]
-    fn find(&mut self, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
-        loop {
-            let part = self.parts.get(self.part)?;
-            let Some(kept) = part.pairs.get(self.at) else {
-                (self.part, self.at, self.begin) = (self.part + 1, 0, 0);
-                continue;
-            };
-            let end = kept.end as usize;
-            if let Some(kept_pair) = now(kept, self.places) {
-                if kept_pair > pair {
-                    return None;
-                }
-                if kept_pair == pair {
-                    return Some((kept, &part.points[self.begin..end]));
-                }
-            }
-            (self.at, self.begin) = (self.at + 1, end);
-        }
-    }
-}
-
-/// The first pair of each part of which both bodies are still there, or of a later part.
-fn firsts(parts: &[Kept], places: &[u32]) -> Vec<Pair> {
-    const LAST: Pair = Pair { first: usize::MAX, second: usize::MAX };
-    let mut firsts = vec![LAST; parts.len()];
-    let mut next = LAST;
-    for (part, first) in parts.iter().zip(&mut firsts).rev() {
-        next = part.pairs.iter().find_map(|kept| now(kept, places)).unwrap_or(next);
-        *first = next;
-    }
-    firsts
-}
-
-/// What a pair of the last frame is now, if both bodies are still there.
-#[inline]
-fn now(kept: &KeptPair, places: &[u32]) -> Option<Pair> {
-    let [first, second] = kept.bodies.map(|place| places[place as usize]);
-    let pair = Pair { first: first as usize, second: second as usize };
-    (first != NOWHERE && second != NOWHERE).then_some(pair)
 }
 
 impl KeptPoint {

@@ -253,15 +253,6 @@ pub(crate) fn exact_points(
     true
 }
 
-/// Whether the points of a pair may last for some frames: those of two polyhedra, or of a polyhedron on the ground.
-pub(crate) fn may_last(solids: [Solid; 2]) -> bool {
-    match solids {
-        [Solid::Hull(a), Solid::Hull(b)] => a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS,
-        [Solid::Ground(_), Solid::Hull(_)] => true,
-        _ => false,
-    }
-}
-
 /// A sample that may touch within the frame.
 struct Candidate {
     sample: (bool, u64),

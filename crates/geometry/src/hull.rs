@@ -107,6 +107,18 @@ impl Hull {
         self.net.edges()
     }
 
+    /// What tells where the lists of its faces and edges are, for who asks for memory before it is needed.
+    #[inline]
+    pub fn net(&self) -> &[impl Sized + use<>] {
+        std::slice::from_ref(&*self.net)
+    }
+
+    /// The vertices, then the edges around all faces, one face after the other, for who asks for memory before it is needed.
+    #[inline]
+    pub fn sides(&self) -> &[u32] {
+        self.net.all_sides()
+    }
+
     /// The two ends of an edge [m].
     #[inline]
     pub fn edge_ends(&self, edge: usize) -> [DVec3; 2] {

@@ -56,6 +56,14 @@ impl Net {
         let range = self.sides(face);
         &self.indices[self.sides + range.start..self.sides + range.end]
     }
+
+    /// All indices, as they lie in memory.
+    #[inline]
+    pub(super) fn all_sides(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// Whether a cut made a face.
     #[inline]
     pub(super) fn is_inner(&self, face: usize) -> bool {
         self.indices[2 * self.sides + face] & INNER != 0
