@@ -85,7 +85,10 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<
 
 /// The pairs that overlap and whose later one begins in this strip.
 fn sweep_strip(entries: &[Entry], strip: u32, pairs: &mut Vec<Pair>) {
+    // Which ones overlap nobody can foresee: all are noted, and those that do not are written over.
+    let mut with = vec![0; entries.len()];
     for (at, a) in entries.iter().enumerate() {
+        let mut count = 0;
         for b in &entries[at + 1..] {
             if b.along[0] > a.along[1] {
                 break;
@@ -94,11 +97,14 @@ fn sweep_strip(entries: &[Entry], strip: u32, pairs: &mut Vec<Pair>) {
                 & (a.across[0] <= b.across[1])
                 & (b.third[0] <= a.third[1])
                 & (a.third[0] <= b.third[1]);
-            if overlaps && a.first_strip.max(b.first_strip) == strip && (a.moves || b.moves) {
-                let (first, second) = (a.index.min(b.index) as usize, a.index.max(b.index) as usize);
-                pairs.push(Pair { first, second });
-            }
+            let is_here = (a.first_strip == strip) | (b.first_strip == strip);
+            with[count] = b.index;
+            count += usize::from(overlaps & is_here & (a.moves | b.moves));
         }
+        pairs.extend(with[..count].iter().map(|&other| {
+            let (first, second) = (a.index.min(other) as usize, a.index.max(other) as usize);
+            Pair { first, second }
+        }));
     }
 }
 
