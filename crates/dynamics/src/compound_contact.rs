@@ -3,7 +3,7 @@
 use crate::broad_phase::Bounds;
 use crate::detection::{Placed, second_from_first};
 use crate::encounter::Encounter;
-use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
+use crate::hull_contact::{FEW_POINTS, Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{ManifoldPoint, Solid, exact_points};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
@@ -132,7 +132,7 @@ fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<
         }
     }
     for (normal, _, candidates) in &mut flats {
-        reduce(candidates, &mut room.spare, *normal, PREFERENCE * size);
+        reduce(candidates, &mut room.spare, FEW_POINTS, (*normal, PREFERENCE * size));
     }
     let index = |point: HullPoint| match point.feature {
         Feature::VertexOfFirst(index) => Some(index as usize),

@@ -15,7 +15,7 @@ use clip::{Corner, face_points};
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
 use nearest::{between_edges, nearest_points};
-pub(crate) use reduce::reduce;
+pub(crate) use reduce::{FEW_POINTS, reduce};
 
 /// What meets at a point of two hulls. The same features have the same name whichever hull's face is the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,7 +171,11 @@ impl<'a> HullPair<'a> {
         };
         self.face_points(&[axis, axis], is_of_first, room);
         let normal = room.points.first()?.normal;
-        let is_shallow = axis.separation <= 0.0 && axis.separation >= -SHALLOW * self.size;
+        // With its deepest point over the face: beside it they may be apart, and about to meet elsewhere.
+        let is_deepest = |point: &HullPoint| point.gap <= axis.separation + self.close;
+        let is_shallow = axis.separation <= 0.0
+            && axis.separation >= -SHALLOW * self.size
+            && room.points.iter().any(is_deepest);
         let holds = is_shallow || self.is_least(axis.separation, &room.points);
         holds.then_some(HullContact { normal, gap: axis.separation })
     }

@@ -2,10 +2,10 @@
 
 use crate::encounter::{Encounter, sag};
 use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
-use crate::manifold::ManifoldPoint;
+use crate::manifold::{MOST_POINTS, ManifoldPoint};
 use frangible_geometry::{HalfSpace, Hull};
 
-/// Adds the vertices that touch a half-space, or may within the frame: at most four. Returns how far away all else is now [m], if it is
+/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all else is now [m], if it is
 /// so slow that these are all that are near now.
 pub(crate) fn plane_points(
     encounter: &Encounter,
@@ -76,7 +76,8 @@ pub(crate) fn plane_points(
             approach: encounter.surface_speed(normal, closing(point), point.gap),
         }
     };
-    reduce(&mut room.points, &mut room.spare, now.normal, PREFERENCE * flight.radius);
+    // What rests on a few of many corners would rock over the others.
+    reduce(&mut room.points, &mut room.spare, MOST_POINTS, (now.normal, PREFERENCE * flight.radius));
     points.extend(room.points.iter().map(manifold_point));
     beyond
 }

@@ -90,6 +90,26 @@ fn stacks_stand_whatever_their_cubes_are_made_of() {
     }
 }
 
+/// Rocks with many corners, each by itself, come to rest on the ground: on four of their corners some would rock for ever, over those that
+/// are left out.
+#[test]
+fn rocks_come_to_rest() {
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    let mut scene = SceneDesc::new("rocks");
+    scene.method = Method::FrameRate;
+    scene.bodies.push(BodyDesc::ground(0.0));
+    for n in 0..100_u32 {
+        let shape = rock(DVec3::new(0.4, 0.2, 0.3), 40, &mut random);
+        let position = [f64::from(n % 10), 0.12, f64::from(n / 10)];
+        scene.bodies.push(BodyDesc { position, restitution: 0.2, ..BodyDesc::new("rock", shape) });
+    }
+    let mut world = World::build(&scene).unwrap();
+    (0..150).for_each(|_| drop(step(&mut world)));
+    let moves = world.bodies().velocities.iter().filter(|velocity| velocity.linear.length() > 0.01).count();
+    let depth = deepest_below_ground(&world);
+    assert!(moves == 0 && depth < 2e-3, "{moves} of 100 move, {depth} m in the ground");
+}
+
 /// A body is where its points are, wherever its centre of mass and its principal axes lie.
 #[test]
 fn a_hull_stands_where_its_points_are() {

@@ -1,6 +1,6 @@
 //! When two hulls meet on their ways through a frame.
 
-use super::{HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
+use super::{FEW_POINTS, HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
 use crate::contact_batch::STALE;
 use crate::encounter::Encounter;
 use crate::flight::Flight;
@@ -52,7 +52,12 @@ pub(crate) fn hull_points(
         }
     };
     room.points.retain(|point| approach.can_touch(&instant, point));
-    reduce(&mut room.points, &mut room.spare, instant.contact.normal, PREFERENCE * encounter.size);
+    reduce(
+        &mut room.points,
+        &mut room.spare,
+        FEW_POINTS,
+        (instant.contact.normal, PREFERENCE * encounter.size),
+    );
     points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
     instant.lasts.then_some(encounter.search)
 }

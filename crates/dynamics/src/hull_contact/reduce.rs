@@ -3,18 +3,23 @@
 use super::HullPoint;
 use glam::DVec3;
 
-/// A flat contact needs no more.
-const MOST_POINTS: usize = 4;
+/// A flat contact between two hulls needs no more.
+pub(crate) const FEW_POINTS: usize = 4;
 
 /// A later candidate must be better by this to be taken instead of an earlier one, so that equal ones do not take turns.
 const BETTER: f64 = 1.05;
 
-/// Leaves at most four of the points: a deepest one, the one furthest from it, and those that span the largest area on both sides of
-/// the line between them. Depths that differ by less than `close` [m] are equal. `all` is room.
-pub(crate) fn reduce(points: &mut Vec<HullPoint>, all: &mut Vec<HullPoint>, normal: DVec3, close: f64) {
+/// Leaves some of the points, if they are many: a deepest one, the one furthest from it, the one that spans the largest area with these, and
+/// then, up to so many, always the one that adds most to the area. Depths that differ by less than `close` [m] are equal. `all` is room.
+pub(crate) fn reduce(
+    points: &mut Vec<HullPoint>,
+    all: &mut Vec<HullPoint>,
+    most: usize,
+    (normal, close): (DVec3, f64),
+) {
     // A direction along no axis, to tell equal ones apart always in the same way.
     const SOMEWHERE: DVec3 = DVec3::new(0.43, 0.57, 0.7);
-    if points.len() <= MOST_POINTS {
+    if points.len() <= FEW_POINTS {
         return;
     }
     let middle = |point: &HullPoint| 0.5 * (point.on[0] + point.on[1]);
@@ -32,6 +37,10 @@ pub(crate) fn reduce(points: &mut Vec<HullPoint>, all: &mut Vec<HullPoint>, norm
             above <= close || above * above <= across_squared(point, other)
         })
     });
+
+    if most > FEW_POINTS && points.len() <= most {
+        return;
+    }
 
     // Those that are taken go to the front, in turn; the others keep their order.
     let deepest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
@@ -52,15 +61,23 @@ pub(crate) fn reduce(points: &mut Vec<HullPoint>, all: &mut Vec<HullPoint>, norm
     let area = |p: &HullPoint, q: &HullPoint, point: &HullPoint| {
         normal.dot((middle(q) - middle(p)).cross(middle(point) - middle(p)))
     };
+    let mut around = Vec::with_capacity(most);
     if let Some(a) = take(&depth)
         && let Some(b) = take(&|point| across_squared(point, &a).sqrt())
         && let Some(c) = take(&|point| area(&a, &b, point).abs())
     {
-        let side = if area(&a, &b, &c) < 0.0 { -1.0 } else { 1.0 };
-        take(&|point| {
-            let beyond = [area(&b, &a, point), area(&c, &b, point), area(&a, &c, point)];
-            beyond.into_iter().map(|area| side * area).fold(f64::NEG_INFINITY, f64::max)
-        });
+        // Clockwise about the normal, so that what is beyond a side is to the left of it.
+        around.extend(if area(&a, &b, &c) < 0.0 { [a, b, c] } else { [b, a, c] });
+    }
+    while (3..most).contains(&around.len()) {
+        let beyond =
+            |side: usize, point: &HullPoint| area(&around[side], &around[(side + 1) % around.len()], point);
+        let sides = 0..around.len();
+        let most_beyond =
+            |point: &HullPoint| sides.clone().map(|side| beyond(side, point)).fold(0.0, f64::max);
+        let Some(next) = take(&most_beyond) else { break };
+        let side = sides.clone().find(|&side| beyond(side, &next) == most_beyond(&next)).unwrap_or(0);
+        around.insert(side + 1, next);
     }
     points.truncate(taken);
 }

@@ -193,9 +193,11 @@ proptest! {
         prop_assert!((before.normal + start.direction(swapped.normal)).length() < 1e-12);
     }
 
-    /// Of any number of points at most four are kept, a deepest one among them.
+    /// Of any number of points no more are kept than are wanted, a deepest one among them; and of the corners of a polygon, all.
     #[test]
-    fn few_points_are_kept(points in prop::collection::vec((vector(0.5), -0.01..0.01_f64), 1..12)) {
+    fn few_points_are_kept(
+        points in prop::collection::vec((vector(0.5), -0.01..0.01_f64), 1..12), most in 4..9_usize, corners in 3..9_u32,
+    ) {
         let point = |(at, gap): (DVec3, f64)| {
             let on = at.with_y(0.0);
             HullPoint {
@@ -204,10 +206,19 @@ proptest! {
         };
         let points: Vec<HullPoint> = points.into_iter().map(point).collect();
         let mut kept = points.clone();
-        reduce(&mut kept, &mut Vec::new(), DVec3::Y, 1e-4);
-        prop_assert!((1..=4).contains(&kept.len()));
+        reduce(&mut kept, &mut Vec::new(), most, (DVec3::Y, 1e-4));
+        prop_assert!((1..=most).contains(&kept.len()));
         let deepest = |points: &[HullPoint]| points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
         prop_assert!(deepest(&kept) <= deepest(&points) + 1e-4);
+
+        let corner = |number: u32| {
+            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(number) / f64::from(corners));
+            point((DVec3::new(sine, 0.0, cosine), 0.0))
+        };
+        let within = (0..12).map(|_| point((0.1 * points[0].on[1], 0.0)));
+        let mut polygon: Vec<HullPoint> = within.chain((0..corners).map(corner)).collect();
+        reduce(&mut polygon, &mut Vec::new(), 8, (DVec3::Y, 1e-4));
+        prop_assert_eq!(polygon.iter().filter(|point| point.on[1].length() > 0.9).count(), corners as usize);
     }
 }
 
