@@ -3,7 +3,6 @@
 use crate::manifold::Manifold;
 use crate::{Bodies, Frame};
 use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// How often the pairs of a cluster act in a substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,41 +108,58 @@ impl Effort {
     }
 }
 
+/// A body that rests on another one.
+struct Rest {
+    /// Places among the bodies of the island that move; a body that does not has none.
+    upper: usize,
+    lower: Option<usize>,
+    /// Of the pair in its island.
+    place: usize,
+    /// Inverse mass of the lighter one [1/kg].
+    lightness: f64,
+}
+
 /// What each pair of an island carries, in units of the lighter one's weight: each body hands its own weight and what rests on it to those
 /// that it rests on, in equal parts, from the highest down.
 fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Frame) -> Vec<f64> {
     let Some(up) = (-frame.gravity).try_normalize() else { return vec![0.0; island.len()] };
     let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
 
-    // Who rests on whom.
-    let mut supports: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
-    for (place, &at) in island.iter().enumerate() {
-        let Manifold { pair, points } = &manifolds[at];
+    // Who rests on whom: places among those that move, those that rest together.
+    let pairs = || island.iter().map(|&at| (manifolds[at].pair, manifolds[at].points));
+    let mut who: Vec<usize> = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).collect();
+    who.retain(|&i| is_mobile(i));
+    who.sort_unstable();
+    who.dedup();
+    let mut rests: Vec<Rest> = Vec::with_capacity(island.len());
+    for (place, (pair, points)) in pairs().enumerate() {
         let normal = points.first().map_or(DVec3::ZERO, |point| point.normal);
         let cosine = normal.dot(up);
         let (upper, lower) = if cosine > 0.0 { (pair.first, pair.second) } else { (pair.second, pair.first) };
-        for i in [upper, lower].into_iter().filter(|&i| is_mobile(i)) {
-            supports.entry(i).or_default();
-        }
-        if cosine.abs() > RESTS && is_mobile(upper) {
-            supports.entry(upper).or_default().push((place, lower));
+        if cosine.abs() > RESTS
+            && let Ok(on) = who.binary_search(&upper)
+        {
+            let lightness = bodies.inertias[upper].inverse_mass.max(bodies.inertias[lower].inverse_mass);
+            rests.push(Rest { upper: on, lower: who.binary_search(&lower).ok(), place, lightness });
         }
     }
+    rests.sort_by_key(|rest| rest.upper);
 
     // From the highest down.
-    let mut order: Vec<usize> = supports.keys().copied().collect();
-    let height = |i: usize| bodies.poses[i].position.dot(up);
+    let mut order: Vec<usize> = (0..who.len()).collect();
+    let height = |at: usize| bodies.poses[who[at]].position.dot(up);
     order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
     let mut loads = vec![0.0; island.len()];
-    let mut rests_on: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut rests_on = vec![0.0; who.len()];
     for upper in order {
-        let of_upper = &supports[&upper];
-        let mass = bodies.masses[upper] + rests_on.get(&upper).copied().unwrap_or(0.0);
-        let share = mass / of_upper.len() as f64;
-        for &(place, lower) in of_upper {
-            let lightness = bodies.inertias[upper].inverse_mass.max(bodies.inertias[lower].inverse_mass);
-            loads[place] += share * lightness;
-            *rests_on.entry(lower).or_default() += share;
+        let begin = rests.partition_point(|rest| rest.upper < upper);
+        let of_upper = rests[begin..].iter().take_while(|rest| rest.upper == upper);
+        let share = (bodies.masses[who[upper]] + rests_on[upper]) / of_upper.clone().count() as f64;
+        for rest in of_upper {
+            loads[rest.place] += share * rest.lightness;
+            if let Some(lower) = rest.lower {
+                rests_on[lower] += share;
+            }
         }
     }
     loads
