@@ -1,6 +1,7 @@
 //! Who is solved with whom: islands of bodies that may touch do not feel each other, so some of them at a time go through all substeps
 //! while their numbers are at hand; and within them, pairs that share no body act side by side.
 
+use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::{Bodies, Frame};
@@ -34,13 +35,14 @@ pub(crate) struct Member {
 }
 
 /// All clusters, and whether each body is in one.
-pub(crate) fn clusters(bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) -> (Vec<Cluster>, Vec<bool>) {
+pub(crate) fn clusters(bodies: &Bodies, touching: Touching, frame: &Frame) -> (Vec<Cluster>, Vec<bool>) {
+    let manifolds = touching.manifolds;
     let mut clusters = Vec::new();
     let mut is_in_one = vec![false; bodies.len()];
     let mut local = vec![NOWHERE; bodies.len()];
     let mut stiffness = vec![1.0; manifolds.len()];
     let mut add = |pairs: &[usize], effort: Effort, stiffness: &[f64]| {
-        let cluster = Cluster::new(bodies, manifolds, (pairs, effort), stiffness, &mut local);
+        let cluster = Cluster::new(bodies, touching, (pairs, effort), stiffness, &mut local);
         cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
         clusters.push(cluster);
     };
@@ -85,7 +87,7 @@ impl Cluster {
     /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
     fn new(
         bodies: &Bodies,
-        manifolds: &[Manifold],
+        touching: Touching,
         (pairs, effort): (&[usize], Effort),
         stiffness: &[f64],
         local: &mut [u32],
@@ -95,7 +97,7 @@ impl Cluster {
         let mut ranked = Vec::with_capacity(pairs.len());
         let mut places = Places::default();
         for &manifold in pairs {
-            let Manifold { pair, points } = &manifolds[manifold];
+            let Manifold { pair, points } = &touching.manifolds[manifold];
             let locals = [pair.first, pair.second].map(|i| {
                 if local[i] == NOWHERE {
                     local[i] = who.len() as u32;
@@ -111,12 +113,12 @@ impl Cluster {
                 .iter()
                 .filter(|local| mobile(local))
                 .for_each(|&local| next_rank[local as usize] = rank + 1);
-            let place = places.count(rank, points.len());
+            let place = places.count(rank, (points.len(), touching.carried[manifold].len()));
             ranked.push((place, Member { manifold, locals, stiffness: stiffness[manifold] }));
         }
         who.iter().for_each(|&i| local[i] = NOWHERE);
 
-        // Side by side are those with about as many points.
+        // Side by side are those with about as many points, of which about as many carried in the last frame.
         let rank_ends = places.begin();
         let nobody = Member { manifold: 0, locals: [0; 2], stiffness: 0.0 };
         let mut members = vec![nobody; ranked.len()];
@@ -127,16 +129,20 @@ impl Cluster {
     }
 }
 
-/// Where the pairs of each rank go, those with more points first and the others in their order.
+/// Where the pairs of each rank go: those with more points first, of these those of which more carried, and the others in their order.
 #[derive(Default)]
 struct Places(Vec<usize>);
 
 impl Places {
-    /// Makes room for a pair.
-    fn count(&mut self, rank: usize, points: usize) -> usize {
-        let place = rank * (MOST_POINTS + 1) + MOST_POINTS - points.min(MOST_POINTS);
+    /// Of each rank.
+    const EACH: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
+
+    /// Makes room for a pair with some points, of which some carried.
+    fn count(&mut self, rank: usize, (points, carried): (usize, usize)) -> usize {
+        let less = |number: usize| MOST_POINTS - number.min(MOST_POINTS);
+        let place = rank * Self::EACH + less(points) * (MOST_POINTS + 1) + less(carried);
         if place >= self.0.len() {
-            self.0.resize((rank + 1) * (MOST_POINTS + 1), 0);
+            self.0.resize((rank + 1) * Self::EACH, 0);
         }
         self.0[place] += 1;
         place
@@ -148,7 +154,7 @@ impl Places {
         for count in &mut self.0 {
             sum += std::mem::replace(count, sum);
         }
-        let begins = self.0.iter().step_by(MOST_POINTS + 1).skip(1).copied();
+        let begins = self.0.iter().step_by(Self::EACH).skip(1).copied();
         begins.chain([sum]).collect()
     }
 

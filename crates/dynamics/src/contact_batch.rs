@@ -72,6 +72,11 @@ pub(crate) struct Batch<I> {
     pub(crate) bounces: bool,
     /// Whether any takes part in the impact that acts now.
     pub(crate) impacts: bool,
+    /// Behind so many rows none has met; and none carries what goes on, before and after the drift.
+    pub(crate) met_rows: usize,
+    pub(crate) carrying_rows: [usize; 2],
+    /// Which pairs have come so far that their points have to be looked at.
+    looks: Mask,
     pub(crate) rest: Box<Rest<I>>,
 }
 
@@ -84,6 +89,10 @@ pub(crate) struct Rest<I> {
     pub(crate) centre: Lanes3<I>,
     /// How much [`Movers`] had been stirred when the rows' responses were found.
     answered_at: Lanes<I>,
+    /// Radii of balls around the centres of mass that hold the bodies [m], 0 of infinite ones; and up to which travel of the two bodies
+    /// their points need no look [m].
+    sizes: [Lanes<I>; 2],
+    look_at: Lanes<I>,
     pub(crate) restitution: Lanes<I>,
     /// Of the contacts, in units of that of one that carries itself.
     stiffness: Lanes<I>,
@@ -112,8 +121,6 @@ pub(crate) struct Patch {
     pub(crate) pair: Pair,
     /// Its place among the manifolds.
     pub(crate) manifold: usize,
-    /// The bodies' travel when it was last looked at [m].
-    travel: f64,
     /// Of the smaller body [m].
     size: f64,
     /// Whether points acted that have been replaced since.
@@ -145,6 +152,8 @@ impl<I: Instructions> Batch<I> {
             self.rest.centre = self.rest.start + first.translation;
         }
         let stirred = first.stirred + second.stirred;
+        let travel = first.stirred * self.rest.sizes[0] + second.stirred * self.rest.sizes[1];
+        self.looks = travel.above(self.rest.look_at);
         let answers =
             drifted.is_none() || (stirred - self.rest.answered_at).above(Lanes::splat(STIRRED)).any();
         if answers {
@@ -193,10 +202,10 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
-    /// Asks for what a visit will need.
+    /// Asks for what a visit of the first rows will need.
     #[inline(always)]
-    pub(crate) fn prefetch(&self, movers: &Movers) {
-        I::prefetch(&self.rows);
+    pub(crate) fn prefetch(&self, movers: &Movers, rows: usize) {
+        I::prefetch(&self.rows[..rows]);
         self.directions.prefetch();
         movers.prefetch::<I>(&self.locals[0]);
         movers.prefetch::<I>(&self.locals[1]);
@@ -209,6 +218,17 @@ impl<I: Instructions> Batch<I> {
         self.directions.prefetch();
         I::prefetch(&self.rest.anchors);
         I::prefetch(&self.rest.patches);
+    }
+
+    /// How many rows may act at a stage, and how many go on with what they carried: no row behind them does.
+    #[inline(always)]
+    pub(crate) fn acting_rows(&self, stage: Stage) -> usize {
+        if stage == Stage::AfterDrift { self.met_rows } else { self.rows.len() }
+    }
+
+    /// Any row may have met, and carry.
+    pub(crate) fn forget_who_acts(&mut self) {
+        (self.met_rows, self.carrying_rows) = (self.rows.len(), [self.rows.len(); 2]);
     }
 
     #[inline(always)]

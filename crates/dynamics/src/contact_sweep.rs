@@ -88,6 +88,7 @@ impl<I: Instructions> Batch<I> {
         let falls = sides[0].falls - sides[1].falls;
         let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
+        self.met_rows = 0;
         for at in 0..self.rows.len() {
             let point = self.point(at, shared);
             let closing = point.closing(&sides);
@@ -102,6 +103,9 @@ impl<I: Instructions> Batch<I> {
             // The speed at the surface: from that before the kick, with gravity along the rest of the gap.
             let touched = row.has_met;
             row.has_met = touched.or(meets);
+            if row.has_met.any() {
+                self.met_rows = at + 1;
+            }
             if !meets.any() && !row.bounces.any() {
                 continue;
             }
@@ -146,7 +150,7 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn go_on(&mut self, movers: &Movers, beat: &Beat, given: &mut Given<I>) {
         let mut visit = Visit::new(self.sides(movers), beat);
         let shared = self.shared_basis();
-        for at in 0..self.rows.len() {
+        for at in 0..self.carrying_rows[beat.stage.at()] {
             let row = &self.rows[at];
             let impulse = &row.impulses[beat.stage.at()];
             let (normal, tangent) = (impulse.normal.lanes(), impulse.tangent);
@@ -193,7 +197,7 @@ impl<I: Instructions> Batch<I> {
         }
         if pass.sweeps {
             let (shared, hold) = (self.shared_basis(), self.hold());
-            let count = self.rows.len();
+            let count = if pass.only_meeting { self.rows.len() } else { self.acting_rows(beat.stage) };
             for step in 0..count {
                 let at = if pass.is_fro { count - 1 - step } else { step };
                 let point = self.point(at, shared);
@@ -266,12 +270,17 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     fn close(&mut self, visit: &mut Visit<I>, beat: &Beat, given: &mut Given<I>) {
         let rate = self.soft.rate.lanes();
-        for row in &mut self.rows {
+        let mut carrying = 0;
+        let count = self.acting_rows(beat.stage).max(self.carrying_rows[beat.stage.at()]);
+        for (at, row) in self.rows[..count].iter_mut().enumerate() {
             let impulse = &row.impulses[beat.stage.at()];
             let (normal, [t, b]) = (impulse.normal.lanes(), impulse.tangent);
             let rubs = t.lanes().differs_from_zero().or(b.lanes().differs_from_zero());
             let acted = normal.above(Lanes::ZERO).or(rubs);
             row.touched = row.touched.or(acted);
+            if acted.any() {
+                carrying = at + 1;
+            }
             given.impulses += u64::from(acted.count());
             if beat.stage == Stage::BeforeDrift {
                 let work = normal * row.target_speed(rate, beat).0.max(Lanes::ZERO);
@@ -281,6 +290,7 @@ impl<I: Instructions> Batch<I> {
                 visit.projected = visit.projected + work;
             }
         }
+        self.carrying_rows[beat.stage.at()] = carrying;
     }
 
     /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.

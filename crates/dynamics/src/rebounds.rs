@@ -102,6 +102,7 @@ impl<I: Instructions> Batch<I> {
         if !lanes.any() {
             return;
         }
+        self.forget_who_acts();
         let shared = self.shared_basis();
         let mut visit = Visit::new(self.sides(movers), given.0);
         for at in 0..self.rows.len() {
@@ -125,6 +126,7 @@ impl<I: Instructions> Batch<I> {
         if !lanes.any() {
             return false;
         }
+        self.forget_who_acts();
         let (sides, shared) = (self.sides(movers), self.shared_basis());
         let least = Lanes::splat(threshold.max(SLOWEST));
         let mut any = Mask::NONE;

@@ -64,9 +64,9 @@ fn solve_with<I: Instructions>(
     warm: &mut WarmStart,
     frame: &Frame,
 ) -> Solved {
-    let (clusters, is_in_one) = clusters(bodies, manifolds, frame);
     let carried = warm.of_manifolds(bodies, manifolds);
     let (bodies_now, touching) = (&*bodies, Touching { manifolds, carried: &carried });
+    let (clusters, is_in_one) = clusters(bodies, touching, frame);
     let closed = threads::map(clusters, manifolds.len(), |cluster| {
         let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
@@ -203,6 +203,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
             block.visit(
                 movers,
                 #[inline(always)]
+                |batch| batch.rows.len(),
+                #[inline(always)]
                 |batch, _| batch.meet(movers, threshold, step),
             );
             block.bounces = block.batches.iter().any(|batch| batch.bounces);
@@ -215,6 +217,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.each(|movers, block| {
             block.visit(
                 movers,
+                #[inline(always)]
+                |batch| batch.rows.len(),
                 #[inline(always)]
                 |batch, _| batch.follow(movers, drifted),
             );
@@ -250,6 +254,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
             block.visit(
                 movers,
                 #[inline(always)]
+                |batch| batch.carrying_rows[beat.stage.at()],
+                #[inline(always)]
                 |batch, given| batch.go_on(movers, beat, given),
             );
         });
@@ -260,6 +266,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.each_in_turn(pass.is_fro, |movers, block| {
             block.visit(
                 movers,
+                #[inline(always)]
+                |batch| batch.acting_rows(beat.stage),
                 #[inline(always)]
                 |batch, given| batch.act(movers, beat, pass, given),
             );

@@ -2,19 +2,24 @@
 
 use super::points::NewPoints;
 use super::{Anew, Batch};
-use crate::detection::{moved_since, second_from_first};
+use crate::detection::{Placed, moved_since, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::lanes::Instructions;
+use crate::lanes::{Instructions, Mask};
 use crate::manifold::{ManifoldFinder, ManifoldPoint};
 use crate::moving::Movers;
 use crate::warm_start::{Carried, Part, PointImpulse, WarmStart};
-use crate::{Bodies, Frame};
+use crate::{Bodies, Frame, Pose};
+use frangible_geometry::Hull;
 use glam::DVec3;
 
 /// Relative motion after which a pair's points are found anew, relative to the size of the smaller body: within it a curved
 /// surface's normal turns by no more than some degrees.
 pub(crate) const STALE: f64 = 0.1;
+
+/// How far pairs must be apart to be left as they are, in units of what they can come closer in a substep: what strikes one of them
+/// makes it faster.
+const WARY: f64 = 1.5;
 
 /// A point that was taken out of a lane.
 struct Taken {
@@ -33,31 +38,59 @@ impl<I: Instructions> Batch<I> {
         finder: &mut ManifoldFinder,
         rest: &Frame,
     ) -> bool {
+        let lanes = self.rest.patches.len();
+        let looks = if self.is_driven { Mask::of(|_| true) } else { self.looks };
         let mut is_changed = false;
-        for lane in 0..self.rest.patches.len() {
+        for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
-            let patch = &self.rest.patches[lane];
-            if movers.travel(locals) - patch.travel <= STALE * patch.size {
+            let (travel, patch) = (movers.travel(locals), &self.rest.patches[lane]);
+            if travel <= self.rest.look_at.get(lane) {
                 continue;
             }
             let pair = patch.pair;
-            let flights = [(pair.first, locals[0]), (pair.second, locals[1])].map(|(i, local)| {
-                let (pose, velocity) = movers.state(bodies, local);
-                Flight::from(bodies, i, (pose, &velocity), rest)
-            });
-            let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
+            let shapes = [pair.first, pair.second].map(|i| &bodies.shapes[i]);
+            let poses = locals.map(|local| movers.pose(local));
             let found_at = match &patch.anew {
                 Some(anew) => anew.found_at,
                 None => movers.start_second_from_first(locals),
             };
-            let [first, second] = encounter.placed();
-            if moved_since(&found_at, first, second, 0.0) > STALE * patch.size {
-                self.find_anew(lane, movers, finder, &encounter);
-                is_changed = true;
+            let placed = |side: usize| Placed { shape: shapes[side], pose: &poses[side] };
+            let mut rests_for = STALE * patch.size;
+            if moved_since(&found_at, placed(0), placed(1), 0.0) > rests_for {
+                let flights = [(pair.first, 0), (pair.second, 1)].map(|(i, side)| {
+                    let (pose, velocity) = movers.state(bodies, locals[side]);
+                    Flight::from(bodies, i, (pose, &velocity), rest)
+                });
+                let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
+                let apart = self.apart_for(lane, &encounter);
+                if apart > 0.0 {
+                    rests_for = apart;
+                } else {
+                    self.find_anew(lane, movers, finder, &encounter);
+                    is_changed = true;
+                }
             }
-            self.rest.patches[lane].travel = movers.travel(locals);
+            self.rest.look_at.set(lane, travel + rests_for);
         }
         is_changed
+    }
+
+    /// How far two hulls can travel until they, or their points, could meet within a substep [m]: as far as they are apart along the normal of
+    /// their points, or of their centres if they have none. Not positive if they could now.
+    fn apart_for(&self, lane: usize, encounter: &Encounter) -> f64 {
+        let [first, second] = encounter.placed();
+        let (Some(first_hull), Some(second_hull)) = (&first.shape.hull, &second.shape.hull) else {
+            return 0.0;
+        };
+        let normal = match self.rows.iter().position(|row| row.is_there.get(lane)) {
+            Some(at) => self.basis(at, self.shared_basis()).normal.get(lane),
+            None => (first.pose.position - second.pose.position).normalize_or_zero(),
+        };
+        let apart = apart_along([first_hull, second_hull], [first.pose, second.pose], normal);
+        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
+        let [from, to] = encounter.flights;
+        let closing = (to.linear - from.linear).dot(normal) + turning(from) + turning(to);
+        apart - WARY * closing.max(0.0) * self.rest.dt
     }
 
     fn find_anew(
@@ -127,5 +160,40 @@ impl<I: Instructions> Batch<I> {
             }
         }
         self.soften();
+        self.forget_who_acts();
+    }
+}
+
+/// How far two hulls are apart along a normal, in the world frame [m]: they are at least as far from each other, or if it is negative know
+/// nothing.
+fn apart_along(hulls: [&Hull; 2], poses: [&Pose; 2], normal: DVec3) -> f64 {
+    let lowest = |side: usize, up: DVec3| {
+        let up_body = poses[side].orientation.conjugate() * up;
+        hulls[side].vertices().iter().map(|vertex| vertex.dot(up_body)).fold(f64::INFINITY, f64::min)
+    };
+    (poses[0].position - poses[1].position).dot(normal) + lowest(0, normal) + lowest(1, -normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    /// Along the axis between two cubes it is their distance, and along none is it more; what overlaps is apart along none.
+    #[test]
+    fn hulls_are_no_further_apart_along_a_normal_than_they_are() {
+        let cube = Hull::cuboid(DVec3::splat(0.5));
+        let turn = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
+        let at = |height: f64, orientation| Pose { position: height * DVec3::Y, orientation };
+        let corner = std::f64::consts::FRAC_1_SQRT_2;
+        for (height, distance) in [(2.0, 1.5 - corner), (0.8, 0.3 - corner)] {
+            let poses = [&at(height, turn), &at(0.0, DQuat::IDENTITY)];
+            let apart = |normal: DVec3| apart_along([&cube, &cube], poses, normal);
+            assert!((apart(DVec3::Y) - distance).abs() < 1e-12);
+            for step in 0..64 {
+                let (sine, cosine) = libm::sincos(0.1 * f64::from(step));
+                assert!(apart(DVec3::new(0.0, cosine, sine)) <= distance.max(0.0) + 1e-12, "{step}");
+            }
+        }
     }
 }

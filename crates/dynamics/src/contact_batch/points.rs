@@ -1,10 +1,10 @@
 //! Which points of which pairs are in the lanes of a batch: gathered a line for each lane, row by row.
 
-use super::{Anchors, Batch, Patch, Rest, Softness};
+use super::{Anchors, Batch, Patch, Rest, STALE, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
-use crate::manifold::{Manifold, ManifoldPoint};
+use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
 use crate::pair::Pair;
 use crate::warm_start::{Carried, PointImpulse};
@@ -25,6 +25,13 @@ pub(crate) struct Touching<'a> {
     pub(crate) carried: &'a [&'a [Carried]],
 }
 
+/// Points of a pair, in some order: the place of each, and of what it carried in the last frame.
+#[derive(Clone, Copy, Default)]
+struct Order {
+    points: [(usize, Option<usize>); MOST_POINTS],
+    count: usize,
+}
+
 /// Points for a row, in some lanes.
 pub(super) struct NewPoints {
     lanes: Mask,
@@ -35,6 +42,16 @@ pub(super) struct NewPoints {
     impulses: [[PointImpulse; 2]; LANES],
     is_of_first: Mask,
     sample: [u64; LANES],
+}
+
+impl Order {
+    #[inline(always)]
+    fn push(&mut self, point: (usize, Option<usize>)) {
+        if self.count < MOST_POINTS {
+            self.points[self.count] = point;
+            self.count += 1;
+        }
+    }
 }
 
 impl NewPoints {
@@ -92,8 +109,9 @@ impl<I: Instructions> Batch<I> {
             || {
                 let starts = batch.starts(movers);
                 batch.begin(&starts);
+                let orders = touching.orders(group);
                 for row in 0..rows {
-                    batch.place(row, &touching.points(group, row, dt), &starts);
+                    batch.place(row, &touching.points((group, &orders), row, dt), &starts);
                 }
                 batch.soften();
             },
@@ -108,6 +126,8 @@ impl<I: Instructions> Batch<I> {
             start: Lanes3::ZERO,
             centre: Lanes3::ZERO,
             answered_at: Lanes::ZERO,
+            sizes: [Lanes::ZERO; 2],
+            look_at: Lanes::splat(f64::INFINITY),
             restitution: Lanes::ZERO,
             stiffness: Lanes::ZERO,
             roll_lengths: [Lanes::ZERO; 2],
@@ -133,6 +153,9 @@ impl<I: Instructions> Batch<I> {
             has_outside: false,
             bounces: false,
             impacts: false,
+            met_rows: rows,
+            carrying_rows: [rows; 2],
+            looks: Mask::NONE,
             rest: Box::new(rest),
         }
     }
@@ -162,7 +185,7 @@ impl<I: Instructions> Batch<I> {
             }
         }
         let manifold = member.manifold;
-        self.rest.patches.push(Patch { pair, manifold, travel: 0.0, size: 0.0, touched: false, anew: None });
+        self.rest.patches.push(Patch { pair, manifold, size: 0.0, touched: false, anew: None });
     }
 
     /// How its bodies began the frame.
@@ -175,8 +198,10 @@ impl<I: Instructions> Batch<I> {
     fn begin(&mut self, [first, second]: &[Start<I>; 2]) {
         self.rest.start = first.centre;
         self.rest.start_offset = first.centre - second.centre;
+        self.rest.sizes = [first.size, second.size];
         for (lane, patch) in self.rest.patches.iter_mut().enumerate() {
             patch.size = smaller(first.size.get(lane), second.size.get(lane));
+            self.rest.look_at.set(lane, STALE * patch.size);
         }
     }
 
@@ -254,14 +279,39 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl Touching<'_> {
+    /// In which order the points of some pairs go into rows: first what carries, so that rows are visited in vain where they can be.
+    #[inline(always)]
+    fn orders(&self, group: &[Member]) -> [Order; LANES] {
+        let mut orders = [Order::default(); LANES];
+        for (lane, member) in group.iter().enumerate() {
+            let carried = self.carried[member.manifold];
+            let (order, mut rest) = (&mut orders[lane], Order::default());
+            for (number, point) in self.manifolds[member.manifold].points.iter().enumerate() {
+                let same = carried.iter().position(|carried| carried.sample == point.sample);
+                let carries =
+                    same.is_some_and(|same| carried[same].forces.iter().any(|force| force.normal > 0.0));
+                let into = if carries { &mut *order } else { &mut rest };
+                into.push((number, same));
+            }
+            for at in 0..rest.count {
+                order.push(rest.points[at]);
+            }
+        }
+        orders
+    }
+
     /// Points of some pairs that go into one row.
     #[inline(always)]
-    fn points(&self, group: &[Member], row: usize, dt: f64) -> NewPoints {
+    fn points(&self, (group, orders): (&[Member], &[Order; LANES]), row: usize, dt: f64) -> NewPoints {
         let mut points = NewPoints::NONE;
         for (lane, member) in group.iter().enumerate() {
-            let Some(point) = self.manifolds[member.manifold].points.get(row) else { continue };
-            let same = self.carried[member.manifold].iter().find(|carried| carried.sample == point.sample);
-            let [before, after] = same.map_or([PointImpulse::ZERO; 2], |same| same.forces);
+            if row >= orders[lane].count {
+                continue;
+            }
+            let (number, same) = orders[lane].points[row];
+            let [before, after] =
+                same.map_or([PointImpulse::ZERO; 2], |same| self.carried[member.manifold][same].forces);
+            let point = &self.manifolds[member.manifold].points[number];
             points.add(lane, point, [before.scaled(dt), after.scaled(dt)]);
         }
         points

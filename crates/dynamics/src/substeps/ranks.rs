@@ -104,9 +104,14 @@ impl<I: Instructions> Ranks<I> {
 }
 
 impl<I: Instructions> Block<I> {
-    /// Visits all batches.
+    /// Visits all batches, of each its first `rows`.
     #[inline(always)]
-    pub(super) fn visit(&mut self, movers: &Movers, visit: impl Fn(&mut Batch<I>, &mut Given<I>)) {
+    pub(super) fn visit(
+        &mut self,
+        movers: &Movers,
+        rows: impl Fn(&Batch<I>) -> usize,
+        visit: impl Fn(&mut Batch<I>, &mut Given<I>),
+    ) {
         let Self { batches, given, is_far, .. } = self;
         I::run(
             #[inline(always)]
@@ -115,7 +120,8 @@ impl<I: Instructions> Block<I> {
                 for at in 0..batches.len() {
                     if *is_far {
                         I::prefetch(&batches[(at + 2).min(last)..][..1]);
-                        batches[(at + 1).min(last)].prefetch(movers);
+                        let next = &batches[(at + 1).min(last)];
+                        next.prefetch(movers, rows(next));
                     }
                     visit(&mut batches[at], given);
                 }
