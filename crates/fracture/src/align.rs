@@ -92,6 +92,14 @@ impl Placement {
     }
 }
 
+impl Placement {
+    /// Images of the regions' planes, without faces: most of these lie beyond the body.
+    pub(crate) fn planes(&self, regions: &[Region]) -> Vec<Region> {
+        let place = |cut: &Cut| Cut { half_space: self.half_space(&cut.half_space), face: Vec::new() };
+        regions.iter().map(|region| Region { cuts: region.cuts.iter().map(place).collect() }).collect()
+    }
+}
+
 /// The regions of a planar pattern, laid onto the struck body: in its grid frame.
 pub fn align_pattern(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Vec<Region> {
     let placement = Placement::new(pattern, impact, struck);

@@ -6,9 +6,11 @@ use glam::DVec3;
 /// The part of a convex polygon that lies inside a half-space; empty if there is none.
 pub(crate) fn clip(polygon: &[DVec3], half_space: &HalfSpace) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let Some(&first) = polygon.first() else { return kept };
+    let mut to = half_space.distance(first);
     for (at, &start) in polygon.iter().enumerate() {
-        let end = polygon[(at + 1) % polygon.len()];
-        let (from, to) = (half_space.distance(start), half_space.distance(end));
+        let end = polygon.get(at + 1).copied().unwrap_or(first);
+        let from = std::mem::replace(&mut to, half_space.distance(end));
         if from <= 0.0 {
             kept.push(start);
         }

@@ -13,7 +13,8 @@ mod pieces;
 mod regions;
 mod slivers;
 
-use crate::{Impact, Pattern, Placement, align::align_pattern, shatter_hull};
+use crate::pattern::Region;
+use crate::{Impact, Pattern, Placement, shatter_hull};
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, RigidTransform, Shape};
 use glam::DVec3;
@@ -63,7 +64,10 @@ pub fn shatter(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     match (&parent.geometry, pattern.planar()) {
-        (Geometry::Grid(solid), Some(_)) => shatter_planar((parent, solid), pattern, impact, settings),
+        (Geometry::Grid(solid), Some(regions)) => {
+            let placement = Placement::new(pattern, impact, parent);
+            shatter_planar((parent, solid), (&placement, regions), settings)
+        }
         (Geometry::Grid(solid), None) => shatter_sampled((parent, solid), pattern, impact, settings),
         (_, Some(_)) => shatter_hull(parent, pattern, impact, settings),
         (_, None) => Vec::new(),
@@ -73,23 +77,25 @@ pub fn shatter(
 /// A solid, broken by planes.
 fn shatter_planar(
     (parent, solid): (&Shape, &GridSolid),
-    pattern: &Pattern,
-    impact: &Impact,
+    pattern: (&Placement, &[Region]),
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     // Lay the pattern onto the body, and share out its voxels among the regions.
-    let regions = align_pattern(pattern, impact, parent);
-    let mut shares = regions::share_out(solid, &regions);
+    let regions = pattern.0.planes(pattern.1);
+    let smallest = settings.smallest_fragment_voxels;
 
     // Each connected part of a region's share is a piece, unless it is too small for the grid.
-    let smallest = settings.smallest_fragment_voxels;
-    let components = components::connected_components(solid, &mut shares, Some(smallest));
-    let pieces = slivers::merge_slivers(solid, &shares, &components, smallest);
+    let mut components = if solid.is_convex() {
+        components::of_convex(regions::runs_of_regions(solid, &regions))
+    } else {
+        components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
+    };
+    let pieces = slivers::merge_slivers(solid, &components, smallest);
 
     // Level set, mass properties and principal frame of each piece, then its surface samples.
-    let framed = frame(pieces::intersect_level_sets(solid, &regions, &shares, &components, &pieces));
+    let framed = frame(pieces::intersect_level_sets(solid, &regions, &mut components, &pieces));
     let of_regions = &pieces::pieces_of_regions(regions.len(), &components, &pieces);
-    let lookup = Lookup { regions: &regions, of_regions, pieces: &framed };
+    let lookup = Lookup { pattern: Some(pattern), regions: &regions, of_regions, pieces: &framed };
     let surfaces = particles::assign_particles((parent, solid), &lookup, settings);
     finish(parent, framed, surfaces, (&components, &pieces))
 }
@@ -114,10 +120,10 @@ fn shatter_sampled(
     };
 
     // The same stages as for planes.
-    let mut shares = regions::share_out_nodes(solid, cell_at);
-    let components = components::connected_components(solid, &mut shares, None);
-    let pieces = slivers::merge_slivers(solid, &shares, &components, settings.smallest_fragment_voxels);
-    let framed = frame(pieces::intersect_sampled(solid, distance, &shares, &components, &pieces));
+    let shares = regions::share_out_nodes(solid, cell_at);
+    let mut components = components::connected_components(solid, shares, None);
+    let pieces = slivers::merge_slivers(solid, &components, settings.smallest_fragment_voxels);
+    let framed = frame(pieces::intersect_sampled(solid, distance, &mut components, &pieces));
     let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
     let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), cell_at, cracks);
     finish(parent, framed, surfaces, (&components, &pieces))

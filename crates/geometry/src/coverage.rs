@@ -179,17 +179,34 @@ impl VoxelMoments {
     }
 }
 
-/// Sums over voxels, spans in closed form.
-pub fn mass_properties(grid: &Grid, runs: &[Run]) -> MassProperties {
-    // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
-    let [_, half_y, half_z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
-    let mut moments = VoxelMoments::ZERO;
-    for run in runs {
-        let [y, z] = run.row.map(f64::from);
-        moments.add_row([y - half_y, z - half_z], run.moments);
+/// Sums over the runs of a grid.
+pub(crate) struct RunMoments {
+    grid: Grid,
+    /// Of the middle of the grid along y and z, in units of the spacing.
+    middle: [f64; 2],
+    sums: VoxelMoments,
+}
+
+impl RunMoments {
+    /// Of none yet.
+    pub(crate) fn new(grid: &Grid) -> Self {
+        // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
+        let [_, y, z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
+        Self { grid: *grid, middle: [y, z], sums: VoxelMoments::ZERO }
     }
-    let (low, high) = grid.bounds();
-    moments.mass_properties(0.5 * (low + high), grid.spacing)
+
+    /// Adds a run.
+    #[inline]
+    pub(crate) fn add(&mut self, run: &Run) {
+        let [y, z] = run.row.map(f64::from);
+        self.sums.add_row([y - self.middle[0], z - self.middle[1]], run.moments);
+    }
+
+    /// Of all that were added, in the grid's frame.
+    pub(crate) fn mass_properties(&self) -> MassProperties {
+        let (low, high) = self.grid.bounds();
+        self.sums.mass_properties(0.5 * (low + high), self.grid.spacing)
+    }
 }
 
 #[cfg(test)]
@@ -203,7 +220,7 @@ mod tests {
 
     fn dense_mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
         let outside = LevelSet::new(*grid, vec![1.0; grid.len()]);
-        mass_properties(grid, &Held::all(grid, Material::from_nodes(&outside, coverage)).runs)
+        Held::all(grid, Material::from_nodes(&outside, coverage)).mass
     }
 
     proptest! {

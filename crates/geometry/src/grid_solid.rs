@@ -172,12 +172,14 @@ impl GridSolid {
 
     /// Grid, field and material of a part, without its planes.
     fn part(&self, runs: Vec<Run>) -> Self {
-        let mut low = [u32::MAX; 3];
-        let mut high = [0; 3];
-        for &Run { row: [j, k], start, end, .. } in &runs {
-            low = [low[0].min(start), low[1].min(j), low[2].min(k)];
-            high = [high[0].max(end - 1), high[1].max(j), high[2].max(k)];
+        // They are in order of their rows along z.
+        let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
+        for &Run { row: [j, _], start, end, .. } in &runs {
+            (low[0], low[1]) = (low[0].min(start), low[1].min(j));
+            (high[0], high[1]) = (high[0].max(end - 1), high[1].max(j));
         }
+        (low[2], high[2]) =
+            (runs.first().map_or(0, |run| run.row[1]), runs.last().map_or(0, |run| run.row[1]));
         let [low, high] = [low, high].map(|corner| corner.map(|n| n as usize));
 
         // The part's own lattice; it may reach beyond this one's.
@@ -253,7 +255,7 @@ impl GridSolid {
 
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
-        coverage::mass_properties(&self.grid, self.runs())
+        self.held.mass
     }
 
     /// Signed distance [m] at the nodes of [`GridSolid::grid`]: made when it is first asked for, then kept.

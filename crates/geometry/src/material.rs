@@ -1,6 +1,7 @@
 //! What of a grid's voxels is material, row by row in runs.
 
-use crate::{Grid, LevelSet, RunCore};
+use crate::coverage::RunMoments;
+use crate::{Grid, LevelSet, MassProperties, RunCore};
 use std::sync::{Arc, OnceLock};
 
 /// Consecutive nodes of a row whose voxels are filled alike.
@@ -64,6 +65,12 @@ impl Run {
         self.row == row && self.end == start
     }
 
+    /// What runs are in order by: its row along z and along y, and its first node.
+    #[inline]
+    pub fn place(&self) -> [u32; 3] {
+        [self.row[1], self.row[0], self.start]
+    }
+
     /// Number of its row in a grid with `rows_y` of them along y.
     #[inline]
     pub fn number(&self, rows_y: usize) -> usize {
@@ -76,6 +83,8 @@ impl Run {
 pub(crate) struct Held {
     /// In order; on the holder's own grid.
     pub(crate) runs: Vec<Run>,
+    /// Of all runs, in the holder's grid frame.
+    pub(crate) mass: MassProperties,
     source: Arc<Material>,
     /// The first node of the holder's grid on the source's, and how many rows both have along y.
     shift: [i64; 3],
@@ -106,7 +115,10 @@ impl Held {
         let source = Arc::new(material);
         let (rows_y, rows) = ([grid.dims[1]; 2], source.rows());
         let own = OnceLock::from(source.clone());
-        let held = Self { runs, own, source, shift: [0; 3], rows_y, rows, cores: OnceLock::new() };
+        let mut moments = RunMoments::new(grid);
+        runs.iter().for_each(|run| moments.add(run));
+        let mass = moments.mass_properties();
+        let held = Self { runs, mass, own, source, shift: [0; 3], rows_y, rows, cores: OnceLock::new() };
         held.cores(grid);
         held
     }
@@ -115,20 +127,24 @@ impl Held {
     pub(crate) fn part(&self, mut runs: Vec<Run>, from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
         // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
         let ahead = 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64;
+        let mut moments = RunMoments::new(own);
         for run in &mut runs {
             let across = |axis: usize| (i64::from(run.row[axis]) - from[axis + 1]) as u32;
             let along = |i: u32| (i64::from(i) - from[0]) as u32;
             let [volume, first, second] = run.moments;
-            *run = Run {
+            let moved = Run {
                 row: [across(0), across(1)],
                 start: along(run.start),
                 end: along(run.end),
                 inside: run.inside,
                 moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
             };
+            moments.add(&moved);
+            *run = moved;
         }
         Self {
             runs,
+            mass: moments.mass_properties(),
             source: self.material().clone(),
             shift: from,
             rows_y: [own.dims[1], grid.dims[1]],

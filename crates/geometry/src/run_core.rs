@@ -18,6 +18,7 @@ pub struct RunCore {
     is_inside: bool,
     before: Sums,
     behind: Sums,
+    whole: Sums,
 }
 
 /// How many nodes are inside, and the moments of some spans.
@@ -64,17 +65,19 @@ impl RunCore {
             is_inside: core.inside,
             before: Sums::of(&spans[..longest], run.start, middle),
             behind: Sums::of(behind, core.end, middle),
+            whole: Sums { inside: run.inside, moments: run.moments },
         }
     }
 
-    /// The part of the run from one node to another, whole numbers; `spans` are those of its row.
+    /// Adds the part of the run from one node to another, whole numbers; `spans` finds those of its row.
     #[inline]
-    pub fn cut(&self, spans: &[Span], [first, last]: [f64; 2]) -> Run {
+    pub fn cut<'a>(&self, [first, last]: [f64; 2], parts: &mut Vec<Run>, spans: impl FnOnce() -> &'a [Span]) {
         let [before, behind] = [first < self.core[0], last > self.core[1]];
         let from = if before { self.core[0] } else { first };
         let to = if behind { self.core[1] } else { last };
         if from > to || (before && first != self.ends[0]) || (behind && last != self.ends[1]) {
-            return self.cut_elsewhere(spans, [number(first), number(last) + 1]);
+            self.cut_elsewhere(spans(), [number(first), number(last) + 1], parts);
+            return;
         }
         let (count, place) = (to - from + 1.0, 0.5 * (from + to) - self.middle);
         let volume = count * self.coverage;
@@ -87,19 +90,28 @@ impl RunCore {
         if behind {
             sums = sums.plus(self.behind);
         }
+        // What is whole stays as it was summed up.
+        if first == self.ends[0] && last == self.ends[1] {
+            sums = self.whole;
+        }
         let (start, end) = (number(first), number(last) + 1);
-        Run { row: self.row, start, end, inside: sums.inside, moments: sums.moments }
+        parts.push(Run { row: self.row, start, end, inside: sums.inside, moments: sums.moments });
     }
 
-    /// The part below `end`, span by span.
+    /// Adds the part below `end`, span by span.
     #[cold]
-    fn cut_elsewhere(&self, spans: &[Span], [start, end]: [u32; 2]) -> Run {
+    fn cut_elsewhere(&self, spans: &[Span], [start, end]: [u32; 2], parts: &mut Vec<Run>) {
         let mut run = Run::empty(self.row, start);
-        let first = spans.iter().take_while(|span| span.end <= start).count();
-        for span in spans[first..].iter().take_while(|span| span.start < end) {
+        for span in spans {
+            if span.end <= start {
+                continue;
+            }
+            if span.start >= end {
+                break;
+            }
             run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, self.middle);
         }
-        run
+        parts.push(run);
     }
 }
 
@@ -124,7 +136,10 @@ mod tests {
             }
             let node = |part: f64| run.start + (part * f64::from(run.end - run.start)) as u32;
             let (start, end) = (node(low.min(high)), node(low.max(high)) + 1);
-            let cut = RunCore::of(&run, &spans, middle).cut(&spans, [f64::from(start), f64::from(end - 1)]);
+            let mut parts = Vec::new();
+            let ends = [f64::from(start), f64::from(end - 1)];
+            RunCore::of(&run, &spans, middle).cut(ends, &mut parts, || &spans);
+            let cut = parts[0];
             let mut expected = Run::empty(run.row, start);
             for span in spans.iter().filter(|span| span.start < end && span.end > start) {
                 expected.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, middle);

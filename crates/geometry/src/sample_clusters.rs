@@ -21,8 +21,7 @@ const CLUSTER: usize = 16;
 /// Sorts samples along a space-filling curve [Mor66] and cuts the row into clusters.
 pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
     // Sort by the Morton code in the samples' box; equal codes keep their order.
-    let low = samples.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
-    let high = samples.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
+    let (low, high) = bounds_of(samples);
     let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
     let mut coded: Vec<(u32, Vec3)> =
         samples.iter().map(|&sample| (morton_code((sample - low) * scale), sample)).collect();
@@ -34,13 +33,38 @@ pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
     chunks.map(|(index, chunk)| SampleCluster::around((index * CLUSTER) as u32, chunk)).collect()
 }
 
+/// Lowest and highest corner of the box around some points; infinite and the wrong way round without any.
+pub(crate) fn bounds_of(points: &[Vec3]) -> (Vec3, Vec3) {
+    // Four points at a time fill lanes.
+    let (mut lows, mut highs) = ([f32::INFINITY; 12], [f32::NEG_INFINITY; 12]);
+    let fours = points.chunks_exact(4);
+    let rest = fours.remainder();
+    for four in fours {
+        let [a, b, c, d] = [four[0], four[1], four[2], four[3]];
+        let all = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z];
+        for n in 0..12 {
+            lows[n] = if all[n] < lows[n] { all[n] } else { lows[n] };
+            highs[n] = if all[n] > highs[n] { all[n] } else { highs[n] };
+        }
+    }
+    let less = |a: f32, b: f32| if a < b { a } else { b };
+    let more = |a: f32, b: f32| if a > b { a } else { b };
+    let along = |n: usize| less(less(lows[n], lows[n + 3]), less(lows[n + 6], lows[n + 9]));
+    let low = Vec3::new(along(0), along(1), along(2));
+    let along = |n: usize| more(more(highs[n], highs[n + 3]), more(highs[n + 6], highs[n + 9]));
+    let high = Vec3::new(along(0), along(1), along(2));
+    rest.iter().fold((low, high), |(low, high), &point| (low.min(point), high.max(point)))
+}
+
 impl SampleCluster {
     /// The cluster of some samples, the first of which has the index `first`.
     fn around(first: u32, samples: &[Vec3]) -> Self {
-        let low = samples.iter().fold(Vec3::INFINITY, |low, &sample| low.min(sample));
-        let high = samples.iter().fold(Vec3::NEG_INFINITY, |high, &sample| high.max(sample));
+        let (low, high) = bounds_of(samples);
         let center = 0.5 * (low + high);
-        let square = samples.iter().fold(0.0_f32, |r, &sample| r.max(sample.distance_squared(center)));
+        let square = samples.iter().fold(0.0_f32, |largest, &sample| {
+            let square = sample.distance_squared(center);
+            if square > largest { square } else { largest }
+        });
         // The root of a square rounds: the ball holds them all.
         let radius = square.sqrt() * (1.0 + 2.0 * f32::EPSILON);
         Self { first, count: samples.len() as u32, center, radius }

@@ -4,7 +4,7 @@ use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;
 use crate::hull::hull_samples;
 use crate::polygonize::polygonize;
-use crate::sample_clusters::{ClusteredSamples, SampleCluster};
+use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
 use crate::{ClosedForm, GridSolid, Hull, MassProperties, NoMass, RigidTransform, Surface, TriMesh};
 use glam::{DVec3, Vec3};
@@ -306,11 +306,7 @@ fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &
     let origin = body_from_grid.point(grid.origin);
     let low = DVec3::new(ends[0], ends[1], ends[2]) + (origin - half_voxel);
     let high = DVec3::new(-ends[3], -ends[4], -ends[5]) + (origin + half_voxel);
-    let (mut lowest, mut highest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for &sample in samples {
-        lowest = lowest.min(sample);
-        highest = highest.max(sample);
-    }
+    let (lowest, highest) = bounds_of(samples);
     (low.min(lowest.as_dvec3()), high.max(highest.as_dvec3()))
 }
 

@@ -5,16 +5,27 @@ use frangible_geometry::disjoint_sets::DisjointSets;
 use frangible_geometry::{Grid, GridSolid, Run, Span};
 use glam::DVec3;
 
-/// Which connected part each share belongs to.
-#[derive(Debug)]
+/// The connected parts.
+#[derive(Debug, Default)]
 pub(crate) struct Components {
-    pub(crate) of_share: Vec<u32>,
     /// Region of each component.
     pub(crate) region: Vec<u32>,
     /// Whether it has nodes inside, or is only a film of surface voxels.
     pub(crate) has_inside: Vec<bool>,
     /// Its material [voxels].
     pub(crate) material: Vec<f64>,
+    /// The same in runs, in order.
+    pub(crate) runs: Vec<Vec<Run>>,
+}
+
+/// Which connected part each share belongs to.
+#[derive(Debug)]
+struct Labels {
+    of_share: Vec<u32>,
+    /// Region of each component.
+    region: Vec<u32>,
+    /// Its material [voxels]; known in the end.
+    material: Vec<f64>,
 }
 
 /// The rows next to a row, which share voxel faces with it: their numbers and how much their nodes' follow on.
@@ -30,70 +41,83 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
     beside.into_iter().flatten()
 }
 
+/// What the regions hold of a convex body, one component for each that holds anything: it is connected, whether or not the grid shows
+/// it. Numbered in the order of their first runs.
+pub(crate) fn of_convex(runs_of_regions: Vec<Vec<Run>>) -> Components {
+    let held = runs_of_regions.into_iter().zip(0..).filter(|(runs, _)| !runs.is_empty());
+    let mut held: Vec<(Vec<Run>, u32)> = held.collect();
+    held.sort_by_key(|(runs, _)| runs[0].place());
+    let mut components = Components::default();
+    for (runs, region) in held {
+        components.add(region, runs);
+    }
+    components
+}
+
 /// Connects what is inside of the body, shares a region and a voxel face; then gives each voxel on the surface, whose node
-/// lies outside but which holds material, to a component next to it. What a convex region holds of a convex body is
-/// connected, whether or not the grid shows it.
+/// lies outside but which holds material, to a component next to it.
 ///
 /// Shares of surface voxels are cut into single nodes where it matters whom they touch.
 ///
 /// `convex_slivers`: the regions are convex, and a part of less material [voxels] may be a tip of another.
 pub(crate) fn connected_components(
     solid: &GridSolid,
-    shares: &mut Shares,
+    mut shares: Shares,
     convex_slivers: Option<f64>,
 ) -> Components {
-    if solid.is_convex() && convex_slivers.is_some() {
-        return of_convex(shares);
+    let labels = label_components(solid, &mut shares, convex_slivers);
+    let mut counts = vec![0; labels.region.len()];
+    for &component in &labels.of_share {
+        counts[component as usize] += 1;
     }
-    split_surface(solid, shares);
-    let mut components = connect_inside(solid, shares);
-    let pending = attach_surface_voxels(solid, shares, &mut components);
-    found_islands(solid, shares, &mut components, &pending);
-    components.weigh(shares);
-    if let Some(smallest) = convex_slivers {
-        rejoin_tips(solid, shares, &mut components, smallest);
+    let mut runs: Vec<Vec<Run>> = counts.into_iter().map(Vec::with_capacity).collect();
+    for (share, &component) in shares.all.iter().zip(&labels.of_share) {
+        runs[component as usize].push(share.run);
+    }
+    let mut components = Components::default();
+    for (region, runs) in labels.region.into_iter().zip(runs) {
+        components.add(region, runs);
     }
     components
 }
 
-/// One component for each region that holds anything, numbered in the order of their first shares.
-fn of_convex(shares: &Shares) -> Components {
-    let regions = shares.all.iter().fold(0, |most, share| most.max(share.region as usize + 1));
-    // Each region's component, whether that has nodes inside, and its material.
-    let mut of_region = vec![(NONE, false, 0.0); regions];
-    let mut components = Components::empty(shares);
-    for (Share { run, region }, of_share) in shares.all.iter().zip(&mut components.of_share) {
-        let (component, has_inside, material) = &mut of_region[*region as usize];
-        if *component == NONE {
-            *component = components.region.len() as u32;
-            components.region.push(*region);
-        }
-        *of_share = *component;
-        *has_inside |= run.inside > 0;
-        *material += run.moments[0];
+/// The same for each share.
+fn label_components(solid: &GridSolid, shares: &mut Shares, convex_slivers: Option<f64>) -> Labels {
+    split_surface(solid, shares);
+    let mut labels = connect_inside(solid, shares);
+    let pending = attach_surface_voxels(solid, shares, &mut labels);
+    found_islands(solid, shares, &mut labels, &pending);
+    labels.weigh(shares);
+    if let Some(smallest) = convex_slivers {
+        rejoin_tips(solid, shares, &mut labels, smallest);
     }
-    let sums = || components.region.iter().map(|&region| of_region[region as usize]);
-    components.has_inside = sums().map(|(_, has_inside, _)| has_inside).collect();
-    components.material = sums().map(|(.., material)| material).collect();
-    components
+    labels
 }
 
 impl Components {
-    fn empty(shares: &Shares) -> Self {
-        Self {
-            of_share: vec![NONE; shares.all.len()],
-            region: Vec::new(),
-            has_inside: Vec::new(),
-            material: Vec::new(),
+    /// Adds a part of a region.
+    fn add(&mut self, region: u32, runs: Vec<Run>) {
+        let (mut has_inside, mut material) = (false, 0.0);
+        for run in &runs {
+            has_inside |= run.inside > 0;
+            material += run.moments[0];
         }
+        self.region.push(region);
+        self.has_inside.push(has_inside);
+        self.material.push(material);
+        self.runs.push(runs);
+    }
+}
+
+impl Labels {
+    fn empty(shares: &Shares) -> Self {
+        Self { of_share: vec![NONE; shares.all.len()], region: Vec::new(), material: Vec::new() }
     }
 
     /// Sums up the components' material.
     fn weigh(&mut self, shares: &Shares) {
-        self.has_inside = vec![false; self.region.len()];
         self.material = vec![0.0; self.region.len()];
         for (Share { run, .. }, &component) in shares.all.iter().zip(&self.of_share) {
-            self.has_inside[component as usize] |= run.inside > 0;
             self.material[component as usize] += run.moments[0];
         }
     }
@@ -129,7 +153,7 @@ fn fill(run: &Run) -> f32 {
 }
 
 /// Components of what is inside, numbered in the order of their first nodes.
-fn connect_inside(solid: &GridSolid, shares: &Shares) -> Components {
+fn connect_inside(solid: &GridSolid, shares: &Shares) -> Labels {
     let grid = solid.grid();
     let mut sets = DisjointSets::new(shares.all.len());
     for row in 0..shares.rows() {
@@ -149,7 +173,7 @@ fn connect_inside(solid: &GridSolid, shares: &Shares) -> Components {
     }
 
     // A root is the first share of its set: number the sets in that order.
-    let mut components = Components::empty(shares);
+    let mut components = Labels::empty(shares);
     for (at, share) in shares.all.iter().enumerate().filter(|(_, share)| share.run.inside > 0) {
         let root = sets.root(at as u32) as usize;
         if root == at {
@@ -202,11 +226,7 @@ type SurfaceVoxel = (usize, usize);
 
 /// Gives surface voxels to components that they touch, first of their own region, then of any; from the body outwards,
 /// one layer at a time. Returns those that touch nothing.
-fn attach_surface_voxels(
-    solid: &GridSolid,
-    shares: &Shares,
-    components: &mut Components,
-) -> Vec<SurfaceVoxel> {
+fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, components: &mut Labels) -> Vec<SurfaceVoxel> {
     let grid = solid.grid();
     let mut pending: Vec<SurfaceVoxel> = (0..shares.rows())
         .flat_map(|row| shares.row(row).map(move |at| (row, at)))
@@ -244,7 +264,7 @@ fn attach_surface_voxels(
 }
 
 /// Material without any node inside, too thin for the grid: each connected part becomes a component of its own.
-fn found_islands(solid: &GridSolid, shares: &Shares, components: &mut Components, pending: &[SurfaceVoxel]) {
+fn found_islands(solid: &GridSolid, shares: &Shares, components: &mut Labels, pending: &[SurfaceVoxel]) {
     let row_of = |at: usize| shares.first_of_row.partition_point(|&first| first as usize <= at) - 1;
     for &(row, seed) in pending {
         if components.of_share[seed] != NONE {
@@ -270,7 +290,7 @@ const TIP: usize = 3;
 
 /// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a straight line through the
 /// solid leads there: the region is convex, so that the line lies within it.
-fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Components, smallest: f64) {
+fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Labels, smallest: f64) {
     let count = components.region.len();
     let mut sets = DisjointSets::new(count);
     for row in 0..shares.rows() {
@@ -300,7 +320,7 @@ fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Components, 
 fn rest_of_tip(
     solid: &GridSolid,
     shares: &Shares,
-    components: &Components,
+    components: &Labels,
     (row, at): (usize, usize),
 ) -> Option<u32> {
     let grid = solid.grid();

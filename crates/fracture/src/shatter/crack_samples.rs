@@ -2,7 +2,11 @@
 
 mod parent;
 
-use crate::{pattern::Region, polygon};
+use crate::{
+    Placement,
+    pattern::{Cut, Region},
+    polygon,
+};
 use glam::{DVec2, DVec3};
 pub(crate) use parent::Parent;
 
@@ -59,23 +63,29 @@ impl<'a> Sampler<'a> {
         Self { parent, spacing, samples, edges, corners, lines: Lines::default() }
     }
 
-    /// Points of all cracks around a region: corners, edges, rims, and the faces between them. Neighbours follow each other.
-    pub(crate) fn sample(&mut self, region: &Region) -> &CrackSamples {
+    /// Points of all cracks around a region, whose faces are still those of the pattern: corners, edges, rims, and the faces between
+    /// them. Neighbours follow each other.
+    pub(crate) fn sample(
+        &mut self,
+        planes: &Region,
+        placement: &Placement,
+        of_pattern: &Region,
+    ) -> &CrackSamples {
         self.samples.clear();
         self.edges.clear();
         self.corners.clear();
-        for cut in &region.cuts {
+        for (cut, Cut { face, .. }) in planes.cuts.iter().zip(&of_pattern.cuts) {
             if self.parent.misses(&cut.half_space) {
                 continue;
             }
             // What is flat cuts the face exactly, so that its corners are the fragment's corners.
-            let mut face = std::borrow::Cow::Borrowed(cut.face.as_slice());
+            let mut face: Vec<DVec3> = face.iter().map(|&corner| placement.point(corner)).collect();
             for wall in &self.parent.walls {
                 if face.is_empty() {
                     break;
                 }
                 if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
-                    face = polygon::clip(&face, wall).into();
+                    face = polygon::clip(&face, wall);
                 }
             }
             if face.len() >= 3 {
@@ -114,7 +124,7 @@ impl Lines {
     }
 
     /// All points, a tile of neighbouring lines after the other.
-    fn in_tiles(&self, mut take: impl FnMut(&[DVec3])) {
+    fn in_tiles(&self, mut take: impl FnMut(DVec3)) {
         // As many as fill a cluster.
         const TILE: usize = 4;
         for first_line in (0..self.ends.len()).step_by(TILE) {
@@ -124,7 +134,7 @@ impl Lines {
                 for line in band.clone() {
                     let points = self.line(line);
                     let tile = first.min(points.len())..(first + TILE).min(points.len());
-                    take(&points[tile]);
+                    points[tile].iter().copied().for_each(&mut take);
                 }
             }
         }
@@ -134,7 +144,8 @@ impl Lines {
 /// A face in its plane.
 struct Face<'a> {
     corners: &'a [DVec3],
-    flat: Vec<DVec2>,
+    /// Its sides.
+    flat: Vec<[DVec2; 2]>,
     origin: DVec3,
     along: DVec3,
     across: DVec3,
@@ -149,18 +160,17 @@ impl Face<'_> {
 impl Sampler<'_> {
     fn sample_face(&mut self, corners: &[DVec3], normal: DVec3) {
         // The plane's axes: along the longest edge, and across.
-        let edge = |at: usize| (corners[at], corners[(at + 1) % corners.len()]);
         let mut longest = DVec3::ZERO;
-        for at in 0..corners.len() {
-            let (start, end) = edge(at);
+        for [start, end] in sides(corners) {
             if (end - start).length_squared() > longest.length_squared() {
                 longest = end - start;
             }
         }
         let along = longest.normalize_or_zero();
         let across = normal.cross(along);
-        let flat = corners.iter().map(|&corner| corner - corners[0]);
-        let flat = flat.map(|corner| DVec2::new(corner.dot(along), corner.dot(across))).collect();
+        let flat =
+            |corner: DVec3| DVec2::new((corner - corners[0]).dot(along), (corner - corners[0]).dot(across));
+        let flat = sides(corners).map(|side| side.map(flat)).collect();
         let face = Face { corners, flat, origin: corners[0], along, across };
 
         self.sample_inside(&face);
@@ -191,13 +201,15 @@ impl Sampler<'_> {
             }
             self.lines.ends.push(self.lines.points.len());
         }
-        let (lines, points) = (&self.lines, &mut self.samples.points);
-        lines.in_tiles(|tile| points.extend_from_slice(tile));
+        let points = &mut self.samples.points;
+        points.reserve(self.lines.points.len());
+        self.lines.in_tiles(|point| points.push(point));
 
         if self.parent.is_flat() {
             return;
         }
-        let turned: Vec<DVec2> = face.flat.iter().map(|corner| DVec2::new(-corner.y, corner.x)).collect();
+        let turn = |side: &[DVec2; 2]| side.map(|corner| DVec2::new(-corner.y, corner.x));
+        let turned: Vec<[DVec2; 2]> = face.flat.iter().map(turn).collect();
         for line in face_lines(&turned, self.spacing) {
             let [start, end] = line.map(|flat| face.point(DVec2::new(flat.y, -flat.x)));
             self.parent.inside(start, end, self.spacing, &mut stretches);
@@ -224,8 +236,7 @@ impl Sampler<'_> {
         let is_same = |a: DVec3, b: DVec3| (a - b).abs().max_element() < same;
         let tolerance = 0.1 * same.max(0.5 * self.spacing);
         let mut stretches = Vec::new();
-        for (at, &start) in face.corners.iter().enumerate() {
-            let end = face.corners[(at + 1) % face.corners.len()];
+        for [start, end] in sides(face.corners) {
             // Points of edges that lie in the parent's surface are off it by round-off, or by a sampled root's interpolation.
             let known = self.corners.iter().any(|&corner| is_same(corner, start));
             if !known && self.parent.distance(start) <= tolerance {
@@ -252,18 +263,24 @@ impl Sampler<'_> {
     }
 }
 
-/// The lines along x that divide a convex polygon into strips at most `spacing` wide: both ends of each.
-fn face_lines(polygon: &[DVec2], spacing: f64) -> impl Iterator<Item = [DVec2; 2]> {
-    let low = polygon.iter().fold(f64::INFINITY, |low, corner| low.min(corner.y));
-    let high = polygon.iter().fold(f64::NEG_INFINITY, |high, corner| high.max(corner.y));
+/// The lines along x that divide a convex polygon into strips at most `spacing` wide: both ends of each. Its sides go from each corner
+/// to the next.
+fn face_lines(sides: &[[DVec2; 2]], spacing: f64) -> impl Iterator<Item = [DVec2; 2]> {
+    let low = sides.iter().fold(f64::INFINITY, |low, [corner, _]| low.min(corner.y));
+    let high = sides.iter().fold(f64::NEG_INFINITY, |high, [corner, _]| high.max(corner.y));
     let count = ((high - low) / spacing - 1e-9).ceil() as usize;
     (1..count).filter_map(move |line| {
         let y = low + (high - low) * line as f64 / count as f64;
-        let mut ends = (0..polygon.len()).filter_map(|at| {
-            let (start, end) = (polygon[at], polygon[(at + 1) % polygon.len()]);
-            let crosses = (start.y <= y) != (end.y <= y);
-            crosses.then(|| DVec2::new(start.x + (end.x - start.x) * ((y - start.y) / (end.y - start.y)), y))
-        });
-        Some([ends.next()?, ends.next()?])
+        let mut ends = sides.iter().filter(|[start, end]| (start.y <= y) != (end.y <= y));
+        let mut next = || {
+            let [start, end] = ends.next()?;
+            Some(DVec2::new(start.x + (end.x - start.x) * ((y - start.y) / (end.y - start.y)), y))
+        };
+        Some([next()?, next()?])
     })
+}
+
+/// From each corner of a polygon to the next.
+fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 2]> {
+    (0..corners.len()).map(|at| [corners[at], corners[if at + 1 < corners.len() { at + 1 } else { 0 }]])
 }

@@ -1,10 +1,14 @@
 //! Which fragment each surface sample goes to [Su09 sec. 4.2 "Surface Particles"].
 
+mod body_regions;
+
 use super::{
     ShatterSettings,
     crack_samples::{CrackFace, Parent, Sampler},
 };
+use crate::Placement;
 use crate::pattern::Region;
+use body_regions::{BodyRegions, Neighbourhood};
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -13,6 +17,9 @@ const FEWEST_SAMPLES: usize = 4;
 
 /// What samples are shared out among.
 pub(crate) struct Lookup<'a> {
+    /// Of planar cells, with where it is laid.
+    pub(crate) pattern: Option<(&'a Placement, &'a [Region])>,
+    /// Its planes on the body.
     pub(crate) regions: &'a [Region],
     /// The pieces that each region's inside belongs to.
     pub(crate) of_regions: &'a [Vec<u32>],
@@ -88,7 +95,7 @@ pub(crate) fn assign_to_sampled(
 ) -> Vec<ClusteredSamples> {
     let (shape, solid) = parent;
     let (pieces, of_regions) = pieces;
-    let lookup = Lookup { regions: &[], of_regions, pieces };
+    let lookup = Lookup { pattern: None, regions: &[], of_regions, pieces };
     let h = solid.grid().spacing;
     let grid_from_parent = shape.body_from_grid.inverse();
     let mut collectors: Vec<Collector> =
@@ -128,6 +135,7 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
             collector.single.extend(points.into_iter().map(|point| collector.body_from_grid.point(point)));
         }
         let mut surface = collector.whole;
+        surface.samples.reserve_exact(collector.single.len() + collector.cracks.len());
         for points in [collector.cracks, collector.single] {
             surface.samples.extend(points);
             surface.cluster_rest();
@@ -137,109 +145,10 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
     collectors.into_iter().zip(pieces).map(finish).collect()
 }
 
-/// The regions' planes, in the parent's body frame.
-struct BodyRegions {
-    planes: Vec<(DVec3, f64)>,
-    /// Where each region begins in `planes`, and one more entry at the end.
-    first: Vec<usize>,
-}
-
-impl BodyRegions {
-    fn new(regions: &[Region], body_from_grid: &RigidTransform) -> Self {
-        let mut moved = Self { planes: Vec::new(), first: vec![0] };
-        for region in regions {
-            for cut in &region.cuts {
-                let normal = body_from_grid.direction(cut.half_space.normal);
-                let offset = cut.half_space.offset + normal.dot(body_from_grid.translation);
-                moved.planes.push((normal, offset));
-            }
-            moved.first.push(moved.planes.len());
-        }
-        moved
-    }
-
-    /// Largest distance to a plane of a region, or one that is larger than `most`.
-    #[inline]
-    fn distance(&self, region: usize, point: DVec3, most: f64) -> f64 {
-        let mut largest = f64::NEG_INFINITY;
-        for (normal, offset) in &self.planes[self.first[region]..self.first[region + 1]] {
-            let distance = normal.dot(point) - offset;
-            if distance > largest {
-                largest = distance;
-                if distance > most {
-                    break;
-                }
-            }
-        }
-        largest
-    }
-
-    /// The region with the least distance; `guess` is looked at first.
-    fn nearest(&self, point: DVec3, guess: usize) -> usize {
-        let mut nearest = (guess, self.distance(guess, point, f64::INFINITY));
-        if nearest.1 < 0.0 {
-            return guess;
-        }
-        for region in 0..self.first.len() - 1 {
-            let distance = self.distance(region, point, nearest.1);
-            if distance < nearest.1 || (distance == nearest.1 && region < nearest.0) {
-                nearest = (region, distance);
-            }
-        }
-        nearest.0
-    }
-}
-
-/// The regions that reach into a ball, with those of their planes that pass through it.
-#[derive(Default)]
-struct Neighbourhood {
-    /// Each with where its planes end.
-    regions: Vec<(usize, usize)>,
-    planes: Vec<(DVec3, f64)>,
-}
-
-impl Neighbourhood {
-    fn look(&mut self, regions: &BodyRegions, center: DVec3, radius: f64) {
-        self.regions.clear();
-        self.planes.clear();
-        for region in 0..regions.first.len() - 1 {
-            let first = self.planes.len();
-            let mut reaches_in = true;
-            for &(normal, offset) in &regions.planes[regions.first[region]..regions.first[region + 1]] {
-                let distance = normal.dot(center) - offset;
-                if distance > radius {
-                    reaches_in = false;
-                    break;
-                }
-                if distance >= -radius {
-                    self.planes.push((normal, offset));
-                }
-            }
-            if reaches_in {
-                self.regions.push((region, self.planes.len()));
-            } else {
-                self.planes.truncate(first);
-            }
-        }
-    }
-
-    /// The region that a point of the ball lies inside of; `None` on a crack.
-    fn region_around(&self, point: DVec3) -> Option<usize> {
-        let mut first = 0;
-        for &(region, end) in &self.regions {
-            if self.planes[first..end].iter().all(|(normal, offset)| normal.dot(point) < *offset) {
-                return Some(region);
-            }
-            first = end;
-        }
-        None
-    }
-}
-
 impl Lookup<'_> {
     /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
-        let regions = BodyRegions::new(self.regions, &parent.body_from_grid);
+        let regions = BodyRegions::new(self.regions, parent);
         let grid_from_body = parent.body_from_grid.inverse();
         let mut region = 0;
         let mut around = Neighbourhood::default();
@@ -247,7 +156,7 @@ impl Lookup<'_> {
             let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
             let (center, radius) = (cluster.center.as_dvec3(), f64::from(cluster.radius));
             region = regions.nearest(center, region);
-            if let [piece] = self.of_regions[region].as_slice()
+            if let [piece] = self.of_regions[regions.numbers[region]].as_slice()
                 && regions.distance(region, center, -radius) < -radius
             {
                 let collector = &mut collectors[*piece as usize];
@@ -259,15 +168,16 @@ impl Lookup<'_> {
             }
             around.look(&regions, center, radius);
             for &sample in samples {
-                let inside = around.region_around(sample.as_dvec3());
-                region = inside.unwrap_or_else(|| regions.nearest(sample.as_dvec3(), region));
-                let piece = match self.of_regions[region].as_slice() {
+                let point = sample.as_dvec3();
+                region = around.region_around(point).unwrap_or_else(|| regions.nearest(point, region));
+                let number = regions.numbers[region];
+                let piece = match self.of_regions[number].as_slice() {
                     [piece] => Some(*piece as usize),
-                    _ => self.piece_at(region, grid_from_body.point(sample.as_dvec3())),
+                    _ => self.piece_at(number, grid_from_body.point(point)),
                 };
                 if let Some(piece) = piece {
                     let collector = &mut collectors[piece];
-                    collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
+                    collector.single.push(collector.body_from_parent.point(point));
                 }
             }
         }
@@ -289,11 +199,12 @@ impl Lookup<'_> {
     fn sample_cracks(&self, solid: &GridSolid, spacing: f64, collectors: &mut [Collector]) {
         let parent = Parent::new(solid);
         let mut sampler = Sampler::new(&parent, spacing);
-        for (number, region) in self.regions.iter().enumerate() {
+        let Some((placement, regions)) = self.pattern else { return };
+        for (number, of_pattern) in regions.iter().enumerate() {
             if self.of_regions[number].is_empty() {
                 continue;
             }
-            for face in sampler.sample(region).faces() {
+            for face in sampler.sample(&self.regions[number], placement, of_pattern).faces() {
                 if let [piece] = self.of_regions[number].as_slice()
                     && self.is_all_on_surface(solid, *piece as usize, face)
                 {

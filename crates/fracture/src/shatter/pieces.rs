@@ -1,10 +1,6 @@
 //! Each piece's solid: the parent, clipped by the piece's regions [Su09 sec. 4.2 "Level Set"].
 
-use super::{
-    components::Components,
-    regions::{NONE, Shares},
-    slivers::Pieces,
-};
+use super::{components::Components, regions::NONE, slivers::Pieces};
 use crate::pattern::Region;
 use frangible_geometry::{GridSolid, HalfSpace, Run};
 use glam::DVec3;
@@ -30,12 +26,11 @@ pub(crate) fn pieces_of_regions(regions: usize, components: &Components, pieces:
 pub(crate) fn intersect_level_sets(
     parent: &GridSolid,
     regions: &[Region],
-    shares: &Shares,
-    components: &Components,
+    components: &mut Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let of_regions = pieces_of_regions(regions.len(), components, pieces);
-    let runs_of_pieces = runs_of_pieces(shares, components, pieces);
+    let runs_of_pieces = runs_of_pieces(components, pieces);
     let planes_of = |region: u32| -> Vec<HalfSpace> {
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
@@ -54,11 +49,10 @@ pub(crate) fn intersect_level_sets(
 pub(crate) fn intersect_sampled(
     parent: &GridSolid,
     distance: impl Fn(usize, DVec3) -> f64,
-    shares: &Shares,
-    components: &Components,
+    components: &mut Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
-    let runs_of_pieces = runs_of_pieces(shares, components, pieces);
+    let runs_of_pieces = runs_of_pieces(components, pieces);
     let solid = |(members, runs): (&Vec<u32>, Vec<Run>)| {
         let (own, _) = regions_of_piece(members, components);
         parent.intersected(runs, |point| {
@@ -83,20 +77,22 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// What each piece holds, in order.
-fn runs_of_pieces(shares: &Shares, components: &Components, pieces: &Pieces) -> Vec<Vec<Run>> {
-    let mut counts = vec![0; pieces.of_component.len()];
-    for &component in &components.of_share {
-        counts[component as usize] += 1;
-    }
-    let count = |members: &Vec<u32>| members.iter().map(|&component| counts[component as usize]).sum();
-    let mut of_pieces: Vec<Vec<Run>> =
-        pieces.components.iter().map(|members| Vec::with_capacity(count(members))).collect();
-    for (share, &component) in shares.all.iter().zip(&components.of_share) {
-        let piece = pieces.of_component[component as usize];
-        if piece != NONE {
-            of_pieces[piece as usize].push(share.run);
+/// What each piece holds, in order: taken from its components.
+fn runs_of_pieces(components: &mut Components, pieces: &Pieces) -> Vec<Vec<Run>> {
+    let runs = |members: &Vec<u32>| {
+        let mut all = Vec::new();
+        for &component in members {
+            let own = std::mem::take(&mut components.runs[component as usize]);
+            if all.is_empty() {
+                all = own;
+            } else {
+                all.extend(own);
+            }
         }
-    }
-    of_pieces
+        if members.len() > 1 {
+            all.sort_by_key(Run::place);
+        }
+        all
+    };
+    pieces.components.iter().map(runs).collect()
 }

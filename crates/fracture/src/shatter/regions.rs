@@ -1,11 +1,13 @@
 //! Which region of the pattern each node lies in, row by row in spans.
 
+mod convex;
 mod intervals;
 
 use crate::pattern::{Region, nearest_region};
-use frangible_geometry::{Grid, GridSolid, Material, Run, RunCore, Span};
+pub(crate) use convex::runs_of_regions;
+use frangible_geometry::{Grid, GridSolid, Material, Run, Span};
 use glam::DVec3;
-use intervals::{Intervals, RowEnds, TILE, Tiles};
+use intervals::{Found, Intervals, RowEnds, TILE, Tiles};
 
 /// No region, no component, no piece.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -41,9 +43,7 @@ impl Shares {
 /// Shares that there is room for at first, for each run of a solid.
 const SHARES_OF_RUN: usize = 6;
 
-/// Shares out a solid's material. A region is convex, so along a row of nodes it is one interval: its end points cost less
-/// than its distance at each node. Nodes in no interval, or in several because they lie on a crack up to round-off, are
-/// compared by distance.
+/// Shares out a solid's material, convex or not, among convex regions; see [`runs_of_regions`].
 pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
     let ends = RowEnds::of(solid);
@@ -52,30 +52,18 @@ pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
         all: Vec::with_capacity(SHARES_OF_RUN * solid.runs().len()),
         first_of_row: Vec::with_capacity(material.rows() + 1),
     };
-    let (mut intervals, mut claims) = (Vec::new(), Vec::new());
-    let (runs, cores) = (solid.runs(), if solid.is_convex() { solid.cores() } else { &[] });
+    let (mut found, mut claims) = (Found::default(), Vec::new());
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
         let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
         if j % TILE == 0 {
-            tiles.cross(grid, &ends, [j, k], &mut intervals);
+            tiles.cross(grid, &ends, [j, k], &mut found);
         }
         let Some(of_row) = ends.of_row(row) else { continue };
-        if let Some(run) = ends.run(row).filter(|_| solid.is_convex())
-            && shares.cut_in_order(
-                (&runs[run], &cores[run], material.row(row)),
-                (&intervals, j % TILE),
-                of_row,
-            )
-        {
-            continue;
-        }
-
-        // There are gaps, or nodes in several intervals or in none.
-        claim_row(&intervals, j % TILE, &mut claims);
+        claim_row(&found.intervals, j % TILE, &mut claims);
         settle(grid, [j, k], of_row.map(|end| end as i64), regions, &mut claims);
         let claimed = claims.iter().map(|claim| (claim.high as u32 + 1, claim.region));
-        shares.cut_row((grid, material), row, claimed, !solid.is_convex());
+        shares.cut_row((grid, material), row, claimed);
     }
     shares.first_of_row.push(shares.all.len() as u32);
     shares
@@ -97,79 +85,59 @@ pub(crate) fn share_out_nodes(solid: &GridSolid, cell_at: impl Fn(DVec3) -> u32)
                 None => stretches.push((i + 1, cell)),
             }
         }
-        shares.cut_row((grid, material), row, stretches.iter().copied(), true);
+        shares.cut_row((grid, material), row, stretches.iter().copied());
     }
     shares.first_of_row.push(shares.all.len() as u32);
     shares
 }
 
 impl Shares {
-    /// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose it is, neighbours being
-    /// different regions'. With `by_span` no share holds parts of two spans, so that it is alike all along.
+    /// Adds a row's shares, see [`cut_row`]: none holds parts of two spans, so that it is alike all along.
     fn cut_row(
         &mut self,
-        (grid, material): (&Grid, &Material),
+        of_grid: (&Grid, &Material),
         row: usize,
         stretches: impl Iterator<Item = (u32, u32)>,
-        by_span: bool,
     ) {
-        let place = [row % grid.dims[1], row / grid.dims[1]].map(|n| n as u32);
-        let middle = grid.middle_along_x();
-        let spans = material.row(row);
-        // The span, and its first node, that no share holds yet.
-        let (mut at, mut start) = (0, spans.first().map_or(0, |span| span.start));
-        for (until, region) in stretches {
-            while at < spans.len() && start < until {
-                // As far as the spans go on without a gap.
-                let mut run = Run::empty(place, start);
-                loop {
-                    let span = &spans[at];
-                    let end = span.end.min(until);
-                    run.add(&Span { start, end, ..*span }, middle);
-                    start = end;
-                    if end < span.end {
-                        break;
-                    }
-                    at += 1;
-                    let Some(next) = spans.get(at) else { break };
-                    start = next.start;
-                    if start != end || end == until || by_span {
-                        break;
-                    }
-                }
-                self.all.push(Share { run, region });
-            }
-        }
+        cut_row(of_grid, row, stretches, true, |run, region| self.all.push(Share { run, region }));
     }
+}
 
-    /// Cuts a row that is one run by intervals that cover its nodes, from the first to the last, once and in order. False, and
-    /// nothing done, if they do not.
-    fn cut_in_order(
-        &mut self,
-        (whole, core, spans): (&Run, &RunCore, &[Span]),
-        (intervals, row): (&[Intervals], usize),
-        [first, last]: [f64; 2],
-    ) -> bool {
-        let before = self.all.len();
-        let mut next = first;
-        for interval in intervals {
-            let (low, high) = (interval.first[row], interval.last[row]);
-            if low > high {
-                continue;
+/// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose it is, neighbours being
+/// different regions'. With `by_span` no run holds parts of two spans.
+fn cut_row(
+    (grid, material): (&Grid, &Material),
+    row: usize,
+    stretches: impl Iterator<Item = (u32, u32)>,
+    by_span: bool,
+    mut add: impl FnMut(Run, u32),
+) {
+    let place = [row % grid.dims[1], row / grid.dims[1]].map(|n| n as u32);
+    let middle = grid.middle_along_x();
+    let spans = material.row(row);
+    // The span, and its first node, that no run holds yet.
+    let (mut at, mut start) = (0, spans.first().map_or(0, |span| span.start));
+    for (until, region) in stretches {
+        while at < spans.len() && start < until {
+            // As far as the spans go on without a gap.
+            let mut run = Run::empty(place, start);
+            loop {
+                let span = &spans[at];
+                let end = span.end.min(until);
+                run.add(&Span { start, end, ..*span }, middle);
+                start = end;
+                if end < span.end {
+                    break;
+                }
+                at += 1;
+                let Some(next) = spans.get(at) else { break };
+                start = next.start;
+                if start != end || end == until || by_span {
+                    break;
+                }
             }
-            if low != next {
-                self.all.truncate(before);
-                return false;
-            }
-            next = high + 1.0;
-            let is_whole = low == first && high == last;
-            let run = if is_whole { *whole } else { core.cut(spans, [low, high]) };
-            self.all.push(Share { run, region: interval.region });
+            add(run, region);
         }
-        if next <= last {
-            self.all.truncate(before);
-        }
-        next > last
     }
 }
 

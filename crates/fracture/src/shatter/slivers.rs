@@ -2,10 +2,10 @@
 
 use super::{
     components::{Components, rows_beside},
-    regions::{NONE, Shares},
+    regions::NONE,
 };
-use frangible_geometry::GridSolid;
 use frangible_geometry::disjoint_sets::DisjointSets;
+use frangible_geometry::{Grid, GridSolid, Run};
 
 /// The fragments, as sets of components.
 #[derive(Debug)]
@@ -16,17 +16,9 @@ pub(crate) struct Pieces {
     pub(crate) components: Vec<Vec<u32>>,
 }
 
-/// A share: its row and its index.
-type Place = (usize, usize);
-
 /// Merges each component of less than `smallest` voxels of material with the neighbour with which it shares the most
 /// voxel faces, the lightest first. One that touches no other stays as it is.
-pub(crate) fn merge_slivers(
-    solid: &GridSolid,
-    shares: &Shares,
-    components: &Components,
-    smallest: f64,
-) -> Pieces {
+pub(crate) fn merge_slivers(solid: &GridSolid, components: &Components, smallest: f64) -> Pieces {
     let material = &components.material;
     let count = components.region.len();
     let mut sets = DisjointSets::new(count);
@@ -34,14 +26,15 @@ pub(crate) fn merge_slivers(
     if slivers.is_empty() {
         return number_pieces(&mut sets, material);
     }
-    let mut places = sliver_places(shares, components, smallest);
+    let rows = Rows::around(solid.grid(), components, &slivers);
+    let mut members: Vec<Vec<u32>> = (0..count as u32).map(|component| vec![component]).collect();
     let mut of_set = material.clone();
 
     // Merge the lightest sliver until each has grown up or stands alone.
     while let Some(at) = lightest(&slivers, &of_set) {
         let sliver = slivers.swap_remove(at);
-        let own = std::mem::take(&mut places[sliver as usize]);
-        let Some(host) = closest_neighbour(solid, shares, components, &mut sets, &own) else {
+        let own = std::mem::take(&mut members[sliver as usize]);
+        let Some(host) = closest_neighbour(solid.grid(), components, &rows, &mut sets, &own) else {
             continue;
         };
         sets.unite(sliver, host);
@@ -49,9 +42,9 @@ pub(crate) fn merge_slivers(
         let sum = of_set[sliver as usize] + of_set[host as usize];
         slivers.retain(|&other| other != host);
         if sum < smallest {
-            let mut all = std::mem::take(&mut places[host as usize]);
+            let mut all = std::mem::take(&mut members[host as usize]);
             all.extend(own);
-            places[merged as usize] = all;
+            members[merged as usize] = all;
             slivers.push(merged);
         }
         of_set[merged as usize] = sum;
@@ -59,18 +52,63 @@ pub(crate) fn merge_slivers(
     number_pieces(&mut sets, material)
 }
 
-/// The shares of each component that is a sliver; none for the others.
-fn sliver_places(shares: &Shares, components: &Components, smallest: f64) -> Vec<Vec<Place>> {
-    let mut places = vec![Vec::new(); components.region.len()];
-    for row in 0..shares.rows() {
-        for at in shares.row(row) {
-            let component = components.of_share[at] as usize;
-            if components.material[component] < smallest {
-                places[component].push((row, at));
+/// Whose the nodes of some neighbouring rows are.
+struct Rows {
+    first: usize,
+    /// Where each row begins in `stretches`, and one more entry at the end.
+    first_of_row: Vec<u32>,
+    stretches: Vec<Stretch>,
+}
+
+/// Consecutive nodes of a row in one component.
+#[derive(Clone, Copy, Default)]
+struct Stretch {
+    component: u32,
+    start: u32,
+    end: u32,
+}
+
+impl Rows {
+    /// The rows that some components lie in and those beside them, and all between.
+    fn around(grid: &Grid, components: &Components, some: &[u32]) -> Self {
+        let rows_y = grid.dims[1];
+        let number = |run: &Run| run.number(rows_y);
+        let runs = || some.iter().map(|&component| &components.runs[component as usize]);
+        let lowest = runs().filter_map(|runs| runs.first().map(number)).min().unwrap_or(0);
+        let highest = runs().filter_map(|runs| runs.last().map(number)).max().unwrap_or(0);
+        let (first, behind) = (lowest.saturating_sub(rows_y), highest + rows_y + 1);
+        let within = |runs: &[Run]| {
+            runs.partition_point(|run| number(run) < first)..runs.partition_point(|run| number(run) < behind)
+        };
+
+        // One more row makes room for where each begins.
+        let mut first_of_row = vec![0_u32; behind - first + 2];
+        for runs in &components.runs {
+            for run in &runs[within(runs)] {
+                first_of_row[number(run) - first + 2] += 1;
             }
         }
+        let mut sum = 0;
+        for first in &mut first_of_row {
+            sum += *first;
+            *first = sum;
+        }
+        let mut stretches = vec![Stretch::default(); sum as usize];
+        for (runs, component) in components.runs.iter().zip(0..) {
+            for run in &runs[within(runs)] {
+                let place = &mut first_of_row[number(run) - first + 1];
+                stretches[*place as usize] = Stretch { component, start: run.start, end: run.end };
+                *place += 1;
+            }
+        }
+        Self { first, first_of_row, stretches }
     }
-    places
+
+    /// In no order.
+    fn row(&self, row: usize) -> &[Stretch] {
+        let row = row - self.first;
+        &self.stretches[self.first_of_row[row] as usize..self.first_of_row[row + 1] as usize]
+    }
 }
 
 /// Where in the list the lightest sliver is; the least number of equals.
@@ -79,18 +117,18 @@ fn lightest(slivers: &[u32], material: &[f64]) -> Option<usize> {
     (0..slivers.len()).min_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(slivers[a].cmp(&slivers[b])))
 }
 
-/// The set that shares the most voxel faces with a sliver's shares, the least number of equals.
+/// The set that shares the most voxel faces with a sliver's components, the least number of equals.
 fn closest_neighbour(
-    solid: &GridSolid,
-    shares: &Shares,
+    grid: &Grid,
     components: &Components,
+    rows: &Rows,
     sets: &mut DisjointSets,
-    sliver: &[Place],
+    sliver: &[u32],
 ) -> Option<u32> {
-    let own = sets.root(components.of_share[sliver.first()?.1]);
+    let own = sets.root(*sliver.first()?);
     let mut faces: Vec<(u32, u32)> = Vec::new();
-    let mut count = |other: usize, touching: u32| {
-        let set = sets.root(components.of_share[other]);
+    let mut count = |other: &Stretch, touching: u32| {
+        let set = sets.root(other.component);
         if set != own && touching > 0 {
             match faces.iter_mut().find(|(known, _)| *known == set) {
                 Some((_, count)) => *count += touching,
@@ -98,16 +136,14 @@ fn closest_neighbour(
             }
         }
     };
-    for &(row, at) in sliver {
-        let span = shares.all[at].run;
-        for other in shares.row(row) {
-            let there = shares.all[other].run;
-            count(other, u32::from(there.end == span.start || span.end == there.start));
+    for run in sliver.iter().flat_map(|&component| &components.runs[component as usize]) {
+        let row = run.number(grid.dims[1]);
+        for there in rows.row(row) {
+            count(there, u32::from(there.end == run.start || run.end == there.start));
         }
-        for beside in rows_beside(solid.grid(), row) {
-            for other in shares.row(beside) {
-                let there = shares.all[other].run;
-                count(other, there.end.min(span.end).saturating_sub(there.start.max(span.start)));
+        for beside in rows_beside(grid, row) {
+            for there in rows.row(beside) {
+                count(there, there.end.min(run.end).saturating_sub(there.start.max(run.start)));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Many parts cut out of one hull, in place.
 
 use super::clip::{Clipper, ON_THE_CUT, SAME};
-use super::net::NetBuilder;
+use super::net::{HalfEdges, NetBuilder, Side};
 use super::{Hull, HullEdge};
 use crate::HalfSpace;
 use glam::DVec3;
@@ -17,6 +17,8 @@ const NONE: u32 = u32::MAX;
 pub struct Carver<'a> {
     hull: &'a Hull,
     whole: Part,
+    /// Of the whole.
+    sides: &'a [Side],
     /// What is left of it.
     part: Part,
     /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by their numbers, where new ones have
@@ -68,18 +70,6 @@ struct Kept {
     number: u32,
 }
 
-/// From a vertex to the next around a face, counter-clockwise seen from outside.
-#[derive(Clone, Copy, Debug)]
-struct Side {
-    /// Where it begins.
-    origin: u32,
-    /// After it in its face.
-    next: u32,
-    /// The same edge in the other direction, in the face beyond.
-    twin: u32,
-    face: u32,
-}
-
 /// Where a part is, seen from a cut.
 enum Cut {
     Inside,
@@ -94,16 +84,18 @@ impl<'a> Carver<'a> {
     pub fn new(hull: &'a Hull) -> Self {
         let (low, high) = hull.bounds();
         let size = (high - low).max_element();
-        let whole = Part::of(hull);
+        let HalfEdges { sides, leaving } = hull.net.half_edges();
+        let (vertices, faces) = (hull.vertices.len(), hull.planes.len());
         Self {
             hull,
-            part: Part::with_room_for(&whole),
-            levels: Vec::with_capacity(2 * whole.vertices.len()),
-            heights: Vec::with_capacity(2 * whole.vertices.len()),
-            numbers: Vec::with_capacity(2 * whole.vertices.len()),
-            edge_of: Vec::with_capacity(2 * whole.sides.len()),
-            left: Vec::with_capacity(whole.faces.len()),
-            whole,
+            whole: Part::of(hull, leaving),
+            sides,
+            part: Part::with_room_for(vertices, sides.len(), faces),
+            levels: Vec::with_capacity(2 * vertices),
+            heights: Vec::with_capacity(2 * vertices),
+            numbers: Vec::with_capacity(2 * vertices),
+            edge_of: Vec::with_capacity(2 * sides.len()),
+            left: Vec::with_capacity(faces),
             close: ON_THE_CUT[0] * size,
             shortest: SAME * size,
             clipper: Clipper::default(),
@@ -113,7 +105,7 @@ impl<'a> Carver<'a> {
     /// The part inside of all half-spaces, cut by one after the other; `None` if there is none. See [`Clipper::clipped`], which
     /// cuts out the same.
     pub fn part(&mut self, cuts: &[HalfSpace]) -> Option<Hull> {
-        self.part.copy_from(&self.whole);
+        self.part.copy_from(&self.whole, self.sides);
         let mut is_whole = true;
         for cut in cuts {
             match self.cut(cut) {
@@ -225,9 +217,11 @@ impl<'a> Carver<'a> {
         // Faces that have kept a vertex. Euler's formula tells a sphere from anything else.
         let (numbers, sides, edge_of) = (numbers.as_slice(), part.sides.as_slice(), edge_of.as_mut_slice());
         left.clear();
-        left.extend(
-            part.faces.iter().filter(|face| numbers[sides[face.first as usize].origin as usize] != NONE),
-        );
+        for face in &part.faces {
+            if numbers[sides[face.first as usize].origin as usize] != NONE {
+                left.push(*face);
+            }
+        }
         let count = (vertices.len() + left.len()).checked_sub(2).filter(|_| left.len() > 3)?;
         let mut net = NetBuilder::new(count, left.len());
         for (face, number) in left.iter().zip(0..) {
@@ -264,55 +258,38 @@ impl<'a> Carver<'a> {
 }
 
 impl Part {
-    fn of(hull: &Hull) -> Self {
-        let net = &*hull.net;
-        let vertex = |&position: &DVec3| Vertex { position, leaving: NONE };
-        let kept = |(&position, number): (&DVec3, u32)| Kept { position, number };
-        let mut part = Self {
-            vertices: hull.vertices.iter().map(vertex).collect(),
-            kept: hull.vertices.iter().zip(0..).map(kept).collect(),
-            sides: Vec::with_capacity(2 * net.edges().len()),
-            faces: Vec::with_capacity(hull.planes.len()),
-        };
-        let mut side_of = vec![NONE; net.edges().len()];
-        for (face, &plane) in hull.planes.iter().enumerate() {
-            let first = part.sides.len() as u32;
-            let (corners, edges) = (net.corners(face), net.edges_along(face));
-            part.faces.push(Face { plane, first, inner: net.is_inner(face) });
-            part.sides.extend(corners.iter().zip(edges).zip(first..).map(|((&origin, &edge), at)| {
-                part.vertices[origin as usize].leaving = at;
-                let twin = std::mem::replace(&mut side_of[edge as usize], at);
-                Side { origin, next: at + 1, twin, face: face as u32 }
-            }));
-            if let Some(last) = part.sides.last_mut() {
-                last.next = first;
-            }
-        }
-        // The second side of an edge knows the first.
-        for at in 0..part.sides.len() {
-            let twin = part.sides[at].twin;
-            if twin != NONE {
-                part.sides[twin as usize].twin = at as u32;
-            }
-        }
-        part
-    }
-
-    /// Without anything yet, with room for what cuts add to another.
-    fn with_room_for(other: &Self) -> Self {
+    /// Without anything yet, with room for what cuts add.
+    fn with_room_for(vertices: usize, sides: usize, faces: usize) -> Self {
         Self {
-            vertices: Vec::with_capacity(2 * other.vertices.len()),
-            kept: Vec::with_capacity(2 * other.vertices.len()),
-            sides: Vec::with_capacity(2 * other.sides.len()),
-            faces: Vec::with_capacity(2 * other.faces.len()),
+            vertices: Vec::with_capacity(2 * vertices),
+            kept: Vec::with_capacity(2 * vertices),
+            sides: Vec::with_capacity(2 * sides),
+            faces: Vec::with_capacity(2 * faces),
         }
     }
 
-    /// Becomes a copy of another, in the memory it has.
-    fn copy_from(&mut self, other: &Self) {
+    /// All of a hull, without its sides.
+    fn of(hull: &Hull, leaving: &[u32]) -> Self {
+        let vertex = |(&position, &leaving): (&DVec3, &u32)| Vertex { position, leaving };
+        let kept = |(&position, number): (&DVec3, u32)| Kept { position, number };
+        let face = |(face, &plane): (usize, &HalfSpace)| {
+            let (first, inner) = (hull.net.sides(face).start as u32, hull.net.is_inner(face));
+            Face { plane, first, inner }
+        };
+        Self {
+            vertices: hull.vertices.iter().zip(leaving).map(vertex).collect(),
+            kept: hull.vertices.iter().zip(0..).map(kept).collect(),
+            sides: Vec::new(),
+            faces: hull.planes.iter().enumerate().map(face).collect(),
+        }
+    }
+
+    /// Becomes a copy of another with some sides, in the memory it has.
+    fn copy_from(&mut self, other: &Self, sides: &[Side]) {
         self.vertices.clone_from(&other.vertices);
         self.kept.clone_from(&other.kept);
-        self.sides.clone_from(&other.sides);
+        self.sides.clear();
+        self.sides.extend_from_slice(sides);
         self.faces.clone_from(&other.faces);
     }
 

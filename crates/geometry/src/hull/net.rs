@@ -2,9 +2,10 @@
 
 use super::HullEdge;
 use super::loops::Loops;
+use std::sync::OnceLock;
 
 /// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break makes thousands of them.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub(super) struct Net {
     /// Sides of all faces.
     sides: usize,
@@ -13,6 +14,35 @@ pub(super) struct Net {
     indices: Vec<u32>,
     /// Each once.
     edges: Vec<HullEdge>,
+    /// Made when something is first cut out: equal bodies break often.
+    half_edges: OnceLock<HalfEdges>,
+}
+
+impl PartialEq for Net {
+    fn eq(&self, other: &Self) -> bool {
+        (self.sides, &self.indices, &self.edges) == (other.sides, &other.indices, &other.edges)
+    }
+}
+
+/// Sides that know their neighbours.
+#[derive(Debug)]
+pub(super) struct HalfEdges {
+    /// Face after face.
+    pub(super) sides: Vec<Side>,
+    /// A side that begins at each vertex.
+    pub(super) leaving: Vec<u32>,
+}
+
+/// From a vertex to the next around a face, counter-clockwise seen from outside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// Where it begins.
+    pub(super) origin: u32,
+    /// After it in its face.
+    pub(super) next: u32,
+    /// The same edge in the other direction, in the face beyond.
+    pub(super) twin: u32,
+    pub(super) face: u32,
 }
 
 /// The bit that tells faces that a cut made.
@@ -27,7 +57,7 @@ impl Net {
         indices.extend((0..sides).map(|side| loops.corner(side)));
         indices.extend(edges_along);
         indices.extend((0..loops.len()).map(|face| face_end(loops.range(face).end, loops.is_inner(face))));
-        Some(Self { sides, indices, edges })
+        Some(Self { sides, indices, edges, half_edges: OnceLock::new() })
     }
 
     /// How many there are.
@@ -75,9 +105,40 @@ impl Net {
         &self.edges
     }
 
+    /// The sides, to be walked along.
+    pub(super) fn half_edges(&self) -> &HalfEdges {
+        self.half_edges.get_or_init(|| {
+            let vertices =
+                self.indices[..self.sides].iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));
+            let (mut sides, mut leaving) = (Vec::with_capacity(self.sides), vec![0; vertices]);
+            let mut side_of = vec![u32::MAX; self.edges.len()];
+            for face in 0..self.faces() {
+                let first = sides.len() as u32;
+                for ((&origin, &edge), at) in
+                    self.corners(face).iter().zip(self.edges_along(face)).zip(first..)
+                {
+                    leaving[origin as usize] = at;
+                    let twin = std::mem::replace(&mut side_of[edge as usize], at);
+                    sides.push(Side { origin, next: at + 1, twin, face: face as u32 });
+                }
+                if let Some(last) = sides.last_mut() {
+                    last.next = first;
+                }
+            }
+            // The second side of an edge knows the first.
+            for at in 0..sides.len() {
+                if let Some(first) = sides.get(sides[at].twin as usize).map(|_| sides[at].twin as usize) {
+                    sides[first].twin = at as u32;
+                }
+            }
+            HalfEdges { sides, leaving }
+        })
+    }
+
     /// The same faces, none of them made by a cut.
     pub(super) fn all_outer(&self) -> Self {
-        let mut net = Self { sides: self.sides, indices: self.indices.clone(), edges: self.edges.clone() };
+        let (indices, edges) = (self.indices.clone(), self.edges.clone());
+        let mut net = Self { sides: self.sides, indices, edges, half_edges: OnceLock::new() };
         for end in &mut net.indices[2 * self.sides..] {
             *end &= !INNER;
         }
@@ -103,7 +164,8 @@ impl NetBuilder {
     /// For so many edges and faces.
     pub(super) fn new(edges: usize, faces: usize) -> Self {
         let none = HullEdge { vertices: [0; 2], faces: [0; 2] };
-        let net = Net { sides: 2 * edges, indices: vec![0; 4 * edges + faces], edges: vec![none; edges] };
+        let indices = vec![0; 4 * edges + faces];
+        let net = Net { sides: 2 * edges, indices, edges: vec![none; edges], half_edges: OnceLock::new() };
         Self { net, sides: 0, edges: 0, faces: 0 }
     }
 

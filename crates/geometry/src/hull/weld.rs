@@ -25,7 +25,7 @@ struct Entry {
     one_with: u32,
 }
 
-/// Makes one of vertices of different hulls that are less than `close` [m] apart: each becomes the one that comes first along a
+/// Makes one of vertices on cracks of different hulls that are less than `close` [m] apart: each becomes the one that comes first along a
 /// fixed direction. Neighbours that were cut by the same planes, but one after the other in different orders, differ by rounding,
 /// and then share their vertices bit for bit. Vertices of one hull stay apart.
 pub fn weld_hulls(hulls: &mut [Hull], close: f64) {
@@ -62,12 +62,23 @@ pub fn weld_hulls(hulls: &mut [Hull], close: f64) {
     }
 }
 
-/// The vertices of all hulls.
+/// The vertices on cracks of all hulls: no other has a neighbour's beside it.
 fn places(hulls: &[Hull]) -> Vec<Place> {
     let mut places = Vec::with_capacity(hulls.iter().map(|hull| hull.vertices.len()).sum());
+    let mut on_crack = Vec::new();
     for (hull, number) in hulls.iter().zip(0..) {
-        let of_hull = hull.vertices.iter().zip(0..);
-        places.extend(of_hull.map(|(&position, vertex)| Place { position, hull: number, vertex }));
+        on_crack.clear();
+        on_crack.resize(hull.vertices.len(), false);
+        for face in (0..hull.planes.len()).filter(|&face| hull.net.is_inner(face)) {
+            for &vertex in hull.net.corners(face) {
+                on_crack[vertex as usize] = true;
+            }
+        }
+        for ((&position, &on_crack), vertex) in hull.vertices.iter().zip(&on_crack).zip(0..) {
+            if on_crack {
+                places.push(Place { position, hull: number, vertex });
+            }
+        }
     }
     places
 }
@@ -81,12 +92,12 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
     let low = keys.iter().fold(f64::INFINITY, |low, &key| if key < low { key } else { low });
     let high = keys.iter().fold(f64::NEG_INFINITY, |high, &key| if key > high { key } else { high });
     let scale = keys.len() as f64 / (high - low).max(f64::MIN_POSITIVE);
-    let bucket = |key: f64| ((key - low) * scale) as usize;
+    let buckets: Vec<i32> = keys.iter().map(|&key| ((key - low) * scale) as i32).collect();
 
     // The highest keys have a bucket of their own, and one more entry makes room for where each begins.
     let mut starts = vec![0_u32; keys.len() + 2];
-    for &key in &keys {
-        starts[bucket(key) + 1] += 1;
+    for &bucket in &buckets {
+        starts[bucket as usize + 1] += 1;
     }
     let mut sum = 0;
     for start in &mut starts {
@@ -94,8 +105,8 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
         *start = sum;
     }
     let mut entries = vec![Entry::default(); keys.len()];
-    for (&key, place) in keys.iter().zip(0..) {
-        let start = &mut starts[bucket(key)];
+    for ((&key, &bucket), place) in keys.iter().zip(&buckets).zip(0..) {
+        let start = &mut starts[bucket as usize];
         entries[*start as usize] = Entry { key, place, one_with: 0 };
         *start += 1;
     }

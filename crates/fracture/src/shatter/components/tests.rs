@@ -101,7 +101,7 @@ proptest! {
         let mut shares = shares_of(&solid, &regions);
         let inside = connect_inside(&solid, &shares);
         let inside = by_node(&solid, &shares, &inside.of_share);
-        let all = connected_components(&solid, &mut shares, None);
+        let all = label_components(&solid, &mut shares, None);
         let of_node = by_node(&solid, &shares, &all.of_share);
         for (node, &coverage) in solid.coverage().iter().enumerate() {
             if inside[node] != NONE {

@@ -90,6 +90,7 @@ impl<'a> Parent<'a> {
     }
 
     /// The stretches of a line between two points that lie inside, as fractions of the way.
+    #[inline(always)]
     pub(super) fn inside(&self, start: DVec3, end: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
         stretches.clear();
         let way = end - start;
@@ -98,24 +99,27 @@ impl<'a> Parent<'a> {
             Curved::Nothing => stretches.push([0.0, 1.0]),
             Curved::Sphere { radius } => stretches.extend(within_ball(start, way, radius)),
             Curved::Cylinder { radius } => stretches.extend(within_ball(start * flat, way * flat, radius)),
-            Curved::Sampled(_) => {
-                let steps = (way.length() / spacing).ceil().max(1.0) as usize;
-                let mut last = (0.0, self.distance(start));
-                let mut entry = (last.1 <= 0.0).then_some(0.0);
-                for step in 1..=steps {
-                    let at = step as f64 / steps as f64;
-                    let here = (at, self.distance(start + way * at));
-                    if last.1 <= 0.0 && here.1 > 0.0 {
-                        let exit = self.bisect(start, way, [last.0, here.0]);
-                        stretches.extend(entry.take().map(|entry| [entry, exit]));
-                    } else if last.1 > 0.0 && here.1 <= 0.0 {
-                        entry = Some(self.bisect(start, way, [here.0, last.0]));
-                    }
-                    last = here;
-                }
-                stretches.extend(entry.map(|entry| [entry, 1.0]));
-            }
+            Curved::Sampled(_) => self.inside_samples(start, way, spacing, stretches),
         }
+    }
+
+    /// The same where only samples know it.
+    fn inside_samples(&self, start: DVec3, way: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
+        let steps = (way.length() / spacing).ceil().max(1.0) as usize;
+        let mut last = (0.0, self.distance(start));
+        let mut entry = (last.1 <= 0.0).then_some(0.0);
+        for step in 1..=steps {
+            let at = step as f64 / steps as f64;
+            let here = (at, self.distance(start + way * at));
+            if last.1 <= 0.0 && here.1 > 0.0 {
+                let exit = self.bisect(start, way, [last.0, here.0]);
+                stretches.extend(entry.take().map(|entry| [entry, exit]));
+            } else if last.1 > 0.0 && here.1 <= 0.0 {
+                entry = Some(self.bisect(start, way, [here.0, last.0]));
+            }
+            last = here;
+        }
+        stretches.extend(entry.map(|entry| [entry, 1.0]));
     }
 
     /// Where a line crosses the surface between a fraction of the way that is inside and one that is outside.
@@ -135,6 +139,7 @@ impl<'a> Parent<'a> {
 }
 
 /// The part of a line from `start` along `way` within a ball around the origin, as fractions of the way in [0, 1].
+#[inline]
 fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
     let square = way.length_squared();
     let half = start.dot(way);

@@ -1,10 +1,10 @@
 //! Which part of each row of nodes lies in which region, for neighbouring rows at a time.
 
 use super::NONE;
-use crate::Cut;
 use crate::pattern::Region;
-use frangible_geometry::{Grid, GridSolid};
+use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
+use std::ops::Range;
 
 /// Distance between a node and a plane in units of the spacing that counts as none.
 const ON_CRACK: f64 = 1e-9;
@@ -41,10 +41,22 @@ impl RowEnds {
         (first <= last).then_some([first, last])
     }
 
-    /// The number of the run that a row is, if there is no gap in it.
+    /// The numbers of the runs that some rows are; [`NONE`] where there is a gap or nothing.
     #[inline]
-    pub(super) fn run(&self, row: usize) -> Option<usize> {
-        Some(self.run[row]).filter(|&run| run != NONE).map(|run| run as usize)
+    pub(super) fn runs(&self, rows: Range<usize>) -> &[u32] {
+        &self.run[rows]
+    }
+
+    /// First and last nodes of the rows from j on, along y: as many as there are.
+    #[inline]
+    pub(super) fn of_tile(&self, [j, k]: [usize; 2], rows_y: usize) -> ([f64; TILE], [f64; TILE]) {
+        let (mut firsts, mut lasts) = ([f64::INFINITY; TILE], [f64::NEG_INFINITY; TILE]);
+        let row = j + rows_y * k;
+        let rows = &self.ends[row..row + TILE.min(rows_y - j)];
+        for (&[first, last], row) in rows.iter().zip(0..TILE) {
+            (firsts[row], lasts[row]) = (first, last);
+        }
+        (firsts, lasts)
     }
 
     /// The box of the material in a tile of rows, in lattice units.
@@ -64,10 +76,10 @@ impl RowEnds {
 }
 
 /// A plane as a function on the lattice, in units of the spacing.
-#[derive(Clone, Copy)]
 struct LatticePlane {
     normal: DVec3,
     at_origin: f64,
+    crossing: Crossing,
 }
 
 /// Where rows cross a plane: at `at_origin + along_y * j + along_z * k`, a little outside of it.
@@ -88,20 +100,22 @@ enum Side {
     Either,
 }
 
-impl Crossing {
-    fn new(plane: &LatticePlane) -> Self {
-        let slope = plane.normal.x;
+impl LatticePlane {
+    fn new(half_space: &HalfSpace, grid: &Grid) -> Self {
+        let (normal, at_origin) = (half_space.normal, half_space.distance(grid.origin) / grid.spacing);
+        let slope = normal.x;
         let (scale, side) = match slope {
             _ if slope.abs() < ON_CRACK * 1e-3 => (1.0, Side::Either),
             _ if slope > 0.0 => (1.0 / slope, Side::BelowCrossing),
             _ => (1.0 / slope, Side::AboveCrossing),
         };
-        Self {
-            at_origin: (ON_CRACK - plane.at_origin) * scale,
-            along_y: -plane.normal.y * scale,
-            along_z: -plane.normal.z * scale,
+        let crossing = Crossing {
+            at_origin: (ON_CRACK - at_origin) * scale,
+            along_y: -normal.y * scale,
+            along_z: -normal.z * scale,
             side,
-        }
+        };
+        Self { normal, at_origin, crossing }
     }
 }
 
@@ -128,20 +142,39 @@ pub(super) struct Intervals {
     pub(super) region: u32,
     pub(super) first: [f64; TILE],
     pub(super) last: [f64; TILE],
-    /// Where along x it is about.
-    place: f64,
+}
+
+/// What neighbouring rows hold of the regions.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) intervals: Vec<Intervals>,
+    /// Which of the intervals come first along x, and where each is about.
+    order: Vec<(usize, f64)>,
+}
+
+impl Found {
+    /// The intervals, about in order along x.
+    #[inline]
+    pub(super) fn in_order(&self) -> impl Iterator<Item = &Intervals> {
+        self.order.iter().map(|&(number, _)| &self.intervals[number])
+    }
 }
 
 impl Tiles {
     pub(super) fn new(grid: &Grid, ends: &RowEnds, regions: &[Region]) -> Self {
         let on_lattice = |region: &Region| -> Vec<LatticePlane> {
-            let plane = |cut: &Cut| LatticePlane {
-                normal: cut.half_space.normal,
-                at_origin: cut.half_space.distance(grid.origin) / grid.spacing,
-            };
-            region.cuts.iter().map(plane).collect()
+            region.cuts.iter().map(|cut| LatticePlane::new(&cut.half_space, grid)).collect()
         };
-        let regions: Vec<Vec<LatticePlane>> = regions.iter().map(on_lattice).collect();
+        // Most regions of a fine pattern reach into no tile.
+        let middle = 0.5 * DVec3::from_array(grid.dims.map(|n| (n - 1) as f64));
+        let reaches_in = |planes: &Vec<LatticePlane>| {
+            let beyond = |plane: &LatticePlane| {
+                plane.normal.dot(middle) + plane.at_origin - plane.normal.abs().dot(middle) > 2.0 * ON_CRACK
+            };
+            !planes.iter().any(beyond)
+        };
+        let regions = regions.iter().map(on_lattice).zip(0..).filter(|(planes, _)| reaches_in(planes));
+        let regions: Vec<(Vec<LatticePlane>, u32)> = regions.collect();
         let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
         let mut tiles =
             Self { count_y, first_of_tile: Vec::new(), regions: Vec::new(), crossings: Vec::new() };
@@ -155,10 +188,19 @@ impl Tiles {
         tiles
     }
 
+    /// For each of so many regions how many rows there are in the tiles that it reaches into.
+    pub(super) fn most_rows(&self, regions: usize) -> impl Iterator<Item = usize> {
+        let mut rows = vec![0; regions];
+        for region in &self.regions {
+            rows[region.number as usize] += TILE * TILE;
+        }
+        rows.into_iter()
+    }
+
     /// Adds the regions that reach into the box from `low` to `high`, in lattice units.
-    fn add_tile(&mut self, regions: &[Vec<LatticePlane>], (low, high): (DVec3, DVec3)) {
+    fn add_tile(&mut self, regions: &[(Vec<LatticePlane>, u32)], (low, high): (DVec3, DVec3)) {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        for (region, number) in regions.iter().zip(0..) {
+        for &(ref region, number) in regions {
             let first = self.crossings.len();
             let mut reaches_in = true;
             for plane in region {
@@ -169,7 +211,7 @@ impl Tiles {
                     break;
                 }
                 if distance + reach > 0.0 {
-                    self.crossings.push(Crossing::new(plane));
+                    self.crossings.push(plane.crossing);
                 }
             }
             if reaches_in {
@@ -181,16 +223,11 @@ impl Tiles {
         }
     }
 
-    /// What the rows from j on, along y, hold of each region that reaches into their tile; about in order along x.
-    pub(super) fn cross(&self, grid: &Grid, ends: &RowEnds, [j, k]: [usize; 2], found: &mut Vec<Intervals>) {
-        found.clear();
-        let (mut firsts, mut lasts) = ([f64::INFINITY; TILE], [f64::NEG_INFINITY; TILE]);
-        let row = j + grid.dims[1] * k;
-        let rows = &ends.ends[row..row + TILE.min(grid.dims[1] - j)];
-        for (&[first, last], row) in rows.iter().zip(0..TILE) {
-            (firsts[row], lasts[row]) = (first, last);
-        }
-
+    /// What the rows from j on, along y, hold of each region that reaches into their tile.
+    pub(super) fn cross(&self, grid: &Grid, ends: &RowEnds, [j, k]: [usize; 2], found: &mut Found) {
+        found.intervals.clear();
+        found.order.clear();
+        let (firsts, lasts) = ends.of_tile([j, k], grid.dims[1]);
         let tile = j / TILE + self.count_y * (k / TILE);
         let regions = self.first_of_tile[tile] as usize..self.first_of_tile[tile + 1] as usize;
         let at_y: [f64; TILE] = std::array::from_fn(|row| (j + row) as f64);
@@ -217,8 +254,9 @@ impl Tiles {
             let (first, last) = (low.map(ceil), high.map(floor));
             if let Some(row) = (0..TILE).find(|&row| first[row] <= last[row]) {
                 let place = first[row] + last[row];
-                let behind = found.iter().rev().take_while(|other| other.place > place).count();
-                found.insert(found.len() - behind, Intervals { region: number, first, last, place });
+                let behind = found.order.iter().rev().take_while(|(_, other)| *other > place).count();
+                found.order.insert(found.order.len() - behind, (found.intervals.len(), place));
+                found.intervals.push(Intervals { region: number, first, last });
             }
         }
     }
