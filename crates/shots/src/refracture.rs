@@ -16,7 +16,7 @@ pub(crate) const REFRACTURE: Shot = Shot {
 };
 
 /// Radius [m] and start of the first ball and the second [m] [Su09 fig. 7].
-const BALLS: [(f64, [f64; 3]); 2] = [(0.5, [10.0, -1.0, -2.0]), (0.35, [22.0, 0.5, 1.5])];
+const BALLS: [(f64, [f64; 3]); 2] = [(0.5, [10.0, -1.0, -2.0]), (0.35, [16.0, 0.7, 1.5])];
 
 /// What the wall bears [N s]: less than a ball that nothing deflects, more than a fragment that falls over.
 const STRENGTH: f64 = 2e4;
