@@ -134,7 +134,7 @@ impl Cluster {
 struct Places(Vec<usize>);
 
 impl Places {
-    /// Of each rank.
+    /// Of each rank: by points, then by how many of them carried.
     const EACH: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
 
     /// Makes room for a pair with some points, of which some carried.

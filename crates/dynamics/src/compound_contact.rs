@@ -4,7 +4,7 @@ use crate::broad_phase::Bounds;
 use crate::detection::{Placed, second_from_first};
 use crate::encounter::Encounter;
 use crate::hull_contact::{FEW_POINTS, Feature, HullPoint, PREFERENCE, Room, reduce};
-use crate::manifold::{ManifoldPoint, Solid, exact_points};
+use crate::manifold::{MOST_POINTS, ManifoldPoint, Solid, exact_points};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
@@ -114,9 +114,11 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
     (of_first, feature | first << 48 | second << 32)
 }
 
-/// At most four points of each flat contact, from whichever parts.
+/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the ground, would have.
 fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
     let (size, [first, second]) = (encounter.size, encounter.flights);
+    let is_ground = |body: Placed| matches!(Solid::of(body.shape), Solid::Ground(_));
+    let most = if encounter.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };
     let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
     for (index, point) in points.iter().enumerate() {
         let on = point.on_surfaces_at([&first.start, &second.start]);
@@ -132,7 +134,7 @@ fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<
         }
     }
     for (normal, _, candidates) in &mut flats {
-        reduce(candidates, &mut room.spare, FEW_POINTS, (*normal, PREFERENCE * size));
+        reduce(candidates, &mut room.spare, most, (*normal, PREFERENCE * size));
     }
     let index = |point: HullPoint| match point.feature {
         Feature::VertexOfFirst(index) => Some(index as usize),

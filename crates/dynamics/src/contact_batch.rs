@@ -72,8 +72,9 @@ pub(crate) struct Batch<I> {
     pub(crate) bounces: bool,
     /// Whether any takes part in the impact that acts now.
     pub(crate) impacts: bool,
-    /// Behind so many rows none has met; and none carries what goes on, before and after the drift.
+    /// Behind so many rows none has met in this frame: said by [`Self::meet`], never too few.
     pub(crate) met_rows: usize,
+    /// Behind so many rows none carried in the last substep, before and after its drift: said where a stage's books close, never too few.
     pub(crate) carrying_rows: [usize; 2],
     /// Which pairs have come so far that their points have to be looked at.
     looks: Mask,
@@ -220,7 +221,7 @@ impl<I: Instructions> Batch<I> {
         I::prefetch(&self.rest.patches);
     }
 
-    /// How many rows may act at a stage, and how many go on with what they carried: no row behind them does.
+    /// How many rows may act at a stage: none behind them does.
     #[inline(always)]
     pub(crate) fn acting_rows(&self, stage: Stage) -> usize {
         if stage == Stage::AfterDrift { self.met_rows } else { self.rows.len() }

@@ -109,12 +109,13 @@ impl Effort {
 }
 
 /// A body that rests on another one.
-struct Rest {
-    /// Places among the bodies of the island that move; a body that does not has none.
+struct Support {
+    /// Their places among the bodies of the island that move.
     upper: usize,
+    /// None if it does not move.
     lower: Option<usize>,
-    /// Of the pair in its island.
-    place: usize,
+    /// Place of the pair in its island.
+    pair: usize,
     /// Inverse mass of the lighter one [1/kg].
     lightness: f64,
 }
@@ -125,13 +126,13 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
     let Some(up) = (-frame.gravity).try_normalize() else { return vec![0.0; island.len()] };
     let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
 
-    // Who rests on whom: places among those that move, those that rest together.
+    // Who rests on whom, by places among those that move, sorted by the upper one.
     let pairs = || island.iter().map(|&at| (manifolds[at].pair, manifolds[at].points));
     let mut who: Vec<usize> = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).collect();
     who.retain(|&i| is_mobile(i));
     who.sort_unstable();
     who.dedup();
-    let mut rests: Vec<Rest> = Vec::with_capacity(island.len());
+    let mut supports: Vec<Support> = Vec::with_capacity(island.len());
     for (place, (pair, points)) in pairs().enumerate() {
         let normal = points.first().map_or(DVec3::ZERO, |point| point.normal);
         let cosine = normal.dot(up);
@@ -140,10 +141,15 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
             && let Ok(on) = who.binary_search(&upper)
         {
             let lightness = bodies.inertias[upper].inverse_mass.max(bodies.inertias[lower].inverse_mass);
-            rests.push(Rest { upper: on, lower: who.binary_search(&lower).ok(), place, lightness });
+            supports.push(Support {
+                upper: on,
+                lower: who.binary_search(&lower).ok(),
+                pair: place,
+                lightness,
+            });
         }
     }
-    rests.sort_by_key(|rest| rest.upper);
+    supports.sort_by_key(|support| support.upper);
 
     // From the highest down.
     let mut order: Vec<usize> = (0..who.len()).collect();
@@ -152,12 +158,12 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
     let mut loads = vec![0.0; island.len()];
     let mut rests_on = vec![0.0; who.len()];
     for upper in order {
-        let begin = rests.partition_point(|rest| rest.upper < upper);
-        let of_upper = rests[begin..].iter().take_while(|rest| rest.upper == upper);
+        let begin = supports.partition_point(|support| support.upper < upper);
+        let of_upper = supports[begin..].iter().take_while(|support| support.upper == upper);
         let share = (bodies.masses[who[upper]] + rests_on[upper]) / of_upper.clone().count() as f64;
-        for rest in of_upper {
-            loads[rest.place] += share * rest.lightness;
-            if let Some(lower) = rest.lower {
+        for support in of_upper {
+            loads[support.pair] += share * support.lightness;
+            if let Some(lower) = support.lower {
                 rests_on[lower] += share;
             }
         }

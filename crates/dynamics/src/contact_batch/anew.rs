@@ -6,7 +6,7 @@ use crate::detection::{Placed, moved_since, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::lanes::{Instructions, Mask};
-use crate::manifold::{ManifoldFinder, ManifoldPoint};
+use crate::manifold::{ManifoldFinder, ManifoldPoint, Solid};
 use crate::moving::Movers;
 use crate::warm_start::{Carried, Part, PointImpulse, WarmStart};
 use crate::{Bodies, Frame, Pose};
@@ -79,14 +79,20 @@ impl<I: Instructions> Batch<I> {
     /// their points, or of their centres if they have none. Not positive if they could now.
     fn apart_for(&self, lane: usize, encounter: &Encounter) -> f64 {
         let [first, second] = encounter.placed();
-        let (Some(first_hull), Some(second_hull)) = (&first.shape.hull, &second.shape.hull) else {
+        let [Solid::Hull(first_hull), Solid::Hull(second_hull)] = [first.shape, second.shape].map(Solid::of)
+        else {
             return 0.0;
         };
-        let normal = match self.rows.iter().position(|row| row.is_there.get(lane)) {
-            Some(at) => self.basis(at, self.shared_basis()).normal.get(lane),
-            None => (first.pose.position - second.pose.position).normalize_or_zero(),
-        };
-        let apart = apart_along([first_hull, second_hull], [first.pose, second.pose], normal);
+        let (mut normal, mut nearest) = (None, f64::INFINITY);
+        for (at, row) in self.rows.iter().enumerate().filter(|(_, row)| row.is_there.get(lane)) {
+            normal = normal.or_else(|| Some(self.basis(at, self.shared_basis()).normal.get(lane)));
+            nearest = nearest.min(row.gap.get(lane));
+        }
+        let between = || (first.pose.position - second.pose.position).normalize_or_zero();
+        let normal = normal.unwrap_or_else(between);
+
+        // No point of theirs is nearer, even along another normal.
+        let apart = apart_along([first_hull, second_hull], [first.pose, second.pose], normal).min(nearest);
         let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
         let [from, to] = encounter.flights;
         let closing = (to.linear - from.linear).dot(normal) + turning(from) + turning(to);
@@ -164,8 +170,7 @@ impl<I: Instructions> Batch<I> {
     }
 }
 
-/// How far two hulls are apart along a normal, in the world frame [m]: they are at least as far from each other, or if it is negative know
-/// nothing.
+/// A lower bound of the distance of two hulls [m], along a normal in the world frame; if it is negative, it says nothing.
 fn apart_along(hulls: [&Hull; 2], poses: [&Pose; 2], normal: DVec3) -> f64 {
     let lowest = |side: usize, up: DVec3| {
         let up_body = poses[side].orientation.conjugate() * up;

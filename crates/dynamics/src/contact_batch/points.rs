@@ -4,7 +4,7 @@ use super::{Anchors, Batch, Patch, Rest, STALE, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
-use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
+use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
 use crate::pair::Pair;
 use crate::warm_start::{Carried, PointImpulse};
@@ -25,11 +25,11 @@ pub(crate) struct Touching<'a> {
     pub(crate) carried: &'a [&'a [Carried]],
 }
 
-/// Points of a pair, in some order: the place of each, and of what it carried in the last frame.
-#[derive(Clone, Copy, Default)]
-struct Order {
-    points: [(usize, Option<usize>); MOST_POINTS],
-    count: usize,
+/// A point of a pair and what it carried in the last frame, by their places.
+#[derive(Clone, Copy)]
+struct Place {
+    point: usize,
+    carried: Option<usize>,
 }
 
 /// Points for a row, in some lanes.
@@ -42,16 +42,6 @@ pub(super) struct NewPoints {
     impulses: [[PointImpulse; 2]; LANES],
     is_of_first: Mask,
     sample: [u64; LANES],
-}
-
-impl Order {
-    #[inline(always)]
-    fn push(&mut self, point: (usize, Option<usize>)) {
-        if self.count < MOST_POINTS {
-            self.points[self.count] = point;
-            self.count += 1;
-        }
-    }
 }
 
 impl NewPoints {
@@ -109,9 +99,8 @@ impl<I: Instructions> Batch<I> {
             || {
                 let starts = batch.starts(movers);
                 batch.begin(&starts);
-                let orders = touching.orders(group);
-                for row in 0..rows {
-                    batch.place(row, &touching.points((group, &orders), row, dt), &starts);
+                for (row, places) in touching.places(group, rows).iter().enumerate() {
+                    batch.place(row, &touching.points((group, places), dt), &starts);
                 }
                 batch.soften();
             },
@@ -279,39 +268,37 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl Touching<'_> {
-    /// In which order the points of some pairs go into rows: first what carries, so that rows are visited in vain where they can be.
+    /// Which points of some pairs go into so many rows, a place for each lane: first what carries, so that the rows behind hold nothing that
+    /// does and need no visit.
     #[inline(always)]
-    fn orders(&self, group: &[Member]) -> [Order; LANES] {
-        let mut orders = [Order::default(); LANES];
+    fn places(&self, group: &[Member], rows: usize) -> Vec<[Option<Place>; LANES]> {
+        let mut places = vec![[None; LANES]; rows];
         for (lane, member) in group.iter().enumerate() {
-            let carried = self.carried[member.manifold];
-            let (order, mut rest) = (&mut orders[lane], Order::default());
-            for (number, point) in self.manifolds[member.manifold].points.iter().enumerate() {
-                let same = carried.iter().position(|carried| carried.sample == point.sample);
-                let carries =
-                    same.is_some_and(|same| carried[same].forces.iter().any(|force| force.normal > 0.0));
-                let into = if carries { &mut *order } else { &mut rest };
-                into.push((number, same));
-            }
-            for at in 0..rest.count {
-                order.push(rest.points[at]);
+            let (points, carried) = (self.manifolds[member.manifold].points, self.carried[member.manifold]);
+            let mut row = 0;
+            for carries in [true, false] {
+                for (point, ManifoldPoint { sample, .. }) in points.iter().enumerate() {
+                    let same = carried.iter().position(|carried| carried.sample == *sample);
+                    let presses = |same: usize| carried[same].forces.iter().any(|force| force.normal > 0.0);
+                    if same.is_some_and(presses) == carries {
+                        places[row][lane] = Some(Place { point, carried: same });
+                        row += 1;
+                    }
+                }
             }
         }
-        orders
+        places
     }
 
     /// Points of some pairs that go into one row.
     #[inline(always)]
-    fn points(&self, (group, orders): (&[Member], &[Order; LANES]), row: usize, dt: f64) -> NewPoints {
+    fn points(&self, (group, places): (&[Member], &[Option<Place>; LANES]), dt: f64) -> NewPoints {
         let mut points = NewPoints::NONE;
         for (lane, member) in group.iter().enumerate() {
-            if row >= orders[lane].count {
-                continue;
-            }
-            let (number, same) = orders[lane].points[row];
-            let [before, after] =
-                same.map_or([PointImpulse::ZERO; 2], |same| self.carried[member.manifold][same].forces);
-            let point = &self.manifolds[member.manifold].points[number];
+            let Some(Place { point, carried }) = places[lane] else { continue };
+            let forces = carried.map(|place| self.carried[member.manifold][place].forces);
+            let [before, after] = forces.unwrap_or([PointImpulse::ZERO; 2]);
+            let point = &self.manifolds[member.manifold].points[point];
             points.add(lane, point, [before.scaled(dt), after.scaled(dt)]);
         }
         points

@@ -10,7 +10,7 @@ pub(crate) const FEW_POINTS: usize = 4;
 const BETTER: f64 = 1.05;
 
 /// Leaves some of the points, if they are many: a deepest one, the one furthest from it, the one that spans the largest area with these, and
-/// then, up to so many, always the one that adds most to the area. Depths that differ by less than `close` [m] are equal. `all` is room.
+/// then, up to so many, always the one that is furthest beyond a side of what they span, by the area of the triangle with that side. Depths that differ by less than `close` [m] are equal. `all` is room.
 pub(crate) fn reduce(
     points: &mut Vec<HullPoint>,
     all: &mut Vec<HullPoint>,
@@ -38,6 +38,7 @@ pub(crate) fn reduce(
         })
     });
 
+    // On the ground all may stay; between two hulls what adds no area goes even if they are few.
     if most > FEW_POINTS && points.len() <= most {
         return;
     }

@@ -104,12 +104,12 @@ impl<I: Instructions> Ranks<I> {
 }
 
 impl<I: Instructions> Block<I> {
-    /// Visits all batches, of each its first `rows`.
+    /// Visits all batches; `needs` says how many rows of the next one to ask memory for.
     #[inline(always)]
     pub(super) fn visit(
         &mut self,
         movers: &Movers,
-        rows: impl Fn(&Batch<I>) -> usize,
+        needs: impl Fn(&Batch<I>) -> usize,
         visit: impl Fn(&mut Batch<I>, &mut Given<I>),
     ) {
         let Self { batches, given, is_far, .. } = self;
@@ -121,7 +121,7 @@ impl<I: Instructions> Block<I> {
                     if *is_far {
                         I::prefetch(&batches[(at + 2).min(last)..][..1]);
                         let next = &batches[(at + 1).min(last)];
-                        next.prefetch(movers, rows(next));
+                        next.prefetch(movers, needs(next));
                     }
                     visit(&mut batches[at], given);
                 }
