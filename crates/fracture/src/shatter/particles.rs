@@ -8,7 +8,7 @@ use super::{
 };
 use crate::Placement;
 use crate::pattern::Region;
-use body_regions::{BodyRegions, Neighbourhood};
+use body_regions::{BodyRegions, Neighbourhood, POINTS};
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -149,35 +149,39 @@ impl Lookup<'_> {
     /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
         let regions = BodyRegions::new(self.regions, parent);
+        let only_piece = |&number: &usize| match self.of_regions[number].as_slice() {
+            [piece] => Some(*piece as usize),
+            _ => None,
+        };
+        let only_pieces: Vec<Option<usize>> = regions.numbers.iter().map(only_piece).collect();
         let grid_from_body = parent.body_from_grid.inverse();
-        let mut region = 0;
-        let mut around = Neighbourhood::default();
+        let mut nearest = 0;
+        let mut around = Neighbourhood::new(&regions);
         for cluster in parent.sample_clusters() {
             let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
-            let (center, radius) = (cluster.center.as_dvec3(), f64::from(cluster.radius));
-            region = regions.nearest(center, region);
-            if let [piece] = self.of_regions[regions.numbers[region]].as_slice()
-                && regions.distance(region, center, -radius) < -radius
-            {
-                let collector = &mut collectors[*piece as usize];
+            let center = cluster.center.as_dvec3();
+            around.look(center, f64::from(cluster.radius));
+            if let Some(piece) = around.region_of_all().and_then(|region| only_pieces[region]) {
+                let collector = &mut collectors[piece];
                 let motion = &collector.body_from_parent;
                 let moved = samples.iter().map(|&sample| motion.point(sample.as_dvec3()));
                 let center = motion.point(center);
                 collector.whole.push_cluster(moved, center, cluster.radius);
                 continue;
             }
-            around.look(&regions, center, radius);
-            for &sample in samples {
-                let point = sample.as_dvec3();
-                region = around.region_around(point).unwrap_or_else(|| regions.nearest(point, region));
-                let number = regions.numbers[region];
-                let piece = match self.of_regions[number].as_slice() {
-                    [piece] => Some(*piece as usize),
-                    _ => self.piece_at(number, grid_from_body.point(point)),
-                };
-                if let Some(piece) = piece {
-                    let collector = &mut collectors[piece];
-                    collector.single.push(collector.body_from_parent.point(point));
+            for samples in samples.chunks(POINTS) {
+                for (&sample, region) in samples.iter().zip(around.regions_of(samples)) {
+                    let point = sample.as_dvec3();
+                    let region = region.unwrap_or_else(|| {
+                        nearest = regions.nearest(point, nearest);
+                        nearest
+                    });
+                    let lies_on = only_pieces[region]
+                        .or_else(|| self.piece_at(regions.numbers[region], grid_from_body.point(point)));
+                    if let Some(piece) = lies_on {
+                        let collector = &mut collectors[piece];
+                        collector.single.push(collector.body_from_parent.point(point));
+                    }
                 }
             }
         }

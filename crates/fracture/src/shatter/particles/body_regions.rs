@@ -2,7 +2,7 @@
 
 use crate::pattern::Region;
 use frangible_geometry::Shape;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The planes of the regions that reach the parent, in its body frame.
 pub(super) struct BodyRegions {
@@ -79,28 +79,44 @@ impl BodyRegions {
 }
 
 /// The regions that reach into a ball, with those of their planes that pass through it.
-#[derive(Default)]
-pub(super) struct Neighbourhood {
+pub(super) struct Neighbourhood<'a> {
+    of: &'a BodyRegions,
     /// Each with where its planes end.
     regions: Vec<(usize, usize)>,
     planes: Vec<(DVec3, f64)>,
+    /// For each of all regions the plane that kept it out of a ball last: it is likely to keep it out of the next one.
+    keeps_out: Vec<usize>,
 }
 
-impl Neighbourhood {
-    pub(super) fn look(&mut self, regions: &BodyRegions, center: DVec3, radius: f64) {
+/// So many points are looked up together: as many as are in a cluster.
+pub(super) const POINTS: usize = 16;
+
+impl<'a> Neighbourhood<'a> {
+    pub(super) fn new(of: &'a BodyRegions) -> Self {
+        let keeps_out = of.first[..of.first.len() - 1].to_vec();
+        Self { of, regions: Vec::new(), planes: Vec::new(), keeps_out }
+    }
+
+    /// Of a ball.
+    pub(super) fn look(&mut self, center: DVec3, radius: f64) {
         self.regions.clear();
         self.planes.clear();
-        for region in 0..regions.first.len() - 1 {
+        let distance = |(normal, offset): &(DVec3, f64)| normal.dot(center) - offset;
+        for (region, keeps_out) in self.keeps_out.iter_mut().enumerate() {
+            let planes = self.of.first[region]..self.of.first[region + 1];
+            if planes.contains(keeps_out) && distance(&self.of.planes[*keeps_out]) > radius {
+                continue;
+            }
             let first = self.planes.len();
             let mut reaches_in = true;
-            for &(normal, offset) in &regions.planes[regions.first[region]..regions.first[region + 1]] {
-                let distance = normal.dot(center) - offset;
+            for (number, plane) in planes.clone().zip(&self.of.planes[planes]) {
+                let distance = distance(plane);
                 if distance > radius {
-                    reaches_in = false;
+                    (reaches_in, *keeps_out) = (false, number);
                     break;
                 }
                 if distance >= -radius {
-                    self.planes.push((normal, offset));
+                    self.planes.push(*plane);
                 }
             }
             if reaches_in {
@@ -111,15 +127,39 @@ impl Neighbourhood {
         }
     }
 
-    /// The region that a point of the ball lies inside of; `None` on a crack.
-    pub(super) fn region_around(&self, point: DVec3) -> Option<usize> {
-        let mut first = 0;
-        for &(region, end) in &self.regions {
-            if self.planes[first..end].iter().all(|(normal, offset)| normal.dot(point) < *offset) {
-                return Some(region);
-            }
-            first = end;
+    /// The region that the whole ball lies inside of.
+    pub(super) fn region_of_all(&self) -> Option<usize> {
+        match self.regions[..] {
+            [(region, 0)] => Some(region),
+            _ => None,
         }
-        None
+    }
+
+    /// The regions that up to [`POINTS`] points of the ball lie inside of; `None` on a crack, and where there is no point.
+    pub(super) fn regions_of(&self, points: &[Vec3]) -> [Option<usize>; POINTS] {
+        const ON_CRACK: u64 = u64::MAX;
+        let mut places = [[0.0; POINTS]; 3];
+        for (at, point) in points.iter().enumerate() {
+            let point = point.as_dvec3();
+            (places[0][at], places[1][at], places[2][at]) = (point.x, point.y, point.z);
+        }
+        let [x, y, z] = &places;
+
+        // All points against one plane after the other: no branch depends on a point. The first region that holds one has it.
+        let mut found = [ON_CRACK; POINTS];
+        for (n, &(region, end)) in self.regions.iter().enumerate().rev() {
+            let first = if n == 0 { 0 } else { self.regions[n - 1].1 };
+            let mut farthest = [f64::NEG_INFINITY; POINTS];
+            for (normal, offset) in &self.planes[first..end] {
+                for at in 0..POINTS {
+                    let distance = normal.x * x[at] + normal.y * y[at] + normal.z * z[at] - offset;
+                    farthest[at] = if distance > farthest[at] { distance } else { farthest[at] };
+                }
+            }
+            for at in 0..POINTS {
+                found[at] = if farthest[at] < 0.0 { region as u64 } else { found[at] };
+            }
+        }
+        found.map(|region| (region != ON_CRACK).then_some(region as usize))
     }
 }
