@@ -86,7 +86,7 @@ fn shatter_planar(
 
     // Each connected part of a region's share is a piece, unless it is too small for the grid.
     let mut components = if solid.is_convex() {
-        components::of_convex(regions::runs_of_regions(solid, &regions))
+        components::of_convex(regions::portions_of_regions(solid, &regions))
     } else {
         components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
     };

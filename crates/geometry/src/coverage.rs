@@ -1,8 +1,7 @@
-//! How much of each voxel is material, and the sums over it.
+//! How much of each voxel is material.
 
-use crate::mass_properties::{inertia_from_second_moments, outer};
-use crate::{Grid, LevelSet, MassProperties, Run};
-use glam::{DMat3, DVec3};
+use crate::{Grid, LevelSet};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// The fraction of each node's voxel that lies inside, from samples: the part of the cube below the plane through the
@@ -125,97 +124,13 @@ fn sorted(v: DVec3) -> [f64; 3] {
     [low.min(v.z), low.max(v.z.min(high)), high.max(v.z)]
 }
 
-/// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of the points that go in.
-///
-/// Additive: the sums over the parts of a partition of the voxels give the sums over the whole, so that mass, momentum,
-/// angular momentum and kinetic energy are equal before and after a break. Sums over full voxels at whole or half places
-/// are exact: a symmetric body's moments are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct VoxelMoments {
-    volume: f64,
-    /// Volume times position.
-    first: DVec3,
-    /// Volume times x x, y y, z z of the voxels' middles.
-    squares: DVec3,
-    /// Volume times x y, y z, z x.
-    products: DVec3,
-}
-
-impl VoxelMoments {
-    /// Of nothing.
-    const ZERO: Self = Self { volume: 0.0, first: DVec3::ZERO, squares: DVec3::ZERO, products: DVec3::ZERO };
-
-    /// Adds voxels along x at some y and z: the sums of their coverage, and of coverage times x and times x^2.
-    #[inline]
-    fn add_row(&mut self, [y, z]: [f64; 2], [volume, along, square]: [f64; 3]) {
-        let (along_y, along_z) = (volume * y, volume * z);
-        self.volume += volume;
-        self.first += DVec3::new(along, along_y, along_z);
-        self.squares += DVec3::new(square, along_y * y, along_z * z);
-        self.products += DVec3::new(along * y, along_y * z, along * z);
-    }
-
-    /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m], of voxels of
-    /// edge `spacing` [m], each with the self-inertia of a cube (h^2/6 on the diagonal per unit mass). Without volume, the
-    /// centre is the origin.
-    fn mass_properties(&self, origin: DVec3, spacing: f64) -> MassProperties {
-        if self.volume <= 0.0 {
-            return MassProperties { volume: 0.0, center: origin, inertia: DMat3::ZERO };
-        }
-        let center = self.first / self.volume;
-        let own = DMat3::from_diagonal(DVec3::splat(self.volume / 12.0));
-        let second = DMat3::from_cols(
-            DVec3::new(self.squares.x, self.products.x, self.products.z),
-            DVec3::new(self.products.x, self.squares.y, self.products.y),
-            DVec3::new(self.products.z, self.products.y, self.squares.z),
-        );
-        let inertia = inertia_from_second_moments(second - outer(self.first, center) + own);
-        let voxel = spacing * spacing * spacing;
-        MassProperties {
-            volume: self.volume * voxel,
-            center: origin + spacing * center,
-            inertia: inertia * (voxel * spacing * spacing),
-        }
-    }
-}
-
-/// Sums over the runs of a grid.
-pub(crate) struct RunMoments {
-    grid: Grid,
-    /// Of the middle of the grid along y and z, in units of the spacing.
-    middle: [f64; 2],
-    sums: VoxelMoments,
-}
-
-impl RunMoments {
-    /// Of none yet.
-    pub(crate) fn new(grid: &Grid) -> Self {
-        // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
-        let [_, y, z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
-        Self { grid: *grid, middle: [y, z], sums: VoxelMoments::ZERO }
-    }
-
-    /// Adds a run.
-    #[inline]
-    pub(crate) fn add(&mut self, run: &Run) {
-        let [y, z] = run.row.map(f64::from);
-        self.sums.add_row([y - self.middle[0], z - self.middle[1]], run.moments);
-    }
-
-    /// Of all that were added, in the grid's frame.
-    pub(crate) fn mass_properties(&self) -> MassProperties {
-        let (low, high) = self.grid.bounds();
-        self.sums.mass_properties(0.5 * (low + high), self.grid.spacing)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ClosedForm;
-    use crate::RigidTransform;
     use crate::material::{Held, Material};
-    use glam::DQuat;
+    use crate::moments::VoxelMoments;
+    use crate::{ClosedForm, MassProperties, RigidTransform};
+    use glam::{DMat3, DQuat};
     use proptest::prelude::*;
 
     fn dense_mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {

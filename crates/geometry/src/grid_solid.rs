@@ -2,7 +2,7 @@
 
 use crate::clip::{RowScratch, distances_over, larger};
 use crate::material::{Held, Material, Run};
-use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, RunCore, coverage};
+use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Portion, RunCore, coverage};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -115,12 +115,12 @@ impl GridSolid {
         }
     }
 
-    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `runs`
-    /// are the material that is the part's, with the rows of this solid's grid, in order.
+    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `portion` is
+    /// the material that is the part's.
     ///
     /// Its outline knows the first of the intersections: the others are slivers that joined it.
-    pub fn clipped(&self, runs: Vec<Run>, regions: &[&[HalfSpace]]) -> Self {
-        let mut part = self.part(runs);
+    pub fn clipped(&self, portion: Portion, regions: &[&[HalfSpace]]) -> Self {
+        let mut part = self.part(portion);
         let extent = part.extent();
         let old: Vec<&[HalfSpace]> = if self.parts.is_empty() {
             vec![&[]]
@@ -144,8 +144,8 @@ impl GridSolid {
     }
 
     /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
-    pub fn intersected(&self, runs: Vec<Run>, distance: impl Fn(DVec3) -> f64) -> Self {
-        let mut part = self.part(runs);
+    pub fn intersected(&self, portion: Portion, distance: impl Fn(DVec3) -> f64) -> Self {
+        let mut part = self.part(portion);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
         let nodes = part.sample_nodes(distance);
@@ -171,17 +171,8 @@ impl GridSolid {
     }
 
     /// Grid, field and material of a part, without its planes.
-    fn part(&self, runs: Vec<Run>) -> Self {
-        // They are in order of their rows along z.
-        let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
-        for &Run { row: [j, _], start, end, .. } in &runs {
-            (low[0], low[1]) = (low[0].min(start), low[1].min(j));
-            (high[0], high[1]) = (high[0].max(end - 1), high[1].max(j));
-        }
-        (low[2], high[2]) =
-            (runs.first().map_or(0, |run| run.row[1]), runs.last().map_or(0, |run| run.row[1]));
-        let [low, high] = [low, high].map(|corner| corner.map(|n| n as usize));
-
+    fn part(&self, portion: Portion) -> Self {
+        let [low, high] = portion.sums.nodes();
         // The part's own lattice; it may reach beyond this one's.
         let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * MARGIN - low[axis]);
         let from = low.map(|n| n as i64 - MARGIN as i64);
@@ -189,7 +180,7 @@ impl GridSolid {
         let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
         let grid = Grid { origin, spacing: h, dims };
         Self {
-            held: self.held.part(runs, from, (&self.grid, &grid)),
+            held: self.held.part(portion, from, (&self.grid, &grid)),
             grid,
             field: self.field.clone(),
             shift: std::array::from_fn(|axis| self.shift[axis] + from[axis]),
@@ -229,7 +220,12 @@ impl GridSolid {
 
     /// The same by stretches of rows, in order: between their ends is no gap.
     pub fn runs(&self) -> &[Run] {
-        &self.held.runs
+        self.held.runs()
+    }
+
+    /// The same on the grid that they were taken from, and the first node of [`GridSolid::grid`] there: nothing is made.
+    pub(crate) fn taken_runs(&self) -> (&[Run], [i64; 3]) {
+        self.held.taken()
     }
 
     /// The same, to be cut: for each of the runs.

@@ -1,7 +1,6 @@
 //! What of a grid's voxels is material, row by row in runs.
 
-use crate::coverage::RunMoments;
-use crate::{Grid, LevelSet, MassProperties, RunCore};
+use crate::{Grid, LevelSet, MassProperties, Portion, RunCore, RunSums};
 use std::sync::{Arc, OnceLock};
 
 /// Consecutive nodes of a row whose voxels are filled alike.
@@ -78,11 +77,11 @@ impl Run {
     }
 }
 
-/// Some of a solid's material, in runs: its spans are copied when they are asked for.
+/// Some of a solid's material, in runs: what is asked for is copied onto the holder's own grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Held {
-    /// In order; on the holder's own grid.
-    pub(crate) runs: Vec<Run>,
+    /// In order; on the source's grid.
+    taken: Vec<Run>,
     /// Of all runs, in the holder's grid frame.
     pub(crate) mass: MassProperties,
     source: Arc<Material>,
@@ -90,7 +89,10 @@ pub(crate) struct Held {
     shift: [i64; 3],
     rows_y: [usize; 2],
     rows: usize,
+    /// How far along x the middle of the holder's grid is ahead of that of the source's.
+    ahead: f64,
     own: OnceLock<Arc<Material>>,
+    moved: OnceLock<Vec<Run>>,
     cores: OnceLock<Vec<RunCore>>,
 }
 
@@ -113,44 +115,64 @@ impl Held {
             }
         }
         let source = Arc::new(material);
-        let (rows_y, rows) = ([grid.dims[1]; 2], source.rows());
-        let own = OnceLock::from(source.clone());
-        let mut moments = RunMoments::new(grid);
-        runs.iter().for_each(|run| moments.add(run));
-        let mass = moments.mass_properties();
-        let held = Self { runs, mass, own, source, shift: [0; 3], rows_y, rows, cores: OnceLock::new() };
+        let held = Self {
+            mass: RunSums::of(grid, &runs).mass_properties(),
+            own: OnceLock::from(source.clone()),
+            rows_y: [grid.dims[1]; 2],
+            rows: source.rows(),
+            taken: runs,
+            source,
+            shift: [0; 3],
+            ahead: 0.0,
+            moved: OnceLock::new(),
+            cores: OnceLock::new(),
+        };
         held.cores(grid);
         held
     }
 
-    /// Some of it, `runs` in order, on a grid whose first node is `from` here.
-    pub(crate) fn part(&self, mut runs: Vec<Run>, from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
-        // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
-        let ahead = 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64;
-        let mut moments = RunMoments::new(own);
-        for run in &mut runs {
-            let across = |axis: usize| (i64::from(run.row[axis]) - from[axis + 1]) as u32;
-            let along = |i: u32| (i64::from(i) - from[0]) as u32;
-            let [volume, first, second] = run.moments;
-            let moved = Run {
-                row: [across(0), across(1)],
-                start: along(run.start),
-                end: along(run.end),
-                inside: run.inside,
-                moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
-            };
-            moments.add(&moved);
-            *run = moved;
-        }
+    /// A portion of it, on a grid whose first node is `from` here.
+    pub(crate) fn part(&self, portion: Portion, from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
         Self {
-            runs,
-            mass: moments.mass_properties(),
+            taken: portion.runs,
+            mass: portion.sums.mass_properties(),
             source: self.material().clone(),
             shift: from,
             rows_y: [own.dims[1], grid.dims[1]],
             rows: own.dims[1] * own.dims[2],
+            ahead: 0.5 * (own.dims[0] as f64 - grid.dims[0] as f64) + from[0] as f64,
             own: OnceLock::new(),
+            moved: OnceLock::new(),
             cores: OnceLock::new(),
+        }
+    }
+
+    /// In order, on the grid that they were taken from, and the first node of the holder's grid there.
+    pub(crate) fn taken(&self) -> (&[Run], [i64; 3]) {
+        (&self.taken, self.shift)
+    }
+
+    /// In order; on the holder's own grid.
+    pub(crate) fn runs(&self) -> &[Run] {
+        if self.shift == [0; 3] && self.ahead == 0.0 {
+            return &self.taken;
+        }
+        self.moved.get_or_init(|| self.taken.iter().map(|run| self.moved(run)).collect())
+    }
+
+    /// A run of the source's grid, on the holder's own.
+    fn moved(&self, run: &Run) -> Run {
+        let along = |i: u32| (i64::from(i) - self.shift[0]) as u32;
+        let across = |axis: usize| (i64::from(run.row[axis]) - self.shift[axis + 1]) as u32;
+        // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
+        let [volume, first, second] = run.moments;
+        let ahead = self.ahead;
+        Run {
+            row: [across(0), across(1)],
+            start: along(run.start),
+            end: along(run.end),
+            inside: run.inside,
+            moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
         }
     }
 
@@ -158,8 +180,9 @@ impl Held {
     pub(crate) fn cores(&self, grid: &Grid) -> &[RunCore] {
         self.cores.get_or_init(|| {
             let material = self.material();
-            let mut cores = Vec::with_capacity(self.runs.len());
-            cores.extend(self.runs.iter().map(|run| {
+            let runs = self.runs();
+            let mut cores = Vec::with_capacity(runs.len());
+            cores.extend(runs.iter().map(|run| {
                 let of_row = material.row(run.number(grid.dims[1]));
                 let first = of_row.partition_point(|span| span.end <= run.start);
                 let after = of_row.partition_point(|span| span.start < run.end);
@@ -173,16 +196,14 @@ impl Held {
     pub(crate) fn material(&self) -> &Arc<Material> {
         self.own.get_or_init(|| {
             let [rows_y, source_rows_y] = self.rows_y;
-            let spans = self.runs.iter().flat_map(|run| {
-                let row = run.number(rows_y);
-                let [j, k] = [0, 1].map(|axis| i64::from(run.row[axis]) + self.shift[axis + 1]);
-                let of_row = self.source.row((j + source_rows_y as i64 * k) as usize);
-                let along = |i: u32| (i64::from(i) - self.shift[0]).max(0) as u32;
+            let spans = self.taken.iter().flat_map(|run| {
+                let row = self.moved(run).number(rows_y);
+                let along = |i: u32| (i64::from(i) - self.shift[0]) as u32;
                 let cut = move |span: &Span| {
-                    let (start, end) = (along(span.start).max(run.start), along(span.end).min(run.end));
-                    (start < end).then_some((row, Span { start, end, ..*span }))
+                    let (start, end) = (span.start.max(run.start), span.end.min(run.end));
+                    (start < end).then(|| (row, Span { start: along(start), end: along(end), ..*span }))
                 };
-                of_row.iter().filter_map(cut)
+                self.source.row(run.number(source_rows_y)).iter().filter_map(cut)
             });
             Arc::new(Material::from_rows(self.rows, spans))
         })
@@ -280,7 +301,7 @@ mod tests {
             let material = Material::from_nodes(&LevelSet::new(grid, phi), &coverage);
             let whole = Held::all(&grid, material.clone());
             let mut share = Vec::new();
-            for run in &whole.runs {
+            for run in whole.runs() {
                 let mut cut = Run::empty(run.row, run.start.max(low));
                 for span in material.row(run.number(4)) {
                     let nodes = span.start.max(cut.start)..span.end.min(run.end).min(high);
@@ -291,10 +312,11 @@ mod tests {
                 share.extend((cut.start < cut.end).then_some(cut));
             }
             let own = Grid { dims: [10, 7, 6], ..grid };
-            let part = whole.part(share.clone(), [-2, -1, -3], (&grid, &own));
+            let portion = Portion { sums: RunSums::of(&grid, &share), runs: share };
+            let part = whole.part(portion, [-2, -1, -3], (&grid, &own));
             let again = Held::all(&own, part.material().as_ref().clone());
-            prop_assert_eq!(part.runs.len(), again.runs.len());
-            for (a, b) in part.runs.iter().zip(&again.runs) {
+            prop_assert_eq!(part.runs().len(), again.runs().len());
+            for (a, b) in part.runs().iter().zip(again.runs()) {
                 prop_assert_eq!((a.row, a.start, a.end, a.inside), (b.row, b.start, b.end, b.inside));
                 for (a, b) in a.moments.iter().zip(b.moments) {
                     prop_assert!((a - b).abs() < 1e-12, "{} {}", a, b);

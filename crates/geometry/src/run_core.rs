@@ -41,6 +41,22 @@ impl Sums {
         Self { inside: run.inside, moments: run.moments }
     }
 
+    /// Of the parts of a row's spans between two nodes, span by span.
+    #[cold]
+    fn within(spans: &[Span], [start, end]: [u32; 2], middle: f64) -> Self {
+        let mut run = Run::empty([0; 2], start);
+        for span in spans {
+            if span.end <= start {
+                continue;
+            }
+            if span.start >= end {
+                break;
+            }
+            run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, middle);
+        }
+        Self { inside: run.inside, moments: run.moments }
+    }
+
     #[inline]
     fn plus(self, other: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.moments, other.moments);
@@ -69,49 +85,37 @@ impl RunCore {
         }
     }
 
-    /// Adds the part of the run from one node to another, whole numbers; `spans` finds those of its row.
+    /// The part of the run from one node to another, whole numbers; `spans` finds those of its row.
     #[inline]
-    pub fn cut<'a>(&self, [first, last]: [f64; 2], parts: &mut Vec<Run>, spans: impl FnOnce() -> &'a [Span]) {
+    pub fn cut<'a>(&self, [first, last]: [f64; 2], spans: impl FnOnce() -> &'a [Span]) -> Run {
+        let (start, end) = (number(first), number(last) + 1);
         let [before, behind] = [first < self.core[0], last > self.core[1]];
         let from = if before { self.core[0] } else { first };
         let to = if behind { self.core[1] } else { last };
-        if from > to || (before && first != self.ends[0]) || (behind && last != self.ends[1]) {
-            self.cut_elsewhere(spans(), [number(first), number(last) + 1], parts);
-            return;
-        }
-        let (count, place) = (to - from + 1.0, 0.5 * (from + to) - self.middle);
-        let volume = count * self.coverage;
-        let square = volume * (place * place + (count * count - 1.0) * (1.0 / 12.0));
-        let inside = if self.is_inside { number(count) } else { 0 };
-        let mut sums = Sums { inside, moments: [volume, volume * place, square] };
-        if before {
-            sums = self.before.plus(sums);
-        }
-        if behind {
-            sums = sums.plus(self.behind);
-        }
-        // What is whole stays as it was summed up.
-        if first == self.ends[0] && last == self.ends[1] {
-            sums = self.whole;
-        }
-        let (start, end) = (number(first), number(last) + 1);
-        parts.push(Run { row: self.row, start, end, inside: sums.inside, moments: sums.moments });
-    }
-
-    /// Adds the part below `end`, span by span.
-    #[cold]
-    fn cut_elsewhere(&self, spans: &[Span], [start, end]: [u32; 2], parts: &mut Vec<Run>) {
-        let mut run = Run::empty(self.row, start);
-        for span in spans {
-            if span.end <= start {
-                continue;
-            }
-            if span.start >= end {
-                break;
-            }
-            run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, self.middle);
-        }
-        parts.push(run);
+        // Numbers, not a `Run`: one that is put together in two places goes through memory.
+        let (inside, [volume, along, square]) =
+            if from > to || (before && first != self.ends[0]) || (behind && last != self.ends[1]) {
+                let Sums { inside, moments } = Sums::within(spans(), [start, end], self.middle);
+                (inside, moments)
+            } else {
+                let (count, place) = (to - from + 1.0, 0.5 * (from + to) - self.middle);
+                let volume = count * self.coverage;
+                let square = volume * (place * place + (count * count - 1.0) * (1.0 / 12.0));
+                let inside = if self.is_inside { number(count) } else { 0 };
+                let mut sums = Sums { inside, moments: [volume, volume * place, square] };
+                if before {
+                    sums = self.before.plus(sums);
+                }
+                if behind {
+                    sums = sums.plus(self.behind);
+                }
+                // What is whole stays as it was summed up.
+                if first == self.ends[0] && last == self.ends[1] {
+                    sums = self.whole;
+                }
+                (sums.inside, sums.moments)
+            };
+        Run { row: self.row, start, end, inside, moments: [volume, along, square] }
     }
 }
 
@@ -136,10 +140,8 @@ mod tests {
             }
             let node = |part: f64| run.start + (part * f64::from(run.end - run.start)) as u32;
             let (start, end) = (node(low.min(high)), node(low.max(high)) + 1);
-            let mut parts = Vec::new();
             let ends = [f64::from(start), f64::from(end - 1)];
-            RunCore::of(&run, &spans, middle).cut(ends, &mut parts, || &spans);
-            let cut = parts[0];
+            let cut = RunCore::of(&run, &spans, middle).cut(ends, || &spans);
             let mut expected = Run::empty(run.row, start);
             for span in spans.iter().filter(|span| span.start < end && span.end > start) {
                 expected.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, middle);

@@ -294,12 +294,14 @@ fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &
     let turns = DVec3::from_array(steps.x_axis.to_array().map(|step| if step < 0.0 { -1.0 } else { 1.0 }));
     let [along_x, along_y, along_z] = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step * turns);
     let (mut lows, mut highs) = ([[f64::INFINITY; 2]; 3], [[f64::NEG_INFINITY; 2]; 3]);
-    let (pairs, rest) = solid.runs().as_chunks::<2>();
+    let (runs, from) = solid.taken_runs();
+    let from = from.map(|n| n as f64);
+    let (pairs, rest) = runs.as_chunks::<2>();
     let rest = rest.first().map(|run| [*run; 2]);
     for pair in pairs.iter().chain(&rest) {
-        let [j, k] = [0, 1].map(|axis| pair.map(|run| f64::from(run.row[axis])));
-        let (start, length) =
-            (pair.map(|run| f64::from(run.start)), pair.map(|run| f64::from(run.end - 1 - run.start)));
+        let [j, k] = [0, 1].map(|axis| pair.map(|run| f64::from(run.row[axis]) - from[axis + 1]));
+        let start = pair.map(|run| f64::from(run.start) - from[0]);
+        let length = pair.map(|run| f64::from(run.end - 1 - run.start));
         for axis in 0..3 {
             for n in 0..2 {
                 let first = along_y[axis] * j[n] + along_z[axis] * k[n] + along_x[axis] * start[n];

@@ -2,7 +2,7 @@
 
 use super::regions::{NONE, Share, Shares};
 use frangible_geometry::disjoint_sets::DisjointSets;
-use frangible_geometry::{Grid, GridSolid, Run, Span};
+use frangible_geometry::{Grid, GridSolid, Portion, Run, Span};
 use glam::DVec3;
 
 /// The connected parts.
@@ -14,8 +14,8 @@ pub(crate) struct Components {
     pub(crate) has_inside: Vec<bool>,
     /// Its material [voxels].
     pub(crate) material: Vec<f64>,
-    /// The same in runs, in order.
-    pub(crate) runs: Vec<Vec<Run>>,
+    /// The same in runs.
+    pub(crate) portions: Vec<Portion>,
 }
 
 /// Which connected part each share belongs to.
@@ -43,13 +43,13 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
 
 /// What the regions hold of a convex body, one component for each that holds anything: it is connected, whether or not the grid shows
 /// it. Numbered in the order of their first runs.
-pub(crate) fn of_convex(runs_of_regions: Vec<Vec<Run>>) -> Components {
-    let held = runs_of_regions.into_iter().zip(0..).filter(|(runs, _)| !runs.is_empty());
-    let mut held: Vec<(Vec<Run>, u32)> = held.collect();
-    held.sort_by_key(|(runs, _)| runs[0].place());
+pub(crate) fn of_convex(portions_of_regions: Vec<Portion>) -> Components {
+    let held = portions_of_regions.into_iter().zip(0..).filter(|(portion, _)| !portion.runs.is_empty());
+    let mut held: Vec<(Portion, u32)> = held.collect();
+    held.sort_by_key(|(portion, _)| portion.runs[0].place());
     let mut components = Components::default();
-    for (runs, region) in held {
-        components.add(region, runs);
+    for (portion, region) in held {
+        components.add(region, portion);
     }
     components
 }
@@ -70,13 +70,14 @@ pub(crate) fn connected_components(
     for &component in &labels.of_share {
         counts[component as usize] += 1;
     }
-    let mut runs: Vec<Vec<Run>> = counts.into_iter().map(Vec::with_capacity).collect();
+    let portion = |runs: usize| Portion::with_capacity(solid.grid(), runs);
+    let mut portions: Vec<Portion> = counts.into_iter().map(portion).collect();
     for (share, &component) in shares.all.iter().zip(&labels.of_share) {
-        runs[component as usize].push(share.run);
+        portions[component as usize].push(share.run);
     }
     let mut components = Components::default();
-    for (region, runs) in labels.region.into_iter().zip(runs) {
-        components.add(region, runs);
+    for (region, portion) in labels.region.into_iter().zip(portions) {
+        components.add(region, portion);
     }
     components
 }
@@ -96,16 +97,11 @@ fn label_components(solid: &GridSolid, shares: &mut Shares, convex_slivers: Opti
 
 impl Components {
     /// Adds a part of a region.
-    fn add(&mut self, region: u32, runs: Vec<Run>) {
-        let (mut has_inside, mut material) = (false, 0.0);
-        for run in &runs {
-            has_inside |= run.inside > 0;
-            material += run.moments[0];
-        }
+    fn add(&mut self, region: u32, portion: Portion) {
         self.region.push(region);
-        self.has_inside.push(has_inside);
-        self.material.push(material);
-        self.runs.push(runs);
+        self.has_inside.push(portion.sums.has_inside());
+        self.material.push(portion.sums.material());
+        self.portions.push(portion);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{components::Components, regions::NONE, slivers::Pieces};
 use crate::pattern::Region;
-use frangible_geometry::{GridSolid, HalfSpace, Run};
+use frangible_geometry::{Grid, GridSolid, HalfSpace, Portion, Run};
 use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
@@ -30,19 +30,19 @@ pub(crate) fn intersect_level_sets(
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let of_regions = pieces_of_regions(regions.len(), components, pieces);
-    let runs_of_pieces = runs_of_pieces(components, pieces);
+    let portions = portions_of_pieces(parent.grid(), components, pieces);
     let planes_of = |region: u32| -> Vec<HalfSpace> {
         regions[region as usize].cuts.iter().map(|cut| cut.half_space).collect()
     };
-    let solid = |(members, runs): (&Vec<u32>, Vec<Run>)| {
+    let solid = |(members, portion): (&Vec<u32>, Portion)| {
         let (own, any_inside) = regions_of_piece(members, components);
         let planes: Vec<Vec<HalfSpace>> = own.iter().map(|&region| planes_of(region)).collect();
         let planes: Vec<&[HalfSpace]> = planes.iter().map(Vec::as_slice).collect();
-        let clipped = parent.clipped(runs, &planes);
+        let clipped = parent.clipped(portion, &planes);
         let is_all = own.iter().all(|&region| of_regions[region as usize].len() == 1);
         if is_all && any_inside { clipped } else { clipped.sampled() }
     };
-    pieces.components.iter().zip(runs_of_pieces).map(solid).collect()
+    pieces.components.iter().zip(portions).map(solid).collect()
 }
 
 /// The same for cells of any form: `distance(cell, point)` [m] in the grid frame, sampled at the pieces' nodes.
@@ -52,14 +52,14 @@ pub(crate) fn intersect_sampled(
     components: &mut Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
-    let runs_of_pieces = runs_of_pieces(components, pieces);
-    let solid = |(members, runs): (&Vec<u32>, Vec<Run>)| {
+    let portions = portions_of_pieces(parent.grid(), components, pieces);
+    let solid = |(members, portion): (&Vec<u32>, Portion)| {
         let (own, _) = regions_of_piece(members, components);
-        parent.intersected(runs, |point| {
+        parent.intersected(portion, |point| {
             own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
         })
     };
-    pieces.components.iter().zip(runs_of_pieces).map(solid).collect()
+    pieces.components.iter().zip(portions).map(solid).collect()
 }
 
 /// The regions that a piece is made of, and whether it has any node inside. A film of surface voxels does not take the region
@@ -77,22 +77,23 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// What each piece holds, in order: taken from its components.
-fn runs_of_pieces(components: &mut Components, pieces: &Pieces) -> Vec<Vec<Run>> {
-    let runs = |members: &Vec<u32>| {
-        let mut all = Vec::new();
+/// What each piece holds: taken from its components.
+fn portions_of_pieces(grid: &Grid, components: &mut Components, pieces: &Pieces) -> Vec<Portion> {
+    let portion = |members: &Vec<u32>| {
+        let mut all = Portion::with_capacity(grid, 0);
         for &component in members {
-            let own = std::mem::take(&mut components.runs[component as usize]);
-            if all.is_empty() {
-                all = own;
+            let own = &mut components.portions[component as usize];
+            all.sums.merge(&own.sums);
+            if all.runs.is_empty() {
+                std::mem::swap(&mut all.runs, &mut own.runs);
             } else {
-                all.extend(own);
+                all.runs.append(&mut own.runs);
             }
         }
         if members.len() > 1 {
-            all.sort_by_key(Run::place);
+            all.runs.sort_by_key(Run::place);
         }
         all
     };
-    pieces.components.iter().map(runs).collect()
+    pieces.components.iter().map(portion).collect()
 }

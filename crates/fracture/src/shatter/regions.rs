@@ -4,7 +4,7 @@ mod convex;
 mod intervals;
 
 use crate::pattern::{Region, nearest_region};
-pub(crate) use convex::runs_of_regions;
+pub(crate) use convex::portions_of_regions;
 use frangible_geometry::{Grid, GridSolid, Material, Run, Span};
 use glam::DVec3;
 use intervals::{Found, Intervals, RowEnds, TILE, Tiles};
@@ -43,7 +43,7 @@ impl Shares {
 /// Shares that there is room for at first, for each run of a solid.
 const SHARES_OF_RUN: usize = 6;
 
-/// Shares out a solid's material, convex or not, among convex regions; see [`runs_of_regions`].
+/// Shares out a solid's material, convex or not, among convex regions; see [`portions_of_regions`].
 pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
     let ends = RowEnds::of(solid);

@@ -5,7 +5,7 @@ use super::{
     regions::NONE,
 };
 use frangible_geometry::disjoint_sets::DisjointSets;
-use frangible_geometry::{Grid, GridSolid, Run};
+use frangible_geometry::{Grid, GridSolid, Portion, Run};
 
 /// The fragments, as sets of components.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Rows {
     fn around(grid: &Grid, components: &Components, some: &[u32]) -> Self {
         let rows_y = grid.dims[1];
         let number = |run: &Run| run.number(rows_y);
-        let runs = || some.iter().map(|&component| &components.runs[component as usize]);
+        let runs = || some.iter().map(|&component| &components.portions[component as usize].runs);
         let lowest = runs().filter_map(|runs| runs.first().map(number)).min().unwrap_or(0);
         let highest = runs().filter_map(|runs| runs.last().map(number)).max().unwrap_or(0);
         let (first, behind) = (lowest.saturating_sub(rows_y), highest + rows_y + 1);
@@ -83,7 +83,7 @@ impl Rows {
 
         // One more row makes room for where each begins.
         let mut first_of_row = vec![0_u32; behind - first + 2];
-        for runs in &components.runs {
+        for Portion { runs, .. } in &components.portions {
             for run in &runs[within(runs)] {
                 first_of_row[number(run) - first + 2] += 1;
             }
@@ -94,7 +94,7 @@ impl Rows {
             *first = sum;
         }
         let mut stretches = vec![Stretch::default(); sum as usize];
-        for (runs, component) in components.runs.iter().zip(0..) {
+        for (Portion { runs, .. }, component) in components.portions.iter().zip(0..) {
             for run in &runs[within(runs)] {
                 let place = &mut first_of_row[number(run) - first + 1];
                 stretches[*place as usize] = Stretch { component, start: run.start, end: run.end };
@@ -136,7 +136,7 @@ fn closest_neighbour(
             }
         }
     };
-    for run in sliver.iter().flat_map(|&component| &components.runs[component as usize]) {
+    for run in sliver.iter().flat_map(|&component| &components.portions[component as usize].runs) {
         let row = run.number(grid.dims[1]);
         for there in rows.row(row) {
             count(there, u32::from(there.end == run.start || run.end == there.start));
