@@ -6,7 +6,13 @@ use glam::DVec3;
 /// The part of a convex polygon that lies inside a half-space; empty if there is none.
 pub(crate) fn clip(polygon: &[DVec3], half_space: &HalfSpace) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
-    let Some(&first) = polygon.first() else { return kept };
+    clip_into(polygon, half_space, &mut kept);
+    kept
+}
+
+/// The same, its corners added to `kept`.
+pub(crate) fn clip_into(polygon: &[DVec3], half_space: &HalfSpace, kept: &mut Vec<DVec3>) {
+    let Some(&first) = polygon.first() else { return };
     let mut to = half_space.distance(first);
     for (at, &start) in polygon.iter().enumerate() {
         let end = polygon.get(at + 1).copied().unwrap_or(first);
@@ -18,7 +24,6 @@ pub(crate) fn clip(polygon: &[DVec3], half_space: &HalfSpace) -> Vec<DVec3> {
             kept.push(start + (end - start) * (from / (from - to)));
         }
     }
-    kept
 }
 
 /// The six half-spaces whose intersection is the box from `low` to `high`.

@@ -7,105 +7,152 @@ use crate::{
     pattern::{Cut, Region},
     polygon,
 };
+use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 pub(crate) use parent::Parent;
-
-/// Points on the cracks around a region, face after face.
-#[derive(Debug, Default)]
-pub(crate) struct CrackSamples {
-    /// Grid frame [m].
-    points: Vec<DVec3>,
-    /// Of all faces [m].
-    corners: Vec<DVec3>,
-    /// Where each face's points and corners end, and its normal.
-    faces: Vec<([usize; 2], DVec3)>,
-}
+use std::ops::Range;
 
 /// One of a region's cracks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CrackFace<'a> {
-    /// Grid frame [m].
-    pub(crate) points: &'a [DVec3],
+    /// Between its edges; grid frame [m].
+    inner: &'a [DVec3],
+    /// On those edges that the region's faces before have not brought [m].
+    on_edges: &'a [DVec3],
     /// Of a polygon that holds all of them [m].
     pub(crate) corners: &'a [DVec3],
     /// Out of the region.
     pub(crate) normal: DVec3,
 }
 
-impl CrackSamples {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.corners.clear();
-        self.faces.clear();
+impl<'a> CrackFace<'a> {
+    /// Grid frame [m].
+    pub(crate) fn points(self) -> impl Iterator<Item = &'a DVec3> {
+        self.inner.iter().chain(self.on_edges)
     }
+}
 
-    /// Makes a face of the points that were added since the last one.
-    fn end_face(&mut self, corners: &[DVec3], normal: DVec3) {
-        self.corners.extend_from_slice(corners);
-        self.faces.push(([self.points.len(), self.corners.len()], normal));
-    }
+/// A face of a pattern that lies in the parent, for both regions that share it.
+struct SharedFace {
+    /// Of the region that brought it.
+    half_space: HalfSpace,
+    /// Where its corners are in `placed`.
+    placed: Range<usize>,
+    /// Where those of what is cut off by the parent's flat pieces are in `corners`.
+    corners: Range<usize>,
+    /// Where the points between its edges are in `points`.
+    points: Range<usize>,
+}
 
-    /// In order.
-    pub(crate) fn faces(&self) -> impl Iterator<Item = CrackFace<'_>> {
-        let starts = std::iter::once([0; 2]).chain(self.faces.iter().map(|&(ends, _)| ends));
-        starts.zip(&self.faces).map(|(starts, &(ends, normal))| CrackFace {
-            points: &self.points[starts[0]..ends[0]],
-            corners: &self.corners[starts[1]..ends[1]],
-            normal,
-        })
-    }
+/// Collects samples of the faces of regions, one region after the other.
+pub(crate) struct Sampler<'a> {
+    parent: &'a Parent<'a>,
+    spacing: f64,
+    /// All faces that were sampled, and what they refer to; grid frame [m].
+    shared: Vec<SharedFace>,
+    placed: Vec<DVec3>,
+    corners: Vec<DVec3>,
+    points: Vec<DVec3>,
+    /// The faces of the last region: which they are, where their points on edges end, and the normal out of the region.
+    faces: Vec<(usize, usize, DVec3)>,
+    on_edges: Vec<DVec3>,
+    /// The edges and corners that one of its faces has brought already.
+    known_edges: Vec<[DVec3; 2]>,
+    known_corners: Vec<DVec3>,
+    scratch: Scratch,
+}
+
+/// Memory for the face that is being sampled.
+#[derive(Default)]
+struct Scratch {
+    clipped: Vec<DVec3>,
+    lines: Lines,
+    stretches: Vec<[f64; 2]>,
 }
 
 impl<'a> Sampler<'a> {
     /// Of cracks within the parent, by points about `spacing` [m] apart.
     pub(crate) fn new(parent: &'a Parent<'a>, spacing: f64) -> Self {
-        let (samples, edges, corners) = (CrackSamples::default(), Vec::new(), Vec::new());
-        Self { parent, spacing, samples, edges, corners, lines: Lines::default() }
+        Self {
+            parent,
+            spacing,
+            shared: Vec::new(),
+            placed: Vec::new(),
+            corners: Vec::new(),
+            points: Vec::new(),
+            faces: Vec::new(),
+            on_edges: Vec::new(),
+            known_edges: Vec::new(),
+            known_corners: Vec::new(),
+            scratch: Scratch::default(),
+        }
     }
 
     /// Points of all cracks around a region, whose faces are still those of the pattern: corners, edges, rims, and the faces between
-    /// them. Neighbours follow each other.
+    /// them. Neighbours follow each other. The two regions on both sides of a face have the same points between its edges.
     pub(crate) fn sample(
         &mut self,
         planes: &Region,
         placement: &Placement,
         of_pattern: &Region,
-    ) -> &CrackSamples {
-        self.samples.clear();
-        self.edges.clear();
-        self.corners.clear();
-        for (cut, Cut { face, .. }) in planes.cuts.iter().zip(&of_pattern.cuts) {
-            if self.parent.misses(&cut.half_space) {
+    ) -> impl Iterator<Item = CrackFace<'_>> {
+        self.faces.clear();
+        self.on_edges.clear();
+        self.known_edges.clear();
+        self.known_corners.clear();
+        for (Cut { half_space, .. }, Cut { face, .. }) in planes.cuts.iter().zip(&of_pattern.cuts) {
+            if self.parent.misses(half_space) {
                 continue;
             }
-            // What is flat cuts the face exactly, so that its corners are the fragment's corners.
-            let mut face: Vec<DVec3> = face.iter().map(|&corner| placement.point(corner)).collect();
-            for wall in &self.parent.walls {
-                if face.is_empty() {
-                    break;
+            let placed = self.placed.len();
+            self.placed.extend(face.iter().map(|&corner| placement.point(corner)));
+            let shared = match self.other_side(half_space, placed) {
+                Some(shared) => {
+                    self.placed.truncate(placed);
+                    shared
                 }
-                if face.iter().any(|&corner| wall.distance(corner) > 0.0) {
-                    face = polygon::clip(&face, wall);
+                None => {
+                    if !self.sample_face(half_space, placed) {
+                        continue;
+                    }
+                    self.shared.len() - 1
                 }
-            }
-            if face.len() >= 3 {
-                self.sample_face(&face, cut.half_space.normal);
-            }
+            };
+            self.sample_edges(shared);
+            self.faces.push((shared, self.on_edges.len(), half_space.normal));
         }
-        &self.samples
+
+        let starts = std::iter::once(0).chain(self.faces.iter().map(|&(_, end, _)| end));
+        starts.zip(&self.faces).map(|(start, &(shared, end, normal))| {
+            let SharedFace { points, corners, .. } = &self.shared[shared];
+            CrackFace {
+                inner: &self.points[points.clone()],
+                on_edges: &self.on_edges[start..end],
+                corners: &self.corners[corners.clone()],
+                normal,
+            }
+        })
+    }
+
+    /// The face with the corners that are placed last, if it was sampled for the region across.
+    fn other_side(&self, half_space: &HalfSpace, placed: usize) -> Option<usize> {
+        let same = SAME * self.spacing;
+        let corners = &self.placed[placed..];
+        let is_corner = |corner: &DVec3| corners.iter().any(|&other| is_same(*corner, other, same));
+        self.shared.iter().position(|SharedFace { half_space: other, placed, .. }| {
+            (half_space.offset + other.offset).abs() < same
+                && is_same(half_space.normal, -other.normal, SAME)
+                && placed.len() == corners.len()
+                && self.placed[placed.clone()].iter().all(is_corner)
+        })
     }
 }
 
-/// Collects samples of the faces of one region, in memory that it keeps from one to the next.
-pub(crate) struct Sampler<'a> {
-    parent: &'a Parent<'a>,
-    spacing: f64,
-    samples: CrackSamples,
-    /// The edges and corners that another face has brought already.
-    edges: Vec<(DVec3, DVec3)>,
-    corners: Vec<DVec3>,
-    /// Of the face that is being sampled.
-    lines: Lines,
+/// Points this close to each other are the same; in units of the distance between samples.
+const SAME: f64 = 1e-6;
+
+fn is_same(a: DVec3, b: DVec3, same: f64) -> bool {
+    (a - b).abs().max_element() < same
 }
 
 /// Points on neighbouring lines.
@@ -124,7 +171,7 @@ impl Lines {
     }
 
     /// All points, a tile of neighbouring lines after the other.
-    fn in_tiles(&self, mut take: impl FnMut(DVec3)) {
+    fn in_tiles(&self, mut take: impl FnMut(&[DVec3])) {
         // As many as fill a cluster.
         const TILE: usize = 4;
         for first_line in (0..self.ends.len()).step_by(TILE) {
@@ -134,7 +181,7 @@ impl Lines {
                 for line in band.clone() {
                     let points = self.line(line);
                     let tile = first.min(points.len())..(first + TILE).min(points.len());
-                    points[tile].iter().copied().for_each(&mut take);
+                    take(&points[tile]);
                 }
             }
         }
@@ -142,8 +189,7 @@ impl Lines {
 }
 
 /// A face in its plane.
-struct Face<'a> {
-    corners: &'a [DVec3],
+struct Face {
     /// Its sides.
     flat: Vec<[DVec2; 2]>,
     origin: DVec3,
@@ -151,113 +197,134 @@ struct Face<'a> {
     across: DVec3,
 }
 
-impl Face<'_> {
-    fn point(&self, flat: DVec2) -> DVec3 {
-        self.origin + self.along * flat.x + self.across * flat.y
-    }
-}
-
-impl Sampler<'_> {
-    fn sample_face(&mut self, corners: &[DVec3], normal: DVec3) {
-        // The plane's axes: along the longest edge, and across.
+impl Face {
+    /// The plane's axes are along the longest edge, and across.
+    fn new(corners: &[DVec3], normal: DVec3) -> Self {
         let mut longest = DVec3::ZERO;
         for [start, end] in sides(corners) {
             if (end - start).length_squared() > longest.length_squared() {
                 longest = end - start;
             }
         }
-        let along = longest.normalize_or_zero();
+        let (origin, along) = (corners[0], longest.normalize_or_zero());
         let across = normal.cross(along);
-        let flat =
-            |corner: DVec3| DVec2::new((corner - corners[0]).dot(along), (corner - corners[0]).dot(across));
+        let flat = |corner: DVec3| DVec2::new((corner - origin).dot(along), (corner - origin).dot(across));
         let flat = sides(corners).map(|side| side.map(flat)).collect();
-        let face = Face { corners, flat, origin: corners[0], along, across };
-
-        self.sample_inside(&face);
-        self.sample_edges(&face);
-        self.samples.end_face(corners, normal);
+        Self { flat, origin, along, across }
     }
 
-    /// Points on lines along the longest edge, and where these leave the parent; where the rim runs along them, lines across
-    /// find it.
-    fn sample_inside(&mut self, face: &Face) {
-        self.lines.points.clear();
-        self.lines.ends.clear();
-        let mut stretches = Vec::new();
-        for [from, to] in face_lines(&face.flat, self.spacing) {
+    fn point(&self, flat: DVec2) -> DVec3 {
+        self.origin + self.along * flat.x + self.across * flat.y
+    }
+}
+
+impl Sampler<'_> {
+    /// Samples the face with the corners that are placed last, without its edges. False, and nothing done, if none of it is left
+    /// within the parent's flat pieces.
+    fn sample_face(&mut self, half_space: &HalfSpace, placed: usize) -> bool {
+        // What is flat cuts the face exactly, so that its corners are the fragment's corners.
+        let (start, clipped) = (self.corners.len(), &mut self.scratch.clipped);
+        self.corners.extend_from_slice(&self.placed[placed..]);
+        for wall in &self.parent.walls {
+            if self.corners[start..].iter().any(|&corner| wall.distance(corner) > 0.0) {
+                clipped.clear();
+                polygon::clip_into(&self.corners[start..], wall, clipped);
+                self.corners.truncate(start);
+                self.corners.append(clipped);
+            }
+        }
+        if self.corners.len() < start + 3 {
+            self.corners.truncate(start);
+            self.placed.truncate(placed);
+            return false;
+        }
+        let first_point = self.points.len();
+        self.sample_inside(start, half_space.normal);
+        self.shared.push(SharedFace {
+            half_space: *half_space,
+            placed: placed..self.placed.len(),
+            corners: start..self.corners.len(),
+            points: first_point..self.points.len(),
+        });
+        true
+    }
+
+    /// Points of the face with the last corners on lines along its longest edge, and where these leave the parent; where the rim runs
+    /// along them, lines across find it.
+    fn sample_inside(&mut self, first_corner: usize, normal: DVec3) {
+        let face = Face::new(&self.corners[first_corner..], normal);
+        let Scratch { lines, stretches, .. } = &mut self.scratch;
+        let Self { parent, spacing, .. } = *self;
+        lines.points.clear();
+        lines.ends.clear();
+        for [from, to] in face_lines(&face.flat, spacing) {
             let (start, end) = (face.point(from), face.point(to));
-            self.parent.inside(start, end, self.spacing, &mut stretches);
-            for &stretch in &stretches {
+            parent.inside(start, end, spacing, stretches);
+            for &stretch in stretches.iter() {
                 let [from, to] = stretch.map(|at| start.lerp(end, at));
-                let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
-                if stretch[0] > 0.0 && self.crosses_rim(from, face.along, face.across) {
-                    self.lines.points.push(from);
+                let steps = (from.distance(to) / spacing - 1e-9).ceil().max(1.0);
+                if stretch[0] > 0.0 && parent.crosses_rim(from, face.along, face.across) {
+                    lines.points.push(from);
                 }
                 let way = (to - from) / steps;
-                self.lines.points.extend((1..steps as usize).map(|step| from + way * step as f64));
-                if stretch[1] < 1.0 && self.crosses_rim(to, face.along, face.across) {
-                    self.lines.points.push(to);
+                lines.points.extend((1..steps as usize).map(|step| from + way * step as f64));
+                if stretch[1] < 1.0 && parent.crosses_rim(to, face.along, face.across) {
+                    lines.points.push(to);
                 }
             }
-            self.lines.ends.push(self.lines.points.len());
+            lines.ends.push(lines.points.len());
         }
-        let points = &mut self.samples.points;
-        points.reserve(self.lines.points.len());
-        self.lines.in_tiles(|point| points.push(point));
+        let points = &mut self.points;
+        points.reserve(lines.points.len());
+        lines.in_tiles(|tile| points.extend_from_slice(tile));
 
-        if self.parent.is_flat() {
+        if parent.is_flat() {
             return;
         }
         let turn = |side: &[DVec2; 2]| side.map(|corner| DVec2::new(-corner.y, corner.x));
         let turned: Vec<[DVec2; 2]> = face.flat.iter().map(turn).collect();
-        for line in face_lines(&turned, self.spacing) {
+        for line in face_lines(&turned, spacing) {
             let [start, end] = line.map(|flat| face.point(DVec2::new(flat.y, -flat.x)));
-            self.parent.inside(start, end, self.spacing, &mut stretches);
-            for stretch in &stretches {
+            parent.inside(start, end, spacing, stretches);
+            for stretch in stretches.iter() {
                 for at in stretch.iter().filter(|&&at| at > 0.0 && at < 1.0) {
                     let rim = start.lerp(end, *at);
-                    if !self.crosses_rim(rim, face.along, face.across) {
-                        self.samples.points.push(rim);
+                    if !parent.crosses_rim(rim, face.along, face.across) {
+                        points.push(rim);
                     }
                 }
             }
         }
     }
 
-    /// Whether a line along `along` crosses the parent's surface more steeply than one along `across` would.
-    fn crosses_rim(&self, point: DVec3, along: DVec3, across: DVec3) -> bool {
-        let normal = self.parent.normal(point);
-        normal.dot(along).abs() >= normal.dot(across).abs()
-    }
-
-    /// Corners and points of edges, and where the edges leave the parent; those that no other face has brought.
-    fn sample_edges(&mut self, face: &Face) {
-        let same = 1e-6 * self.spacing;
-        let is_same = |a: DVec3, b: DVec3| (a - b).abs().max_element() < same;
+    /// Corners and points of a face's edges, and where the edges leave the parent; those that no other face has brought.
+    fn sample_edges(&mut self, face: usize) {
+        let same = SAME * self.spacing;
         let tolerance = 0.1 * same.max(0.5 * self.spacing);
-        let mut stretches = Vec::new();
-        for [start, end] in sides(face.corners) {
+        let stretches = &mut self.scratch.stretches;
+        for [start, end] in sides(&self.corners[self.shared[face].corners.clone()]) {
             // Points of edges that lie in the parent's surface are off it by round-off, or by a sampled root's interpolation.
-            let known = self.corners.iter().any(|&corner| is_same(corner, start));
+            let known = self.known_corners.iter().any(|&corner| is_same(corner, start, same));
             if !known && self.parent.distance(start) <= tolerance {
-                self.corners.push(start);
-                self.samples.points.push(start);
+                self.known_corners.push(start);
+                self.on_edges.push(start);
             }
-            let known = self.edges.iter().any(|&(a, b)| {
-                (is_same(a, start) && is_same(b, end)) || (is_same(a, end) && is_same(b, start))
+            let known = self.known_edges.iter().any(|&[a, b]| {
+                (is_same(a, start, same) && is_same(b, end, same))
+                    || (is_same(a, end, same) && is_same(b, start, same))
             });
             if known {
                 continue;
             }
-            self.edges.push((start, end));
-            self.parent.inside(start, end, self.spacing, &mut stretches);
-            for &stretch in &stretches {
+            self.known_edges.push([start, end]);
+            self.parent.inside(start, end, self.spacing, stretches);
+            for &stretch in stretches.iter() {
                 let [from, to] = stretch.map(|at| start.lerp(end, at));
                 let steps = (from.distance(to) / self.spacing - 1e-9).ceil().max(1.0);
                 let first = if stretch[0] > 0.0 { 0 } else { 1 };
                 let last = if stretch[1] < 1.0 { steps as usize } else { steps as usize - 1 };
                 let way = (to - from) / steps;
-                self.samples.points.extend((first..=last).map(|step| from + way * step as f64));
+                self.on_edges.extend((first..=last).map(|step| from + way * step as f64));
             }
         }
     }

@@ -208,15 +208,15 @@ impl Lookup<'_> {
             if self.of_regions[number].is_empty() {
                 continue;
             }
-            for face in sampler.sample(&self.regions[number], placement, of_pattern).faces() {
+            for face in sampler.sample(&self.regions[number], placement, of_pattern) {
                 if let [piece] = self.of_regions[number].as_slice()
                     && self.is_all_on_surface(solid, *piece as usize, face)
                 {
                     let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
-                    cracks.extend(face.points.iter().map(|&point| body_from_grid.point(point)));
+                    cracks.extend(face.points().map(|&point| body_from_grid.point(point)));
                     continue;
                 }
-                for &point in face.points {
+                for &point in face.points() {
                     if let Some(piece) = self.piece_at(number, point)
                         && self.is_on_surface(piece, point, face.normal)
                     {

@@ -81,12 +81,18 @@ impl<'a> Parent<'a> {
     }
 
     /// Outward normal at a point of the curved surface.
-    pub(super) fn normal(&self, point: DVec3) -> DVec3 {
+    fn normal(&self, point: DVec3) -> DVec3 {
         match self.curved {
             Curved::Sampled(solid) => solid.value_and_gradient(point).1.as_dvec3(),
             Curved::Cylinder { .. } => DVec3::new(point.x, 0.0, point.z),
             Curved::Sphere { .. } | Curved::Nothing => point,
         }
+    }
+
+    /// Whether a line along `along` crosses the surface more steeply than one along `across` would.
+    pub(super) fn crosses_rim(&self, point: DVec3, along: DVec3, across: DVec3) -> bool {
+        let normal = self.normal(point);
+        normal.dot(along).abs() >= normal.dot(across).abs()
     }
 
     /// The stretches of a line between two points that lie inside, as fractions of the way.
