@@ -18,7 +18,6 @@ pub struct RunCore {
     is_inside: bool,
     before: Sums,
     behind: Sums,
-    whole: Sums,
 }
 
 /// How many nodes are inside, and the moments of some spans.
@@ -81,7 +80,6 @@ impl RunCore {
             is_inside: core.inside,
             before: Sums::of(&spans[..longest], run.start, middle),
             behind: Sums::of(behind, core.end, middle),
-            whole: Sums { inside: run.inside, moments: run.moments },
         }
     }
 
@@ -108,10 +106,6 @@ impl RunCore {
                 }
                 if behind {
                     sums = sums.plus(self.behind);
-                }
-                // What is whole stays as it was summed up.
-                if first == self.ends[0] && last == self.ends[1] {
-                    sums = self.whole;
                 }
                 (sums.inside, sums.moments)
             };
