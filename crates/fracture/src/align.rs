@@ -90,9 +90,7 @@ impl Placement {
         };
         Region { cuts: region.cuts.iter().map(place).collect() }
     }
-}
 
-impl Placement {
     /// Images of the regions' planes, without faces: most of these lie beyond the body.
     pub(crate) fn planes(&self, regions: &[Region]) -> Vec<Region> {
         let place = |cut: &Cut| Cut { half_space: self.half_space(&cut.half_space), face: Vec::new() };

@@ -169,16 +169,16 @@ fn connect_inside(solid: &GridSolid, shares: &Shares) -> Labels {
     }
 
     // A root is the first share of its set: number the sets in that order.
-    let mut components = Labels::empty(shares);
+    let mut labels = Labels::empty(shares);
     for (at, share) in shares.all.iter().enumerate().filter(|(_, share)| share.run.inside > 0) {
         let root = sets.root(at as u32) as usize;
         if root == at {
-            components.of_share[at] = components.region.len() as u32;
-            components.region.push(share.region);
+            labels.of_share[at] = labels.region.len() as u32;
+            labels.region.push(share.region);
         }
-        components.of_share[at] = components.of_share[root];
+        labels.of_share[at] = labels.of_share[root];
     }
-    components
+    labels
 }
 
 /// Unites what is inside in two neighbouring rows, shares a region and a voxel face.
@@ -222,7 +222,7 @@ type SurfaceVoxel = (usize, usize);
 
 /// Gives surface voxels to components that they touch, first of their own region, then of any; from the body outwards,
 /// one layer at a time. Returns those that touch nothing.
-fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, components: &mut Labels) -> Vec<SurfaceVoxel> {
+fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, labels: &mut Labels) -> Vec<SurfaceVoxel> {
     let grid = solid.grid();
     let mut pending: Vec<SurfaceVoxel> = (0..shares.rows())
         .flat_map(|row| shares.row(row).map(move |at| (row, at)))
@@ -233,9 +233,9 @@ fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, components: &mut La
             // The neighbour that holds the most and has a component; the first of equals.
             let adopter = |&(row, at): &SurfaceVoxel| {
                 let fits = |other: &usize| {
-                    let component = components.of_share[*other];
+                    let component = labels.of_share[*other];
                     let region = shares.all[at].region;
-                    component != NONE && (!own_region_only || components.region[component as usize] == region)
+                    component != NONE && (!own_region_only || labels.region[component as usize] == region)
                 };
                 let mut fullest: Option<usize> = None;
                 for other in shares_beside(grid, shares, row, at).filter(fits) {
@@ -244,36 +244,36 @@ fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, components: &mut La
                         fullest = Some(other);
                     }
                 }
-                fullest.map(|other| (at, components.of_share[other]))
+                fullest.map(|other| (at, labels.of_share[other]))
             };
             let adopted: Vec<(usize, u32)> = pending.iter().filter_map(adopter).collect();
             if adopted.is_empty() {
                 break;
             }
             for (at, component) in adopted {
-                components.of_share[at] = component;
+                labels.of_share[at] = component;
             }
-            pending.retain(|&(_, at)| components.of_share[at] == NONE);
+            pending.retain(|&(_, at)| labels.of_share[at] == NONE);
         }
     }
     pending
 }
 
 /// Material without any node inside, too thin for the grid: each connected part becomes a component of its own.
-fn found_islands(solid: &GridSolid, shares: &Shares, components: &mut Labels, pending: &[SurfaceVoxel]) {
+fn found_islands(solid: &GridSolid, shares: &Shares, labels: &mut Labels, pending: &[SurfaceVoxel]) {
     let row_of = |at: usize| shares.first_of_row.partition_point(|&first| first as usize <= at) - 1;
     for &(row, seed) in pending {
-        if components.of_share[seed] != NONE {
+        if labels.of_share[seed] != NONE {
             continue;
         }
-        let island = components.region.len() as u32;
-        components.region.push(shares.all[seed].region);
-        components.of_share[seed] = island;
+        let island = labels.region.len() as u32;
+        labels.region.push(shares.all[seed].region);
+        labels.of_share[seed] = island;
         let mut frontier = vec![(row, seed)];
         while let Some((row, at)) = frontier.pop() {
             for other in shares_beside(solid.grid(), shares, row, at) {
-                if components.of_share[other] == NONE {
-                    components.of_share[other] = island;
+                if labels.of_share[other] == NONE {
+                    labels.of_share[other] = island;
                     frontier.push((row_of(other), other));
                 }
             }
@@ -286,17 +286,17 @@ const TIP: usize = 3;
 
 /// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a straight line through the
 /// solid leads there: the region is convex, so that the line lies within it.
-fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Labels, smallest: f64) {
-    let count = components.region.len();
+fn rejoin_tips(solid: &GridSolid, shares: &Shares, labels: &mut Labels, smallest: f64) {
+    let count = labels.region.len();
     let mut sets = DisjointSets::new(count);
     for row in 0..shares.rows() {
         for at in shares.row(row) {
-            let sliver = components.of_share[at];
+            let sliver = labels.of_share[at];
             let known = sets.root(sliver) != sliver;
-            let is_sliver = components.material[sliver as usize] < smallest && shares.all[at].run.inside > 0;
+            let is_sliver = labels.material[sliver as usize] < smallest && shares.all[at].run.inside > 0;
             if is_sliver
                 && !known
-                && let Some(host) = rest_of_tip(solid, shares, components, (row, at))
+                && let Some(host) = rest_of_tip(solid, shares, labels, (row, at))
             {
                 sets.unite(sliver, host);
             }
@@ -306,30 +306,30 @@ fn rejoin_tips(solid: &GridSolid, shares: &Shares, components: &mut Labels, smal
     if roots.iter().zip(0..).all(|(&root, component)| root == component) {
         return;
     }
-    for component in &mut components.of_share {
+    for component in &mut labels.of_share {
         *component = roots[*component as usize];
     }
-    components.weigh(shares);
+    labels.weigh(shares);
 }
 
 /// A heavier component of a sliver's region that a straight line through the solid leads to.
 fn rest_of_tip(
     solid: &GridSolid,
     shares: &Shares,
-    components: &Labels,
+    labels: &Labels,
     (row, at): (usize, usize),
 ) -> Option<u32> {
     let grid = solid.grid();
     let Share { run, region } = shares.all[at];
-    let sliver = components.of_share[at];
+    let sliver = labels.of_share[at];
     let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
     let from = grid.node(run.start as usize, j, k);
     for to_k in k.saturating_sub(TIP)..(k + TIP + 1).min(grid.dims[2]) {
         for to_j in j.saturating_sub(TIP)..(j + TIP + 1).min(grid.dims[1]) {
             for other in shares.row(to_j + grid.dims[1] * to_k) {
                 let there = &shares.all[other];
-                let component = components.of_share[other];
-                let heavier = components.material[component as usize] > components.material[sliver as usize];
+                let component = labels.of_share[other];
+                let heavier = labels.material[component as usize] > labels.material[sliver as usize];
                 if there.region != region || there.run.inside == 0 || component == sliver || !heavier {
                     continue;
                 }
