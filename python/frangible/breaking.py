@@ -13,6 +13,7 @@ from . import _frangible
 from .output import missing_packages
 from .pieces import Contact, Piece, Pieces
 from .recording import Float64, UInt32
+from .usd_mesh import readable_mesh
 
 #: Voxels along the longest side of a mesh that is broken, or closed, on a grid.
 DEFAULT_VOXELS = 128
@@ -40,7 +41,8 @@ def break_mesh(
     keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there.
     """
     # Where the blow lands.
-    mesh = _frangible.load_mesh(os.fspath(path))
+    with readable_mesh(path) as file:
+        mesh = _frangible.load_mesh(file)
     direction = np.array(normal, np.float64)
     length = np.linalg.norm(direction)
     if not np.all(np.isfinite(direction)) or length == 0.0:

@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from typing import Any, NoReturn
 
 import numpy as np
@@ -27,6 +28,7 @@ from .recording import Recorder, Recording, step_frames
 from .report import StepReport
 from .stepping import BenchError, moving_mass
 from .summary import Summary, describe, summarise
+from .usd_mesh import readable_mesh
 from .verification import ClaimError, Verdict, as_json, table_head, table_rows, verify
 
 #: More threads than any machine has processors.
@@ -120,7 +122,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog="kinds:\n" + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
     )
     pattern.set_defaults(command=_pattern)
-    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb)")
+    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
     pattern.add_argument("--cells", type=_positive(int, "a whole number"), metavar="N", help="about so many pieces [the kind's]")
     pattern.add_argument("--seed", type=_natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
     pattern.add_argument(
@@ -133,7 +135,7 @@ def _parser() -> argparse.ArgumentParser:
 
     info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
     info.set_defaults(command=_info)
-    info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb) or cache (.npz, .usda, .usdc)")
+    info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)")
     return parser
 
 
@@ -154,7 +156,7 @@ def _add_bench(commands: Any) -> None:
 def _add_break(commands: Any) -> None:
     breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
     breaker.set_defaults(command=_break)
-    breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb)")
+    breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
     breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
     breaker.add_argument("--cells", type=_positive(int, "a whole number"), metavar="N", help="number of cells [the pattern's]")
     breaker.add_argument("--seed", type=_natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
@@ -235,9 +237,8 @@ def _run(options: argparse.Namespace) -> None:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    scene = _frangible.shot_scene(
-        options.shot, mesh=options.mesh, fps=options.fps, method=options.method, seed=options.seed
-    )
+    with nullcontext() if options.mesh is None else readable_mesh(options.mesh) as mesh:
+        scene = _frangible.shot_scene(options.shot, mesh=mesh, fps=options.fps, method=options.method, seed=options.seed)
     world = _frangible.World.build(scene, options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.
@@ -301,7 +302,8 @@ def _write(outputs: list[Output], recording: Recording) -> None:
 
 def _break(options: argparse.Namespace) -> None:
     output = open_pieces_output(options.out)
-    pattern = _frangible.Pattern.named(options.pattern, cells=options.cells, seed=options.seed)
+    with readable_mesh(options.pattern) as name:
+        pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
     begin = time.perf_counter()
     pieces = break_mesh(
         options.mesh,
@@ -351,7 +353,8 @@ def _pattern(options: argparse.Namespace) -> None:
     paths = [*options.out, *([options.picture] if options.picture is not None else [])]
     for path in paths:
         check_pattern_file(path)
-    pattern = _frangible.Pattern.named(options.name, cells=options.cells, seed=options.seed)
+    with readable_mesh(options.name) as name:
+        pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
     for key, value in describe_pattern(pattern).items():
         print(f"{key:15} {_readable(value)}")
     for path in paths:

@@ -11,6 +11,7 @@ from .cache import CacheError, check_is_file
 from .gltf import describe_glb
 from .output import missing_packages
 from .recording import Recording
+from .usd_mesh import readable_mesh
 
 
 def describe_file(path: str) -> dict[str, object]:
@@ -24,10 +25,13 @@ def describe_file(path: str) -> dict[str, object]:
             raise CacheError(f"{path}: {hint}")
         from .usd import describe_usd
 
-        return describe_usd(path)
+        facts = describe_usd(path)
+        if facts["frames"]:
+            return facts
     if ending == ".glb" and (facts := describe_glb(path)) is not None:
         return facts
-    return mesh_info(path)
+    with readable_mesh(path) as file:
+        return mesh_info(file)
 
 
 def _describe_npz(path: str) -> dict[str, object]:
