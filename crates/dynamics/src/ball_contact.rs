@@ -34,6 +34,7 @@ impl BallContact<'_> {
         if start.phi > self.encounter.reach {
             return None;
         }
+        let now = start.phi;
         let gap = self.first_touch(start).unwrap_or(start);
 
         // The ball's centre, and the material point of the other that it touches or will touch.
@@ -49,7 +50,7 @@ impl BallContact<'_> {
         };
         let sample = (self.ball_is_first, u32::MAX.into());
         let approach = closing.max(0.0);
-        Some(ManifoldPoint { anchor_first, anchor_second, rounding, normal, sample, approach })
+        Some(ManifoldPoint { anchor_first, anchor_second, rounding, normal, sample, approach, gap: now })
     }
 
     fn ball_and_other(&self) -> [&Flight; 2] {

@@ -4,6 +4,8 @@
 mod anew;
 mod frame_end;
 mod points;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use anew::STALE;
 pub(crate) use points::Touching;
@@ -11,7 +13,7 @@ pub(crate) use points::Touching;
 use crate::Bodies;
 use crate::contact_rows::{Basis, Point, Row, RowDirections, RowImpulse, Stage};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
-use crate::moving::{Movers, Side, drive};
+use crate::moving::{Movers, Shift, Side, drive};
 use crate::pair::Pair;
 use frangible_geometry::RigidTransform;
 use glam::DVec3;
@@ -24,6 +26,8 @@ pub(crate) struct Anchors<I> {
     rounding: [Kept<I>; 2],
     /// The gap there if nothing had moved since the frame's start [m].
     gap: Kept<I>,
+    /// The smallest of these gaps here and in all rows behind [m].
+    reach: Kept<I>,
     /// At which speed the surfaces have met [m/s]; 0 if they touched before.
     pub(crate) met_at: Lanes<I>,
     /// Which go with the first body, as samples or features of it; the others go with the second.
@@ -76,6 +80,11 @@ pub(crate) struct Batch<I> {
     pub(crate) met_rows: usize,
     /// Behind so many rows none carried in the last substep, before and after its drift: said where a stage's books close, never too few.
     pub(crate) carrying_rows: [usize; 2],
+    /// Rows behind these are too far from touching to act, and have not followed their bodies, until those of a pair come closer by `room` [m].
+    pub(crate) near_rows: usize,
+    room: Kept<I>,
+    /// Radii of balls around the centres of mass that hold the bodies [m], 0 of infinite ones.
+    sizes: [Kept<I>; 2],
     /// Which pairs have come so far that their points have to be looked at.
     looks: Mask,
     pub(crate) rest: Box<Rest<I>>,
@@ -90,9 +99,7 @@ pub(crate) struct Rest<I> {
     pub(crate) centre: Lanes3<I>,
     /// How much [`Movers`] had been stirred when the rows' responses were found.
     answered_at: Lanes<I>,
-    /// Radii of balls around the centres of mass that hold the bodies [m], 0 of infinite ones; and up to which travel of the two bodies
-    /// their points need no look [m].
-    sizes: [Lanes<I>; 2],
+    /// Up to which travel of the two bodies their points need no look [m].
     look_at: Lanes<I>,
     pub(crate) restitution: Lanes<I>,
     /// Of the contacts, in units of that of one that carries itself.
@@ -138,6 +145,10 @@ struct Anew {
     point: DVec3,
 }
 
+/// How far pairs, or points of theirs, must be apart to be left as they are, in units of what they can come closer in a substep: what strikes
+/// one of them makes it faster.
+const WARY: f64 = 1.5;
+
 /// Motion of the bodies, relative to their sizes, after which the responses of their rows are found anew: they have changed by no
 /// more than some hundredths.
 const STIRRED: f64 = 0.02;
@@ -146,37 +157,28 @@ impl<I: Instructions> Batch<I> {
     /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
     pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
-        let (sides, shared) = (self.sides(movers), self.shared_basis());
-        let (first, second) = (movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1]));
+        let sides = self.sides(movers);
+        let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
+        let [first, second] = &shifts;
         self.offset = self.rest.start_offset + (first.translation - second.translation);
         if self.has_outside {
             self.rest.centre = self.rest.start + first.translation;
         }
         let stirred = first.stirred + second.stirred;
-        let travel = first.stirred * self.rest.sizes[0] + second.stirred * self.rest.sizes[1];
+        let travel = first.stirred * self.sizes[0].lanes() + second.stirred * self.sizes[1].lanes();
         self.looks = travel.above(self.rest.look_at);
         let answers =
             drifted.is_none() || (stirred - self.rest.answered_at).above(Lanes::splat(STIRRED)).any();
         if answers {
             self.rest.answered_at = stirred;
         }
-        for at in 0..self.rows.len() {
-            let normal = self.basis(at, shared).normal;
-            let anchors = &self.rest.anchors[at];
-            let [lever, other_lever] = [anchors.levers[0].lanes(), anchors.levers[1].lanes()];
-            let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
-            let shift = first.translation - second.translation + turn - other_turn;
-            let gap = anchors.gap.lanes() + shift.dot(normal);
-
-            // Between the surfaces, beside the corner that slides along the other body.
-            let half = Lanes::splat(0.5) * gap;
-            let on_first = lever + turn - normal * (anchors.rounding[0].lanes() + half);
-            let on_second = other_lever + other_turn + normal * (anchors.rounding[1].lanes() + half);
-            let row = &mut self.rows[at];
-            row.lever = anchors.is_of_first.select3(on_first, on_second - self.offset).kept();
-            row.gap = gap.kept();
+        let answered_rows = if answers { 0 } else { self.near_rows };
+        self.find_near_rows(&sides, travel);
+        let shared = self.shared_basis();
+        for at in 0..self.near_rows {
+            self.follow_row((at, shared), &shifts);
             let point = self.point(at, shared);
-            if answers {
+            if at >= answered_rows {
                 self.rows[at].response = point.response(&sides, self.rows[at].is_there);
             }
             if let Some(dt) = drifted
@@ -185,6 +187,87 @@ impl<I: Instructions> Batch<I> {
                 self.forget_if_parted(at, Stage::AfterDrift, point.closing(&sides), dt);
             }
         }
+    }
+
+    /// A row's points go with their bodies.
+    #[inline(always)]
+    fn follow_row(&mut self, (at, shared): (usize, Option<Basis<I>>), [first, second]: &[Shift<I>; 2]) {
+        let normal = self.basis(at, shared).normal;
+        let anchors = &self.rest.anchors[at];
+        let [lever, other_lever] = [anchors.levers[0].lanes(), anchors.levers[1].lanes()];
+        let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
+        let shift = first.translation - second.translation + turn - other_turn;
+        let gap = anchors.gap.lanes() + shift.dot(normal);
+
+        // Between the surfaces, beside the corner that slides along the other body.
+        let half = Lanes::splat(0.5) * gap;
+        let on_first = lever + turn - normal * (anchors.rounding[0].lanes() + half);
+        let on_second = other_lever + other_turn + normal * (anchors.rounding[1].lanes() + half);
+        let row = &mut self.rows[at];
+        row.lever = anchors.is_of_first.select3(on_first, on_second - self.offset).kept();
+        row.gap = gap.kept();
+    }
+
+    /// Which rows may act in the next substep, after so much `travel` of the bodies [m]: those behind them are too far from touching. A gap
+    /// changes by no more than what its bodies travel.
+    #[inline(always)]
+    fn find_near_rows(&mut self, sides: &[Side<I>; 2], travel: Lanes<I>) {
+        let [before, after] = self.carrying_rows;
+        let wary = Lanes::splat(WARY) * self.closing_at_most(sides);
+        let mut near = self.met_rows.max(before).max(after);
+        self.room = Kept::splat(f32::INFINITY);
+        if self.is_driven {
+            near = self.rows.len();
+        }
+        while near < self.rows.len() {
+            let room = self.rest.anchors[near].reach.lanes() - travel;
+            if room.above(wary).not().any() {
+                near += 1;
+            } else {
+                self.room = room.kept();
+                break;
+            }
+        }
+        self.near_rows = near;
+    }
+
+    /// How far the two sides of the pairs can come nearer in a substep at most, as fast as they are [m].
+    #[inline(always)]
+    fn closing_at_most(&self, [first, second]: &[Side<I>; 2]) -> Lanes<I> {
+        let apart = first.linear - second.linear;
+        let turning = |side: &Side<I>, size: Kept<I>| {
+            let size = size.lanes();
+            side.angular.dot(side.angular) * (size * size)
+        };
+        // No sum of three numbers is larger than the root of three times the sum of their squares.
+        let squares = apart.dot(apart) + turning(first, self.sizes[0]) + turning(second, self.sizes[1]);
+        (Lanes::splat(3.0 * self.rest.dt * self.rest.dt) * squares).sqrt()
+    }
+
+    /// Lets all rows follow their bodies, if those behind the near ones could touch within a substep.
+    #[inline(always)]
+    pub(crate) fn wake_rows(&mut self, movers: &Movers, sides: &[Side<I>; 2]) {
+        let all_are_near = self.near_rows == self.rows.len();
+        if !all_are_near && self.room.lanes().above(self.closing_at_most(sides)).not().any() {
+            self.follow_all(movers, sides);
+        }
+    }
+
+    /// Lets all rows follow their bodies.
+    #[cold]
+    pub(crate) fn follow_all(&mut self, movers: &Movers, sides: &[Side<I>; 2]) {
+        I::run(
+            #[inline(always)]
+            || {
+                let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
+                let shared = self.shared_basis();
+                for at in self.near_rows..self.rows.len() {
+                    self.follow_row((at, shared), &shifts);
+                    self.rows[at].response = self.point(at, shared).response(sides, self.rows[at].is_there);
+                }
+                self.near_rows = self.rows.len();
+            },
+        );
     }
 
     /// What kinematic bodies do at the points, now or in the mean over `chord` [s]: their points are followed along their chords.
@@ -224,7 +307,7 @@ impl<I: Instructions> Batch<I> {
     /// How many rows may act at a stage: none behind them does.
     #[inline(always)]
     pub(crate) fn acting_rows(&self, stage: Stage) -> usize {
-        if stage == Stage::AfterDrift { self.met_rows } else { self.rows.len() }
+        if stage == Stage::AfterDrift { self.met_rows } else { self.near_rows }
     }
 
     /// Any row may have met, and carry.

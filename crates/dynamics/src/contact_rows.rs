@@ -327,6 +327,13 @@ impl<I: Instructions> RowImpulse<I> {
         Self { normal: normal.kept(), tangent: [across.dot(t).kept(), across.dot(b).kept()] }
     }
 
+    /// Whether anything acts.
+    #[inline(always)]
+    pub(crate) fn is_any(&self) -> bool {
+        let [t, b] = self.tangent;
+        [self.normal, t, b].iter().any(|along| along.lanes().differs_from_zero().any())
+    }
+
     pub(crate) fn clear(&mut self, lane: usize) {
         self.normal.set(lane, 0.0);
         self.tangent.iter_mut().for_each(|tangent| tangent.set(lane, 0.0));

@@ -7,6 +7,7 @@ use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
 use crate::moving::Movers;
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
+use std::ops::Range;
 
 /// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
 const TOGETHER_PASSES: u32 = 8;
@@ -88,8 +89,9 @@ impl<I: Instructions> Batch<I> {
         let falls = sides[0].falls - sides[1].falls;
         let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
+        self.wake_rows(movers, &sides);
         self.met_rows = 0;
-        for at in 0..self.rows.len() {
+        for at in 0..self.near_rows {
             let point = self.point(at, shared);
             let closing = point.closing(&sides);
             let parts = self.forget_if_parted(at, Stage::BeforeDrift, closing, step.dt);
@@ -196,20 +198,21 @@ impl<I: Instructions> Batch<I> {
             self.act_together(&mut visit, beat);
         }
         if pass.sweeps {
-            let (shared, hold) = (self.shared_basis(), self.hold());
-            let count = if pass.only_meeting { self.rows.len() } else { self.acting_rows(beat.stage) };
-            for step in 0..count {
-                let at = if pass.is_fro { count - 1 - step } else { step };
-                let point = self.point(at, shared);
-                let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
-                let row = &mut self.rows[at];
-                let acts = if pass.only_meeting { row.meets(beat) } else { row.acts(beat) };
-                stop(row, &point, (&hold, leaving), &mut visit, (beat, acts, true));
-                if self.rolls && beat.stage != Stage::Bounce {
-                    let load = row.impulses[beat.stage.at()].normal.lanes();
-                    let twist = &mut self.rest.twists[at][beat.stage.at()];
-                    let lengths = (&self.rest.roll_lengths, self.rest.spin);
-                    *twist = stop_roll(&mut visit, point.basis.normal, lengths, (load, *twist, acts));
+            // What is far may wake before it would act: first on the way fro, last on the way to.
+            let wakes = !pass.only_meeting && beat.stage == Stage::BeforeDrift;
+            if wakes && pass.is_fro {
+                self.wake_rows(movers, &visit.sides);
+            }
+            let mut rows = 0..if pass.only_meeting { self.near_rows } else { self.acting_rows(beat.stage) };
+            loop {
+                self.sweep(&mut visit, beat, pass, rows.clone());
+                if !wakes || pass.is_fro {
+                    break;
+                }
+                self.wake_rows(movers, &visit.sides);
+                rows = rows.end..self.near_rows;
+                if rows.is_empty() {
+                    break;
                 }
             }
         }
@@ -217,6 +220,26 @@ impl<I: Instructions> Batch<I> {
             self.close(&mut visit, beat, given);
         }
         self.settle(visit, movers, given);
+    }
+
+    /// Some rows act: normal, friction, rolling.
+    #[inline(always)]
+    fn sweep(&mut self, visit: &mut Visit<I>, beat: &Beat, pass: Pass, rows: Range<usize>) {
+        let (shared, hold) = (self.shared_basis(), self.hold());
+        for step in 0..rows.len() {
+            let at = if pass.is_fro { rows.end - 1 - step } else { rows.start + step };
+            let point = self.point(at, shared);
+            let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
+            let row = &mut self.rows[at];
+            let acts = if pass.only_meeting { row.meets(beat) } else { row.acts(beat) };
+            stop(row, &point, (&hold, leaving), visit, (beat, acts, true));
+            if self.rolls && beat.stage != Stage::Bounce {
+                let load = row.impulses[beat.stage.at()].normal.lanes();
+                let twist = &mut self.rest.twists[at][beat.stage.at()];
+                let lengths = (&self.rest.roll_lengths, self.rest.spin);
+                *twist = stop_roll(visit, point.basis.normal, lengths, (load, *twist, acts));
+            }
+        }
     }
 
     /// Whether any point meets fast at a stage.
@@ -234,7 +257,7 @@ impl<I: Instructions> Batch<I> {
             return;
         }
         let (shared, hold) = (self.shared_basis(), self.hold());
-        let count = self.rows.len();
+        let count = self.near_rows;
         for pass in 0..2 * TOGETHER_PASSES {
             for step in 0..count {
                 let at = if pass % 2 == 0 { step } else { count - 1 - step };

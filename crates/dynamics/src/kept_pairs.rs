@@ -308,6 +308,7 @@ impl KeptPoint {
             normal,
             sample: self.sample,
             approach: encounter.surface_speed(normal, -velocity.dot(normal), gap),
+            gap,
         })
     }
 }

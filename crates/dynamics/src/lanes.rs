@@ -128,6 +128,11 @@ impl<I: Instructions> Kept<I> {
     pub(crate) const ZERO: Self = Self(Singles([0.0; LANES]), PhantomData);
 
     #[inline(always)]
+    pub(crate) fn splat(value: f32) -> Self {
+        Self(Singles([value; LANES]), PhantomData)
+    }
+
+    #[inline(always)]
     pub(crate) fn lanes(self) -> Lanes<I> {
         Lanes(I::widen(self.0), PhantomData)
     }

@@ -29,6 +29,8 @@ pub struct ManifoldPoint {
     pub sample: (bool, u64),
     /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
     pub approach: f64,
+    /// Between the surfaces, where the bodies were when it was found or seen again [m].
+    pub gap: f64,
 }
 
 impl ManifoldPoint {
@@ -332,6 +334,7 @@ impl Candidate {
             normal,
             sample: self.sample,
             approach: self.approach,
+            gap: self.phi,
         }
     }
 }

@@ -74,6 +74,7 @@ pub(crate) fn plane_points(
             normal,
             sample: (hull_is_first, vertex),
             approach: encounter.surface_speed(normal, closing(point), point.gap),
+            gap: point.gap,
         }
     };
     // What rests on a few of many corners would rock over the others.

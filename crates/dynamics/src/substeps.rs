@@ -203,7 +203,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             block.visit(
                 movers,
                 #[inline(always)]
-                |batch| batch.rows.len(),
+                |batch| batch.near_rows,
                 #[inline(always)]
                 |batch, _| batch.meet(movers, threshold, step),
             );
@@ -218,7 +218,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             block.visit(
                 movers,
                 #[inline(always)]
-                |batch| batch.rows.len(),
+                |batch| batch.near_rows,
                 #[inline(always)]
                 |batch, _| batch.follow(movers, drifted),
             );

@@ -1,7 +1,7 @@
 //! Points of pairs that have moved too far since theirs were found, found anew.
 
 use super::points::NewPoints;
-use super::{Anew, Batch};
+use super::{Anew, Batch, WARY};
 use crate::detection::{Placed, moved_since, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
@@ -16,10 +16,6 @@ use glam::DVec3;
 /// Relative motion after which a pair's points are found anew, relative to the size of the smaller body: within it a curved
 /// surface's normal turns by no more than some degrees.
 pub(crate) const STALE: f64 = 0.1;
-
-/// How far pairs must be apart to be left as they are, in units of what they can come closer in a substep: what strikes one of them
-/// makes it faster.
-const WARY: f64 = 1.5;
 
 /// A point that was taken out of a lane.
 struct Taken {
@@ -41,6 +37,9 @@ impl<I: Instructions> Batch<I> {
         let lanes = self.rest.patches.len();
         let looks = if self.is_driven { Mask::of(|_| true) } else { self.looks };
         let mut is_changed = false;
+        if looks.any() {
+            self.follow_all(movers, &self.sides(movers));
+        }
         for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
             let (travel, patch) = (movers.travel(locals), &self.rest.patches[lane]);
@@ -166,6 +165,7 @@ impl<I: Instructions> Batch<I> {
             }
         }
         self.soften();
+        self.find_reach();
         self.forget_who_acts();
     }
 }

@@ -103,6 +103,7 @@ impl<I: Instructions> Batch<I> {
                     batch.place(row, &touching.points((group, places), dt), &starts);
                 }
                 batch.soften();
+                batch.find_reach();
             },
         );
         batch
@@ -115,7 +116,6 @@ impl<I: Instructions> Batch<I> {
             start: Lanes3::ZERO,
             centre: Lanes3::ZERO,
             answered_at: Lanes::ZERO,
-            sizes: [Lanes::ZERO; 2],
             look_at: Lanes::splat(f64::INFINITY),
             restitution: Lanes::ZERO,
             stiffness: Lanes::ZERO,
@@ -142,8 +142,11 @@ impl<I: Instructions> Batch<I> {
             has_outside: false,
             bounces: false,
             impacts: false,
-            met_rows: rows,
-            carrying_rows: [rows; 2],
+            met_rows: 0,
+            carrying_rows: [0; 2],
+            near_rows: 0,
+            room: Kept::ZERO,
+            sizes: [Kept::ZERO; 2],
             looks: Mask::NONE,
             rest: Box::new(rest),
         }
@@ -187,7 +190,7 @@ impl<I: Instructions> Batch<I> {
     fn begin(&mut self, [first, second]: &[Start<I>; 2]) {
         self.rest.start = first.centre;
         self.rest.start_offset = first.centre - second.centre;
-        self.rest.sizes = [first.size, second.size];
+        self.sizes = [first.size.kept(), second.size.kept()];
         for (lane, patch) in self.rest.patches.iter_mut().enumerate() {
             patch.size = smaller(first.size.get(lane), second.size.get(lane));
             self.rest.look_at.set(lane, STALE * patch.size);
@@ -220,6 +223,11 @@ impl<I: Instructions> Batch<I> {
         let before = RowImpulse::new(normal, Lanes3 { x, y, z }, &basis);
         let after = RowImpulse::new(later_normal, Lanes3 { x: tx, y: ty, z: tz }, &basis);
         row.impulses = [row.impulses[0].but(lanes, before), row.impulses[1].but(lanes, after)];
+        for (impulse, carrying) in row.impulses.iter().zip(&mut self.carrying_rows) {
+            if impulse.is_any() {
+                *carrying = at + 1;
+            }
+        }
         if self.rolls {
             for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
                 let [before, after] = points.impulses[lane];
@@ -241,6 +249,16 @@ impl<I: Instructions> Batch<I> {
             if self.is_driven {
                 self.rest.drives.push(Lanes3::ZERO);
             }
+        }
+    }
+
+    /// How near the surfaces were at the frame's start, from the last row on.
+    #[inline(always)]
+    pub(super) fn find_reach(&mut self) {
+        let mut nearest = Lanes::splat(f64::INFINITY);
+        for (row, anchors) in self.rows.iter().zip(&mut self.rest.anchors).rev() {
+            nearest = row.is_there.select(nearest.min(anchors.gap.lanes()), nearest);
+            anchors.reach = nearest.kept();
         }
     }
 
@@ -268,23 +286,24 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl Touching<'_> {
-    /// Which points of some pairs go into so many rows, a place for each lane: first what carries, so that the rows behind hold nothing that
-    /// does and need no visit.
+    /// Which points of some pairs go into so many rows, a place for each lane: first what carries, then what is nearest, so that the rows behind
+    /// hold nothing that does, and need no visit while they are far from touching.
     #[inline(always)]
     fn places(&self, group: &[Member], rows: usize) -> Vec<[Option<Place>; LANES]> {
         let mut places = vec![[None; LANES]; rows];
+        let mut order = Vec::with_capacity(rows);
         for (lane, member) in group.iter().enumerate() {
             let (points, carried) = (self.manifolds[member.manifold].points, self.carried[member.manifold]);
-            let mut row = 0;
-            for carries in [true, false] {
-                for (point, ManifoldPoint { sample, .. }) in points.iter().enumerate() {
-                    let same = carried.iter().position(|carried| carried.sample == *sample);
-                    let presses = |same: usize| carried[same].forces.iter().any(|force| force.normal > 0.0);
-                    if same.is_some_and(presses) == carries {
-                        places[row][lane] = Some(Place { point, carried: same });
-                        row += 1;
-                    }
-                }
+            order.clear();
+            for (point, ManifoldPoint { sample, gap, .. }) in points.iter().enumerate() {
+                let same = carried.iter().position(|carried| carried.sample == *sample);
+                let presses = |same: usize| carried[same].forces.iter().any(|force| force.normal > 0.0);
+                let nearness = if same.is_some_and(presses) { f64::NEG_INFINITY } else { *gap };
+                order.push((nearness, Place { point, carried: same }));
+            }
+            order.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            for (row, (_, place)) in order.iter().enumerate() {
+                places[row][lane] = Some(*place);
             }
         }
         places
@@ -321,6 +340,7 @@ impl<I: Instructions> Anchors<I> {
             levers: [Kept3::ZERO; 2],
             rounding: [Kept::ZERO; 2],
             gap: Kept::ZERO,
+            reach: Kept::ZERO,
             met_at: Lanes::ZERO,
             is_of_first: Mask::NONE,
             sample: [0; LANES],

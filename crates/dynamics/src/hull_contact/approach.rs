@@ -151,6 +151,7 @@ impl<'a> Approach<'a> {
             normal,
             sample: point.feature.sample(self.hulls[1].edges().len()),
             approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
+            gap: point.gap,
         }
     }
 }

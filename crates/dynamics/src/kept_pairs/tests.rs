@@ -44,13 +44,22 @@ fn samples(manifold: &Manifold) -> Vec<(bool, u64)> {
     manifold.points.iter().map(|point| point.sample).collect()
 }
 
+/// Gaps are found in two ways, that differ by rounding.
+fn without_gaps(found: &Manifolds) -> Vec<Vec<ManifoldPoint>> {
+    let points = |manifold: Manifold| {
+        manifold.points.iter().map(|point| ManifoldPoint { gap: 0.0, ..*point }).collect()
+    };
+    found.iter().map(points).collect()
+}
+
 /// What hardly moves keeps its points, and its gaps are those of where it is; what moves further has them found anew.
 #[test]
 fn what_rests_keeps_its_points() {
     let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
     let before = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
     assert_eq!(before.iter().map(|manifold| manifold.pair).collect::<Vec<_>>(), [pairs[0], pairs[2]]);
-    assert_eq!(before, find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()));
+    let anew = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame());
+    assert_eq!(without_gaps(&before), without_gaps(&anew));
 
     for (shift, is_kept) in [(DVec3::new(4e-4, 2e-4, 0.0), true), (DVec3::new(8e-3, 2e-4, 0.0), false)] {
         bodies.poses[1].position += shift;
@@ -65,6 +74,7 @@ fn what_rests_keeps_its_points() {
                 let [on_first, on_second] = new.on_surfaces(&bodies, after.pair);
                 let sign = if after.pair.first == 1 { 1.0 } else { -1.0 };
                 let gap = (on_first - on_second).dot(new.normal);
+                assert!((gap - new.gap).abs() < 1e-12, "{gap} {}", new.gap);
                 assert!((gap + 0.002 + sign * (bodies.poses[1].position.y - 0.998)).abs() < 1e-12, "{gap}");
             }
         }
