@@ -18,6 +18,8 @@ Cutter = tuple[Float64, UInt32, UInt32]
 
 #: A part with less of the whole's volume is what rounding leaves where faces touch, no piece.
 LEAST_PART = 1e-12
+#: Cells whose parts make up the whole but for this part of its volume fit: the rest is rounding.
+FITS = 1e-9
 #: Probes for crossings are this part of the bounding box's diagonal apart.
 PROBE_SPACING = 1 / 200
 
@@ -99,19 +101,43 @@ def _arrays(solid: Manifold) -> Mesh:
 
 
 def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
-    """The connected parts of a solid in each cell, cell by cell, the largest first."""
-    # Body and cells are told apart by the ids of their triangles.
+    """The connected parts of a solid in each cell, cell by cell, the largest first. Together they are the solid, even if the cells leave
+    gaps or overlap."""
+    # Body and cells are told apart by the ids of their triangles, faces by numbers of their own.
     first = Manifold.reserve_ids(len(cutters) + 1)
     body = _manifold(*_arrays(solid), first)
     least = LEAST_PART * body.volume()
-    parts = []
+    cells, face_of, count = [], {}, 0
     for cell, (vertices, triangles, face) in enumerate(cutters):
-        if len(triangles) == 0:
-            continue
-        inside = body ^ _manifold(vertices, triangles, first + 1 + cell)
+        if len(triangles) > 0:
+            cells.append(body ^ _manifold(vertices, triangles, first + 1 + cell))
+            face_of[first + 1 + cell] = face.astype(np.int64) + count
+            count += int(face.max()) + 1
+    if abs(sum(inside.volume() for inside in cells) - body.volume()) > FITS * body.volume():
+        cells = _fitted(body, cells, least)
+    parts = []
+    for inside in cells:
         shells = [shell for shell in inside.decompose() if abs(shell.volume()) > least]
-        parts += [_part(group, first, face) for group in _with_cavities(shells)]
+        parts += [_part(group, face_of) for group in _with_cavities(shells)]
     return parts
+
+
+def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:
+    """Cells of a body that it is made of: what two of them have in common is the first one's, and what none has is its that has the largest
+    common surface with it."""
+    fitted: list[Manifold] = []
+    taken = Manifold()
+    for cell in cells:
+        fitted.append(cell - taken)
+        taken = taken + cell
+    for gap in (body - taken).decompose():
+        if gap.volume() <= least:
+            continue
+        united = [cell + gap for cell in fitted]
+        common = [cell.surface_area() - both.surface_area() for cell, both in zip(fitted, united, strict=True)]
+        largest = int(np.argmax(common))
+        fitted[largest] = united[largest]
+    return fitted
 
 
 def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
@@ -132,8 +158,8 @@ def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
     return around
 
 
-def _part(shells: list[Manifold], body: int, face_of_cutter: UInt32) -> Part:
-    """The shells as one surface, with the face that each triangle comes from."""
+def _part(shells: list[Manifold], face_of: dict[int, npt.NDArray[np.int64]]) -> Part:
+    """The shells as one surface, with the face that each triangle comes from, by the ids of the cells' meshes."""
     vertices, triangles, faces = [], [], []
     count = 0
     for shell in shells:
@@ -141,9 +167,11 @@ def _part(shells: list[Manifold], body: int, face_of_cutter: UInt32) -> Part:
         # Which triangles of which original mesh these are.
         bounds = np.asarray(mesh.run_index, np.int64) // 3
         lengths: npt.NDArray[np.int64] = bounds[1:] - bounds[:-1]
-        from_cutter = np.repeat(np.asarray(mesh.run_original_id, np.int64), lengths) != body
-        face = np.full(len(from_cutter), -1, np.int64)
-        face[from_cutter] = face_of_cutter[np.asarray(mesh.face_id, np.int64)[from_cutter]]
+        original = np.repeat(np.asarray(mesh.run_original_id, np.int64), lengths)
+        face = np.full(len(original), -1, np.int64)
+        for cutter in np.intersect1d(original, list(face_of)):
+            own = original == cutter
+            face[own] = face_of[int(cutter)][np.asarray(mesh.face_id, np.int64)[own]]
         own_vertices, own_triangles = _merged(mesh)
         vertices.append(own_vertices)
         triangles.append(own_triangles + np.uint32(count))

@@ -162,6 +162,26 @@ def test_exact_pieces_are_closed_and_fit_without_gap_or_overlap(mesh: str, patte
     assert depth.sum() / 300 == pytest.approx(pieces.volume / np.prod(high - low), abs=0.09)
 
 
+@pytest.mark.parametrize("size", [0.99, 1.01])
+def test_drawn_cells_that_nearly_fit_cut_a_mesh_into_all_of_it(size: float, cross_file: Path, tmp_path: Path) -> None:
+    """Small gaps go to a neighbour, what two cells share to the first."""
+    pattern, text, first = Pattern.named("voronoi", cells=12), "", 1
+    for cell in range(len(pattern)):
+        vertices, triangles = pattern.region_mesh(cell)
+        middle = vertices.mean(axis=0)
+        text += "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in (middle + size * (vertices - middle)).tolist())
+        text += "".join(f"f {a} {b} {c}\n" for a, b, c in (triangles + first).tolist())
+        first += len(vertices)
+    drawn = tmp_path / "drawn.obj"
+    drawn.write_text(text)
+    pieces = break_mesh(cross_file, Pattern.named(str(drawn)), exact=True)
+    assert len(pieces.pieces) > 3
+    assert pieces.volume_defect < 1e-9
+    for piece in pieces.pieces:
+        assert defects(piece.triangles) == 0
+        assert piece.volume > 0.0
+
+
 @pytest.mark.parametrize("mesh", MESHES)
 def test_exact_contacts_are_the_cracks(mesh: str, broken: Callable[..., Pieces]) -> None:
     pieces = broken(mesh, "voronoi", True)

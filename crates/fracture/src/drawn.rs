@@ -8,8 +8,12 @@ use serde::{Deserialize, Serialize};
 mod fit;
 mod parts;
 
-/// Nodes along the longest edge of the box on which the cells' distances are sampled.
+/// Nodes along the longest edge of the box on which the cells' distances are sampled, and the fewest along the shortest: a pane is thin.
 const NODES: f64 = 64.0;
+const LAYERS: f64 = 2.0;
+
+/// The most nodes in the box: thinner plates have fewer layers.
+const MOST_NODES: f64 = 1e6;
 
 /// Layers of nodes around a cell, so that gradients at its surface are central.
 const MARGIN: f64 = 3.0;
@@ -121,7 +125,11 @@ impl Drawn {
         }
 
         // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill the box.
-        let spacing = (high - low).max_element() / NODES;
+        let extent = high - low;
+        let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
+        while (extent / spacing).element_product() > MOST_NODES {
+            spacing *= 2.0;
+        }
         let sample = |(cell, mesh): (usize, &TriMesh)| {
             let (cell_low, cell_high) = mesh.bounds();
             let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;

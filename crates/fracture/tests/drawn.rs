@@ -159,6 +159,48 @@ fn a_large_gap_is_told_with_its_place_and_size() {
     assert_eq!(rest, "; cells must fill their box");
 }
 
+/// Nine boxes side by side, as a pane.
+fn pane(thickness: f64) -> Vec<TriMesh> {
+    let edge = DVec3::new(1.6 / 3.0, 1.2 / 3.0, thickness);
+    let unit = Pattern::voronoi(&Voronoi { cells: 1, half_extent: DVec3::splat(0.5), ..Voronoi::default() })
+        .unwrap();
+    let cell = unit.region_mesh(0, 1.0);
+    let place = |n: usize| DVec3::new((n % 3) as f64, (n / 3) as f64, 0.0);
+    let moved = |n: usize| cell.positions.iter().map(move |&position| edge * (position + place(n))).collect();
+    (0..9).map(|n| TriMesh { positions: moved(n), triangles: cell.triangles.clone() }).collect()
+}
+
+#[test]
+fn a_thin_pane_is_a_pattern_and_its_gap_has_its_size() {
+    for thickness in [0.008, 0.0235] {
+        let mut meshes = pane(thickness);
+        assert_eq!(load(&obj(&meshes, false)).unwrap().len(), 9);
+        meshes.remove(4);
+        let sentence = load(&obj(&meshes, false)).unwrap_err();
+        assert!(sentence.contains(" m^3 (11 % of the box) around (0.5333, 0.4, "), "{thickness}: {sentence}");
+    }
+}
+
+#[test]
+fn a_gap_around_a_cell_is_not_said_to_be_in_it() {
+    let mut meshes = as_meshes(&voronoi(8, 4));
+    let middle = meshes[2].mass_properties().center;
+    meshes[2].positions.iter_mut().for_each(|position| *position = middle + 0.7 * (*position - middle));
+    let sentence = load(&obj(&meshes, false)).unwrap_err();
+    let (_, place) = sentence.split_once("around (").unwrap_or_else(|| panic!("{sentence}"));
+    let place: Vec<f64> =
+        place.split_once(')').unwrap().0.split(", ").map(|number| number.parse().unwrap()).collect();
+    let place = DVec3::new(place[0], place[1], place[2]);
+    let corners: Vec<[DVec3; 3]> =
+        (0..meshes[2].triangles.len()).map(|triangle| meshes[2].corners(triangle)).collect();
+    let surface = Bvh::new(&corners);
+    let nearest = surface.closest(place, f64::INFINITY).unwrap().distance_squared.sqrt();
+    let inward = (middle - place).normalize();
+    let deeper =
+        surface.closest(place + 0.5 * nearest * inward, f64::INFINITY).unwrap().distance_squared.sqrt();
+    assert!(deeper < nearest, "{place} is in the cell: {sentence}");
+}
+
 #[test]
 fn overlaps_and_holes_are_told_too() {
     let mut meshes = as_meshes(&voronoi(8, 4));
