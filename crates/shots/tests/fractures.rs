@@ -91,6 +91,10 @@ fn figure_7_the_second_ball_breaks_a_large_fragment() {
     let first = &fractures[0];
     assert_eq!(first.striker, first_ball);
     let struck = DVec3::from_array(first.point);
+    assert!(
+        struck.y < -0.9 && struck.z < -1.9,
+        "{struck} is not in the lower right corner, seen from the ball"
+    );
     let pieces: Vec<(f64, f64)> = first
         .fragments
         .iter()
@@ -153,10 +157,11 @@ fn figure_9_the_wall_breaks_as_stone_does() {
     let mut world = world("wall-natural", &ShotOptions::default());
     let fractures = run(&mut world, 60);
     assert_eq!(fractures.len(), 1);
-    assert!(fractures[0].fragments.len() >= 20, "{}", fractures[0].fragments.len());
+    // The radial pattern of figure 4 makes 27, of which none has a fourteenth of another's mass.
+    assert!(fractures[0].fragments.len() >= 40, "{}", fractures[0].fragments.len());
     let masses: Vec<f64> = world.bodies().masses.iter().copied().filter(|mass| mass.is_finite()).collect();
     let (least, most) = masses.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &x| (l.min(x), m.max(x)));
-    assert!(most > 10.0 * least, "of many sizes: {least} to {most} kg");
+    assert!(most > 100.0 * least, "of many sizes: {least} to {most} kg");
 }
 
 /// Glass, masonry, timber and concrete break by the strength of their material, and the cracks' energy is in the books.
