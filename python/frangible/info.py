@@ -25,9 +25,9 @@ def describe_file(path: str) -> dict[str, object]:
             raise CacheError(f"{path}: {hint}")
         from .usd import describe_usd
 
-        facts = describe_usd(path)
-        if facts["frames"]:
-            return facts
+        cache = describe_usd(path)
+        if cache["frames"]:
+            return cache
     if ending == ".glb" and (facts := describe_glb(path)) is not None:
         return facts
     with readable_mesh(path) as file:
