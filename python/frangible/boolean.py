@@ -123,16 +123,19 @@ def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
 
 
 def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:
-    """Cells of a body that it is made of: what two of them have in common is the first one's, and what none has is its that has the largest
-    common surface with it."""
+    """Cells that a body is made of: what two of them share goes to the first, and a gap to the one that has the largest surface in common
+    with it."""
     fitted: list[Manifold] = []
     taken = Manifold()
     for cell in cells:
         fitted.append(cell - taken)
         taken = taken + cell
-    for gap in (body - taken).decompose():
-        if gap.volume() <= least:
-            continue
+    # The smallest first: it may lie in a cell that a larger one encloses, and shells are without their cavities.
+    rest = body - taken
+    outer = sorted((shell for shell in rest.decompose() if shell.volume() > least), key=lambda shell: shell.volume())
+    for shell in outer:
+        gap = rest ^ shell
+        rest = rest - gap
         united = [cell + gap for cell in fitted]
         common = [cell.surface_area() - both.surface_area() for cell, both in zip(fitted, united, strict=True)]
         largest = int(np.argmax(common))

@@ -10,7 +10,7 @@ import frangible
 import numpy as np
 import pytest
 from frangible import Pattern, Piece, Pieces, break_mesh
-from frangible._frangible import load_mesh
+from frangible._frangible import load_mesh, mesh_mass
 from frangible.cli import main
 from pxr import Usd, UsdGeom, UsdShade
 from support import CUBE_TRIANGLES, CUBE_VERTICES
@@ -180,6 +180,23 @@ def test_drawn_cells_that_nearly_fit_cut_a_mesh_into_all_of_it(size: float, cros
     for piece in pieces.pieces:
         assert defects(piece.triangles) == 0
         assert piece.volume > 0.0
+
+
+def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
+    """The gap is a shell: it goes to its neighbour without what it encloses."""
+    from frangible.boolean import _manifold, cut
+
+    def cutter(*meshes: Mesh) -> Any:
+        vertices, triangles = joined(*meshes)
+        return vertices, triangles.astype(np.uint32), np.zeros(len(triangles), np.uint32)
+
+    whole, (corners, faces) = box([-1, -1, -1], [1, 1, 1]), box([-0.5, -0.5, -0.5], [0.5, 0.5, 0.5])
+    around = cutter(whole, (corners, faces[:, ::-1]))
+    inner = cutter(box([-0.49, -0.49, -0.49], [0.49, 0.49, 0.49]))
+    vertices, triangles = whole
+    parts = cut(_manifold(vertices, triangles.astype(np.uint32)), [around, inner])
+    volumes = [mesh_mass((part.vertices, part.triangles))["volume_m3"] for part in parts]
+    assert volumes == pytest.approx([8.0 - 0.98**3, 0.98**3])
 
 
 @pytest.mark.parametrize("mesh", MESHES)
