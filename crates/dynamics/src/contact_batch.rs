@@ -52,6 +52,8 @@ pub(crate) struct Hold<I> {
     pub(crate) soft: Softness<Lanes<I>>,
     /// Coefficient of friction.
     pub(crate) friction: Lanes<I>,
+    /// Of what a rigid point would add to its impulse [1].
+    pub(crate) relaxation: Lanes<I>,
 }
 
 /// Several pairs.
@@ -359,7 +361,7 @@ impl<I: Instructions> Batch<I> {
             mass_scale: mass_scale.lanes(),
             impulse_scale: impulse_scale.lanes(),
         };
-        Hold { soft, friction: self.friction.lanes() }
+        Hold { soft, friction: self.friction.lanes(), relaxation: Lanes::splat(1.0) }
     }
 
     /// Where the first point of a pair is, in the world frame [m]; where one was, if it has none.

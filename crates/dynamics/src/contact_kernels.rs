@@ -110,7 +110,7 @@ pub(crate) fn stop<I: Instructions>(
     let speed = velocity.dot(point.basis.normal);
     let (target, softens) = row.target_speed(hold.soft.rate, beat);
     let target = if beat.stage == Stage::Bounce { leaving } else { target };
-    let mass_scale = softens.select(hold.soft.mass_scale, Lanes::splat(1.0));
+    let mass_scale = softens.select(hold.soft.mass_scale, hold.relaxation);
     let impulse_scale = softens.select(hold.soft.impulse_scale, Lanes::ZERO);
     let change = row.response.mass.lanes() * mass_scale * (target - speed) - impulse_scale * before;
     let total = acts.select((before + change).max(Lanes::ZERO), before);

@@ -1,6 +1,6 @@
 //! How the points of a batch act on their bodies: one row after the other, all lanes at once.
 
-use crate::contact_batch::Batch;
+use crate::contact_batch::{Batch, Hold};
 use crate::contact_kernels::{Visit, stop, stop_roll};
 use crate::contact_rows::{Basis, Beat, Stage};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
@@ -11,6 +11,10 @@ use std::ops::Range;
 
 /// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
 const TOGETHER_PASSES: u32 = 8;
+
+/// Of impulses on what is squeezed [1]. Below 2 none of them makes energy. A ball at 60 m/s that is nine times as heavy as the cube between it
+/// and a plate of 1 cm has pressed it through in 2 of 40 cases with 1, and in none with 1.5; with 1.7 in one.
+const OVER_RELAXATION: f64 = 1.5;
 
 /// What rows gave: energy by its cause [J], how many impulses they were, and what came from outside.
 pub(crate) struct Given<I> {
@@ -35,24 +39,28 @@ pub(crate) struct Pass {
     sweeps: bool,
     /// Only those act that meet fast.
     pub(crate) only_meeting: bool,
-    /// The last one over what does not meet fast, or over what does.
-    is_last: [bool; 2],
+    /// The last one of a stage.
+    is_last: bool,
+    /// How much of what would stop a rigid point acts [1]: more than 1 settles what presses each other sooner.
+    relaxation: f64,
 }
 
 impl Pass {
     /// Stops what meets fast.
     pub(crate) const TOGETHER: Self =
-        Self { is_fro: false, together: true, sweeps: false, only_meeting: true, is_last: [false; 2] };
+        Self { together: true, sweeps: false, only_meeting: true, ..Self::over_all(false, false) };
 
     /// Another one over what meets fast: it has no impulses to start from.
     pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
 
-    /// The last of these.
-    pub(crate) const LAST_MEETING: Self = Self { is_last: [false, true], ..Self::MEETING };
-
     /// Over all rows, to or fro.
-    pub(crate) fn over_all(is_fro: bool, is_last: bool) -> Self {
-        Self { is_fro, together: false, sweeps: true, only_meeting: false, is_last: [is_last, false] }
+    pub(crate) const fn over_all(is_fro: bool, is_last: bool) -> Self {
+        Self { is_fro, together: false, sweeps: true, only_meeting: false, is_last, relaxation: 1.0 }
+    }
+
+    /// Over what is squeezed.
+    pub(crate) fn over_squeezed(is_fro: bool) -> Self {
+        Self { relaxation: OVER_RELAXATION, ..Self::over_all(is_fro, false) }
     }
 }
 
@@ -216,7 +224,7 @@ impl<I: Instructions> Batch<I> {
                 }
             }
         }
-        if pass.is_last[usize::from(self.bounces)] && beat.stage != Stage::Bounce {
+        if pass.is_last {
             self.close(&mut visit, beat, given);
         }
         self.settle(visit, movers, given);
@@ -225,7 +233,8 @@ impl<I: Instructions> Batch<I> {
     /// Some rows act: normal, friction, rolling.
     #[inline(always)]
     fn sweep(&mut self, visit: &mut Visit<I>, beat: &Beat, pass: Pass, rows: Range<usize>) {
-        let (shared, hold) = (self.shared_basis(), self.hold());
+        let hold = Hold { relaxation: Lanes::splat(pass.relaxation), ..self.hold() };
+        let shared = self.shared_basis();
         for step in 0..rows.len() {
             let at = if pass.is_fro { rows.end - 1 - step } else { rows.start + step };
             let point = self.point(at, shared);

@@ -11,7 +11,8 @@ pub(crate) struct Effort {
     pub(crate) passes: u32,
     /// How much stiffer its contacts may be than those that carry one body.
     pub(crate) stiffest: f64,
-    /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on.
+    /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on. And the most
+    /// passes over what they squeeze.
     pub(crate) impacts: u32,
 }
 

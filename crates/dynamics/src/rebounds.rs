@@ -11,7 +11,7 @@ use crate::moving::Movers;
 
 /// What changes a speed by less [m/s] is no part of an impact: where nothing falls no speed is too low to bounce, and rounding would go on
 /// bouncing.
-const SLOWEST: f64 = 1e-3;
+pub(crate) const SLOWEST: f64 = 1e-3;
 
 /// The bodies of a cluster that impacts have reached, by the number of the last impact; 0 is none.
 pub(crate) struct Reached(Vec<u32>);
@@ -55,6 +55,21 @@ pub(crate) struct Impact {
 }
 
 impl<I: Instructions> Batch<I> {
+    /// Whether any points approach by more than their gap and `least` [m/s] before the drift: what is far may.
+    #[inline(always)]
+    pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
+        let sides = self.sides(movers);
+        self.wake_rows(movers, &sides);
+        let (shared, least, per_dt) = (self.shared_basis(), Lanes::splat(least), Lanes::splat(1.0 / beat.dt));
+        let mut any = Mask::NONE;
+        for at in 0..self.near_rows {
+            let row = &self.rows[at];
+            let most = row.gap.lanes().max(Lanes::ZERO) * per_dt + least;
+            any = any.or(row.is_there.and(self.point(at, shared).closing(&sides).above(most)));
+        }
+        any.any()
+    }
+
     /// Which lanes have a point that met fast and leaves again.
     pub(crate) fn rebounding(&self) -> Mask {
         if !self.bounces {

@@ -168,14 +168,14 @@ impl<'a, I: Instructions> Solver<'a, I> {
         if rebounds {
             self.each(|_, block| block.batches.iter_mut().for_each(Batch::note_starts));
         }
-        self.contact(&Beat::new(Stage::BeforeDrift, step));
+        self.contact(&Beat::new(Stage::BeforeDrift, step), threshold);
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step);
         self.follow(Some(step.dt));
         if rebounds {
             self.rebound(step, threshold);
         }
-        self.contact(&Beat::new(Stage::AfterDrift, step));
+        self.contact(&Beat::new(Stage::AfterDrift, step), threshold);
         self.end_meeting();
     }
 
@@ -231,21 +231,23 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// Contact at one stage of a substep: what acted at this stage of the last one, then passes over all rows, to and fro, so that none
-    /// always has the last word and stacks do not lean. What meets now has no impulses to start from, and takes more passes, its normals
-    /// first.
-    fn contact(&mut self, beat: &Beat) {
+    /// Contact at one stage of a substep: what acted at this stage of the last one; then what meets now, which has no impulses to start
+    /// from, its normals first, and what it presses against others; then passes over all rows, to and fro, so that none always has the last
+    /// word and stacks do not lean. They come last, or what is struck would be pressed through what it touches.
+    fn contact(&mut self, beat: &Beat, threshold: f64) {
         self.go_on(beat);
         self.meeting_pass(beat, Pass::TOGETHER);
+        for _ in 1..MEETING_PASSES {
+            self.meeting_pass(beat, Pass::MEETING);
+        }
+        if beat.stage == Stage::BeforeDrift {
+            self.squeeze(beat, threshold);
+        }
         let begins_fro = self.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
         for number in 0..self.passes {
             let is_fro = (number % 2 == 1) != begins_fro;
             self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
         }
-        for _ in 2..MEETING_PASSES {
-            self.meeting_pass(beat, Pass::MEETING);
-        }
-        self.meeting_pass(beat, Pass::LAST_MEETING);
     }
 
     /// What acted in the last substep acts again, unless it has come apart.

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::fracture::Voronoi;
-use frangible::{BodyDesc, BreakingDesc, Method, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step};
+use frangible::{
+    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -47,6 +49,46 @@ fn rocks_fall_into_a_heap() {
         }
         let fastest = world.bodies().velocities.iter().map(|v| v.linear.length()).fold(0.0, f64::max);
         assert!(fastest < 0.1, "{method:?}: {fastest} m/s");
+    }
+}
+
+/// A cube that is struck by a ball at 60 m/s is not pressed into the thin plate before it, whichever pair acts first: not even by a ball of
+/// twice its weight, which has to give up its motion in many small parts.
+#[test]
+fn what_is_struck_is_not_pressed_through_a_thin_plate() {
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    for case in 0..80 {
+        let density = if case % 2 == 0 { 1000.0 } else { 10_000.0 };
+        let cube = ShapeDesc::Box { size: [0.1; 3], resolution: Resolution::default() };
+        let plate = ShapeDesc::Box { size: [0.01, 1.0, 1.0], resolution: Resolution::default() };
+        let ball = ShapeDesc::Sphere { radius: 0.05, resolution: Resolution::default() };
+        let gap = 1e-3 + 3e-3 * random.random::<f64>();
+        // It strikes in the first two substeps, before the cube has begun to fall.
+        let way = 0.1 + 2.0 * 60.0 / 240.0 * random.random::<f64>();
+        let plate = BodyDesc {
+            motion: MotionDesc::Static,
+            position: [0.055 + gap, 0.0, 0.0],
+            ..BodyDesc::new("plate", plate)
+        };
+        let striker = BodyDesc {
+            position: [-way, 0.0, 0.0],
+            linear_velocity: [60.0, 0.0, 0.0],
+            density,
+            ..BodyDesc::new("ball", ball)
+        };
+        let struck = BodyDesc::new("cube", cube);
+        let mut scene = SceneDesc::new("struck");
+        scene.bodies =
+            if random.random() { vec![plate, struck, striker] } else { vec![striker, struck, plate] };
+        let mut world = World::build(&scene).unwrap();
+        for _ in 0..6 {
+            step(&mut world);
+            let depth = world.bodies().poses[1].position.x - gap;
+            assert!(
+                depth < 5e-4,
+                "{density} kg/m^3 from {way} m off press the cube {depth} m into a plate {gap} m off"
+            );
+        }
     }
 }
 

@@ -7,9 +7,39 @@ use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
 use crate::lanes::Instructions;
-use crate::rebounds::{Impact, Reached};
+use crate::rebounds::{Impact, Reached, SLOWEST};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 impl<I: Instructions> Solver<'_, I> {
+    /// What meets fast presses what it strikes against others: all that still approach fast act, until none does.
+    pub(super) fn squeeze(&mut self, beat: &Beat, threshold: f64) {
+        if !self.ranks.blocks.iter().any(|block| block.bounces) {
+            return;
+        }
+        let least = threshold.max(SLOWEST);
+        for number in 0..self.impacts {
+            let pass = Pass::over_squeezed(number % 2 == 1);
+            let any_is = AtomicBool::new(false);
+            self.each_in_turn(pass.is_fro, |movers, block| {
+                block.visit(
+                    movers,
+                    #[inline(always)]
+                    |batch| batch.near_rows,
+                    #[inline(always)]
+                    |batch, given| {
+                        if batch.is_squeezed(movers, beat, least) {
+                            any_is.store(true, Ordering::Relaxed);
+                            batch.act(movers, beat, pass, given);
+                        }
+                    },
+                );
+            });
+            if !any_is.into_inner() {
+                return;
+            }
+        }
+    }
+
     /// What met fast leaves again, by impacts that follow each other if there may be more than one.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
         let beat = &Beat::new(Stage::Bounce, step);
