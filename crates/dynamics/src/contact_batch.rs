@@ -297,6 +297,13 @@ impl<I: Instructions> Batch<I> {
         movers.prefetch::<I>(&self.locals[1]);
     }
 
+    /// Asks for what [`Self::follow`] will need.
+    #[inline(always)]
+    pub(crate) fn prefetch_to_follow(&self, movers: &Movers) {
+        self.prefetch(movers, self.near_rows);
+        I::prefetch(&self.rest.anchors[..self.near_rows]);
+    }
+
     /// Asks for all that is known of the pairs.
     #[inline(always)]
     pub(crate) fn prefetch_all(&self) {

@@ -201,9 +201,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.each(|movers, block| {
             block.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
             block.visit(
-                movers,
                 #[inline(always)]
-                |batch| batch.near_rows,
+                |next| next.prefetch(movers, next.near_rows),
                 #[inline(always)]
                 |batch, _| batch.meet(movers, threshold, step),
             );
@@ -216,9 +215,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let bodies = self.bodies;
         self.each(|movers, block| {
             block.visit(
-                movers,
                 #[inline(always)]
-                |batch| batch.near_rows,
+                |next| next.prefetch_to_follow(movers),
                 #[inline(always)]
                 |batch, _| batch.follow(movers, drifted),
             );
@@ -254,9 +252,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn go_on(&mut self, beat: &Beat) {
         self.each_in_turn(false, |movers, block| {
             block.visit(
-                movers,
                 #[inline(always)]
-                |batch| batch.carrying_rows[beat.stage.at()],
+                |next| next.prefetch(movers, next.carrying_rows[beat.stage.at()]),
                 #[inline(always)]
                 |batch, given| batch.go_on(movers, beat, given),
             );
@@ -267,9 +264,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn pass(&mut self, beat: &Beat, pass: Pass) {
         self.each_in_turn(pass.is_fro, |movers, block| {
             block.visit(
-                movers,
                 #[inline(always)]
-                |batch| batch.acting_rows(beat.stage),
+                |next| next.prefetch(movers, next.acting_rows(beat.stage)),
                 #[inline(always)]
                 |batch, given| batch.act(movers, beat, pass, given),
             );

@@ -34,12 +34,12 @@ impl<I: Instructions> Batch<I> {
         finder: &mut ManifoldFinder,
         rest: &Frame,
     ) -> bool {
-        let lanes = self.rest.patches.len();
         let looks = if self.is_driven { Mask::of(|_| true) } else { self.looks };
-        let mut is_changed = false;
-        if looks.any() {
-            self.follow_all(movers, &self.sides(movers));
+        if !looks.any() {
+            return false;
         }
+        self.follow_all(movers, &self.sides(movers));
+        let (lanes, mut is_changed) = (self.rest.patches.len(), false);
         for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
             let (travel, patch) = (movers.travel(locals), &self.rest.patches[lane]);

@@ -104,14 +104,9 @@ impl<I: Instructions> Ranks<I> {
 }
 
 impl<I: Instructions> Block<I> {
-    /// Visits all batches; `needs` says how many rows of the next one to ask memory for.
+    /// Visits all batches, and asks memory for the next one.
     #[inline(always)]
-    pub(super) fn visit(
-        &mut self,
-        movers: &Movers,
-        needs: impl Fn(&Batch<I>) -> usize,
-        visit: impl Fn(&mut Batch<I>, &mut Given<I>),
-    ) {
+    pub(super) fn visit(&mut self, ask: impl Fn(&Batch<I>), visit: impl Fn(&mut Batch<I>, &mut Given<I>)) {
         let Self { batches, given, is_far, .. } = self;
         I::run(
             #[inline(always)]
@@ -120,8 +115,7 @@ impl<I: Instructions> Block<I> {
                 for at in 0..batches.len() {
                     if *is_far {
                         I::prefetch(&batches[(at + 2).min(last)..][..1]);
-                        let next = &batches[(at + 1).min(last)];
-                        next.prefetch(movers, needs(next));
+                        ask(&batches[(at + 1).min(last)]);
                     }
                     visit(&mut batches[at], given);
                 }

@@ -22,9 +22,8 @@ impl<I: Instructions> Solver<'_, I> {
             let any_is = AtomicBool::new(false);
             self.each_in_turn(pass.is_fro, |movers, block| {
                 block.visit(
-                    movers,
                     #[inline(always)]
-                    |batch| batch.near_rows,
+                    |next| next.prefetch(movers, next.near_rows),
                     #[inline(always)]
                     |batch, given| {
                         if batch.is_squeezed(movers, beat, least) {
