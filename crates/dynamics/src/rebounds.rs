@@ -55,7 +55,8 @@ pub(crate) struct Impact {
 }
 
 impl<I: Instructions> Batch<I> {
-    /// Whether any points approach by more than their gap and `least` [m/s] before the drift: what is far may.
+    /// Whether any points approach faster, by more than `least` [m/s], than closes their gap in this substep. Those that have not followed
+    /// their bodies do so first, if they could.
     #[inline(always)]
     pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
         let sides = self.sides(movers);
