@@ -4,6 +4,7 @@
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
+use crate::regions::Regions;
 use crate::{Bodies, Frame};
 use std::collections::BTreeMap;
 
@@ -14,11 +15,10 @@ const CLUSTER_PAIRS: usize = 512;
 pub(crate) struct Cluster {
     /// Their bodies and the static and kinematic ones that they may touch, by dense index.
     pub(crate) bodies: Vec<usize>,
-    /// Their pairs, rank by rank.
+    /// Their pairs, region by region, rank by rank.
     pub(crate) members: Vec<Member>,
-    /// Where each rank ends among them. Pairs of one rank share no body that can move: one rank after the other does what one pair after the
-    /// other, in the order of the manifolds, would do.
-    pub(crate) rank_ends: Vec<usize>,
+    /// Where each rank of each [region](Regions) ends among them. Pairs of one rank share no body that can move.
+    pub(crate) rank_ends: Vec<Vec<usize>>,
     /// How often they act.
     pub(crate) effort: Effort,
 }
@@ -92,40 +92,92 @@ impl Cluster {
         stiffness: &[f64],
         local: &mut [u32],
     ) -> Self {
-        // Each pair is one rank behind those before it that share a body with it.
-        let (mut who, mut next_rank) = (Vec::new(), Vec::<usize>::new());
-        let mut ranked = Vec::with_capacity(pairs.len());
-        let mut places = Places::default();
+        let (mut who, mut locals_of) = (Vec::new(), Vec::with_capacity(pairs.len()));
         for &manifold in pairs {
-            let Manifold { pair, points } = &touching.manifolds[manifold];
-            let locals = [pair.first, pair.second].map(|i| {
+            let pair = touching.manifolds[manifold].pair;
+            locals_of.push([pair.first, pair.second].map(|i| {
                 if local[i] == NOWHERE {
                     local[i] = who.len() as u32;
                     who.push(i);
-                    next_rank.push(0);
                 }
                 local[i]
-            });
-            let mobile = |&local: &u32| !bodies.inertias[who[local as usize]].is_infinite();
-            let rank = locals.iter().filter(|local| mobile(local)).map(|&local| next_rank[local as usize]);
-            let rank = rank.max().unwrap_or(0);
-            locals
-                .iter()
-                .filter(|local| mobile(local))
-                .for_each(|&local| next_rank[local as usize] = rank + 1);
-            let place = places.count(rank, (points.len(), touching.carried[manifold].len()));
-            ranked.push((place, Member { manifold, locals, stiffness: stiffness[manifold] }));
+            }));
         }
         who.iter().for_each(|&i| local[i] = NOWHERE);
 
-        // Side by side are those with about as many points, of which about as many carried in the last frame.
-        let rank_ends = places.begin();
+        // Region by region.
+        let regions = Regions::new(bodies, &who, pairs.len());
+        let mut pairs_of = vec![Vec::new(); regions.count()];
+        for (place, &locals) in locals_of.iter().enumerate() {
+            pairs_of[regions.of_pair(locals)].push(place);
+        }
+        let is_mobile = |&local: &usize| !bodies.inertias[who[local]].is_infinite();
+        let mut next_ranks = NextRanks::new(who.len(), regions.count() == 1);
         let nobody = Member { manifold: 0, locals: [0; 2], stiffness: 0.0 };
-        let mut members = vec![nobody; ranked.len()];
-        for (place, member) in ranked {
-            members[places.next(place)] = member;
+        let (mut members, mut rank_ends) = (vec![nobody; pairs.len()], Vec::with_capacity(regions.count()));
+        let mut begin = 0;
+        for of_region in pairs_of {
+            let mut places = Places::default();
+            let mut ranked = Vec::with_capacity(of_region.len());
+            for place in of_region {
+                let (manifold, locals) = (pairs[place], locals_of[place]);
+                let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
+                let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
+                let member = Member { manifold, locals, stiffness: stiffness[manifold] };
+                ranked.push((places.count(rank, counts), member));
+            }
+
+            // Side by side are those with about as many points, of which about as many carried in the last frame.
+            let end = begin + ranked.len();
+            rank_ends.push(places.begin().into_iter().map(|end| begin + end).collect());
+            for (place, member) in ranked {
+                members[begin + places.next(place)] = member;
+                member.locals.iter().for_each(|&local| next_ranks.clear(local as usize));
+            }
+            begin = end;
         }
         Self { bodies: who, members, rank_ends, effort }
+    }
+}
+
+/// Which ranks the next pairs of bodies can have.
+struct NextRanks {
+    /// Of each body, behind all that it has.
+    next: Vec<usize>,
+    /// Of each body, the first ranks that it has, a bit each, if they need not be behind all.
+    taken: Option<Vec<u64>>,
+}
+
+impl NextRanks {
+    /// In a cluster of one region one rank after the other does what one pair after the other would do, in the order of the manifolds. In the regions
+    /// of heaps, where that would take many ranks with empty lanes, pairs take the first rank that they find free.
+    fn new(bodies: usize, is_one_region: bool) -> Self {
+        Self { next: vec![0; bodies], taken: (!is_one_region).then(|| vec![0; bodies]) }
+    }
+
+    /// That of the next pair, of some bodies that can move.
+    fn next(&mut self, bodies: impl Iterator<Item = usize> + Clone) -> usize {
+        let Self { next, taken } = self;
+        let mut first = 0;
+        if let Some(taken) = taken {
+            let free = !bodies.clone().fold(0, |all, body| all | taken[body]);
+            if free != 0 {
+                bodies.for_each(|body| taken[body] |= free & free.wrapping_neg());
+                return free.trailing_zeros() as usize;
+            }
+            first = u64::BITS as usize;
+        }
+        let rank = bodies.clone().map(|body| next[body]).max().unwrap_or(0);
+        bodies.for_each(|body| next[body] = rank + 1);
+        first + rank
+    }
+
+    /// A body's pairs are in another region from now on.
+    fn clear(&mut self, body: usize) {
+        self.next[body] = 0;
+        if let Some(taken) = &mut self.taken {
+            taken[body] = 0;
+        }
     }
 }
 
@@ -155,7 +207,7 @@ impl Places {
             sum += std::mem::replace(count, sum);
         }
         let begins = self.0.iter().step_by(Self::EACH).skip(1).copied();
-        begins.chain([sum]).collect()
+        begins.chain((sum > 0).then_some(sum)).collect()
     }
 
     /// Where the next one goes.
@@ -198,4 +250,26 @@ fn root(parent: &mut [usize], mut of: usize) -> usize {
         of = parent[of];
     }
     of
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body of a hundred pairs has one in each rank, whether ranks are taken in order or wherever they are free; and two that share nothing
+    /// are side by side.
+    #[test]
+    fn pairs_of_a_rank_share_no_body() {
+        for is_one_region in [true, false] {
+            let mut ranks = NextRanks::new(103, is_one_region);
+            let of_first: Vec<usize> = (1..101).map(|other| ranks.next([0, other].into_iter())).collect();
+            assert_eq!(of_first, (0..100).collect::<Vec<_>>());
+            assert_eq!(ranks.next([101, 102].into_iter()), 0);
+            let again = ranks.next([50, 101].into_iter());
+            assert_eq!(again, if is_one_region { 50 } else { 1 }, "behind both, or where both are free");
+            ranks.clear(0);
+            ranks.clear(3);
+            assert_eq!(ranks.next([0, 3].into_iter()), 0);
+        }
+    }
 }

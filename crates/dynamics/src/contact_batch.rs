@@ -76,6 +76,8 @@ pub(crate) struct Batch<I> {
     pub(crate) has_outside: bool,
     /// Whether any point has met fast in this substep.
     pub(crate) bounces: bool,
+    /// Whether a pass has acted since the books of a stage were last closed.
+    pub(crate) is_open: bool,
     /// Whether any takes part in the impact that acts now.
     pub(crate) impacts: bool,
     /// Behind so many rows none has met in this frame: said by [`Self::meet`], never too few.
@@ -301,6 +303,8 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn prefetch_to_follow(&self, movers: &Movers) {
         self.prefetch(movers, self.near_rows);
+        movers.prefetch_shifts::<I>(&self.locals[0]);
+        movers.prefetch_shifts::<I>(&self.locals[1]);
         I::prefetch(&self.rest.anchors[..self.near_rows]);
     }
 
@@ -319,6 +323,14 @@ impl<I: Instructions> Batch<I> {
         if stage == Stage::AfterDrift { self.met_rows } else { self.near_rows }
     }
 
+    /// Whether a pass at a stage has anything to do here: rows that act or have carried, on bodies that are not calm if those are left.
+    #[inline(always)]
+    pub(crate) fn has_work(&self, movers: &Movers, stage: Stage, leaves_calm: bool) -> bool {
+        let is_empty =
+            stage == Stage::AfterDrift && self.met_rows == 0 && self.carrying_rows[stage.at()] == 0;
+        !(is_empty || leaves_calm && self.is_calm(movers))
+    }
+
     /// Any row may have met, and carry.
     pub(crate) fn forget_who_acts(&mut self) {
         (self.met_rows, self.carrying_rows) = (self.rows.len(), [self.rows.len(); 2]);
@@ -331,8 +343,17 @@ impl<I: Instructions> Batch<I> {
 
     #[inline(always)]
     pub(crate) fn store(&self, movers: &Movers, sides: &[Side<I>; 2]) {
-        movers.store(&self.locals[0], &sides[0]);
-        movers.store(&self.locals[1], &sides[1]);
+        movers.store(&self.locals[0], &sides[0], self.sizes[0].lanes());
+        movers.store(&self.locals[1], &sides[1], self.sizes[1].lanes());
+    }
+
+    /// Whether nothing has acted since what acted in the last substep did, and that has left its bodies calm.
+    #[inline(always)]
+    pub(crate) fn is_calm(&self, movers: &Movers) -> bool {
+        !self.is_open
+            && !self.is_driven
+            && movers.are_calm(&self.locals[0])
+            && movers.are_calm(&self.locals[1])
     }
 
     /// The directions of all rows, if they have the same ones.

@@ -45,6 +45,7 @@ pub mod penetration;
 mod plane_contact;
 pub mod push_out;
 mod rebounds;
+mod regions;
 pub mod rigid_part;
 pub mod rotation;
 pub mod settings;

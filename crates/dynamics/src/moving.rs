@@ -14,16 +14,20 @@ use shared_lines::SharedLines;
 
 /// A body, in lines that are loaded for several bodies at once.
 #[derive(Clone, Copy)]
+#[repr(align(128))]
 struct Moving {
     /// Linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls. All zero for a static or kinematic
     /// body, whose motion is in the rows' drives.
     motion: Numbers,
     /// Inverse of the inertia tensor in the world frame, its diagonal and the entries yz, xz and xy [1/(kg m^2)]. Zero as above.
     answer: Numbers,
-    /// How it has moved since the frame's start: translation [m], rotation as a quaternion, and how far any of its points can have
-    /// moved, relative to its size.
-    shift: Numbers,
 }
+
+/// How a body has moved since the frame's start: translation [m], rotation as a quaternion, and how far any of its points can have moved,
+/// relative to its size.
+type Moved = Numbers;
+
+const UNMOVED: Moved = Numbers([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 
 /// What a body is like, and how far it has come, as a line: inverse principal moments of inertia, and the largest of them
 /// [1/(kg m^2)]; how far any of its points can have moved since the frame's start [m]; its mass if impulses move it [kg].
@@ -33,12 +37,18 @@ type Build = Numbers;
 const FASTEST: usize = 3;
 const TRAVEL: usize = 4;
 
+/// Speed [m/s] below which a body is calm if nothing of it is faster: what would creep at it comes a tenth of a millimetre far in ten seconds.
+const CALM: f64 = 1e-5;
+
 /// The bodies of a cluster.
 pub(crate) struct Movers {
     /// Dense indices.
     pub(crate) who: Vec<usize>,
     /// In the same order, and then one that never moves, for the lanes that hold none.
     moving: SharedLines<Moving>,
+    moved: Vec<Moved>,
+    /// Whether each was [calm](CALM) when impulses last acted on it, and gravity has not kicked it since; what impulses do not move is.
+    calm: SharedLines<bool>,
     /// Positions and orientations, now and at the frame's start; in the line of the start also the radius of a ball around the centre of
     /// mass that holds the body, 0 if it is infinite [m].
     poses: Vec<Numbers>,
@@ -88,6 +98,8 @@ impl Movers {
         let still = line_of(&Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY });
         let mut movers = Self {
             moving: SharedLines::new(Moving::NONE, lines),
+            moved: vec![UNMOVED; lines],
+            calm: SharedLines::new(true, lines),
             poses: vec![still; lines],
             starts: vec![still; lines],
             builds: vec![Numbers::ZERO; lines],
@@ -125,8 +137,9 @@ impl Movers {
     /// Half a substep of gravity.
     pub(crate) fn kick(&mut self, step: &Frame) {
         let gain = 0.5 * step.dt * step.gravity;
-        for moving in self.moving.as_mut_slice() {
+        for (moving, calm) in self.moving.as_mut_slice().iter_mut().zip(self.calm.as_mut_slice()) {
             if moving.is_mobile() {
+                *calm = false;
                 let Numbers([x, y, z, ..]) = &mut moving.motion;
                 (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
             }
@@ -195,6 +208,14 @@ impl Movers {
         }
     }
 
+    /// Asks for how some bodies have moved.
+    #[inline(always)]
+    pub(crate) fn prefetch_shifts<I: Instructions>(&self, locals: &[u32]) {
+        for &local in locals {
+            I::prefetch(&self.moved[local as usize..][..1]);
+        }
+    }
+
     /// Asks for how some bodies began the frame.
     #[inline(always)]
     pub(crate) fn prefetch_starts<I: Instructions>(&self, locals: &[u32]) {
@@ -203,18 +224,27 @@ impl Movers {
         }
     }
 
-    /// No body that can move is in two lanes, or is read or written by another thread.
+    /// Gives some bodies their velocities, by the radii of balls around their centres of mass that hold them [m]. No body that can move is in two lanes, or
+    /// is read or written by another thread.
     #[inline(always)]
-    pub(crate) fn store<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>) {
-        let Side { linear: v, angular_momentum: l, inverse_mass, falls, .. } = *side;
+    pub(crate) fn store<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>, size: Lanes<I>) {
+        let Side { linear: v, angular_momentum: l, angular: w, inverse_mass, falls, .. } = *side;
+        let calm = Lanes::splat(CALM * CALM).above(v.dot(v) + w.dot(w) * (size * size));
         let motions = Lanes::rows([v.x, v.y, v.z, l.x, l.y, l.z, inverse_mass, falls]);
         for lane in 0..LANES {
             let at = locals[lane] as usize;
             let moving = self.moving.read(at);
             if moving.is_mobile() {
                 self.moving.write(at, Moving { motion: motions[lane], ..moving });
+                self.calm.write(at, calm.get(lane));
             }
         }
+    }
+
+    /// Whether all of some bodies are calm.
+    #[inline(always)]
+    pub(crate) fn are_calm(&self, locals: &[u32; LANES]) -> bool {
+        locals.iter().all(|&local| self.calm.read(local as usize))
     }
 
     /// How they began the frame.
@@ -234,7 +264,7 @@ impl Movers {
     pub(crate) fn shifts<I: Instructions>(&self, locals: &[u32; LANES]) -> Shift<I> {
         let mut shifts = [Numbers::ZERO; LANES];
         for lane in 0..LANES {
-            shifts[lane] = self.moving.read(locals[lane] as usize).shift;
+            shifts[lane] = self.moved[locals[lane] as usize];
         }
         let [x, y, z, qx, qy, qz, qw, stirred] = Lanes::transposed(shifts);
         Shift {
@@ -261,11 +291,7 @@ impl Movers {
 }
 
 impl Moving {
-    const NONE: Self = Self {
-        motion: Numbers::ZERO,
-        answer: Numbers::ZERO,
-        shift: Numbers([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-    };
+    const NONE: Self = Self { motion: Numbers::ZERO, answer: Numbers::ZERO };
 
     /// Whether impulses move it.
     #[inline(always)]

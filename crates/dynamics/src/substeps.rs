@@ -126,6 +126,8 @@ struct Solver<'a, I> {
     ranks: Ranks<I>,
     passes: u32,
     impacts: u32,
+    /// Whether passes leave out what is calm: not in a frame's first substep, which notes all that carries.
+    leaves_calm: bool,
 }
 
 /// A cluster at the frame's end.
@@ -141,7 +143,14 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let Cluster { bodies: who, members, rank_ends, effort } = cluster;
         let movers = Movers::new::<I>(bodies, who);
         let ranks = Ranks::new((bodies, &movers), (&members, &rank_ends), touching, dt);
-        let mut solver = Self { bodies, movers, ranks, passes: effort.passes, impacts: effort.impacts };
+        let mut solver = Self {
+            bodies,
+            movers,
+            ranks,
+            passes: effort.passes,
+            impacts: effort.impacts,
+            leaves_calm: false,
+        };
         solver.follow(None);
         solver
     }
@@ -177,6 +186,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         }
         self.contact(&Beat::new(Stage::AfterDrift, step), threshold);
         self.end_meeting();
+        self.leaves_calm = true;
     }
 
     /// Points that have moved too far are found anew.
@@ -253,21 +263,39 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.each_in_turn(false, |movers, block| {
             block.visit(
                 #[inline(always)]
-                |next| next.prefetch(movers, next.carrying_rows[beat.stage.at()]),
+                |next| {
+                    let rows = next.carrying_rows[beat.stage.at()];
+                    if rows > 0 {
+                        next.prefetch(movers, rows);
+                    }
+                },
                 #[inline(always)]
-                |batch, given| batch.go_on(movers, beat, given),
+                |batch, given| {
+                    if batch.carrying_rows[beat.stage.at()] > 0 {
+                        batch.go_on(movers, beat, given);
+                    }
+                },
             );
         });
     }
 
     /// One pass over all rows.
     fn pass(&mut self, beat: &Beat, pass: Pass) {
+        let leaves_calm = self.leaves_calm;
         self.each_in_turn(pass.is_fro, |movers, block| {
             block.visit(
                 #[inline(always)]
-                |next| next.prefetch(movers, next.acting_rows(beat.stage)),
+                |next| {
+                    if next.has_work(movers, beat.stage, leaves_calm) {
+                        next.prefetch(movers, next.acting_rows(beat.stage));
+                    }
+                },
                 #[inline(always)]
-                |batch, given| batch.act(movers, beat, pass, given),
+                |batch, given| {
+                    if batch.has_work(movers, beat.stage, leaves_calm) {
+                        batch.act(movers, beat, pass, given);
+                    }
+                },
             );
         });
     }

@@ -8,7 +8,7 @@ const FEW: usize = 256;
 
 /// Whether so many things are worth sharing out, and there is anybody to share with: from outside of the pool, the way into it costs more than
 /// most of this work.
-fn is_shared(things: usize) -> bool {
+pub(crate) fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
@@ -19,6 +19,11 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&
     } else {
         items.iter_mut().for_each(visit);
     }
+}
+
+/// Does two things at a time, if somebody is there for the second one.
+pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+    rayon::join(one, other);
 }
 
 /// What each item gives.

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::dynamics::Width;
-use frangible::{World, step};
+use frangible::{SceneDesc, World, step};
 use frangible_shots::{Shot, ShotOptions};
 use std::fmt::Write;
 
@@ -16,15 +16,23 @@ const SHOTS: [&str; 6] = ["stack", "plank", "wall", "pillar", "cylinder", "brick
 
 /// Of the world after the last frame.
 fn state_hash(shot: &str, width: Width, threads: usize) -> u64 {
+    after(&scene(shot), FRAMES, width, threads).state_hash()
+}
+
+fn scene(shot: &str) -> SceneDesc {
+    Shot::find(shot).unwrap().scene(&ShotOptions::default()).unwrap()
+}
+
+/// A world after some frames.
+fn after(scene: &SceneDesc, frames: u32, width: Width, threads: usize) -> World {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
-        let scene = Shot::find(shot).unwrap().scene(&ShotOptions::default()).unwrap();
-        let mut world = World::build(&scene).unwrap();
+        let mut world = World::build(scene).unwrap();
         world.settings_mut().width = width;
-        for _ in 0..FRAMES {
+        for _ in 0..frames {
             step(&mut world);
         }
-        world.state_hash()
+        world
     })
 }
 
@@ -54,4 +62,20 @@ fn any_number_of_threads_ends_in_the_same_state() {
             assert_eq!(state_hash(shot, Width::Avx512, threads), alone, "{shot} on {threads} threads");
         }
     }
+}
+
+/// A heap is large enough to be halved, and its halves again, when each has more than 2,048 pairs: threads take a half each, and meet at the
+/// pairs between them.
+#[test]
+fn a_heap_in_halves_ends_in_the_same_state() {
+    let mut heap = scene("pile-spread");
+    heap.bodies.truncate(8000);
+    let alone = after(&heap, 24, Width::Avx512, 1);
+    let pairs = alone.penetrations().len();
+    assert!(pairs > 4 * 2048, "{pairs} of its pairs overlap");
+    for threads in [2, 3, 8] {
+        let shared = after(&heap, 24, Width::Avx512, threads);
+        assert_eq!(shared.state_hash(), alone.state_hash(), "on {threads} threads");
+    }
+    assert_eq!(after(&heap, 24, Width::Sse2, 2).state_hash(), alone.state_hash(), "with SSE2");
 }

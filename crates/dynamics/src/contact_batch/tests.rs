@@ -69,3 +69,35 @@ proptest! {
         }
     }
 }
+
+/// A pair is calm while nothing of its bodies is faster than a hundredth of a millimetre in a second, until gravity kicks or a pass acts.
+#[test]
+fn only_what_hardly_moves_is_calm() {
+    let step = Frame { dt: 1.0 / 240.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+    let bodies = cubes(0.0, 0.0, [DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+    let found = find_manifolds(&bodies, &[Pair { first: 0, second: 1 }], &WarmStart::default(), &step);
+    let manifolds: Vec<Manifold> = found.iter().collect();
+    let carried: [&[Carried]; 1] = [&[]];
+    let touching = Touching { manifolds: &manifolds, carried: &carried };
+    let mut movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
+    let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
+    let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
+    movers.kick(&step);
+    assert!(!batch.is_calm(&movers), "both fall");
+    let stored = |linear: DVec3, angular: DVec3| {
+        let mut sides = batch.sides(&movers);
+        sides[0].linear = Lanes3::splat(linear);
+        sides[0].angular = Lanes3::splat(angular);
+        sides[1].linear = Lanes3::ZERO;
+        batch.store(&movers, &sides);
+        batch.is_calm(&movers)
+    };
+    assert!(stored(9e-6 * DVec3::X, DVec3::ZERO) && !stored(1.1e-5 * DVec3::X, DVec3::ZERO));
+    assert!(
+        stored(DVec3::ZERO, 1e-5 * DVec3::Z) && !stored(DVec3::ZERO, 1.2e-5 * DVec3::Z),
+        "a corner is 0.87 m from the centre"
+    );
+    assert!(stored(DVec3::ZERO, DVec3::ZERO));
+    batch.is_open = true;
+    assert!(!batch.is_calm(&movers), "its books are open");
+}

@@ -1,6 +1,6 @@
 //! Bodies drift: those that turn slowly side by side, the others one after the other.
 
-use super::{Build, FASTEST, Movers, Moving, TRAVEL, line_of, pose_of};
+use super::{Build, FASTEST, Moved, Movers, Moving, TRAVEL, line_of, pose_of};
 use crate::detection::radius;
 use crate::evolve::evolve;
 use crate::exact_rotation::{NO_MOMENTUM, NO_TURN, SLOW, rotate_slowly};
@@ -17,6 +17,7 @@ const STRETCH: usize = 256;
 struct Stretch<'a> {
     who: &'a [usize],
     moving: &'a mut [Moving],
+    moved: &'a mut [Moved],
     poses: &'a mut [Numbers],
     starts: &'a [Numbers],
     builds: &'a mut [Build],
@@ -53,15 +54,15 @@ impl Movers {
     fn for_each_stretch(&mut self, visit: impl Fn(&mut Stretch) + Send + Sync) {
         let lines = self.poses.chunks_mut(STRETCH).zip(self.starts.chunks(STRETCH));
         let lines = lines.zip(self.builds.chunks_mut(STRETCH));
-        let moving = self.moving.as_mut_slice().chunks_mut(STRETCH);
+        let moving = self.moving.as_mut_slice().chunks_mut(STRETCH).zip(self.moved.chunks_mut(STRETCH));
         let mut stretches: Vec<Stretch> = moving
             .zip(lines)
             .enumerate()
-            .map(|(number, (moving, ((poses, starts), builds)))| {
+            .map(|(number, ((moving, moved), ((poses, starts), builds)))| {
                 let begin = (number * STRETCH).min(self.who.len());
                 let end = (begin + STRETCH).min(self.who.len());
                 let who = &self.who[begin..end];
-                Stretch { who, moving, poses, starts, builds, moment_of_mass: DVec3::ZERO }
+                Stretch { who, moving, moved, poses, starts, builds, moment_of_mass: DVec3::ZERO }
             })
             .collect();
         threads::for_each(&mut stretches, self.who.len(), visit);
@@ -163,8 +164,8 @@ impl Stretch<'_> {
             let shifts = Lanes::rows([px - sx, py - sy, pz - sz, tx, ty, tz, turned.scalar, stirred]);
             moment_of_mass = moment_of_mass + Lanes3 { x: px, y: py, z: pz } * mass;
             for lane in 0..LANES {
-                let moving = &mut self.moving[begin + lane];
-                (moving.answer, moving.shift) = (answers[lane], shifts[lane]);
+                self.moving[begin + lane].answer = answers[lane];
+                self.moved[begin + lane] = shifts[lane];
                 self.builds[begin + lane].0[TRAVEL] = travel.get(lane);
             }
         }
@@ -250,7 +251,7 @@ mod tests {
                 assert!((entry - tensor.col(column)[row]).abs() <= scale, "body {i}");
             }
             let lever = DVec3::new(0.1, 0.2, 0.3);
-            let Numbers([x, y, z, qx, qy, qz, qw, _]) = movers.moving.read(i).shift;
+            let Numbers([x, y, z, qx, qy, qz, qw, _]) = movers.moved[i];
             let moved = DVec3::new(x, y, z) + DQuat::from_xyzw(qx, qy, qz, qw) * lever;
             let turn = end.orientation * alone.poses[i].orientation.conjugate();
             let expected = end.position - alone.poses[i].position + turn * lever;

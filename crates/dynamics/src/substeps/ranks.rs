@@ -5,6 +5,7 @@ use crate::contact_batch::{Batch, Touching};
 use crate::contact_sweep::Given;
 use crate::lanes::{Instructions, LANES};
 use crate::moving::Movers;
+use crate::regions::halves;
 use crate::threads;
 use crate::warm_start::Part;
 use crate::{Bodies, Tally};
@@ -30,8 +31,9 @@ pub(super) struct Block<I> {
 /// All batches. One rank acts after the other, the blocks of a rank side by side: their pairs share no body that can move.
 pub(super) struct Ranks<I> {
     pub(super) blocks: Vec<Block<I>>,
-    /// Where each rank ends among them.
-    ends: Vec<usize>,
+    /// Where each rank ends among them, and each region.
+    rank_ends: Vec<usize>,
+    region_ends: Vec<usize>,
     /// How many there are.
     pub(super) pairs: usize,
 }
@@ -40,19 +42,22 @@ impl<I: Instructions> Ranks<I> {
     /// Of some pairs, with the ends of their ranks. Substeps take `dt` [s].
     pub(super) fn new(
         (bodies, movers): (&Bodies, &Movers),
-        (members, rank_ends): (&[Member], &[usize]),
+        (members, rank_ends): (&[Member], &[Vec<usize>]),
         touching: Touching,
         dt: f64,
     ) -> Self {
         let is_far = members.len() > FAR * LANES;
         // Blocks of a rank are of about one size; no rank is empty.
-        let (mut shares, mut ends, mut begin) = (Vec::new(), Vec::new(), 0);
-        for &end in rank_ends {
-            let groups: Vec<&[Member]> = members[begin..end].chunks(LANES).collect();
-            let size = groups.len().div_ceil(groups.len().div_ceil(BLOCK).max(1)).max(1);
-            shares.extend(groups.chunks(size).map(<[_]>::to_vec));
-            ends.push(shares.len());
-            begin = end;
+        let (mut shares, mut ends, mut region_ends, mut begin) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for of_region in rank_ends {
+            for &end in of_region {
+                let groups: Vec<&[Member]> = members[begin..end].chunks(LANES).collect();
+                let size = groups.len().div_ceil(groups.len().div_ceil(BLOCK).max(1)).max(1);
+                shares.extend(groups.chunks(size).map(<[_]>::to_vec));
+                ends.push(shares.len());
+                begin = end;
+            }
+            region_ends.push(shares.len());
         }
         let batch = |(group, next): (&[Member], &[Member])| {
             touching.prefetch::<I>(movers, next);
@@ -69,7 +74,12 @@ impl<I: Instructions> Ranks<I> {
                 is_far,
             }
         };
-        Self { blocks: threads::map(shares, members.len(), block), ends, pairs: members.len() }
+        Self {
+            blocks: threads::map(shares, members.len(), block),
+            rank_ends: ends,
+            region_ends,
+            pairs: members.len(),
+        }
     }
 
     /// Visits blocks, rank by rank, to or fro: all, or those that are `wanted`.
@@ -79,20 +89,23 @@ impl<I: Instructions> Ranks<I> {
         wanted: Option<fn(&Block<I>) -> bool>,
         visit: impl Fn(&mut Block<I>) + Send + Sync,
     ) {
-        let Self { blocks, ends, pairs } = self;
-        let count = ends.len();
-        for step in 0..count {
-            let at = if is_fro { count - 1 - step } else { step };
-            let begin = if at == 0 { 0 } else { ends[at - 1] };
-            let rank = &mut blocks[begin..ends[at]];
-            match wanted {
-                None => threads::for_each(rank, *pairs, &visit),
-                Some(is_wanted) => {
-                    let mut some: Vec<&mut Block<I>> =
-                        rank.iter_mut().filter(|block| is_wanted(block)).collect();
-                    threads::for_each(&mut some, *pairs, |block| visit(block));
-                }
-            }
+        let Self { blocks, rank_ends, region_ends, pairs } = self;
+        let way = Way { ends: region_ends, is_fro, wanted };
+        if !threads::is_shared(*pairs) {
+            return way.one_by_one(blocks, &visit);
+        }
+        if region_ends.len() > 1 {
+            return way.visit(blocks, 0, &visit);
+        }
+
+        // The blocks of a rank side by side.
+        for step in 0..rank_ends.len() {
+            let at = if is_fro { rank_ends.len() - 1 - step } else { step };
+            let begin = if at == 0 { 0 } else { rank_ends[at - 1] };
+            let is_wanted = |block: &&mut Block<I>| wanted.is_none_or(|is_wanted| is_wanted(block));
+            let mut rank: Vec<&mut Block<I>> =
+                blocks[begin..rank_ends[at]].iter_mut().filter(is_wanted).collect();
+            threads::for_each(&mut rank, *pairs, |block| visit(block));
         }
     }
 
@@ -100,6 +113,44 @@ impl<I: Instructions> Ranks<I> {
     pub(super) fn met(&mut self) -> impl Iterator<Item = &mut Batch<I>> {
         let blocks = self.blocks.iter_mut().filter(|block| block.bounces);
         blocks.flat_map(|block| &mut block.batches).filter(|batch| batch.bounces)
+    }
+}
+
+/// A way through regions that follow each other, each after its two halves.
+#[derive(Clone, Copy)]
+struct Way<'a, I> {
+    /// Where each of them ends among all blocks.
+    ends: &'a [usize],
+    is_fro: bool,
+    wanted: Option<fn(&Block<I>) -> bool>,
+}
+
+impl<I: Instructions> Way<'_, I> {
+    /// Visits their blocks, of which the first one is the `begin`th of all: the halves side by side, as no pair of one shares a body that can move
+    /// with the other, and those between them block by block.
+    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
+        let Some([low, high]) = halves(self.ends.len()) else { return self.one_by_one(blocks, visit) };
+        let (of_low, of_high) =
+            (Self { ends: &self.ends[low], ..self }, Self { ends: &self.ends[high], ..self });
+        let middle = of_low.ends[of_low.ends.len() - 1];
+        let (halves, between) = blocks.split_at_mut(of_high.ends[of_high.ends.len() - 1] - begin);
+        let (low, high) = halves.split_at_mut(middle - begin);
+        if self.is_fro {
+            self.one_by_one(between, visit);
+        }
+        threads::join(|| of_low.visit(low, begin, visit), || of_high.visit(high, middle, visit));
+        if !self.is_fro {
+            self.one_by_one(between, visit);
+        }
+    }
+
+    fn one_by_one(self, blocks: &mut [Block<I>], visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
+        let is_wanted = |block: &&mut Block<I>| self.wanted.is_none_or(|is_wanted| is_wanted(block));
+        if self.is_fro {
+            blocks.iter_mut().rev().filter(is_wanted).for_each(visit);
+        } else {
+            blocks.iter_mut().filter(is_wanted).for_each(visit);
+        }
     }
 }
 
