@@ -120,8 +120,8 @@ mod tests {
                 spawn(Motion::Dynamic, DVec3::new(1.1 * f64::from(x), 0.0, f64::from(z)));
                 let at = 1 + x * side + z;
                 pairs.push([0, at]);
-                pairs.extend((x > 0).then_some([at - side, at]));
-                pairs.extend((z > 0).then_some([at - 1, at]));
+                pairs.extend((x > 0).then(|| [at - side, at]));
+                pairs.extend((z > 0).then(|| [at - 1, at]));
             }
         }
         (bodies, pairs)
