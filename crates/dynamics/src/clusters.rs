@@ -149,7 +149,7 @@ struct NextRanks {
 }
 
 impl NextRanks {
-    /// In a cluster of one region one rank after the other does what one pair after the other would do, in the order of the manifolds. In the regions
+    /// In a cluster of one region one rank after the other acts in the order of the manifolds, as far as pairs share a body. In the regions
     /// of heaps, where that would take many ranks with empty lanes, pairs take the first rank that they find free.
     fn new(bodies: usize, is_one_region: bool) -> Self {
         Self { next: vec![0; bodies], taken: (!is_one_region).then(|| vec![0; bodies]) }

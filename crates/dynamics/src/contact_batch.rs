@@ -347,7 +347,7 @@ impl<I: Instructions> Batch<I> {
         movers.store(&self.locals[1], &sides[1], self.sizes[1].lanes());
     }
 
-    /// Whether nothing has acted since what acted in the last substep did, and that has left its bodies calm.
+    /// Whether what has acted so far has left its bodies calm, none of them kinematic, and no pass of this stage has acted here.
     #[inline(always)]
     pub(crate) fn is_calm(&self, movers: &Movers) -> bool {
         !self.is_open

@@ -6,14 +6,14 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Pairs of a region that is not halved, up to twice as many: smaller ones leave more lanes empty, larger ones leave less to share out.
+/// Pairs that a region has in the mean after the last halving, up to twice as many: smaller ones leave more lanes empty, larger ones leave less to share out.
 const REGION_PAIRS: usize = 2048;
 
 /// The regions of a heap: each is a node of a binary tree, by its number. 1 is the whole, 2 and 3 are its halves.
 pub(crate) struct Regions {
     /// How often the whole is halved.
     depth: u32,
-    /// The smallest region of each body, 0 for one that never moves.
+    /// The smallest region of each body, 0 for one that impulses do not move.
     of_body: Vec<u32>,
 }
 
@@ -157,7 +157,7 @@ mod tests {
         check(&pairs_of, 2);
     }
 
-    /// What is small is one region, and so are bodies that all are in one place.
+    /// What is small is one region; and there may be more regions than bodies.
     #[test]
     fn the_small_and_the_degenerate_have_regions_too() {
         let (bodies, pairs) = layer(8);

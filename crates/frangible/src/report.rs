@@ -119,7 +119,7 @@ pub struct Momentum {
 /// Collision and contact impulses of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Impulses {
-    /// Applied to velocities that last; by the frame-rate method, each correction of each pass.
+    /// Applied to velocities that last; by the frame-rate method, those that act at the end of passes, a number for each point.
     pub applied: u64,
     /// Shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
     pub clamped: u64,

@@ -18,7 +18,7 @@ use rayon::ThreadPoolBuilder;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// A heap of 8,000 pieces asks for memory 30,000 times in a frame (docs/adr/002).
+/// A heap of thousands of pieces asks for memory tens of thousands of times in a frame (docs/adr/002).
 #[global_allocator]
 static MEMORY: MiMalloc = MiMalloc;
 

@@ -1,4 +1,4 @@
-//! Lines of memory that several threads read and write at a time, each its own.
+//! Places in memory that several threads read and write at a time, each its own: lines of numbers, and flags.
 
 use std::cell::UnsafeCell;
 
@@ -8,7 +8,10 @@ use std::cell::UnsafeCell;
 pub(super) struct SharedLines<T>(Vec<UnsafeCell<T>>);
 
 // The promise above.
-#[allow(unsafe_code, reason = "only the ranks of a cluster know that the bodies of their groups differ")]
+#[allow(
+    unsafe_code,
+    reason = "only the ranks and regions of a cluster know that the bodies of their groups differ"
+)]
 unsafe impl<T: Send + Sync> Sync for SharedLines<T> {}
 
 #[allow(unsafe_code, reason = "see there")]

@@ -13,7 +13,7 @@ use crate::{Bodies, Tally};
 /// Batches of which fewer than this are all in the core's own cache.
 const FAR: usize = 256;
 
-/// The most batches that go to a thread together: ten microseconds of work.
+/// The most batches of one rank that go to a thread together: ten microseconds of work.
 const BLOCK: usize = 16;
 
 /// Batches of pairs that share no body that can move, and what they gave.
@@ -28,7 +28,8 @@ pub(super) struct Block<I> {
     is_far: bool,
 }
 
-/// All batches. One rank acts after the other, the blocks of a rank side by side: their pairs share no body that can move.
+/// All batches. In one region one rank acts after the other, the blocks of a rank side by side: their pairs share no body that can move. Where there are
+/// more regions, those that share none act side by side, each block by block.
 pub(super) struct Ranks<I> {
     pub(super) blocks: Vec<Block<I>>,
     /// Where each rank ends among them, and each region.
@@ -102,10 +103,15 @@ impl<I: Instructions> Ranks<I> {
         for step in 0..rank_ends.len() {
             let at = if is_fro { rank_ends.len() - 1 - step } else { step };
             let begin = if at == 0 { 0 } else { rank_ends[at - 1] };
-            let is_wanted = |block: &&mut Block<I>| wanted.is_none_or(|is_wanted| is_wanted(block));
-            let mut rank: Vec<&mut Block<I>> =
-                blocks[begin..rank_ends[at]].iter_mut().filter(is_wanted).collect();
-            threads::for_each(&mut rank, *pairs, |block| visit(block));
+            let rank = &mut blocks[begin..rank_ends[at]];
+            match wanted {
+                None => threads::for_each(rank, *pairs, &visit),
+                Some(is_wanted) => {
+                    let mut some: Vec<&mut Block<I>> =
+                        rank.iter_mut().filter(|block| is_wanted(block)).collect();
+                    threads::for_each(&mut some, *pairs, |block| visit(block));
+                }
+            }
         }
     }
 
