@@ -38,7 +38,7 @@ const FASTEST: usize = 3;
 const TRAVEL: usize = 4;
 
 /// Speed [m/s] of which a body is calm if neither its centre nor, by turning, any point of it is as fast: what would creep at it comes a tenth of a
-/// millimetre far in ten seconds, which nobody sees at any size of scene.
+/// millimetre far in ten seconds. It does not scale with the scene.
 const CALM: f64 = 1e-5;
 
 /// The bodies of a cluster.
