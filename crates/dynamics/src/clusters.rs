@@ -4,6 +4,7 @@
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
+use crate::moving::begins_calm;
 use crate::regions::Regions;
 use crate::{Bodies, Frame};
 use std::collections::BTreeMap;
@@ -41,15 +42,16 @@ pub(crate) fn clusters(bodies: &Bodies, touching: Touching, frame: &Frame) -> (V
     let mut is_in_one = vec![false; bodies.len()];
     let mut local = vec![NOWHERE; bodies.len()];
     let mut stiffness = vec![1.0; manifolds.len()];
+    let calm: Vec<bool> = (0..bodies.len()).map(|i| begins_calm(bodies, i)).collect();
     let mut add = |pairs: &[usize], effort: Effort, stiffness: &[f64]| {
-        let cluster = Cluster::new(bodies, touching, (pairs, effort), stiffness, &mut local);
+        let cluster = Cluster::new((bodies, &calm), touching, (pairs, effort), stiffness, &mut local);
         cluster.bodies.iter().for_each(|&i| is_in_one[i] = true);
         clusters.push(cluster);
     };
 
-    // What takes more goes with those that take as much.
+    // What takes more goes with those that take as much, and what is calm with others that are.
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
-    let mut pairs = Vec::new();
+    let (mut pairs, mut calm_pairs) = (Vec::new(), Vec::new());
     let islands = islands(bodies, manifolds);
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
     for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
@@ -64,6 +66,17 @@ pub(crate) fn clusters(bodies: &Bodies, touching: Touching, frame: &Frame) -> (V
             }
             continue;
         }
+        let is_calm = island.iter().all(|&at| {
+            let pair = manifolds[at].pair;
+            calm[pair.first] && calm[pair.second]
+        });
+        if is_calm && island.len() < CLUSTER_PAIRS {
+            calm_pairs.extend_from_slice(island);
+            if calm_pairs.len() >= CLUSTER_PAIRS {
+                add(&std::mem::take(&mut calm_pairs), Effort::of_size(CLUSTER_PAIRS), &stiffness);
+            }
+            continue;
+        }
         pairs.extend_from_slice(island);
         let next = islands.get(number + 1).map_or(usize::MAX, Vec::len);
         if pairs.len() >= CLUSTER_PAIRS || next >= CLUSTER_PAIRS {
@@ -71,8 +84,11 @@ pub(crate) fn clusters(bodies: &Bodies, touching: Touching, frame: &Frame) -> (V
             pairs.clear();
         }
     }
-    let size = pairs.len();
-    for (pairs, effort) in careful.into_values().chain([(pairs, Effort::of_size(size))]) {
+    let others = [pairs, calm_pairs].map(|pairs| {
+        let effort = Effort::of_size(pairs.len());
+        (pairs, effort)
+    });
+    for (pairs, effort) in careful.into_values().chain(others) {
         if !pairs.is_empty() {
             add(&pairs, effort, &stiffness);
         }
@@ -84,9 +100,9 @@ pub(crate) fn clusters(bodies: &Bodies, touching: Touching, frame: &Frame) -> (V
 const NOWHERE: u32 = u32::MAX;
 
 impl Cluster {
-    /// Of some manifolds. `local` is all [`NOWHERE`], and is so again at the end.
+    /// Of some manifolds, with which bodies are calm. `local` is all [`NOWHERE`], and is so again at the end.
     fn new(
-        bodies: &Bodies,
+        (bodies, calm): (&Bodies, &[bool]),
         touching: Touching,
         (pairs, effort): (&[usize], Effort),
         stiffness: &[f64],
@@ -124,10 +140,11 @@ impl Cluster {
                 let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
                 let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
                 let member = Member { manifold, locals, stiffness: stiffness[manifold] };
-                ranked.push((places.count(rank, counts), member));
+                let are_calm = locals.iter().all(|&local| calm[who[local as usize]]);
+                ranked.push((places.count((rank, are_calm), counts), member));
             }
 
-            // Side by side are those with about as many points, of which about as many carried in the last frame.
+            // Side by side are those whose bodies are calm, and those with about as many points, of which about as many carried in the last frame.
             let end = begin + ranked.len();
             rank_ends.push(places.begin().into_iter().map(|end| begin + end).collect());
             for (place, member) in ranked {
@@ -181,18 +198,21 @@ impl NextRanks {
     }
 }
 
-/// Where the pairs of each rank go: those with more points first, of these those of which more carried, and the others in their order.
+/// Where the pairs of each rank go: those of calm bodies first, of these those with more points, of these those of which more carried, and the
+/// others in their order.
 #[derive(Default)]
 struct Places(Vec<usize>);
 
 impl Places {
-    /// Of each rank: by points, then by how many of them carried.
-    const EACH: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
+    /// Of each rank: calm ones and others, by points, then by how many of them carried.
+    const EACH: usize = 2 * Self::ALIKE;
+    const ALIKE: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
 
-    /// Makes room for a pair with some points, of which some carried.
-    fn count(&mut self, rank: usize, (points, carried): (usize, usize)) -> usize {
+    /// Makes room for a pair with some points, of which some carried, and of calm bodies or not.
+    fn count(&mut self, (rank, are_calm): (usize, bool), (points, carried): (usize, usize)) -> usize {
         let less = |number: usize| MOST_POINTS - number.min(MOST_POINTS);
-        let place = rank * Self::EACH + less(points) * (MOST_POINTS + 1) + less(carried);
+        let alike = less(points) * (MOST_POINTS + 1) + less(carried);
+        let place = rank * Self::EACH + usize::from(!are_calm) * Self::ALIKE + alike;
         if place >= self.0.len() {
             self.0.resize((rank + 1) * Self::EACH, 0);
         }

@@ -4,6 +4,7 @@
 mod anew;
 mod frame_end;
 mod points;
+mod rest;
 #[cfg(test)]
 mod tests;
 
@@ -76,8 +77,8 @@ pub(crate) struct Batch<I> {
     pub(crate) has_outside: bool,
     /// Whether any point has met fast in this substep.
     pub(crate) bounces: bool,
-    /// Whether a pass has acted since the books of a stage were last closed.
-    pub(crate) is_open: bool,
+    /// Whether no stage looks at it again in this frame, as long as none of its bodies is fast.
+    pub(crate) rests: bool,
     /// Whether any takes part in the impact that acts now.
     pub(crate) impacts: bool,
     /// Behind so many rows none has met in this frame: said by [`Self::meet`], never too few.
@@ -323,12 +324,10 @@ impl<I: Instructions> Batch<I> {
         if stage == Stage::AfterDrift { self.met_rows } else { self.near_rows }
     }
 
-    /// Whether a pass at a stage has anything to do here: rows that act or have carried, on bodies that are not calm if those are left.
+    /// Whether a pass at a stage has anything to do here, where it does not rest: rows that act or have carried.
     #[inline(always)]
-    pub(crate) fn has_work(&self, movers: &Movers, stage: Stage, leaves_calm: bool) -> bool {
-        let is_empty =
-            stage == Stage::AfterDrift && self.met_rows == 0 && self.carrying_rows[stage.at()] == 0;
-        !(is_empty || leaves_calm && self.is_calm(movers))
+    pub(crate) fn has_work(&self, stage: Stage) -> bool {
+        stage != Stage::AfterDrift || self.met_rows > 0 || self.carrying_rows[stage.at()] > 0
     }
 
     /// Any row may have met, and carry.
@@ -345,15 +344,6 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn store(&self, movers: &Movers, sides: &[Side<I>; 2]) {
         movers.store(&self.locals[0], &sides[0], self.sizes[0].lanes());
         movers.store(&self.locals[1], &sides[1], self.sizes[1].lanes());
-    }
-
-    /// Whether what has acted so far has left its bodies calm, none of them kinematic, and no pass of this stage has acted here.
-    #[inline(always)]
-    pub(crate) fn is_calm(&self, movers: &Movers) -> bool {
-        !self.is_open
-            && !self.is_driven
-            && movers.are_calm(&self.locals[0])
-            && movers.are_calm(&self.locals[1])
     }
 
     /// The directions of all rows, if they have the same ones.

@@ -224,9 +224,7 @@ impl<I: Instructions> Batch<I> {
                 }
             }
         }
-        self.is_open |= visit.acted;
         if pass.is_last {
-            self.is_open = false;
             self.close(&mut visit, beat, given);
         }
         self.settle(visit, movers, given);

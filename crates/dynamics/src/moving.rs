@@ -1,15 +1,18 @@
 //! The bodies of a cluster as the substeps' solver moves them: velocities, and how they answer impulses.
 
 mod drift;
+mod rest;
 mod shared_lines;
 
 use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
 use crate::rotation::rotation_by;
 use crate::vector::Turn;
-use crate::{Bodies, Frame, Motion, Pose, Velocity};
+use crate::{Bodies, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
+use rest::{Pace, Rest};
+pub(crate) use rest::{begins_calm, can_rest};
 use shared_lines::SharedLines;
 
 /// A body, in lines that are loaded for several bodies at once.
@@ -36,10 +39,7 @@ type Build = Numbers;
 /// Places in a [`Build`].
 const FASTEST: usize = 3;
 const TRAVEL: usize = 4;
-
-/// Speed [m/s] of which a body is calm if neither its centre nor, by turning, any point of it is as fast: what would creep at it comes a tenth of a
-/// millimetre far in ten seconds. It does not scale with the scene.
-const CALM: f64 = 1e-5;
+const MASS: usize = 5;
 
 /// The bodies of a cluster.
 pub(crate) struct Movers {
@@ -48,8 +48,7 @@ pub(crate) struct Movers {
     /// In the same order, and then one that never moves, for the lanes that hold none.
     moving: SharedLines<Moving>,
     moved: Vec<Moved>,
-    /// Whether each was [calm](CALM) when impulses last acted on it, and gravity has not kicked it since; what impulses do not move is.
-    calm: SharedLines<bool>,
+    rest: Rest,
     /// Positions and orientations, now and at the frame's start; in the line of the start also the radius of a ball around the centre of
     /// mass that holds the body, 0 if it is infinite [m].
     poses: Vec<Numbers>,
@@ -100,7 +99,7 @@ impl Movers {
         let mut movers = Self {
             moving: SharedLines::new(Moving::NONE, lines),
             moved: vec![UNMOVED; lines],
-            calm: SharedLines::new(true, lines),
+            rest: Rest::new(bodies, &who, lines),
             poses: vec![still; lines],
             starts: vec![still; lines],
             builds: vec![Numbers::ZERO; lines],
@@ -133,20 +132,6 @@ impl Movers {
     /// Stands for no body.
     pub(crate) fn nobody(&self) -> u32 {
         self.who.len() as u32
-    }
-
-    /// Half a substep of gravity.
-    pub(crate) fn kick(&mut self, step: &Frame) {
-        let gain = 0.5 * step.dt * step.gravity;
-        for (moving, calm) in self.moving.as_mut_slice().iter_mut().zip(self.calm.as_mut_slice()) {
-            if moving.is_mobile() {
-                *calm = false;
-                let Numbers([x, y, z, ..]) = &mut moving.motion;
-                (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
-            }
-        }
-        self.gravity.0 += self.mass * gain;
-        self.gravity.1 += self.moment_of_mass.cross(gain);
     }
 
     /// How far two points of two bodies can have moved relative to each other since the frame's start [m].
@@ -230,22 +215,16 @@ impl Movers {
     #[inline(always)]
     pub(crate) fn store<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>, size: Lanes<I>) {
         let Side { linear: v, angular_momentum: l, angular: w, inverse_mass, falls, .. } = *side;
-        let calm = Lanes::splat(CALM * CALM).above(v.dot(v) + w.dot(w) * (size * size));
+        let paces = Pace::of_lanes(v.dot(v) + w.dot(w) * (size * size));
         let motions = Lanes::rows([v.x, v.y, v.z, l.x, l.y, l.z, inverse_mass, falls]);
         for lane in 0..LANES {
             let at = locals[lane] as usize;
             let moving = self.moving.read(at);
             if moving.is_mobile() {
                 self.moving.write(at, Moving { motion: motions[lane], ..moving });
-                self.calm.write(at, calm.get(lane));
+                self.rest.paces.write(at, paces[lane]);
             }
         }
-    }
-
-    /// Whether all of some bodies are calm.
-    #[inline(always)]
-    pub(crate) fn are_calm(&self, locals: &[u32; LANES]) -> bool {
-        locals.iter().all(|&local| self.calm.read(local as usize))
     }
 
     /// How they began the frame.

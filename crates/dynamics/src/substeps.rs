@@ -13,7 +13,8 @@ use crate::instructions::{Avx2, Avx512, Sse2};
 use crate::instructions::{Scalar, available};
 use crate::lanes::{Instructions, Mask};
 use crate::manifold::{Manifold, ManifoldFinder};
-use crate::moving::Movers;
+use crate::moving::{Movers, can_rest};
+use crate::tally::Cause;
 use crate::threads;
 use crate::warm_start::{Part, WarmStart};
 use crate::{Bodies, Frame, Motion, Tally, Width};
@@ -73,6 +74,9 @@ fn solve_with<I: Instructions>(
         for done in 0..SUBSTEPS {
             let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..step };
             solver.substep(&rest, &step, frame);
+            if done == 0 {
+                solver.lie_down(&step);
+            }
         }
         solver.close()
     });
@@ -126,8 +130,7 @@ struct Solver<'a, I> {
     ranks: Ranks<I>,
     passes: u32,
     impacts: u32,
-    /// Whether passes leave out what is calm: not in a frame's first substep, which notes all that carries.
-    leaves_calm: bool,
+    can_rest: bool,
 }
 
 /// A cluster at the frame's end.
@@ -149,7 +152,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             ranks,
             passes: effort.passes,
             impacts: effort.impacts,
-            leaves_calm: false,
+            can_rest: effort.can_rest(),
         };
         solver.follow(None);
         solver
@@ -170,23 +173,62 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// Half kick, impulses, drift, half kick, bounce, relax. `rest` is what is left of the frame.
     fn substep(&mut self, rest: &Frame, step: &Frame, frame: &Frame) {
         self.refresh(rest);
-        self.movers.kick(step);
+        self.movers.kick(step, Stage::BeforeDrift);
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
         self.meet(step, threshold);
         let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
         if rebounds {
+            if self.impacts > 1 {
+                self.get_up();
+            }
             self.each(|_, block| block.batches.iter_mut().for_each(Batch::note_starts));
         }
         self.contact(&Beat::new(Stage::BeforeDrift, step), threshold);
         self.movers.drift::<I>(self.bodies, step);
-        self.movers.kick(step);
+        self.movers.kick(step, Stage::AfterDrift);
         self.follow(Some(step.dt));
         if rebounds {
             self.rebound(step, threshold);
         }
         self.contact(&Beat::new(Stage::AfterDrift, step), threshold);
         self.end_meeting();
-        self.leaves_calm = true;
+    }
+
+    /// What is calm comes to rest.
+    fn lie_down(&mut self, step: &Frame) {
+        if !(self.can_rest && can_rest(step)) {
+            return;
+        }
+        self.each_in_turn(false, |movers, block| {
+            I::run(
+                #[inline(always)]
+                || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers)),
+            );
+        });
+        self.each_in_turn(false, |movers, block| {
+            block.visit(
+                #[inline(always)]
+                |next| next.prefetch(movers, next.near_rows),
+                #[inline(always)]
+                |batch, _| batch.lean(movers),
+            );
+        });
+    }
+
+    /// Nothing rests any more.
+    fn get_up(&mut self) {
+        self.each_in_turn(false, |movers, block| {
+            I::run(
+                #[inline(always)]
+                || {
+                    block
+                        .batches
+                        .iter_mut()
+                        .filter(|batch| batch.rests)
+                        .for_each(|batch| batch.get_up(movers))
+                },
+            );
+        });
     }
 
     /// Points that have moved too far are found anew.
@@ -194,7 +236,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let bodies = self.bodies;
         self.each(|movers, block| {
             let mut finder = ManifoldFinder::default();
-            for batch in &mut block.batches {
+            for batch in block.batches.iter_mut().filter(|batch| !batch.rests) {
                 if batch.refresh((bodies, movers), &mut finder, rest) {
                     I::run(
                         #[inline(always)]
@@ -281,18 +323,18 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// One pass over all rows.
     fn pass(&mut self, beat: &Beat, pass: Pass) {
-        let leaves_calm = self.leaves_calm;
         self.each_in_turn(pass.is_fro, |movers, block| {
+            block.wake(movers);
             block.visit(
                 #[inline(always)]
                 |next| {
-                    if next.has_work(movers, beat.stage, leaves_calm) {
+                    if next.has_work(beat.stage) {
                         next.prefetch(movers, next.acting_rows(beat.stage));
                     }
                 },
                 #[inline(always)]
                 |batch, given| {
-                    if batch.has_work(movers, beat.stage, leaves_calm) {
+                    if batch.has_work(beat.stage) {
                         batch.act(movers, beat, pass, given);
                     }
                 },
@@ -335,6 +377,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
             kept.push(part);
             all.add(tally);
         }
+        let held = movers.held();
+        all.outside_impulse += held.impulse;
+        all.outside_angular_impulse += held.moment;
+        all.causes.add(Cause::Contact, held.energy);
         Closed { movers, kept, tally: all }
     }
 }

@@ -141,7 +141,7 @@ impl<I: Instructions> Batch<I> {
             is_driven: false,
             has_outside: false,
             bounces: false,
-            is_open: false,
+            rests: false,
             impacts: false,
             met_rows: 0,
             carrying_rows: [0; 2],

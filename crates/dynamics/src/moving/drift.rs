@@ -28,6 +28,7 @@ struct Stretch<'a> {
 impl Movers {
     /// All bodies along their velocities for one substep.
     pub(crate) fn drift<I: Instructions>(&mut self, bodies: &Bodies, step: &Frame) {
+        self.rest_drifts(step.dt);
         self.for_each_stretch(|stretch| {
             I::run(
                 #[inline(always)]

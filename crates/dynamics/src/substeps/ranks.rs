@@ -161,7 +161,20 @@ impl<I: Instructions> Way<'_, I> {
 }
 
 impl<I: Instructions> Block<I> {
-    /// Visits all batches, and asks memory for the next one.
+    /// Lets batches get up of which a body is fast.
+    pub(super) fn wake(&mut self, movers: &Movers) {
+        let Self { batches, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in batches.iter_mut().filter(|batch| batch.rests && batch.is_stirred(movers)) {
+                    batch.get_up(movers);
+                }
+            },
+        );
+    }
+
+    /// Visits all batches that do not rest, and asks memory for the next one.
     #[inline(always)]
     pub(super) fn visit(&mut self, ask: impl Fn(&Batch<I>), visit: impl Fn(&mut Batch<I>, &mut Given<I>)) {
         let Self { batches, given, is_far, .. } = self;
@@ -172,9 +185,14 @@ impl<I: Instructions> Block<I> {
                 for at in 0..batches.len() {
                     if *is_far {
                         I::prefetch(&batches[(at + 2).min(last)..][..1]);
-                        ask(&batches[(at + 1).min(last)]);
+                        let next = &batches[(at + 1).min(last)];
+                        if !next.rests {
+                            ask(next);
+                        }
                     }
-                    visit(&mut batches[at], given);
+                    if !batches[at].rests {
+                        visit(&mut batches[at], given);
+                    }
                 }
             },
         );

@@ -21,6 +21,7 @@ impl<I: Instructions> Solver<'_, I> {
             let pass = Pass::over_squeezed(number % 2 == 1);
             let any_is = AtomicBool::new(false);
             self.each_in_turn(pass.is_fro, |movers, block| {
+                block.wake(movers);
                 block.visit(
                     #[inline(always)]
                     |next| next.prefetch(movers, next.near_rows),

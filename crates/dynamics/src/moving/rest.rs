@@ -1,0 +1,299 @@
+//! Bodies at rest. Once in a frame, what is calm comes to rest: from then on gravity and its contacts are taken to be in balance, so that it goes on
+//! as it moves, until something moves it. Time stops there, as it were: nothing acts that has not been settled by passes, so nothing builds up.
+
+use super::shared_lines::SharedLines;
+use super::{Build, MASS, Movers, Moving};
+use crate::contact_rows::Stage;
+use crate::detection::radius;
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
+use crate::{Bodies, Frame, Velocity};
+use glam::{DMat3, DVec3};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Speed [m/s] of which a body is calm if neither its centre nor, by turning, any point of it is as fast. What slides down a slope begins to
+/// after a few frames at it. It does not scale with the scene.
+const CALM: f64 = 1e-4;
+
+/// Speed [m/s] from which on what holds a body at rest has to act again: in what is left of a frame it comes some hundredths of a millimetre far at it.
+const QUIET: f64 = 1e-3;
+
+/// How fast a body is.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Pace {
+    /// See [`CALM`].
+    Calm,
+    /// See [`QUIET`].
+    Quiet,
+    Fast,
+}
+
+/// What takes a body's weight.
+#[derive(Clone, Copy, PartialEq)]
+enum Weight {
+    /// Gravity acts on it, and all of its contacts do.
+    Falls,
+    /// Some of its contacts are at rest: they and gravity are in balance with what the others gave when these came to rest.
+    Leans,
+    /// All of its contacts are at rest, in balance with gravity.
+    Rests,
+    /// None of its contacts is at rest any more, since gravity's last kick.
+    Rises,
+}
+
+/// What is at rest among the bodies of a cluster.
+pub(super) struct Rest {
+    /// How fast each was when impulses last acted on it. What has fallen since is fast; what impulses do not move is calm.
+    pub(super) paces: SharedLines<Pace>,
+    /// Whether each was calm at the frame's start.
+    began_calm: Vec<bool>,
+    weights: SharedLines<Weight>,
+    /// In how many batches at rest each is.
+    batches: SharedLines<u16>,
+    /// What gravity and contacts at rest give to those that lean, before and after the drift: an impulse, and its moment about where the centre of
+    /// mass was at the frame's start [N s, N m s].
+    held: [SharedLines<Numbers>; 2],
+    /// Those that do not rest, the sums over those that do, and whether they are others by now.
+    awake: Vec<u32>,
+    asleep: Asleep,
+    is_stale: AtomicBool,
+    pub(super) given: Held,
+}
+
+/// Sums over bodies that rest.
+#[derive(Clone, Copy)]
+struct Asleep {
+    /// [kg]
+    mass: f64,
+    /// Of mass times position [kg m].
+    moment: DVec3,
+    /// [kg m/s]
+    momentum: DVec3,
+}
+
+/// What holds bodies at rest has given, from outside.
+#[derive(Clone, Copy)]
+pub(crate) struct Held {
+    /// [N s]
+    pub(crate) impulse: DVec3,
+    /// About the world's origin [N m s].
+    pub(crate) moment: DVec3,
+    /// [J]
+    pub(crate) energy: f64,
+}
+
+impl Pace {
+    /// By the squares of speeds.
+    #[inline(always)]
+    pub(super) fn of_lanes<I: Instructions>(squared: Lanes<I>) -> [Self; LANES] {
+        let is_calm = Lanes::splat(CALM * CALM).above(squared);
+        let is_quiet = Lanes::splat(QUIET * QUIET).above(squared);
+        let mut paces = [Self::Fast; LANES];
+        for (lane, pace) in paces.iter_mut().enumerate() {
+            if is_calm.get(lane) {
+                *pace = Self::Calm;
+            } else if is_quiet.get(lane) {
+                *pace = Self::Quiet;
+            }
+        }
+        paces
+    }
+}
+
+impl Rest {
+    /// None of some bodies rests, with room for so many.
+    pub(super) fn new(bodies: &Bodies, who: &[usize], lines: usize) -> Self {
+        let mut began_calm = vec![true; lines];
+        who.iter().zip(&mut began_calm).for_each(|(&i, calm)| *calm = begins_calm(bodies, i));
+        Self {
+            paces: SharedLines::new(Pace::Calm, lines),
+            began_calm,
+            weights: SharedLines::new(Weight::Falls, lines),
+            batches: SharedLines::new(0, lines),
+            held: [0, 1].map(|_| SharedLines::new(Numbers::ZERO, lines)),
+            awake: Vec::new(),
+            asleep: Asleep { mass: 0.0, moment: DVec3::ZERO, momentum: DVec3::ZERO },
+            is_stale: AtomicBool::new(true),
+            given: Held { impulse: DVec3::ZERO, moment: DVec3::ZERO, energy: 0.0 },
+        }
+    }
+
+    /// Who rests now.
+    fn look(&mut self, moving: &[Moving], poses: &[Numbers], builds: &[Build]) {
+        let weights = self.weights.as_mut_slice();
+        self.awake.clear();
+        self.asleep = Asleep { mass: 0.0, moment: DVec3::ZERO, momentum: DVec3::ZERO };
+        for (local, moving) in moving.iter().enumerate().filter(|(_, moving)| moving.is_mobile()) {
+            if weights[local] == Weight::Rests {
+                let mass = builds[local].0[MASS];
+                self.asleep.mass += mass;
+                self.asleep.moment += mass * position(&poses[local]);
+                self.asleep.momentum += mass * moving.velocity().linear;
+            } else {
+                self.awake.push(local as u32);
+            }
+        }
+        self.is_stale = AtomicBool::new(false);
+    }
+}
+
+impl Movers {
+    /// Half a substep of gravity, with what holds bodies at rest.
+    pub(crate) fn kick(&mut self, step: &Frame, stage: Stage) {
+        let gain = 0.5 * step.dt * step.gravity;
+        let Self { moving, rest, poses, starts, builds, .. } = self;
+        let moving = moving.as_mut_slice();
+        if *rest.is_stale.get_mut() {
+            rest.look(moving, poses, builds);
+        }
+
+        // Gravity acts on all, and what holds bodies at rest takes that back where it does not go on to act.
+        self.gravity.0 += self.mass * gain;
+        self.gravity.1 += self.moment_of_mass.cross(gain);
+        let Rest { paces, weights, held, awake, asleep, given, .. } = rest;
+        given.impulse -= asleep.mass * gain;
+        given.moment -= asleep.moment.cross(gain);
+        given.energy -= asleep.momentum.dot(gain);
+        let (paces, weights) = (paces.as_mut_slice(), weights.as_mut_slice());
+        let held = held[stage.at()].as_mut_slice();
+        for local in awake.iter().map(|&local| local as usize) {
+            if weights[local] == Weight::Rises {
+                weights[local] = Weight::Falls;
+                // What has got up since the kick before the drift has not had that one, whose energy this one's is to be taken from.
+                if stage == Stage::AfterDrift {
+                    given.energy += 0.5 * builds[local].0[MASS] * gain.length_squared();
+                }
+            }
+            if weights[local] == Weight::Falls {
+                paces[local] = Pace::Fast;
+                let Numbers([x, y, z, ..]) = &mut moving[local].motion;
+                (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
+            } else {
+                let body = (&mut moving[local], &poses[local], &starts[local], &builds[local]);
+                lean(body, &held[local], (gain, stage), given);
+            }
+        }
+    }
+
+    /// What rests has drifted for some time [s].
+    pub(super) fn rest_drifts(&mut self, dt: f64) {
+        let asleep = &mut self.rest.asleep;
+        asleep.moment += dt * asleep.momentum;
+    }
+
+    /// What held bodies at rest.
+    pub(crate) fn held(&self) -> Held {
+        self.rest.given
+    }
+
+    /// Whether all of some bodies are calm, and were so at the frame's start: nothing that falls is, not even at its highest.
+    #[inline(always)]
+    pub(crate) fn are_calm(&self, locals: &[u32; LANES]) -> bool {
+        let is_calm = |at: usize| self.rest.paces.read(at) == Pace::Calm && self.rest.began_calm[at];
+        locals.iter().all(|&local| is_calm(local as usize))
+    }
+
+    /// Whether none of some bodies is fast.
+    #[inline(always)]
+    pub(crate) fn are_quiet(&self, locals: &[u32; LANES]) -> bool {
+        locals.iter().all(|&local| self.rest.paces.read(local as usize) != Pace::Fast)
+    }
+
+    /// Whether any of some bodies is in a batch at rest.
+    #[inline(always)]
+    pub(crate) fn any_rests(&self, locals: &[u32; LANES]) -> bool {
+        locals.iter().any(|&local| self.rest.batches.read(local as usize) > 0)
+    }
+
+    /// Some bodies are in one batch at rest more.
+    #[inline(always)]
+    pub(crate) fn lie_down(&self, locals: &[u32; LANES]) {
+        self.rest.is_stale.store(true, Ordering::Relaxed);
+        for at in locals.map(|local| local as usize) {
+            if self.moving.read(at).is_mobile() {
+                self.rest.batches.write(at, self.rest.batches.read(at) + 1);
+                self.rest.weights.write(at, Weight::Rests);
+            }
+        }
+    }
+
+    /// Some bodies are in one batch at rest less.
+    #[inline(always)]
+    pub(crate) fn get_up(&self, locals: &[u32; LANES]) {
+        self.rest.is_stale.store(true, Ordering::Relaxed);
+        for at in locals.map(|local| local as usize) {
+            if self.moving.read(at).is_mobile() {
+                let left = self.rest.batches.read(at) - 1;
+                self.rest.batches.write(at, left);
+                if left == 0 {
+                    self.rest.weights.write(at, Weight::Rises);
+                }
+            }
+        }
+    }
+
+    /// Those of some bodies that are in batches at rest also have contacts that act, and that they are in balance with: these give them an
+    /// impulse, and its moment about where their centres of mass were at the frame's start, before and after the drift.
+    #[inline(always)]
+    pub(crate) fn lean<I: Instructions>(&self, locals: &[u32; LANES], given: [(Lanes3<I>, Lanes3<I>); 2]) {
+        for (held, (Lanes3 { x, y, z }, Lanes3 { x: mx, y: my, z: mz })) in self.rest.held.iter().zip(given) {
+            let rows = Lanes::rows([x, y, z, mx, my, mz, Lanes::ZERO, Lanes::ZERO]);
+            for lane in 0..LANES {
+                let at = locals[lane] as usize;
+                if self.rest.batches.read(at) > 0 {
+                    let mut line = held.read(at);
+                    for (sum, more) in line.0.iter_mut().zip(rows[lane].0) {
+                        *sum -= more;
+                    }
+                    held.write(at, line);
+                    self.rest.weights.write(at, Weight::Leans);
+                }
+            }
+        }
+    }
+}
+
+/// What holds a body that leans acts, instead of gravity's kick.
+fn lean(
+    (moving, pose, start, build): (&mut Moving, &Numbers, &Numbers, &Build),
+    &Numbers([x, y, z, mx, my, mz, ..]): &Numbers,
+    (gain, stage): (DVec3, Stage),
+    given: &mut Held,
+) {
+    let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
+    let Numbers([xx, yy, zz, yz, xz, xy, ..]) = moving.answer;
+    let answer = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+    let Velocity { linear, angular_momentum } = moving.velocity();
+    let position = position(pose);
+    let turn = about_start - (position - self::position(start)).cross(impulse);
+    let Numbers([.., inverse_mass, _]) = moving.motion;
+    let (next, next_momentum) = (linear + inverse_mass * impulse, angular_momentum + turn);
+    let DVec3 { x, y, z } = next;
+    let DVec3 { x: lx, y: ly, z: lz } = next_momentum;
+    moving.motion = Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]);
+
+    // Before the drift its other half is still to come: see `Beat::new`.
+    let weight = build.0[MASS] * gain;
+    let ahead = if stage == Stage::BeforeDrift { gain } else { DVec3::ZERO };
+    let turned = 0.5 * (answer * (angular_momentum + next_momentum)).dot(turn);
+    given.energy += (0.5 * (linear + next) - ahead).dot(impulse) + turned - weight.dot(linear);
+    given.impulse += impulse - weight;
+    given.moment += position.cross(impulse - weight) + turn;
+}
+
+fn position(pose: &Numbers) -> DVec3 {
+    let Numbers([x, y, z, ..]) = *pose;
+    DVec3::new(x, y, z)
+}
+
+/// Whether gravity moves what nothing holds so much in a step that it is not calm at both of its ends. So what is, is held from outside.
+pub(crate) fn can_rest(step: &Frame) -> bool {
+    step.gravity.length() * step.dt > 10.0 * CALM
+}
+
+/// Whether a body is calm as the frame begins.
+pub(crate) fn begins_calm(bodies: &Bodies, i: usize) -> bool {
+    let inertia = &bodies.inertias[i];
+    let Velocity { linear, angular_momentum } = bodies.velocities[i];
+    let turning = inertia.inverse_moments.max_element() * radius(&bodies.shapes[i]);
+    inertia.is_infinite() || linear.length() + turning * angular_momentum.length() < CALM
+}
