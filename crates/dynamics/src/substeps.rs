@@ -4,7 +4,7 @@ mod ranks;
 mod rebound;
 
 use crate::clusters::{Cluster, clusters};
-use crate::contact_batch::{Batch, Touching};
+use crate::contact_batch::Touching;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
 use crate::evolve::evolve;
@@ -178,10 +178,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.meet(step, threshold);
         let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
         if rebounds {
-            if self.impacts > 1 {
-                self.get_up();
-            }
-            self.each(|_, block| block.batches.iter_mut().for_each(Batch::note_starts));
+            self.expect_rebounds();
         }
         self.contact(&Beat::new(Stage::BeforeDrift, step), threshold);
         self.movers.drift::<I>(self.bodies, step);
@@ -211,22 +208,6 @@ impl<'a, I: Instructions> Solver<'a, I> {
                 |next| next.prefetch(movers, next.near_rows),
                 #[inline(always)]
                 |batch, _| batch.lean(movers),
-            );
-        });
-    }
-
-    /// Nothing rests any more.
-    fn get_up(&mut self) {
-        self.each_in_turn(false, |movers, block| {
-            I::run(
-                #[inline(always)]
-                || {
-                    block
-                        .batches
-                        .iter_mut()
-                        .filter(|batch| batch.rests)
-                        .for_each(|batch| batch.get_up(movers))
-                },
             );
         });
     }

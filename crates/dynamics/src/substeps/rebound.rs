@@ -40,6 +40,27 @@ impl<I: Instructions> Solver<'_, I> {
         }
     }
 
+    /// Notes what acts before anything met, so that what stops it can be taken back: where impacts may follow each other, of all, and nothing rests
+    /// there any more.
+    pub(super) fn expect_rebounds(&mut self) {
+        let is_only = self.impacts == 1;
+        self.each_in_turn(false, |movers, block| {
+            I::run(
+                #[inline(always)]
+                || {
+                    for batch in &mut block.batches {
+                        if batch.rests && !is_only {
+                            batch.get_up(movers);
+                        }
+                        if batch.bounces || !is_only {
+                            batch.note_starts();
+                        }
+                    }
+                },
+            );
+        });
+    }
+
     /// What met fast leaves again, by impacts that follow each other if there may be more than one.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
         let beat = &Beat::new(Stage::Bounce, step);
