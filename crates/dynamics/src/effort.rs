@@ -14,6 +14,8 @@ pub(crate) struct Effort {
     /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on. And the most
     /// passes over what they squeeze.
     pub(crate) impacts: u32,
+    /// Whether what is calm may rest: what carries much sways slowly, and a tower of 50 cubes would drift by 18 cm instead of 1.
+    pub(crate) can_rest: bool,
 }
 
 /// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
@@ -50,12 +52,7 @@ impl Effort {
     /// centimetres; heaps bear it. In a heap nobody sees who strikes whom next.
     pub(crate) fn of_size(pairs: usize) -> Self {
         let (passes, impacts) = if pairs > HEAP_PAIRS { (1, 1) } else { (2, 32) };
-        Self { passes, stiffest: 1.0, impacts }
-    }
-
-    /// Whether what is calm may rest: what carries much sways slowly, and a tower of 50 cubes would drift by 18 cm instead of 1.
-    pub(crate) fn can_rest(&self) -> bool {
-        self.stiffest == 1.0
+        Self { passes, stiffest: 1.0, impacts, can_rest: true }
     }
 
     /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.
@@ -77,7 +74,8 @@ impl Effort {
 
         // Where many do, each gets less.
         let work = |(island, effort): (&Vec<usize>, Option<Self>)| {
-            effort.map_or(0.0, |effort| 0.5 * f64::from(effort.passes) * island.len() as f64)
+            let passes = effort.filter(|effort| effort.stiffest > 1.0).map_or(0, |effort| effort.passes);
+            0.5 * f64::from(passes) * island.len() as f64
         };
         let all: f64 = islands.iter().zip(efforts(1.0)).map(work).sum();
         let share = (BUDGET_OF_ALL / all).min(1.0);
@@ -102,15 +100,17 @@ impl Effort {
         Some(loads(bodies, manifolds, island, frame))
     }
 
-    /// By the largest load, a share of it. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
+    /// By the largest load, a share of it; those that would get too little get no more than others. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
     fn of_load(pairs: usize, load: f64, share: f64) -> Option<Self> {
-        let passes = (PASSES_PER_LOAD * load).min(BUDGET / pairs as f64).min(MOST_PASSES);
-        let passes = (share * passes).floor();
-        (load > LIGHT && passes >= FEWEST_PASSES).then(|| Self {
-            passes: 2 * passes as u32,
-            stiffest: STIFFER_PER_PASS * passes,
-            ..Self::of_size(pairs)
-        })
+        let wanted = (PASSES_PER_LOAD * load).min(BUDGET / pairs as f64).min(MOST_PASSES);
+        if load <= LIGHT || wanted < FEWEST_PASSES {
+            return None;
+        }
+        let passes = (share * wanted).floor();
+        let others = Self { can_rest: false, ..Self::of_size(pairs) };
+        let is_enough = passes >= FEWEST_PASSES;
+        let more = Self { passes: 2 * passes as u32, stiffest: STIFFER_PER_PASS * passes, ..others };
+        Some(if is_enough { more } else { others })
     }
 }
 

@@ -152,7 +152,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
             ranks,
             passes: effort.passes,
             impacts: effort.impacts,
-            can_rest: effort.can_rest(),
+            can_rest: effort.can_rest,
         };
         solver.follow(None);
         solver
@@ -177,17 +177,21 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
         self.meet(step, threshold);
         let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
+        let before = Beat::new(Stage::BeforeDrift, step);
+        self.go_on(&before);
         if rebounds {
             self.expect_rebounds();
         }
-        self.contact(&Beat::new(Stage::BeforeDrift, step), threshold);
+        self.contact(&before, threshold);
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step, Stage::AfterDrift);
         self.follow(Some(step.dt));
         if rebounds {
             self.rebound(step, threshold);
         }
-        self.contact(&Beat::new(Stage::AfterDrift, step), threshold);
+        let after = Beat::new(Stage::AfterDrift, step);
+        self.go_on(&after);
+        self.contact(&after, threshold);
         self.end_meeting();
     }
 
@@ -199,7 +203,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.each_in_turn(false, |movers, block| {
             I::run(
                 #[inline(always)]
-                || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers)),
+                || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers, step)),
             );
         });
         self.each_in_turn(false, |movers, block| {
@@ -262,11 +266,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// Contact at one stage of a substep: what acted at this stage of the last one; then what meets now, which has no impulses to start
+    /// Contact at one stage of a substep, after what acted at this stage of the last one: what meets now, which has no impulses to start
     /// from, its normals first, and what it presses against others; then passes over all rows, to and fro, so that none always has the last
     /// word and stacks do not lean. They come last, or what is struck would be pressed through what it touches.
     fn contact(&mut self, beat: &Beat, threshold: f64) {
-        self.go_on(beat);
         self.meeting_pass(beat, Pass::TOGETHER);
         for _ in 1..MEETING_PASSES {
             self.meeting_pass(beat, Pass::MEETING);

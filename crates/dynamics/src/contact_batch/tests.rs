@@ -165,7 +165,7 @@ fn what_hardly_moves_lies_down_until_it_moves() {
         if rests {
             return !batch.is_stirred(&stack.movers);
         }
-        batch.lie_down(&stack.movers);
+        batch.lie_down(&stack.movers, &stack.step);
         batch.rests
     };
     assert!(!lies(1.1e-4 * DVec3::X, DVec3::ZERO, false));
@@ -178,6 +178,23 @@ fn what_hardly_moves_lies_down_until_it_moves() {
     assert!(!stack.movers.any_rests(&[0; LANES]));
 }
 
+/// What leans is fast, and what holds it gets up, once what it was in balance with gives it nothing any more.
+#[test]
+fn what_leans_on_nothing_falls() {
+    let mut stack = Stack::new();
+    stack.store(DVec3::ZERO, DVec3::ZERO);
+    stack.batches[0].lie_down(&stack.movers, &stack.step);
+    stack.batches[1].lean(&stack.movers);
+    stack.movers.kick(&stack.step, Stage::BeforeDrift);
+    assert!(stack.batches[0].is_stirred(&stack.movers), "nothing has acted yet");
+    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::BeforeDrift, &stack.step), &mut Given::ZERO);
+    assert!(!stack.batches[0].is_stirred(&stack.movers), "it is in balance");
+    stack.batches[1].rows.iter_mut().for_each(|row| row.clear(0));
+    stack.movers.kick(&stack.step, Stage::AfterDrift);
+    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::AfterDrift, &stack.step), &mut Given::ZERO);
+    assert!(stack.batches[0].is_stirred(&stack.movers), "it has parted");
+}
+
 /// What rests and what leans on it go on as they move while what acts on them is the same, and the books balance: also where it is another,
 /// and where all gets up in the midst of a substep.
 #[test]
@@ -185,7 +202,7 @@ fn what_rests_is_in_balance() {
     let mut stack = Stack::new();
     let (linear, angular) = (DVec3::new(3e-5, -4e-5, 2e-5), DVec3::new(2e-5, 1e-5, -3e-5));
     stack.store(linear, angular);
-    stack.batches[0].lie_down(&stack.movers);
+    stack.batches[0].lie_down(&stack.movers, &stack.step);
     stack.batches[1].lean(&stack.movers);
     assert!(stack.batches[0].rests);
     for number in 0..4 {

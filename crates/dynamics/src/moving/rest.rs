@@ -1,8 +1,8 @@
 //! Bodies at rest. Once in a frame, what is calm comes to rest: from then on gravity and its contacts are taken to be in balance, so that it goes on
-//! as it moves, until something moves it. Time stops there, as it were: nothing acts that has not been settled by passes, so nothing builds up.
+//! as it moves, until something moves it. Nothing acts there without passes that settle it, so nothing builds up.
 
 use super::shared_lines::SharedLines;
-use super::{Build, MASS, Movers, Moving};
+use super::{Build, MASS, Movers, Moving, TRAVEL};
 use crate::contact_rows::Stage;
 use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
@@ -10,7 +10,7 @@ use crate::{Bodies, Frame, Velocity};
 use glam::{DMat3, DVec3};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Speed [m/s] of which a body is calm if neither its centre nor, by turning, any point of it is as fast. What slides down a slope begins to
+/// Speed [m/s] of which a body is calm if it is slower, its centre and what its turning adds at its rim together. What slides down a slope begins to
 /// after a few frames at it. It does not scale with the scene.
 const CALM: f64 = 1e-4;
 
@@ -32,7 +32,7 @@ pub(super) enum Pace {
 enum Weight {
     /// Gravity acts on it, and all of its contacts do.
     Falls,
-    /// Some of its contacts are at rest: they and gravity are in balance with what the others gave when these came to rest.
+    /// Some of its contacts are at rest: they and gravity are in balance with what the others gave when these came to rest, or the others got up.
     Leans,
     /// All of its contacts are at rest, in balance with gravity.
     Rests,
@@ -48,7 +48,7 @@ pub(super) struct Rest {
     began_calm: Vec<bool>,
     weights: SharedLines<Weight>,
     /// In how many batches at rest each is.
-    batches: SharedLines<u16>,
+    batches: SharedLines<u32>,
     /// What gravity and contacts at rest give to those that lean, before and after the drift: an impulse, and its moment about where the centre of
     /// mass was at the frame's start [N s, N m s].
     held: [SharedLines<Numbers>; 2],
@@ -82,7 +82,18 @@ pub(crate) struct Held {
 }
 
 impl Pace {
-    /// By the squares of speeds.
+    /// By the square of a speed [m^2/s^2].
+    fn of(squared: f64) -> Self {
+        if squared < CALM * CALM {
+            Self::Calm
+        } else if squared < QUIET * QUIET {
+            Self::Quiet
+        } else {
+            Self::Fast
+        }
+    }
+
+    /// By the squares of speeds [m^2/s^2].
     #[inline(always)]
     pub(super) fn of_lanes<I: Instructions>(squared: Lanes<I>) -> [Self; LANES] {
         let is_calm = Lanes::splat(CALM * CALM).above(squared);
@@ -169,7 +180,7 @@ impl Movers {
                 (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
             } else {
                 let body = (&mut moving[local], &poses[local], &starts[local], &builds[local]);
-                lean(body, &held[local], (gain, stage), given);
+                paces[local] = hold(body, &held[local], (gain, stage), given);
             }
         }
     }
@@ -185,10 +196,14 @@ impl Movers {
         self.rest.given
     }
 
-    /// Whether all of some bodies are calm, and were so at the frame's start: nothing that falls is, not even at its highest.
+    /// Whether all of some bodies are calm after a frame's first substep, of `dt` [s], have been so in its drift, in which overlaps close, and
+    /// were so before it: nothing that falls is, not even at its highest.
     #[inline(always)]
-    pub(crate) fn are_calm(&self, locals: &[u32; LANES]) -> bool {
-        let is_calm = |at: usize| self.rest.paces.read(at) == Pace::Calm && self.rest.began_calm[at];
+    pub(crate) fn are_calm(&self, locals: &[u32; LANES], dt: f64) -> bool {
+        let Rest { paces, began_calm, .. } = &self.rest;
+        let is_calm = |at: usize| {
+            paces.read(at) == Pace::Calm && began_calm[at] && self.builds[at].0[TRAVEL] <= CALM * dt
+        };
         locals.iter().all(|&local| is_calm(local as usize))
     }
 
@@ -252,13 +267,14 @@ impl Movers {
     }
 }
 
-/// What holds a body that leans acts, instead of gravity's kick.
-fn lean(
+/// What holds a body that leans acts, instead of gravity's kick. How fast it is then, as what it is in balance with has not acted yet, and may
+/// act no more.
+fn hold(
     (moving, pose, start, build): (&mut Moving, &Numbers, &Numbers, &Build),
     &Numbers([x, y, z, mx, my, mz, ..]): &Numbers,
     (gain, stage): (DVec3, Stage),
     given: &mut Held,
-) {
+) -> Pace {
     let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
     let Numbers([xx, yy, zz, yz, xz, xy, ..]) = moving.answer;
     let answer = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
@@ -278,6 +294,10 @@ fn lean(
     given.energy += (0.5 * (linear + next) - ahead).dot(impulse) + turned - weight.dot(linear);
     given.impulse += impulse - weight;
     given.moment += position.cross(impulse - weight) + turn;
+
+    let Numbers([.., size]) = *start;
+    let spin = answer * next_momentum;
+    Pace::of(next.length_squared() + spin.length_squared() * size * size)
 }
 
 fn position(pose: &Numbers) -> DVec3 {
