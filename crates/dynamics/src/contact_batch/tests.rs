@@ -181,17 +181,17 @@ fn what_hardly_moves_lies_down_until_it_moves() {
 /// What leans is fast, and what holds it gets up, once what it was in balance with gives it nothing any more.
 #[test]
 fn what_leans_on_nothing_falls() {
-    let mut stack = Stack::new();
+    let (mut stack, mut given) = (Stack::new(), Given::ZERO);
     stack.store(DVec3::ZERO, DVec3::ZERO);
     stack.batches[0].lie_down(&stack.movers, &stack.step);
     stack.batches[1].lean(&stack.movers);
     stack.movers.kick(&stack.step, Stage::BeforeDrift);
     assert!(stack.batches[0].is_stirred(&stack.movers), "nothing has acted yet");
-    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::BeforeDrift, &stack.step), &mut Given::ZERO);
+    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::BeforeDrift, &stack.step), &mut given);
     assert!(!stack.batches[0].is_stirred(&stack.movers), "it is in balance");
     stack.batches[1].rows.iter_mut().for_each(|row| row.clear(0));
     stack.movers.kick(&stack.step, Stage::AfterDrift);
-    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::AfterDrift, &stack.step), &mut Given::ZERO);
+    stack.batches[1].go_on(&stack.movers, &Beat::new(Stage::AfterDrift, &stack.step), &mut given);
     assert!(stack.batches[0].is_stirred(&stack.movers), "it has parted");
 }
 
