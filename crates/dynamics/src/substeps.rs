@@ -170,7 +170,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         ranks.for_each_in_turn(is_fro, None, |block| visit(movers, block));
     }
 
-    /// Half kick, impulses, drift, half kick, bounce, relax. `rest` is what is left of the frame.
+    /// Half kick, impulses, drift, half kick, bounce, relax, of all that does not rest. `rest` is what is left of the frame.
     fn substep(&mut self, rest: &Frame, step: &Frame, frame: &Frame) {
         self.refresh(rest);
         self.movers.kick(step, Stage::BeforeDrift);
