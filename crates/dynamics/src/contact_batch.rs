@@ -238,7 +238,7 @@ impl<I: Instructions> Batch<I> {
 
     /// How far the two sides of the pairs can come nearer in a substep at most, as fast as they are [m].
     #[inline(always)]
-    fn closing_at_most(&self, [first, second]: &[Side<I>; 2]) -> Lanes<I> {
+    pub(crate) fn closing_at_most(&self, [first, second]: &[Side<I>; 2]) -> Lanes<I> {
         let apart = first.linear - second.linear;
         let turning = |side: &Side<I>, size: Kept<I>| {
             let size = size.lanes();

@@ -60,6 +60,10 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
         let sides = self.sides(movers);
+        // Most are slower than that, and their rows need not come from memory.
+        if !self.is_driven && !self.closing_at_most(&sides).above(Lanes::splat(least * beat.dt)).any() {
+            return false;
+        }
         self.wake_rows(movers, &sides);
         let (shared, least, per_dt) = (self.shared_basis(), Lanes::splat(least), Lanes::splat(1.0 / beat.dt));
         let mut any = Mask::NONE;

@@ -24,7 +24,7 @@ impl<I: Instructions> Solver<'_, I> {
                 block.wake(movers);
                 block.visit(
                     #[inline(always)]
-                    |next| next.prefetch(movers, next.near_rows),
+                    |next| next.prefetch(movers, 0),
                     #[inline(always)]
                     |batch, given| {
                         if batch.is_squeezed(movers, beat, least) {
