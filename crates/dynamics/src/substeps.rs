@@ -175,23 +175,22 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.refresh(rest);
         self.movers.kick(step, Stage::BeforeDrift);
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
-        let before = Beat::new(Stage::BeforeDrift, step);
-        self.meet_and_go_on(&before, step, threshold);
+        self.meet(step, threshold);
         let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
+        let before = Beat::new(Stage::BeforeDrift, step);
+        self.go_on(&before);
         if rebounds {
             self.expect_rebounds();
         }
         self.contact(&before, threshold);
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step, Stage::AfterDrift);
-        let after = Beat::new(Stage::AfterDrift, step);
+        self.follow(Some(step.dt));
         if rebounds {
-            self.follow(Some(step.dt));
             self.rebound(step, threshold);
-            self.each_in_turn(false, |movers, block| block.go_on(movers, &after));
-        } else {
-            self.follow_and_go_on(&after);
         }
+        let after = Beat::new(Stage::AfterDrift, step);
+        self.go_on(&after);
         self.contact(&after, threshold);
         self.end_meeting();
     }
@@ -233,28 +232,38 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// Who meets in this substep. Then what acted before the drift of the last one acts again, unless it has come apart.
-    fn meet_and_go_on(&mut self, before: &Beat, step: &Frame, threshold: f64) {
-        let Self { bodies, movers, ranks, .. } = self;
-        ranks.look_then_act(
-            |block| block.meet((bodies, movers), threshold, step),
-            |block| block.go_on(movers, before),
-        );
+    /// Who meets in this substep.
+    fn meet(&mut self, step: &Frame, threshold: f64) {
+        let bodies = self.bodies;
+        self.each(|movers, block| {
+            block.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
+            block.visit(
+                #[inline(always)]
+                |next| next.prefetch(movers, next.near_rows),
+                #[inline(always)]
+                |batch, _| batch.meet(movers, threshold, step),
+            );
+            block.bounces = block.batches.iter().any(|batch| batch.bounces);
+        });
     }
 
-    /// All points go with their bodies. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
+    /// All points go with their bodies.
     fn follow(&mut self, drifted: Option<f64>) {
         let bodies = self.bodies;
-        self.each(|movers, block| block.follow((bodies, movers), drifted));
-    }
-
-    /// All points go with their bodies. Then what acted after the drift of the last substep acts again, unless it has come apart.
-    fn follow_and_go_on(&mut self, after: &Beat) {
-        let Self { bodies, movers, ranks, .. } = self;
-        ranks.look_then_act(
-            |block| block.follow((bodies, movers), Some(after.dt)),
-            |block| block.go_on(movers, after),
-        );
+        self.each(|movers, block| {
+            block.visit(
+                #[inline(always)]
+                |next| next.prefetch_to_follow(movers),
+                #[inline(always)]
+                |batch, _| batch.follow(movers, drifted),
+            );
+            for batch in &mut block.batches {
+                batch.be_driven(bodies, None);
+                if let Some(dt) = drifted {
+                    batch.forget_driven(movers, dt);
+                }
+            }
+        });
     }
 
     /// Contact at one stage of a substep, after what acted at this stage of the last one: what meets now, which has no impulses to start
@@ -273,6 +282,27 @@ impl<'a, I: Instructions> Solver<'a, I> {
             let is_fro = (number % 2 == 1) != begins_fro;
             self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
         }
+    }
+
+    /// What acted in the last substep acts again, unless it has come apart.
+    fn go_on(&mut self, beat: &Beat) {
+        self.each_in_turn(false, |movers, block| {
+            block.visit(
+                #[inline(always)]
+                |next| {
+                    let rows = next.carrying_rows[beat.stage.at()];
+                    if rows > 0 {
+                        next.prefetch(movers, rows);
+                    }
+                },
+                #[inline(always)]
+                |batch, given| {
+                    if batch.carrying_rows[beat.stage.at()] > 0 {
+                        batch.go_on(movers, beat, given);
+                    }
+                },
+            );
+        });
     }
 
     /// One pass over all rows.

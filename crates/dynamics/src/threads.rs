@@ -21,14 +21,9 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&
     }
 }
 
-/// Does two parts of some work on so many things, at a time if somebody is there for the second one.
-pub(crate) fn join(things: usize, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
-    if is_shared(things) {
-        rayon::join(one, other);
-    } else {
-        one();
-        other();
-    }
+/// Does two things at a time, if somebody is there for the second one.
+pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+    rayon::join(one, other);
 }
 
 /// What each item gives.

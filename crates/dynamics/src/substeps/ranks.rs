@@ -2,14 +2,13 @@
 
 use crate::clusters::Member;
 use crate::contact_batch::{Batch, Touching};
-use crate::contact_rows::Beat;
 use crate::contact_sweep::Given;
 use crate::lanes::{Instructions, LANES};
 use crate::moving::Movers;
 use crate::regions::halves;
 use crate::threads;
 use crate::warm_start::Part;
-use crate::{Bodies, Frame, Tally};
+use crate::{Bodies, Tally};
 
 /// Batches of which fewer than this are all in the core's own cache.
 const FAR: usize = 256;
@@ -92,12 +91,12 @@ impl<I: Instructions> Ranks<I> {
         visit: impl Fn(&mut Block<I>) + Send + Sync,
     ) {
         let Self { blocks, rank_ends, region_ends, pairs } = self;
-        let way = Way { ends: region_ends, begin: 0, pairs: *pairs, is_fro, wanted };
-        if region_ends.len() > 1 {
-            return way.visit(blocks, &visit);
-        }
+        let way = Way { ends: region_ends, is_fro, wanted };
         if !threads::is_shared(*pairs) {
             return way.one_by_one(blocks, &visit);
+        }
+        if region_ends.len() > 1 {
+            return way.visit(blocks, 0, &visit);
         }
 
         // The blocks of a rank side by side.
@@ -116,23 +115,6 @@ impl<I: Instructions> Ranks<I> {
         }
     }
 
-    /// Visits all blocks in any order, to `look` at their bodies, and then in turn, to `act` on them: both in one region before the next one, while
-    /// what they need is at hand. Only what is between regions has bodies of others: it looks first, and acts last. What
-    /// `look` writes no other block reads.
-    pub(super) fn look_then_act(
-        &mut self,
-        look: impl Fn(&mut Block<I>) + Send + Sync,
-        act: impl Fn(&mut Block<I>) + Send + Sync,
-    ) {
-        let Self { blocks, region_ends, pairs, .. } = self;
-        if region_ends.len() > 1 {
-            let way = Way { ends: region_ends, begin: 0, pairs: *pairs, is_fro: false, wanted: None };
-            return way.look_then_act(blocks, &look, &act);
-        }
-        threads::for_each(blocks, *pairs, look);
-        self.for_each_in_turn(false, None, act);
-    }
-
     /// The batches in which something has met fast in this substep.
     pub(super) fn met(&mut self) -> impl Iterator<Item = &mut Batch<I>> {
         let blocks = self.blocks.iter_mut().filter(|block| block.bounces);
@@ -143,69 +125,29 @@ impl<I: Instructions> Ranks<I> {
 /// A way through regions that follow each other, each after its two halves.
 #[derive(Clone, Copy)]
 struct Way<'a, I> {
-    /// Where each of them ends among all blocks, and the first one begins.
+    /// Where each of them ends among all blocks.
     ends: &'a [usize],
-    begin: usize,
-    /// Of the whole cluster.
-    pairs: usize,
     is_fro: bool,
     wanted: Option<fn(&Block<I>) -> bool>,
 }
 
 impl<I: Instructions> Way<'_, I> {
-    /// Visits their blocks: the halves side by side, as no pair of one shares a body that can move with the other, and those between them block by
-    /// block.
-    fn visit(self, blocks: &mut [Block<I>], visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
-        let Some([low, high]) = self.halves() else { return self.one_by_one(blocks, visit) };
-        let [of_low, of_high, between] = self.split([low, high], blocks);
+    /// Visits their blocks, of which the first one is the `begin`th of all: the halves side by side, as no pair of one shares a body that can move
+    /// with the other, and those between them block by block.
+    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
+        let Some([low, high]) = halves(self.ends.len()) else { return self.one_by_one(blocks, visit) };
+        let (of_low, of_high) =
+            (Self { ends: &self.ends[low], ..self }, Self { ends: &self.ends[high], ..self });
+        let middle = of_low.ends[of_low.ends.len() - 1];
+        let (halves, between) = blocks.split_at_mut(of_high.ends[of_high.ends.len() - 1] - begin);
+        let (low, high) = halves.split_at_mut(middle - begin);
         if self.is_fro {
             self.one_by_one(between, visit);
         }
-        threads::join(self.pairs, || low.visit(of_low, visit), || high.visit(of_high, visit));
+        threads::join(|| of_low.visit(low, begin, visit), || of_high.visit(high, middle, visit));
         if !self.is_fro {
             self.one_by_one(between, visit);
         }
-    }
-
-    /// See [`Ranks::look_then_act`].
-    fn look_then_act(
-        self,
-        blocks: &mut [Block<I>],
-        look: &(impl Fn(&mut Block<I>) + Send + Sync),
-        act: &(impl Fn(&mut Block<I>) + Send + Sync),
-    ) {
-        let Some([low, high]) = self.halves() else {
-            self.one_by_one(blocks, look);
-            return self.one_by_one(blocks, act);
-        };
-        let [of_low, of_high, between] = self.split([low, high], blocks);
-        self.one_by_one(between, look);
-        threads::join(
-            self.pairs,
-            || low.look_then_act(of_low, look, act),
-            || high.look_then_act(of_high, look, act),
-        );
-        self.one_by_one(between, act);
-    }
-
-    /// The two halves, if they are not all in one region.
-    fn halves(self) -> Option<[Self; 2]> {
-        let [low, high] = halves(self.ends.len())?;
-        let low = Self { ends: &self.ends[low], ..self };
-        let high = Self { ends: &self.ends[high], begin: low.end(), ..self };
-        Some([low, high])
-    }
-
-    /// Their blocks, and those between them.
-    fn split(self, [low, high]: [Self; 2], blocks: &mut [Block<I>]) -> [&mut [Block<I>]; 3] {
-        let (of_halves, between) = blocks.split_at_mut(high.end() - self.begin);
-        let (of_low, of_high) = of_halves.split_at_mut(low.end() - self.begin);
-        [of_low, of_high, between]
-    }
-
-    /// Where the last region ends among all blocks.
-    fn end(self) -> usize {
-        self.ends[self.ends.len() - 1]
     }
 
     fn one_by_one(self, blocks: &mut [Block<I>], visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
@@ -251,53 +193,6 @@ impl<I: Instructions> Block<I> {
                     if !batches[at].rests {
                         visit(&mut batches[at], given);
                     }
-                }
-            },
-        );
-    }
-
-    /// Who meets in a substep: see [`Batch::meet`].
-    pub(super) fn meet(&mut self, (bodies, movers): (&Bodies, &Movers), threshold: f64, step: &Frame) {
-        self.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
-        self.visit(
-            #[inline(always)]
-            |next| next.prefetch(movers, next.near_rows),
-            #[inline(always)]
-            |batch, _| batch.meet(movers, threshold, step),
-        );
-        self.bounces = self.batches.iter().any(|batch| batch.bounces);
-    }
-
-    /// All points go with their bodies: see [`Batch::follow`].
-    pub(super) fn follow(&mut self, (bodies, movers): (&Bodies, &Movers), drifted: Option<f64>) {
-        self.visit(
-            #[inline(always)]
-            |next| next.prefetch_to_follow(movers),
-            #[inline(always)]
-            |batch, _| batch.follow(movers, drifted),
-        );
-        for batch in &mut self.batches {
-            batch.be_driven(bodies, None);
-            if let Some(dt) = drifted {
-                batch.forget_driven(movers, dt);
-            }
-        }
-    }
-
-    /// What acted in the last substep acts again, unless it has come apart.
-    pub(super) fn go_on(&mut self, movers: &Movers, beat: &Beat) {
-        self.visit(
-            #[inline(always)]
-            |next| {
-                let rows = next.carrying_rows[beat.stage.at()];
-                if rows > 0 {
-                    next.prefetch(movers, rows);
-                }
-            },
-            #[inline(always)]
-            |batch, given| {
-                if batch.carrying_rows[beat.stage.at()] > 0 {
-                    batch.go_on(movers, beat, given);
                 }
             },
         );
