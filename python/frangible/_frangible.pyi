@@ -32,6 +32,9 @@ __all__ = [
     "shots",
 ]
 
+_memory_kept_ms: int
+"""How long freed memory is kept for the next frame [ms]; `MIMALLOC_PURGE_DELAY` in the environment says otherwise."""
+
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
 

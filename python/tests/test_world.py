@@ -1,6 +1,9 @@
 """The compiled module: arrays, reports and errors."""
 
 import json
+import os
+import subprocess
+import sys
 from typing import Any, get_type_hints, is_typeddict
 
 import numpy as np
@@ -168,3 +171,11 @@ def test_what_is_not_asked_for_is_the_engines_default() -> None:
     for method in ("paper", "frame-rate"):
         assert World.build(shot_scene("incline", method=method)).method == method
     assert shot_scene("wall-ball", seed=defaults["seed"] + 1) != shot_scene("wall-ball")
+
+
+def test_freed_memory_is_kept_for_a_minute_or_as_long_as_the_environment_says() -> None:
+    ask = [sys.executable, "-c", "from frangible import _frangible; print(_frangible._memory_kept_ms)"]
+    others = {name: value for name, value in os.environ.items() if not name.startswith("MIMALLOC")}
+    for said, kept in [({}, 60_000), ({"MIMALLOC_PURGE_DELAY": "5"}, 5)]:
+        answer = subprocess.run(ask, env=others | said, capture_output=True, text=True, check=True)
+        assert int(answer.stdout) == kept

@@ -2,6 +2,7 @@
 
 mod breaking;
 mod convert;
+mod memory;
 mod patterns;
 mod world;
 
@@ -9,7 +10,6 @@ use frangible::Method;
 use frangible::geometry::mesh_io;
 use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
-use mimalloc::MiMalloc;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
@@ -17,10 +17,6 @@ use pyo3::types::PyDict;
 use rayon::ThreadPoolBuilder;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-
-/// A heap of thousands of pieces asks for memory tens of thousands of times in a frame (docs/adr/002).
-#[global_allocator]
-static MEMORY: MiMalloc = MiMalloc;
 
 create_exception!(
     frangible,
@@ -144,6 +140,7 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
 /// The compiled module.
 #[pymodule]
 fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("_memory_kept_ms", memory::keep_freed())?;
     module.add("BuildError", module.py().get_type::<BuildError>())?;
     module.add_class::<world::World>()?;
     module.add_class::<patterns::Pattern>()?;
