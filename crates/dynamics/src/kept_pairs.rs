@@ -200,7 +200,10 @@ impl Share<'_> {
             if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
                 let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
                 self.find_anew(Encounter { last_normal, ..encounter }, solids);
-            } else if let Some(manifold) = self.finder.of_encounter(&encounter, warm) {
+                continue;
+            }
+            let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
+            if let Some(manifold) = self.finder.of_encounter(&encounter, has_carried) {
                 self.found.add(pair, manifold.points.iter().copied());
             }
         }

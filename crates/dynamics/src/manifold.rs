@@ -169,10 +169,16 @@ impl ManifoldFinder {
         frame: &Frame,
     ) -> Option<Manifold<'_>> {
         let [first, second] = Flight::of_pair(bodies, pair, frame);
-        self.of_encounter(&Encounter::new(bodies, pair, [&first, &second], frame), warm)
+        let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
+        self.of_encounter(&Encounter::new(bodies, pair, [&first, &second], frame), has_carried)
     }
 
-    pub(crate) fn of_encounter(&mut self, encounter: &Encounter, warm: &WarmStart) -> Option<Manifold<'_>> {
+    /// Where a pair may touch on its way, if it may. Samples that have carried are kept.
+    pub(crate) fn of_encounter(
+        &mut self,
+        encounter: &Encounter,
+        has_carried: impl Fn((bool, u64)) -> bool,
+    ) -> Option<Manifold<'_>> {
         let Encounter { bodies, pair, .. } = *encounter;
         let Self { room, points } = self;
         points.clear();
@@ -183,7 +189,7 @@ impl ManifoldFinder {
         let solids = [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
         if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
             let candidates = find_candidates(encounter);
-            let chosen = choose(bodies, pair, &candidates, warm);
+            let chosen = choose(&candidates, has_carried);
             points.extend(chosen.into_iter().map(|index| candidates[index].point(encounter)));
         }
         (!points.is_empty()).then_some(Manifold { pair, points })
@@ -285,9 +291,9 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
     penetrations.iter().filter_map(candidate).collect()
 }
 
-/// Indices of the candidates that are kept: the deepest, those that carried in the last frame, and then always the one that is
+/// Indices of the candidates that are kept: the deepest, those that have carried, and then always the one that is
 /// furthest from those that are kept.
-fn choose(bodies: &Bodies, pair: Pair, candidates: &[Candidate], warm: &WarmStart) -> Vec<usize> {
+fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -> Vec<usize> {
     let distance =
         |a: usize, b: usize| candidates[a].contact.point.distance_squared(candidates[b].contact.point);
     let deepest = (0..candidates.len()).min_by(|&a, &b| candidates[a].phi.total_cmp(&candidates[b].phi));
@@ -304,7 +310,7 @@ fn choose(bodies: &Bodies, pair: Pair, candidates: &[Candidate], warm: &WarmStar
 
     let mut room = true;
     for (index, candidate) in candidates.iter().enumerate() {
-        if room && away[index] > 0.0 && warm.get(bodies, pair, candidate.sample).is_some() {
+        if room && away[index] > 0.0 && has_carried(candidate.sample) {
             room = keep(index, &mut away);
         }
     }

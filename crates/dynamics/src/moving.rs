@@ -159,6 +159,13 @@ impl Movers {
         (self.pose(local), if moving.is_mobile() { moving.velocity() } else { velocity })
     }
 
+    /// Linear velocity [m/s] and angular velocity [rad/s]; zero of static and kinematic bodies, whose motion is in [`Bodies`].
+    pub(crate) fn rates(&self, local: u32) -> (DVec3, DVec3) {
+        let moving = self.moving.read(local as usize);
+        let Velocity { linear, angular_momentum } = moving.velocity();
+        (linear, moving.inverse_tensor() * angular_momentum)
+    }
+
     /// Where a body is now.
     pub(crate) fn pose(&self, local: u32) -> Pose {
         pose_of(&self.poses[local as usize])
@@ -207,6 +214,16 @@ impl Movers {
     pub(crate) fn prefetch_starts<I: Instructions>(&self, locals: &[u32]) {
         for &local in locals {
             I::prefetch(&self.starts[local as usize..][..1]);
+        }
+    }
+
+    /// Asks for where the bodies of a pair are, where they began the frame, and how far they have come.
+    #[inline(always)]
+    pub(crate) fn prefetch_paths<I: Instructions>(&self, locals: [u32; 2]) {
+        for at in locals.map(|local| local as usize) {
+            I::prefetch(&self.builds[at..][..1]);
+            I::prefetch(&self.poses[at..][..1]);
+            I::prefetch(&self.starts[at..][..1]);
         }
     }
 
@@ -277,6 +294,12 @@ impl Moving {
     #[inline(always)]
     fn is_mobile(&self) -> bool {
         self.motion.0[7] != 0.0
+    }
+
+    /// In the world frame [1/(kg m^2)].
+    fn inverse_tensor(&self) -> DMat3 {
+        let Numbers([xx, yy, zz, yz, xz, xy, ..]) = self.answer;
+        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     }
 
     fn velocity(&self) -> Velocity {

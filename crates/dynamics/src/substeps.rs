@@ -218,17 +218,18 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// Points that have moved too far are found anew.
     fn refresh(&mut self, rest: &Frame) {
-        let bodies = self.bodies;
-        self.each(|movers, block| {
-            let mut finder = ManifoldFinder::default();
-            for batch in block.batches.iter_mut().filter(|batch| !batch.rests) {
-                if batch.refresh((bodies, movers), &mut finder, rest) {
-                    I::run(
-                        #[inline(always)]
-                        || batch.follow(movers, None),
-                    );
-                }
-            }
+        let Self { bodies, movers, ranks, .. } = self;
+        threads::for_each_with(&mut ranks.blocks, ranks.pairs, ManifoldFinder::default, |finder, block| {
+            block.visit(
+                #[inline(always)]
+                |next| next.prefetch_to_refresh(movers),
+                #[inline(always)]
+                |batch, _| {
+                    if batch.refresh((bodies, movers), finder, rest) {
+                        batch.follow(movers, None);
+                    }
+                },
+            );
         });
     }
 

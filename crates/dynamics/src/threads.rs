@@ -21,6 +21,21 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&
     }
 }
 
+/// As [`for_each`], with room that is used again from item to item.
+pub(crate) fn for_each_with<T: Send, R>(
+    items: &mut [T],
+    things: usize,
+    room: impl Fn() -> R + Send + Sync,
+    visit: impl Fn(&mut R, &mut T) + Send + Sync,
+) {
+    if items.len() > 1 && is_shared(things) {
+        items.par_iter_mut().for_each_init(room, visit);
+    } else {
+        let mut room = room();
+        items.iter_mut().for_each(|item| visit(&mut room, item));
+    }
+}
+
 /// Does two things at a time, if somebody is there for the second one.
 pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
     rayon::join(one, other);

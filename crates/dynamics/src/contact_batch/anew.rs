@@ -5,17 +5,17 @@ use super::{Anew, Batch, WARY};
 use crate::detection::{Placed, moved_since, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::lanes::{Instructions, Mask};
+use crate::lanes::{Instructions, LANES, Mask};
 use crate::manifold::{ManifoldFinder, ManifoldPoint, Solid};
 use crate::moving::Movers;
-use crate::warm_start::{Carried, Part, PointImpulse, WarmStart};
-use crate::{Bodies, Frame, Pose};
+use crate::warm_start::PointImpulse;
+use crate::{Bodies, Frame, Motion, Pose};
 use frangible_geometry::Hull;
 use glam::DVec3;
 
 /// Relative motion after which a pair's points are found anew, relative to the size of the smaller body: within it a curved
 /// surface's normal turns by no more than some degrees.
-pub(crate) const STALE: f64 = 0.1;
+pub(crate) const STALE: f64 = 0.12;
 
 /// A point that was taken out of a lane.
 struct Taken {
@@ -38,7 +38,6 @@ impl<I: Instructions> Batch<I> {
         if !looks.any() {
             return false;
         }
-        self.follow_all(movers, &self.sides(movers));
         let (lanes, mut is_changed) = (self.rest.patches.len(), false);
         for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
@@ -53,18 +52,20 @@ impl<I: Instructions> Batch<I> {
                 Some(anew) => anew.found_at,
                 None => movers.start_second_from_first(locals),
             };
-            let placed = |side: usize| Placed { shape: shapes[side], pose: &poses[side] };
+            let placed = [0, 1].map(|side| Placed { shape: shapes[side], pose: &poses[side] });
             let mut rests_for = STALE * patch.size;
-            if moved_since(&found_at, placed(0), placed(1), 0.0) > rests_for {
-                let flights = [(pair.first, 0), (pair.second, 1)].map(|(i, side)| {
-                    let (pose, velocity) = movers.state(bodies, locals[side]);
-                    Flight::from(bodies, i, (pose, &velocity), rest)
-                });
-                let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
-                let apart = self.apart_for(lane, &encounter);
+            if moved_since(&found_at, placed[0], placed[1], 0.0) > rests_for {
+                let apart = self.apart_for(lane, (bodies, movers), placed, travel);
                 if apart > 0.0 {
                     rests_for = apart;
                 } else {
+                    // Only now do rows that are far need to be where they are.
+                    self.follow_all(movers, &self.sides(movers));
+                    let flights = [(pair.first, 0), (pair.second, 1)].map(|(i, side)| {
+                        let (pose, velocity) = movers.state(bodies, locals[side]);
+                        Flight::from(bodies, i, (pose, &velocity), rest)
+                    });
+                    let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
                     self.find_anew(lane, movers, finder, &encounter);
                     is_changed = true;
                 }
@@ -74,27 +75,62 @@ impl<I: Instructions> Batch<I> {
         is_changed
     }
 
-    /// How far two hulls can travel until they, or their points, could meet within a substep [m]: as far as they are apart along the normal of
-    /// their points, or of their centres if they have none. Not positive if they could now.
-    fn apart_for(&self, lane: usize, encounter: &Encounter) -> f64 {
-        let [first, second] = encounter.placed();
-        let [Solid::Hull(first_hull), Solid::Hull(second_hull)] = [first.shape, second.shape].map(Solid::of)
+    /// Asks for what [`Self::refresh`] will need of pairs that may have moved too far.
+    #[inline(always)]
+    pub(crate) fn prefetch_to_refresh(&self, movers: &Movers) {
+        if self.looks.any() {
+            self.prefetch(movers, self.near_rows);
+            I::prefetch(&self.rest.patches);
+            for lane in (0..LANES).filter(|&lane| self.looks.get(lane)) {
+                movers.prefetch_paths::<I>([self.locals[0][lane], self.locals[1][lane]]);
+            }
+        }
+    }
+
+    /// How far two hulls can travel until they, or their points, could meet within a substep, after so much `travel` [m]: as far as they are apart
+    /// along the normal of their points, or of their centres if they have none. Not positive if they could now.
+    fn apart_for(
+        &self,
+        lane: usize,
+        (bodies, movers): (&Bodies, &Movers),
+        placed: [Placed; 2],
+        travel: f64,
+    ) -> f64 {
+        let [Solid::Hull(first_hull), Solid::Hull(second_hull)] =
+            placed.map(|placed| Solid::of(placed.shape))
         else {
             return 0.0;
         };
         let (mut normal, mut nearest) = (None, f64::INFINITY);
         for (at, row) in self.rows.iter().enumerate().filter(|(_, row)| row.is_there.get(lane)) {
             normal = normal.or_else(|| Some(self.basis(at, self.shared_basis()).normal.get(lane)));
-            nearest = nearest.min(row.gap.get(lane));
+            if at < self.near_rows {
+                nearest = nearest.min(row.gap.get(lane));
+            }
         }
-        let between = || (first.pose.position - second.pose.position).normalize_or_zero();
-        let normal = normal.unwrap_or_else(between);
+        // Rows behind those have not followed: their gaps have changed by no more than their bodies have travelled.
+        if let Some(far) = self.rest.anchors.get(self.near_rows) {
+            nearest = nearest.min(far.reach.get(lane) - travel);
+        }
+        if nearest <= 0.0 {
+            return 0.0;
+        }
+
+        let pair = self.rest.patches[lane].pair;
+        let motion = |side: usize, i: usize| match bodies.motions[i] {
+            Motion::Kinematic { linear, angular } => (linear, angular),
+            Motion::Static | Motion::Dynamic => movers.rates(self.locals[side][lane]),
+        };
+        let [(from, from_spin), (to, to_spin)] = [motion(0, pair.first), motion(1, pair.second)];
+        let [radius, other_radius] = self.sizes.map(|size| size.get(lane));
+        let [pose, other_pose] = placed.map(|placed| placed.pose);
+        let normal = normal.unwrap_or_else(|| (pose.position - other_pose.position).normalize_or_zero());
 
         // No point of theirs is nearer, even along another normal.
-        let apart = apart_along([first_hull, second_hull], [first.pose, second.pose], normal).min(nearest);
-        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
-        let [from, to] = encounter.flights;
-        let closing = (to.linear - from.linear).dot(normal) + turning(from) + turning(to);
+        let apart = apart_along([first_hull, second_hull], [pose, other_pose], normal).min(nearest);
+        let turning =
+            from_spin.cross(normal).length() * radius + to_spin.cross(normal).length() * other_radius;
+        let closing = (to - from).dot(normal) + turning;
         apart - WARY * closing.max(0.0) * self.rest.dt
     }
 
@@ -105,10 +141,9 @@ impl<I: Instructions> Batch<I> {
         finder: &mut ManifoldFinder,
         encounter: &Encounter,
     ) {
-        let Encounter { bodies, pair, .. } = *encounter;
         let [first, second] = encounter.placed();
         let point = self.last_point(movers, lane);
-        let mut taken = Vec::new();
+        let mut taken = Vec::with_capacity(self.rows.len());
         I::run(
             #[inline(always)]
             || self.take(lane, &mut taken),
@@ -117,11 +152,8 @@ impl<I: Instructions> Batch<I> {
         patch.anew = Some(Box::new(Anew { found_at: second_from_first(first, second), point }));
         patch.touched |= taken.iter().any(|taken| taken.touched);
 
-        let mut carried = Part::default();
-        let touched = taken.iter().filter(|taken| taken.touched);
-        carried.points.extend(touched.map(|taken| Carried { sample: taken.sample, forces: taken.impulses }));
-        carried.end_pair(0, pair.ids(bodies));
-        let manifold = finder.of_encounter(encounter, &WarmStart::of_parts(1, vec![carried]));
+        let has_carried = |sample| taken.iter().any(|taken| taken.touched && taken.sample == sample);
+        let manifold = finder.of_encounter(encounter, has_carried);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
         I::run(
             #[inline(always)]
@@ -152,6 +184,7 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     fn put_back(&mut self, lane: usize, movers: &Movers, points: &[ManifoldPoint], taken: &[Taken]) {
         let starts = self.starts(movers);
+        self.make_room(points.len());
         for (at, point) in points.iter().enumerate() {
             let same = taken.iter().find(|taken| taken.sample == point.sample);
             let mut new = NewPoints::NONE;

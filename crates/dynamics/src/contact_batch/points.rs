@@ -240,7 +240,10 @@ impl<I: Instructions> Batch<I> {
 
     /// Has at least so many rows.
     #[inline(always)]
-    fn make_room(&mut self, rows: usize) {
+    pub(super) fn make_room(&mut self, rows: usize) {
+        let more = rows.saturating_sub(self.rows.len());
+        self.rows.reserve_exact(more);
+        self.rest.anchors.reserve_exact(more);
         while self.rows.len() < rows {
             self.rows.push(Row::empty());
             self.rest.anchors.push(Anchors::empty());

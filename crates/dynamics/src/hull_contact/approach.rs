@@ -8,12 +8,13 @@ use crate::manifold::ManifoldPoint;
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
 
-/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest; from further away, where they
-/// first touch.
+/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at the frame's start or on
+/// their way. Followed to 0.1 % they touch with the same features, for two more searches of axes.
 const NEAR: f64 = 0.02;
 
-/// What counts as touching on the way, relative to the smaller hull's size.
-const TOUCH: f64 = 1e-3;
+/// How far two hulls that only pass each other could come in the frame, spin included, for one point to do, relative to the
+/// smaller hull's size. It is found anew in each frame; what is slower keeps its points, and needs all of them.
+const PASSING: f64 = 0.3;
 
 /// Steps along the way to the first touch.
 const MOST_STEPS: u32 = 32;
@@ -63,14 +64,14 @@ pub(crate) fn hull_points(
 }
 
 impl<'a> Approach<'a> {
-    /// When they meet, with their points in `room`: at the frame's start if they are near then, else when they first touch
+    /// When they meet, with their points in `room`: at the frame's start if they are near then, else when they come near
     /// (conservative advancement along separating axes [Mir96]). If they pass each other, when an axis that keeps them apart is
-    /// found: their points hold in case that others push them. If they are too far apart to be looked for, how far they are at the
-    /// frame's start, if that is known.
+    /// found: their points hold in case that others push them, or only the one nearest to the best face if they are fast, and far
+    /// apart until then. If they are too far apart to be looked for, how far they are at the frame's start, if that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
         let Encounter { size, reach, search, frame, .. } = *self.encounter;
-        let (mut time, mut enough) = (0.0, NEAR * size);
-        let mut steps_left = MOST_STEPS;
+        let (mut time, enough) = (0.0, NEAR * size);
+        let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach > PASSING * size);
         loop {
             // Faces say how far they may go, until they no longer do.
             let poses = [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
@@ -97,17 +98,21 @@ impl<'a> Approach<'a> {
             let next = time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
-            // What others push that far is looked at again before it can meet anything.
-            if is_passing && time == 0.0 && reach > size && apart.gap > STALE * size {
+            is_far_at_start &= time > 0.0 || apart.gap > STALE * size;
+            if is_passing && is_far_at_start && apart.gap > STALE * size {
+                // What others push that far is looked at again before it can meet anything.
                 pair.over_face(&axes, apart, room);
-                return Ok(Instant { time, world_from_first, pair, contact: apart, lasts: false });
+                let instant = Instant { time, world_from_first, pair, contact: apart, lasts: false };
+                if room.points.iter().all(|point| self.can_touch(&instant, point)) {
+                    return Ok(instant);
+                }
             }
             if apart.gap <= enough || is_passing || steps_left == 0 {
                 let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
                 return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
-            (time, enough) = (next, TOUCH * size);
+            time = next;
         }
     }
 

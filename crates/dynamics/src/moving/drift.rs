@@ -251,6 +251,12 @@ mod tests {
             for (entry, row, column) in entries {
                 assert!((entry - tensor.col(column)[row]).abs() <= scale, "body {i}");
             }
+            let is_mobile = alone.motions[i] == Motion::Dynamic;
+            let spin = alone.inertias[i].angular_velocity(end.orientation, velocity.angular_momentum);
+            let expected = if is_mobile { (velocity.linear, spin) } else { (DVec3::ZERO, DVec3::ZERO) };
+            let rates = movers.rates(i as u32);
+            assert_eq!(rates.0, expected.0, "body {i}");
+            assert!((rates.1 - expected.1).length() <= 1e-13 * (1.0 + spin.length()), "body {i}");
             let lever = DVec3::new(0.1, 0.2, 0.3);
             let Numbers([x, y, z, qx, qy, qz, qw, _]) = movers.moved[i];
             let moved = DVec3::new(x, y, z) + DQuat::from_xyzw(qx, qy, qz, qw) * lever;

@@ -7,7 +7,7 @@ use crate::contact_rows::Stage;
 use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
 use crate::{Bodies, Frame, Velocity};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Speed [m/s] of which a body is calm if it is slower, its centre and what its turning adds at its rim together. What slides down a slope begins to
@@ -276,8 +276,7 @@ fn hold(
     given: &mut Held,
 ) -> Pace {
     let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
-    let Numbers([xx, yy, zz, yz, xz, xy, ..]) = moving.answer;
-    let answer = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+    let answer = moving.inverse_tensor();
     let Velocity { linear, angular_momentum } = moving.velocity();
     let position = position(pose);
     let turn = about_start - (position - self::position(start)).cross(impulse);

@@ -176,7 +176,11 @@ impl<I: Instructions> Block<I> {
 
     /// Visits all batches that do not rest, and asks memory for the one after the next: one visit is too short for it to arrive.
     #[inline(always)]
-    pub(super) fn visit(&mut self, ask: impl Fn(&Batch<I>), visit: impl Fn(&mut Batch<I>, &mut Given<I>)) {
+    pub(super) fn visit(
+        &mut self,
+        ask: impl Fn(&Batch<I>),
+        mut visit: impl FnMut(&mut Batch<I>, &mut Given<I>),
+    ) {
         let Self { batches, given, is_far, .. } = self;
         I::run(
             #[inline(always)]
