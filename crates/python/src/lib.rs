@@ -140,7 +140,7 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
 /// The compiled module.
 #[pymodule]
 fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("_memory_kept_ms", memory::keep_freed())?;
+    module.setattr("_memory_kept_ms", memory::keep_freed())?;
     module.add("BuildError", module.py().get_type::<BuildError>())?;
     module.add_class::<world::World>()?;
     module.add_class::<patterns::Pattern>()?;
