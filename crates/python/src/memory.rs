@@ -12,7 +12,7 @@ static MEMORY: MiMalloc = MiMalloc;
 const PURGE_DELAY: mi_option_t = 15;
 
 /// How long the allocator keeps memory that was freed before it goes back to the system [ms]. What a frame of 100,000 pieces frees the next one
-/// asks for again: with mimalloc's own second a fifth of the time goes into getting it back.
+/// asks for again: with mimalloc's own second a tenth of the time goes into getting it back.
 const KEPT_FOR: c_long = 60_000;
 
 /// Lets the allocator keep what is freed, unless the environment (`MIMALLOC_PURGE_DELAY`) says for how long. Returns for how long it does [ms].
