@@ -69,10 +69,9 @@ fn main() {
     for (count, passes) in [(1000, 101), (9000, 21), (100_000, 5)] {
         let bodies = pile(count, &mut random);
         let ends = predict(&bodies, &frame);
-        let margin = 2.0 * frame.gravity.length() * DT * DT;
-        let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, DT, margin));
+        let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, DT, frame.sag()));
         let (find, manifolds) =
-            median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len());
+            median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &[], &warm, &frame).len());
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());
     }

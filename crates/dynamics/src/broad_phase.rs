@@ -57,11 +57,11 @@ impl Bounds {
     }
 
     /// Whether it has no end on some side.
-    fn is_boundless(&self) -> bool {
+    pub(crate) fn is_boundless(&self) -> bool {
         !(self.is_nan() || self.low.is_finite() && self.high.is_finite())
     }
 
-    fn is_nan(&self) -> bool {
+    pub(crate) fn is_nan(&self) -> bool {
         self.low.is_nan() || self.high.is_nan()
     }
 
@@ -88,6 +88,12 @@ const SMALL_TURN: f64 = 0.2;
 
 /// The same for bounds around all of the bodies' ways through a frame of `dt` [s], from their poses to `ends`.
 pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Pair> {
+    let bounds = swept_bounds(bodies, ends, dt, margin);
+    overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
+}
+
+/// Bounds around the bodies' ways, enlarged by half of `margin` [m].
+pub(crate) fn swept_bounds(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Bounds> {
     let swept = |i: usize| {
         let (shape, start, end) = (&bodies.shapes[i], &bodies.poses[i], &ends[i]);
         let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * dt > SMALL_TURN;
@@ -95,8 +101,7 @@ pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) ->
             |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
         bounds(start).around(&bounds(end)).grown(0.5 * margin)
     };
-    let bounds = threads::list(bodies.len(), swept);
-    overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
+    threads::list(bodies.len(), swept)
 }
 
 /// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.
@@ -119,7 +124,7 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
 }
 
 /// Whether a box lies outside of a half-space that does not move.
-fn is_above(bodies: &Bodies, ground: usize, bounds: &Bounds, poses: &[&[Pose]]) -> bool {
+pub(crate) fn is_above(bodies: &Bodies, ground: usize, bounds: &Bounds, poses: &[&[Pose]]) -> bool {
     let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[ground].geometry else {
         return false;
     };

@@ -27,6 +27,8 @@ pub(crate) struct Beat {
     pub(crate) dt: f64,
     /// What gravity gave since the state whose energy counts, to what falls [m/s].
     pub(crate) kick: DVec3,
+    /// Of the speed at which overlaps close, so much is paid for [1].
+    pub(crate) parting: f64,
 }
 
 /// A point of contact of each pair, as it is kept: a heap is as fast as its rows come from memory.
@@ -120,7 +122,7 @@ impl Beat {
     /// An impulse in the middle of gravity's kick works against what gravity will do, too.
     pub(crate) fn new(stage: Stage, step: &Frame) -> Self {
         let kick = if stage == Stage::BeforeDrift { 0.5 * step.dt * step.gravity } else { DVec3::ZERO };
-        Self { stage, dt: step.dt, kick }
+        Self { stage, dt: step.dt, kick, parting: 1.0 }
     }
 }
 
@@ -181,9 +183,15 @@ impl<I: Instructions> Row<I> {
         let gap = self.gap.lanes();
         let is_open = gap.above(Lanes::ZERO);
         let softens = if beat.stage == Stage::BeforeDrift { is_open.not() } else { Mask::NONE };
-        let closing = softens.select((-(rate * gap)).min(Lanes::splat(PUSH_SPEED)), Lanes::ZERO);
+        let closing = softens.select(closing_speed(gap, rate) * Lanes::splat(beat.parting), Lanes::ZERO);
         (is_open.select(-gap * Lanes::splat(1.0 / beat.dt), closing), softens)
     }
+}
+
+/// Speed at which an overlap closes if that is paid for, negative where there is none [m/s].
+#[inline(always)]
+pub(crate) fn closing_speed<I: Instructions>(gap: Lanes<I>, rate: Lanes<I>) -> Lanes<I> {
+    (-(rate * gap)).min(Lanes::splat(PUSH_SPEED))
 }
 
 impl<I: Instructions> Point<I> {

@@ -2,7 +2,7 @@
 
 use crate::contact_batch::{Batch, Hold};
 use crate::contact_kernels::{Visit, stop, stop_roll};
-use crate::contact_rows::{Basis, Beat, Stage};
+use crate::contact_rows::{Basis, Beat, Stage, closing_speed};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
 use crate::moving::Movers;
 use crate::settings::Frame;
@@ -22,6 +22,8 @@ pub(crate) struct Given<I> {
     pub(crate) collision: Lanes<I>,
     pub(crate) friction: Lanes<I>,
     pub(crate) projection: Lanes<I>,
+    /// What closing overlaps would have taken if it had been paid for in full [J].
+    pub(crate) wanted: Lanes<I>,
     pub(crate) impulses: u64,
     /// Sums of impulses and of their moments about the world's origin that static and kinematic bodies gave.
     pub(crate) impulse: Lanes3<I>,
@@ -70,10 +72,16 @@ impl<I: Instructions> Given<I> {
         collision: Lanes::ZERO,
         friction: Lanes::ZERO,
         projection: Lanes::ZERO,
+        wanted: Lanes::ZERO,
         impulses: 0,
         impulse: Lanes3::ZERO,
         moment: Lanes3::ZERO,
     };
+
+    /// In all [J].
+    pub(crate) fn energy(&self) -> f64 {
+        (self.contact + self.collision + self.friction + self.projection).sum()
+    }
 
     /// Books it.
     pub(crate) fn book(&self, tally: &mut Tally) {
@@ -315,7 +323,9 @@ impl<I: Instructions> Batch<I> {
             }
             given.impulses += u64::from(acted.count());
             if beat.stage == Stage::BeforeDrift {
-                let work = normal * row.target_speed(rate, beat).0.max(Lanes::ZERO);
+                let wanted = normal * closing_speed(row.gap.lanes(), rate).max(Lanes::ZERO);
+                let work = wanted * Lanes::splat(beat.parting);
+                given.wanted = given.wanted + wanted;
                 given.projection = given.projection + work;
                 visit.by_collision = visit.by_collision - row.bounces.select(work, Lanes::ZERO);
                 visit.by_contact = visit.by_contact - row.bounces.select(Lanes::ZERO, work);

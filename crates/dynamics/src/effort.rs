@@ -14,8 +14,9 @@ pub(crate) struct Effort {
     /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on. And the most
     /// passes over what they squeeze.
     pub(crate) impacts: u32,
-    /// Whether what is calm may rest: what carries much sways slowly, and a tower of 50 cubes would drift by 18 cm instead of 1.
-    pub(crate) can_rest: bool,
+    /// Whether it stands and carries much through few. Then what is calm does not rest: it sways slowly, and a tower of 50 cubes would drift by 18 cm
+    /// instead of 1. And overlaps close in full, or it sinks: with less a load of 1000 on ten cubes falls.
+    pub(crate) carries_much: bool,
 }
 
 /// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
@@ -52,7 +53,7 @@ impl Effort {
     /// centimetres; heaps bear it. In a heap nobody sees who strikes whom next.
     pub(crate) fn of_size(pairs: usize) -> Self {
         let (passes, impacts) = if pairs > HEAP_PAIRS { (1, 1) } else { (2, 32) };
-        Self { passes, stiffest: 1.0, impacts, can_rest: true }
+        Self { passes, stiffest: 1.0, impacts, carries_much: false }
     }
 
     /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.
@@ -107,7 +108,7 @@ impl Effort {
             return None;
         }
         let passes = (share * wanted).floor();
-        let others = Self { can_rest: false, ..Self::of_size(pairs) };
+        let others = Self { carries_much: true, ..Self::of_size(pairs) };
         let is_enough = passes >= FEWEST_PASSES;
         let more = Self { passes: 2 * passes as u32, stiffest: STIFFER_PER_PASS * passes, ..others };
         Some(if is_enough { more } else { others })

@@ -16,6 +16,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) frame: &'a Frame,
     /// No two points of the pair move faster against each other at any time of the frame [m/s].
     pub(crate) most_speed: f64,
+    /// What is this near may meet within the frame although it rests now: it may fall, or be struck [m].
+    pub(crate) near: f64,
     /// How far apart two surfaces may be and still meet within the frame [m].
     pub(crate) reach: f64,
     /// How far apart they are to be looked for, at least the reach [m].
@@ -33,8 +35,9 @@ impl<'a> Encounter<'a> {
         let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let most_speed = speed + frame.gravity.length() * frame.dt;
-        let (reach, size) = (frame.dt * speed + sag(frame), first.radius.min(second.radius));
-        Self { bodies, pair, flights, frame, most_speed, reach, search: reach, size, last_normal: None }
+        let near = frame.sag() + first.stray.against(pair.second) + second.stray.against(pair.first);
+        let (reach, size) = (frame.dt * speed + near, first.radius.min(second.radius));
+        Self { bodies, pair, flights, frame, most_speed, near, reach, search: reach, size, last_normal: None }
     }
 
     /// Its bodies where they are at the frame's start.
@@ -60,12 +63,4 @@ impl<'a> Encounter<'a> {
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
     }
-}
-
-/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found there, too, as it can be struck.
-const LEAST_GRAVITY: f64 = 1.0;
-
-/// How far a body falls in one frame from rest, twice over [m].
-pub(crate) fn sag(frame: &Frame) -> f64 {
-    frame.gravity.length().max(LEAST_GRAVITY) * frame.dt * frame.dt
 }

@@ -124,6 +124,11 @@ impl Ledger {
         self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
+    /// What some bodies have in their banks [J].
+    pub(crate) fn bank_of(&self, bodies: &Bodies, who: &[usize]) -> f64 {
+        who.iter().filter_map(|&i| self.bank.get(bodies.ids[i])).sum()
+    }
+
     /// Closes the books of a frame: balances every island. Bodies that broke are linked to their fragments in the tally.
     pub fn balance(
         &mut self,

@@ -51,6 +51,7 @@ pub mod rotation;
 pub mod settings;
 pub mod shock_propagation;
 pub mod state;
+pub mod struck;
 pub mod substeps;
 mod take_out;
 pub mod tally;

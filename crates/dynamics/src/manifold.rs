@@ -4,7 +4,7 @@
 use crate::ball_contact::BallContact;
 use crate::compound_contact::compound_points;
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
-use crate::encounter::{Encounter, sag};
+use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{Room, hull_points};
 use crate::pair::Pair;
@@ -285,7 +285,7 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
         let approach = encounter.surface_speed(contact.normal, closing, phi);
         let sample = (penetration.sample_of_first, penetration.sample.into());
         // What separates, or is too far to get there, is left out.
-        let touches = phi <= 0.0 || phi < frame.dt * closing + sag(frame);
+        let touches = phi <= 0.0 || phi < frame.dt * closing + encounter.near;
         touches.then_some(Candidate { sample, contact, phi, approach })
     };
     penetrations.iter().filter_map(candidate).collect()

@@ -129,6 +129,11 @@ impl Movers {
         movers
     }
 
+    /// Of all that impulses move [kg].
+    pub(crate) fn mass(&self) -> f64 {
+        self.mass
+    }
+
     /// Stands for no body.
     pub(crate) fn nobody(&self) -> u32 {
         self.who.len() as u32

@@ -1,6 +1,6 @@
 //! Where a convex polyhedron touches a half-space within a frame: its vertices say.
 
-use crate::encounter::{Encounter, sag};
+use crate::encounter::Encounter;
 use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{MOST_POINTS, ManifoldPoint};
 use frangible_geometry::{HalfSpace, Hull};
@@ -25,9 +25,9 @@ pub(crate) fn plane_points(
         let normal = body_from_ground.direction(half_space.normal);
         HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
     };
-    let Encounter { reach, search, frame, .. } = *encounter;
-    let (now, sag) = (plane_at(0.0), sag(frame));
-    let is_slow = reach <= 2.0 * sag;
+    let Encounter { near, reach, search, frame, .. } = *encounter;
+    let now = plane_at(0.0);
+    let is_slow = reach - near <= frame.sag();
     let beyond = is_slow.then_some(search);
     room.points.clear();
     if -now.offset > flight.radius + search {
@@ -50,9 +50,9 @@ pub(crate) fn plane_points(
         let on = [vertex, vertex - gap * now.normal];
         let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
         let comes_near = is_slow
-            || gap <= sag
-            || gap <= frame.dt * closing(&point) + sag
-            || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= sag;
+            || gap <= near
+            || gap <= frame.dt * closing(&point) + near
+            || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= near;
         if comes_near {
             room.points.push(point);
         }

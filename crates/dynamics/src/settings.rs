@@ -92,3 +92,17 @@ pub struct Frame {
     /// Iteration counts and switches.
     pub settings: StepSettings,
 }
+
+/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found there, too, as it can be struck.
+const LEAST_GRAVITY: f64 = 1.0;
+
+/// Of how far a body falls in one frame from rest, so much is near [1]: some more than that. With twice as much a heap has a fifth more points that
+/// touch nothing, and is slower by as much.
+const FALL: f64 = 1.1;
+
+impl Frame {
+    /// What is this near may meet within the frame although it rests now [m].
+    pub fn sag(&self) -> f64 {
+        FALL * 0.5 * self.gravity.length().max(LEAST_GRAVITY) * self.dt * self.dt
+    }
+}

@@ -1,23 +1,27 @@
 //! Sequential impulses in substeps, with soft contact and relaxation: one detection, several small steps [Cat24] [Mac19].
 
+mod funds;
+mod passes;
 mod ranks;
 mod rebound;
 
 use crate::clusters::{Cluster, clusters};
 use crate::contact_batch::Touching;
 use crate::contact_rows::{Beat, Stage};
-use crate::contact_sweep::Pass;
+use crate::contact_sweep::Given;
 use crate::evolve::evolve;
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::{Avx2, Avx512, Sse2};
 use crate::instructions::{Scalar, available};
-use crate::lanes::{Instructions, Mask};
+use crate::lanes::Instructions;
+use crate::ledger::Ledger;
 use crate::manifold::{Manifold, ManifoldFinder};
 use crate::moving::{Movers, can_rest};
 use crate::tally::Cause;
 use crate::threads;
 use crate::warm_start::{Part, WarmStart};
 use crate::{Bodies, Frame, Motion, Tally, Width};
+use funds::Funds;
 use glam::DVec3;
 use ranks::{Block, Ranks};
 
@@ -30,9 +34,6 @@ const TURNS: u32 = 8;
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
-/// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
-const MEETING_PASSES: u32 = 4;
-
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
     /// What static and kinematic bodies contributed, and where energy went.
@@ -42,8 +43,14 @@ pub struct Solved {
 }
 
 /// Moves all bodies through one frame: cluster by cluster, as none feels another. What `warm` keeps from the last frame is replaced by
-/// what acted in this one.
-pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
+/// what acted in this one. Overlaps close as far as what the `ledger` holds pays for it.
+pub fn solve(
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    warm: &mut WarmStart,
+    ledger: &Ledger,
+    frame: &Frame,
+) -> Solved {
     let solve_with = match available(frame.settings.width) {
         Width::Scalar => solve_with::<Scalar>,
         #[cfg(target_arch = "x86_64")]
@@ -55,7 +62,7 @@ pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, 
         #[cfg(not(target_arch = "x86_64"))]
         Width::Sse2 | Width::Avx2 | Width::Avx512 => solve_with::<Scalar>,
     };
-    solve_with(bodies, manifolds, warm, frame)
+    solve_with(bodies, manifolds, warm, ledger, frame)
 }
 
 /// [`solve`] with some instructions.
@@ -63,6 +70,7 @@ fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
     warm: &mut WarmStart,
+    ledger: &Ledger,
     frame: &Frame,
 ) -> Solved {
     let carried = warm.of_manifolds(bodies, manifolds);
@@ -71,6 +79,7 @@ fn solve_with<I: Instructions>(
     let closed = threads::map(clusters, manifolds.len(), |cluster| {
         let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
+        solver.open(ledger, frame);
         for done in 0..SUBSTEPS {
             let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..step };
             solver.substep(&rest, &step, frame);
@@ -130,7 +139,8 @@ struct Solver<'a, I> {
     ranks: Ranks<I>,
     passes: u32,
     impacts: u32,
-    can_rest: bool,
+    carries_much: bool,
+    funds: Funds,
 }
 
 /// A cluster at the frame's end.
@@ -152,10 +162,20 @@ impl<'a, I: Instructions> Solver<'a, I> {
             ranks,
             passes: effort.passes,
             impacts: effort.impacts,
-            can_rest: effort.can_rest,
+            carries_much: effort.carries_much,
+            funds: Funds::UNLIMITED,
         };
         solver.follow(None);
         solver
+    }
+
+    /// Finds what there is to close overlaps with, where that matters.
+    fn open(&mut self, ledger: &Ledger, frame: &Frame) {
+        let Self { bodies, movers, funds, carries_much, .. } = self;
+        if !*carries_much && frame.settings.ledger {
+            let most = frame.settings.bank_cap * movers.mass();
+            *funds = Funds::new(ledger.bank_of(bodies, &movers.who), most);
+        }
     }
 
     /// Visits all batches, in blocks, in any order.
@@ -177,7 +197,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
         self.meet(step, threshold);
         let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
-        let before = Beat::new(Stage::BeforeDrift, step);
+        let before = Beat { parting: self.funds.parting, ..Beat::new(Stage::BeforeDrift, step) };
         self.go_on(&before);
         if rebounds {
             self.expect_rebounds();
@@ -193,11 +213,19 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.go_on(&after);
         self.contact(&after, threshold);
         self.end_meeting();
+        self.spend();
+    }
+
+    /// What it gave, and what closing all overlaps would have taken.
+    fn spend(&mut self) {
+        let Self { movers, ranks, funds, .. } = self;
+        let sum = |of: fn(&Given<I>) -> f64| ranks.blocks.iter().map(|block| of(&block.given)).sum::<f64>();
+        funds.spend(sum(Given::energy) + movers.held().energy, sum(|given| given.wanted.sum()));
     }
 
     /// What is calm comes to rest.
     fn lie_down(&mut self, step: &Frame) {
-        if !(self.can_rest && can_rest(step)) {
+        if self.carries_much || !can_rest(step) {
             return;
         }
         self.each_in_turn(false, |movers, block| {
@@ -267,24 +295,6 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// Contact at one stage of a substep, after what acted at this stage of the last one: what meets now, which has no impulses to start
-    /// from, its normals first, and what it presses against others; then passes over all rows, to and fro, so that none always has the last
-    /// word and stacks do not lean. They come last, or what is struck would be pressed through what it touches.
-    fn contact(&mut self, beat: &Beat, threshold: f64) {
-        self.meeting_pass(beat, Pass::TOGETHER);
-        for _ in 1..MEETING_PASSES {
-            self.meeting_pass(beat, Pass::MEETING);
-        }
-        if beat.stage == Stage::BeforeDrift {
-            self.squeeze(beat, threshold);
-        }
-        let begins_fro = self.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
-        for number in 0..self.passes {
-            let is_fro = (number % 2 == 1) != begins_fro;
-            self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
-        }
-    }
-
     /// What acted in the last substep acts again, unless it has come apart.
     fn go_on(&mut self, beat: &Beat) {
         self.each_in_turn(false, |movers, block| {
@@ -303,54 +313,6 @@ impl<'a, I: Instructions> Solver<'a, I> {
                     }
                 },
             );
-        });
-    }
-
-    /// One pass over all rows.
-    fn pass(&mut self, beat: &Beat, pass: Pass) {
-        self.each_in_turn(pass.is_fro, |movers, block| {
-            block.wake(movers);
-            block.visit(
-                #[inline(always)]
-                |next| {
-                    if next.has_work(beat.stage) {
-                        next.prefetch(movers, next.acting_rows(beat.stage));
-                    }
-                },
-                #[inline(always)]
-                |batch, given| {
-                    if batch.has_work(beat.stage) {
-                        batch.act(movers, beat, pass, given);
-                    }
-                },
-            );
-        });
-    }
-
-    /// One pass over what meets fast: few, as a rule.
-    fn meeting_pass(&mut self, beat: &Beat, pass: Pass) {
-        let is_wanted: fn(&Block<I>) -> bool =
-            if beat.stage == Stage::Bounce { |block| block.impacts } else { |block| block.bounces };
-        let Self { movers, ranks, .. } = self;
-        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), |block| {
-            let Block { batches, given, .. } = block;
-            I::run(
-                #[inline(always)]
-                || {
-                    for batch in batches.iter_mut().filter(|batch| batch.meets(beat)) {
-                        batch.act(movers, beat, pass, given);
-                    }
-                },
-            );
-        });
-    }
-
-    /// What stopped what met fast is no guide to the next substep.
-    fn end_meeting(&mut self) {
-        self.ranks.met().for_each(|batch| {
-            batch.clear_bouncing();
-            batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
-            batch.bounces = false;
         });
     }
 

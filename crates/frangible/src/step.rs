@@ -19,6 +19,7 @@ use frangible_dynamics::manifold::Manifold;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
+use frangible_dynamics::struck::{Straying, find_struck_pairs};
 use frangible_dynamics::substeps::{Solved, solve};
 use frangible_dynamics::{Frame, Pose, Tally};
 use glam::DVec3;
@@ -168,9 +169,13 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let mut tally = Tally::default();
     let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
 
+    // What is struck on its way strikes others.
+    let Straying { pairs, strays } = find_struck_pairs(&world.bodies, &predicted, pairs, frame);
+    clock.lap("find_pairs");
+
     // What is near on the way may touch; contact takes it from there.
-    let World { bodies, warm, kept, labels, fits, .. } = world;
-    let found = kept.find_manifolds(bodies, &pairs, warm, frame);
+    let World { bodies, warm, kept, labels, fits, ledger, .. } = world;
+    let found = kept.find_manifolds(bodies, &pairs, &strays, warm, frame);
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
         let [first, second] = [pair.first, pair.second].map(|i| labels[i].parent);
@@ -179,7 +184,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let manifolds: Vec<Manifold> = found.iter().collect();
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
-    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
+    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, ledger, frame);
     tally.add(solved_tally);
     let is_glued = |&Manifold { pair: Pair { first, second }, .. }: &Manifold| {
         labels[first].bonds.is_some() || labels[second].bonds.is_some()
@@ -202,7 +207,7 @@ fn strike_and_break(
     let mut passes = 0;
     loop {
         let predicted = predict(&world.bodies, frame);
-        let pairs = find_swept_pairs(&world.bodies, &predicted, frame.dt, reach(frame));
+        let pairs = find_swept_pairs(&world.bodies, &predicted, frame.dt, frame.sag());
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows =
@@ -261,7 +266,8 @@ fn break_and_book(
     broken
 }
 
-/// How far bodies sag in one frame [m]: bounds that come this close may belong to resting contacts.
+/// Twice as far as bodies fall in one frame from rest [m]: bounds that come this close may belong to resting contacts of the paper's method, which looks
+/// at where they will be.
 fn reach(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
 }

@@ -157,3 +157,26 @@ fn threads_change_nothing() {
     };
     assert_eq!(hash(1), hash(4));
 }
+
+/// The ball presses bricks into each other, and parting them lifts the wall: only as fast as there is energy for it, or the ledger would stop
+/// all that is still falling, frame after frame.
+#[test]
+fn loose_bricks_that_a_ball_has_pressed_together_go_on_falling() {
+    for faster in [1.0, 1.003] {
+        let mut scene = Shot::find("bricks").unwrap().scene(&ShotOptions::default()).unwrap();
+        let ball = scene.bodies.last_mut().unwrap();
+        ball.linear_velocity = ball.linear_velocity.map(|speed| faster * speed);
+        let mut world = World::build(&scene).unwrap();
+        let mut still = 0;
+        for _ in 0..60 {
+            let report = step(&mut world);
+            let mut speeds: Vec<f64> =
+                world.bodies().velocities.iter().map(|velocity| velocity.linear.length()).collect();
+            speeds.sort_by(f64::total_cmp);
+            still += u32::from(report.balance.scaled > 0 && speeds[speeds.len() / 2] < 1e-6);
+        }
+        let heights = world.bodies().poses.iter().map(|pose| pose.position.y);
+        let mean = heights.sum::<f64>() / world.bodies().len() as f64;
+        assert!(still <= 3 && mean < 0.4, "{faster}: {still} frames stood still, {mean} m high");
+    }
+}

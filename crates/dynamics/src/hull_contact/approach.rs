@@ -12,8 +12,8 @@ use glam::DVec3;
 /// their way. Following them to 0.1 % takes more searches of axes, and left overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
-/// How far two hulls that only pass each other could come in the frame, spin included, for one point to do, relative to the
-/// smaller hull's size. It is found anew in each frame; what is slower keeps its points, and needs all of them.
+/// For two hulls that move this far against each other in the frame, spin included, and only pass, one point does; relative to the smaller hull's size.
+/// It is found anew in each frame; what is slower keeps its points, and needs all of them, however hard it may be struck.
 const PASSING: f64 = 0.3;
 
 /// Steps along the way to the first touch.
@@ -69,9 +69,9 @@ impl<'a> Approach<'a> {
     /// found: their points hold in case that others push them, or only the one nearest to the best face if they are fast, and far
     /// apart until then. If they are too far apart to be looked for, how far they are at the frame's start, if that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
-        let Encounter { size, reach, search, frame, .. } = *self.encounter;
+        let Encounter { size, near, reach, search, frame, .. } = *self.encounter;
         let (mut time, enough) = (0.0, NEAR * size);
-        let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach > PASSING * size);
+        let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach - near > PASSING * size);
         loop {
             // Faces say how far they may go, until they no longer do.
             let poses = [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];

@@ -1,7 +1,8 @@
 //! Impacts that follow each other within a substep.
 
+use super::Solver;
+use super::passes::MEETING_PASSES;
 use super::ranks::Block;
-use super::{MEETING_PASSES, Solver};
 use crate::Frame;
 use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};

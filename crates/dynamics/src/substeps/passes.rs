@@ -1,0 +1,78 @@
+//! Passes over what touches, at one stage of a substep.
+
+use super::Solver;
+use super::ranks::Block;
+use crate::contact_rows::{Beat, Stage};
+use crate::contact_sweep::Pass;
+use crate::lanes::{Instructions, Mask};
+
+/// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
+pub(super) const MEETING_PASSES: u32 = 4;
+
+impl<I: Instructions> Solver<'_, I> {
+    /// Contact at one stage of a substep, after what acted at this stage of the last one: what meets now, which has no impulses to start
+    /// from, its normals first, and what it presses against others; then passes over all rows, to and fro, so that none always has the last
+    /// word and stacks do not lean. They come last, or what is struck would be pressed through what it touches.
+    pub(super) fn contact(&mut self, beat: &Beat, threshold: f64) {
+        self.meeting_pass(beat, Pass::TOGETHER);
+        for _ in 1..MEETING_PASSES {
+            self.meeting_pass(beat, Pass::MEETING);
+        }
+        if beat.stage == Stage::BeforeDrift {
+            self.squeeze(beat, threshold);
+        }
+        let begins_fro = self.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
+        for number in 0..self.passes {
+            let is_fro = (number % 2 == 1) != begins_fro;
+            self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
+        }
+    }
+
+    /// One pass over all rows.
+    fn pass(&mut self, beat: &Beat, pass: Pass) {
+        self.each_in_turn(pass.is_fro, |movers, block| {
+            block.wake(movers);
+            block.visit(
+                #[inline(always)]
+                |next| {
+                    if next.has_work(beat.stage) {
+                        next.prefetch(movers, next.acting_rows(beat.stage));
+                    }
+                },
+                #[inline(always)]
+                |batch, given| {
+                    if batch.has_work(beat.stage) {
+                        batch.act(movers, beat, pass, given);
+                    }
+                },
+            );
+        });
+    }
+
+    /// One pass over what meets fast: few, as a rule.
+    pub(super) fn meeting_pass(&mut self, beat: &Beat, pass: Pass) {
+        let is_wanted: fn(&Block<I>) -> bool =
+            if beat.stage == Stage::Bounce { |block| block.impacts } else { |block| block.bounces };
+        let Self { movers, ranks, .. } = self;
+        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), |block| {
+            let Block { batches, given, .. } = block;
+            I::run(
+                #[inline(always)]
+                || {
+                    for batch in batches.iter_mut().filter(|batch| batch.meets(beat)) {
+                        batch.act(movers, beat, pass, given);
+                    }
+                },
+            );
+        });
+    }
+
+    /// What stopped what met fast is no guide to the next substep.
+    pub(super) fn end_meeting(&mut self) {
+        self.ranks.met().for_each(|batch| {
+            batch.clear_bouncing();
+            batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
+            batch.bounces = false;
+        });
+    }
+}
