@@ -26,7 +26,8 @@ impl Funds {
     /// Of bodies whose banks hold so much, and may hold `most` [J].
     pub(super) fn new(bank: f64, most: f64) -> Self {
         // Nothing is no part of nothing.
-        Self { bank, wanted: 0.0, parting: (bank / (PLENTY * most)).max(LEAST).min(1.0) }
+        let parting = if most > 0.0 { (bank / (PLENTY * most)).clamp(LEAST, 1.0) } else { LEAST };
+        Self { bank, wanted: 0.0, parting }
     }
 
     /// After a substep, in which contacts have `given` so much to the bodies since the frame's start, and closing all overlaps in full would have taken
