@@ -71,7 +71,7 @@ fn main() {
         let ends = predict(&bodies, &frame);
         let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, DT, frame.sag()));
         let (find, manifolds) =
-            median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &[], &warm, &frame).len());
+            median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len());
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());
     }

@@ -24,10 +24,14 @@ impl BirthFits {
         manifolds: &mut Manifolds,
         are_newborn: impl Fn(Pair) -> bool,
     ) {
+        // Few bodies overlap from their birth on.
+        let mut fits = vec![false; bodies.len()];
+        self.overlaps.keys().flatten().filter_map(|&id| bodies.index_of(id)).for_each(|i| fits[i] = true);
         let mut still = BTreeMap::new();
         for (pair, points) in manifolds.iter_mut() {
             let ids = [pair.first, pair.second].map(|i| bodies.ids[i]);
-            let most = match self.overlaps.get(&ids) {
+            let overlap = if fits[pair.first] && fits[pair.second] { self.overlaps.get(&ids) } else { None };
+            let most = match overlap {
                 Some(&most) => most,
                 None if are_newborn(pair) => f64::INFINITY,
                 None => continue,

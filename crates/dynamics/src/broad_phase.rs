@@ -88,20 +88,16 @@ const SMALL_TURN: f64 = 0.2;
 
 /// The same for bounds around all of the bodies' ways through a frame of `dt` [s], from their poses to `ends`.
 pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Pair> {
-    let bounds = swept_bounds(bodies, ends, dt, margin);
+    let bounds = threads::list(bodies.len(), |i| swept_bounds(bodies, i, &ends[i], dt, margin));
     overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
 }
 
-/// Bounds around the bodies' ways, enlarged by half of `margin` [m].
-pub(crate) fn swept_bounds(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Bounds> {
-    let swept = |i: usize| {
-        let (shape, start, end) = (&bodies.shapes[i], &bodies.poses[i], &ends[i]);
-        let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * dt > SMALL_TURN;
-        let bounds =
-            |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
-        bounds(start).around(&bounds(end)).grown(0.5 * margin)
-    };
-    threads::list(bodies.len(), swept)
+/// Bounds around a body's way, enlarged by half of `margin` [m].
+pub(crate) fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, dt: f64, margin: f64) -> Bounds {
+    let (shape, start) = (&bodies.shapes[i], &bodies.poses[i]);
+    let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * dt > SMALL_TURN;
+    let bounds = |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
+    bounds(start).around(&bounds(end)).grown(0.5 * margin)
 }
 
 /// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.

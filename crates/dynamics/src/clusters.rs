@@ -6,6 +6,7 @@ use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::begins_calm;
 use crate::regions::Regions;
+use crate::threads;
 use crate::{Bodies, Frame};
 use std::collections::BTreeMap;
 
@@ -121,40 +122,65 @@ impl Cluster {
         }
         who.iter().for_each(|&i| local[i] = NOWHERE);
 
-        // Region by region.
+        // Region by region. What has no points is only watched, behind all that has; but where impacts follow each other, they do so in the order of the pairs.
         let regions = Regions::new(bodies, &who, pairs.len());
-        let mut pairs_of = vec![Vec::new(); regions.count()];
+        let (mut pairs_of, mut watched) = (vec![Vec::new(); regions.count()], Vec::new());
         for (place, &locals) in locals_of.iter().enumerate() {
-            pairs_of[regions.of_pair(locals)].push(place);
+            let acts = effort.impacts > 1 || !touching.manifolds[pairs[place]].points.is_empty();
+            if acts { &mut pairs_of[regions.of_pair(locals)] } else { &mut watched }.push(place);
         }
         let is_mobile = |&local: &usize| !bodies.inertias[who[local]].is_infinite();
-        let mut next_ranks = NextRanks::new(who.len(), regions.count() == 1);
-        let nobody = Member { manifold: 0, locals: [0; 2], stiffness: 0.0 };
-        let (mut members, mut rank_ends) = (vec![nobody; pairs.len()], Vec::with_capacity(regions.count()));
-        let mut begin = 0;
-        for of_region in pairs_of {
+        let rank_all = |next_ranks: &mut NextRanks, (of_region, ranked): &mut (Vec<usize>, Ranked)| {
             let mut places = Places::default();
-            let mut ranked = Vec::with_capacity(of_region.len());
-            for place in of_region {
+            let mut members = Vec::with_capacity(of_region.len());
+            for &place in of_region.iter() {
                 let (manifold, locals) = (pairs[place], locals_of[place]);
                 let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
                 let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
                 let member = Member { manifold, locals, stiffness: stiffness[manifold] };
                 let are_calm = locals.iter().all(|&local| calm[who[local as usize]]);
-                ranked.push((places.count((rank, are_calm), counts), member));
+                members.push((places.count((rank, are_calm), counts), member));
             }
 
             // Side by side are those whose bodies are calm, and those with about as many points, of which about as many carried in the last frame.
-            let end = begin + ranked.len();
-            rank_ends.push(places.begin().into_iter().map(|end| begin + end).collect());
-            for (place, member) in ranked {
-                members[begin + places.next(place)] = member;
+            ranked.ends = places.begin();
+            ranked.members = vec![Member::NOBODY; members.len()];
+            for (place, member) in members {
+                ranked.members[places.next(place)] = member;
                 member.locals.iter().for_each(|&local| next_ranks.clear(local as usize));
             }
-            begin = end;
+        };
+        let mut regions: Vec<(Vec<usize>, Ranked)> =
+            pairs_of.into_iter().chain([watched]).map(|of_region| (of_region, Ranked::default())).collect();
+        let is_one_region = regions.len() == 2;
+        let room = || NextRanks::new(who.len(), is_one_region);
+        threads::for_each_with(&mut regions, pairs.len(), room, rank_all);
+
+        // What is watched is of the last region.
+        let (mut members, mut rank_ends) = (Vec::with_capacity(pairs.len()), Vec::<Vec<usize>>::new());
+        let last = regions.len() - 1;
+        for (number, (_, ranked)) in regions.into_iter().enumerate() {
+            let ends = ranked.ends.iter().map(|end| members.len() + end);
+            if number < last {
+                rank_ends.push(ends.collect());
+            } else {
+                rank_ends[last - 1].extend(ends);
+            }
+            members.extend(ranked.members);
         }
         Self { bodies: who, members, rank_ends, effort }
     }
+}
+
+/// The pairs of a region, rank by rank, and where each rank ends among them.
+#[derive(Default)]
+struct Ranked {
+    members: Vec<Member>,
+    ends: Vec<usize>,
+}
+
+impl Member {
+    const NOBODY: Self = Self { manifold: 0, locals: [0; 2], stiffness: 0.0 };
 }
 
 /// Which ranks the next pairs of bodies can have.

@@ -136,6 +136,12 @@ pub(crate) struct Patch {
     pub(crate) manifold: usize,
     /// Of the smaller body [m].
     size: f64,
+    /// See [`Manifold::struck`](crate::manifold::Manifold::struck) [m/s].
+    struck: f64,
+    /// If it may be struck, its bodies may move so far against each other before points are missed that were too far away at the frame's start [m].
+    near: f64,
+    /// Whether its points have yet to be looked for, as far as a blow may bring them together: at the frame's start they were not.
+    is_watched: bool,
     /// Whether points acted that have been replaced since.
     touched: bool,
     /// If its points were found anew since the frame's start.
@@ -391,6 +397,14 @@ impl<I: Instructions> Batch<I> {
             }
             _ => patch.anew.as_ref().map_or(DVec3::ZERO, |anew| anew.point),
         }
+    }
+}
+
+impl Patch {
+    /// By how much its bodies may move against each other since its points were found, until these have to be looked for anew [m].
+    fn rests_for(&self) -> f64 {
+        let stale = STALE * self.size;
+        if self.anew.is_none() { stale.min(self.near) } else { stale }
     }
 }
 

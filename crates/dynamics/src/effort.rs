@@ -1,6 +1,7 @@
 //! What the solver does for an island: more for what carries much through few.
 
 use crate::manifold::Manifold;
+use crate::threads;
 use crate::{Bodies, Frame};
 use glam::DVec3;
 
@@ -64,7 +65,7 @@ impl Effort {
         frame: &Frame,
     ) -> Vec<Option<(Self, Vec<f64>)>> {
         let carries = |island: &Vec<usize>| Self::carries_much(bodies, manifolds, island, frame);
-        let loads: Vec<_> = islands.iter().map(carries).collect();
+        let loads: Vec<_> = threads::map(islands.iter().collect(), manifolds.len(), carries);
         let efforts = |share: f64| {
             let of = move |(island, loads): (&Vec<usize>, &Option<Vec<f64>>)| {
                 let loads = loads.as_ref()?;
@@ -98,7 +99,7 @@ impl Effort {
         if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
-        Some(loads(bodies, manifolds, island, frame))
+        loads(bodies, manifolds, island, frame)
     }
 
     /// By the largest load, a share of it; those that would get too little get no more than others. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
@@ -128,9 +129,9 @@ struct Support {
 }
 
 /// What each pair of an island carries, in units of the lighter one's weight: each body hands its own weight and what rests on it to those
-/// that it rests on, in equal parts, from the highest down.
-fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Frame) -> Vec<f64> {
-    let Some(up) = (-frame.gravity).try_normalize() else { return vec![0.0; island.len()] };
+/// that it rests on, in equal parts, from the highest down. None if no pair can carry more than is [`LIGHT`].
+fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Frame) -> Option<Vec<f64>> {
+    let up = (-frame.gravity).try_normalize()?;
     let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
 
     // Who rests on whom, by places among those that move, sorted by the upper one.
@@ -139,6 +140,11 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
     who.retain(|&i| is_mobile(i));
     who.sort_unstable();
     who.dedup();
+    let weight: f64 = who.iter().map(|&i| bodies.masses[i]).sum();
+    let lightest = who.iter().map(|&i| bodies.inertias[i].inverse_mass).fold(0.0, f64::max);
+    if weight * lightest < LIGHT {
+        return None;
+    }
     let mut supports: Vec<Support> = Vec::with_capacity(island.len());
     for (place, (pair, points)) in pairs().enumerate() {
         let normal = points.first().map_or(DVec3::ZERO, |point| point.normal);
@@ -175,7 +181,7 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
             }
         }
     }
-    loads
+    Some(loads)
 }
 
 #[cfg(test)]

@@ -35,9 +35,16 @@ impl<'a> Encounter<'a> {
         let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let most_speed = speed + frame.gravity.length() * frame.dt;
-        let near = frame.sag() + first.stray.against(pair.second) + second.stray.against(pair.first);
+        let near = frame.sag();
         let (reach, size) = (frame.dt * speed + near, first.radius.min(second.radius));
         Self { bodies, pair, flights, frame, most_speed, near, reach, search: reach, size, last_normal: None }
+    }
+
+    /// They may come so much faster against each other because they are struck [m/s].
+    pub(crate) fn struck(self, faster: f64) -> Self {
+        let further = faster * self.frame.dt;
+        let (near, reach) = (self.near + further, self.reach + further);
+        Self { near, reach, search: reach, most_speed: self.most_speed + faster, ..self }
     }
 
     /// Its bodies where they are at the frame's start.

@@ -3,7 +3,6 @@
 use crate::detection::radius;
 use crate::pair::Pair;
 use crate::rotation::rotation_by;
-use crate::struck::Stray;
 use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
@@ -21,8 +20,6 @@ pub(crate) struct Flight {
     pub(crate) radius: f64,
     /// No point of the body turns faster [m/s].
     pub(crate) spin_speed: f64,
-    /// How far it may stray from its way because it is struck.
-    pub(crate) stray: Stray,
 }
 
 impl Flight {
@@ -54,7 +51,7 @@ impl Flight {
         let (spin, radius) = (angular.length(), radius(&bodies.shapes[i]));
         // What has no bounds does not spin.
         let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
-        Self { start, linear, angular, acceleration, radius, spin_speed, stray: Stray::NONE }
+        Self { start, linear, angular, acceleration, radius, spin_speed }
     }
 
     /// Where the body is after `time` [s].

@@ -11,7 +11,6 @@ use crate::hull_contact::{HullPoint, hull_points};
 use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
-use crate::struck::Stray;
 use crate::threads;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Pose};
@@ -88,18 +87,15 @@ struct KeptPoint {
 
 impl KeptPairs {
     /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which is increasing. Points that are in
-    /// `warm` carried in the last frame. Bodies may stray as far as is told from their ways, if anything is.
+    /// `warm` carried in the last frame.
     pub fn find_manifolds(
         &mut self,
         bodies: &Bodies,
         pairs: &[Pair],
-        strays: &[Stray],
         warm: &WarmStart,
         frame: &Frame,
     ) -> &mut Manifolds {
-        let stray = |i: usize| strays.get(i).copied().unwrap_or(Stray::NONE);
-        let flights =
-            threads::list(bodies.len(), |i| Flight { stray: stray(i), ..Flight::of(bodies, i, frame) });
+        let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
         let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
         let places = self.go_on(bodies, &flights);
         let count = pairs.len().div_ceil(SHARE);
@@ -271,10 +267,9 @@ impl Share<'_> {
             sample: point.sample,
         }));
 
-        // What will meet later will do so elsewhere; what jams, or might have been struck, is looked at again.
+        // What will meet later will do so elsewhere; what jams is looked at again.
         let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
-        let lasts = !is_deep && encounter.near <= encounter.frame.sag();
-        let beyond = if let Some(beyond) = beyond.filter(|_| lasts) {
+        let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
             let kept = &self.kept.points[begin..];
             self.found.add(pair, kept.iter().filter_map(|point| point.within_reach(&encounter)));
             beyond

@@ -14,6 +14,7 @@ use crate::pair::Pair;
 use crate::payment::pay;
 use crate::take_out::take_out;
 use crate::tally::Debt;
+use crate::threads;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -59,10 +60,10 @@ pub(crate) fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
 }
 
-/// The sum of its kinetic and of the size of its potential energy: what rounding is relative to [J].
-fn magnitude(bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
+/// The sum of its kinetic and of the size of its potential energy, by the sum of both: what rounding is relative to [J].
+fn magnitude(bodies: &Bodies, i: usize, energy: f64, gravity: DVec3) -> f64 {
     let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
-    energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], gravity) - potential + potential.abs()
+    energy - potential + potential.abs()
 }
 
 impl Opening {
@@ -140,43 +141,49 @@ impl Ledger {
     ) -> Balance {
         let mut balance = Balance::default();
         let mut bank = PerBody::default();
+        let energy_of = |bodies: &Bodies, i: usize| {
+            energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
+        };
+        let energies = {
+            let bodies = &*bodies;
+            threads::list(bodies.len(), |i| {
+                if bodies.inertias[i].is_infinite() { 0.0 } else { energy_of(bodies, i) }
+            })
+        };
         for mut island in self.islands(bodies, opening, tally) {
             let members = island.members.clone();
-            let total = |bodies: &Bodies| -> f64 {
-                members
-                    .iter()
-                    .map(|&i| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity))
-                    .sum()
-            };
-            let before = total(bodies);
-            let scale: f64 = island.members.iter().map(|&i| magnitude(bodies, i, frame.gravity)).sum();
-            let too_much = |bodies: &Bodies, island: &Island| {
-                let excess = total(bodies) - island.allowance - island.bank;
+            let total = |bodies: &Bodies| -> f64 { members.iter().map(|&i| energy_of(bodies, i)).sum() };
+            let before: f64 = members.iter().map(|&i| energies[i]).sum();
+            let scale: f64 = members.iter().map(|&i| magnitude(bodies, i, energies[i], frame.gravity)).sum();
+            let too_much = |total: f64, island: &Island| {
+                let excess = total - island.allowance - island.bank;
                 (frame.settings.ledger && excess > ROUNDING * scale).then_some(excess)
             };
             balance.islands += 1;
 
             // The contacts that gave the energy pay first; what they have not, the island pays.
-            if let Some(excess) = too_much(bodies, &island) {
+            let mut after = before;
+            if let Some(excess) = too_much(before, &island) {
                 let work_before = tally.causes.work;
                 let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
                 pay(bodies, &debts, excess, tally);
                 island.allowance += tally.causes.work - work_before;
-                if let Some(excess) = too_much(bodies, &island) {
+                if let Some(excess) = too_much(total(bodies), &island) {
                     let shortened = take_out(bodies, &mut island, flight, excess, frame, tally);
                     balance.scaled += 1;
                     balance.shortened += u64::from(shortened);
                 } else {
                     balance.paid += 1;
                 }
-                let removed = before + (tally.causes.work - work_before) - total(bodies);
+                after = total(bodies);
+                let removed = before + (tally.causes.work - work_before) - after;
                 balance.removed += removed;
                 tally.causes.balance -= removed;
             }
 
             // What is left goes into the bank, up to its cap, and is the members' by mass.
             let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
-            let left = island.allowance + island.bank - total(bodies);
+            let left = island.allowance + island.bank - after;
             let cap = frame.settings.bank_cap * mass;
             // An island with a body whose numbers went bad has nothing to keep.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };

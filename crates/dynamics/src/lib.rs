@@ -55,7 +55,7 @@ pub mod struck;
 pub mod substeps;
 mod take_out;
 pub mod tally;
-mod threads;
+pub mod threads;
 mod vector;
 pub mod warm_start;
 

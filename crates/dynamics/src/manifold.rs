@@ -1,6 +1,8 @@
 //! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start. Balls and convex polyhedra
 //! have ways of their own; everything else meets by the samples of each body in the level set of the other [GBF03 sec. 3].
 
+mod found;
+
 use crate::ball_contact::BallContact;
 use crate::compound_contact::compound_points;
 use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
@@ -11,6 +13,8 @@ use crate::pair::Pair;
 use crate::plane_contact::plane_points;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame, Pose};
+pub(crate) use found::Found;
+pub use found::Manifolds;
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
@@ -59,79 +63,10 @@ impl ManifoldPoint {
 pub struct Manifold<'a> {
     /// Who.
     pub pair: Pair,
-    /// At most [`MOST_POINTS`].
+    /// At most [`MOST_POINTS`]; none if they meet only because one of them is struck.
     pub points: &'a [ManifoldPoint],
-}
-
-/// The manifolds of some pairs, in the order of the pairs, which is increasing.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Manifolds {
-    /// One after the other: each thread finds some.
-    pub(crate) parts: Vec<Found>,
-}
-
-/// The manifolds of pairs that follow each other, their points in one list.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Found {
-    /// Each with its end among the points.
-    pairs: Vec<(Pair, usize)>,
-    points: Vec<ManifoldPoint>,
-}
-
-impl Manifolds {
-    /// One by one.
-    pub fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
-        self.parts.iter().flat_map(Found::iter)
-    }
-
-    /// Pairs and their points.
-    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
-        self.parts.iter_mut().flat_map(Found::iter_mut)
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.parts.iter().map(|part| part.pairs.len()).sum()
-    }
-
-    /// Whether nothing touches.
-    pub fn is_empty(&self) -> bool {
-        self.parts.iter().all(|part| part.pairs.is_empty())
-    }
-}
-
-impl Found {
-    fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
-        let mut begin = 0;
-        self.pairs.iter().map(move |&(pair, end)| {
-            let points = &self.points[begin..end];
-            begin = end;
-            Manifold { pair, points }
-        })
-    }
-
-    fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
-        let (mut begin, mut rest) = (0, self.points.as_mut_slice());
-        self.pairs.iter().map(move |&(pair, end)| {
-            let (points, others) = std::mem::take(&mut rest).split_at_mut(end - begin);
-            (begin, rest) = (end, others);
-            (pair, points)
-        })
-    }
-
-    /// Adds the points of a pair, if there are any.
-    pub(crate) fn add(&mut self, pair: Pair, points: impl IntoIterator<Item = ManifoldPoint>) {
-        let begin = self.points.len();
-        self.points.extend(points);
-        if self.points.len() > begin {
-            self.pairs.push((pair, self.points.len()));
-        }
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.pairs.clear();
-        self.points.clear();
-    }
+    /// How much faster they may come against each other because they are struck [m/s].
+    pub struck: f64,
 }
 
 /// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
@@ -192,7 +127,7 @@ impl ManifoldFinder {
             let chosen = choose(&candidates, has_carried);
             points.extend(chosen.into_iter().map(|index| candidates[index].point(encounter)));
         }
-        (!points.is_empty()).then_some(Manifold { pair, points })
+        (!points.is_empty()).then_some(Manifold { pair, points, struck: 0.0 })
     }
 }
 

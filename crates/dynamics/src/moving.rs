@@ -4,7 +4,6 @@ mod drift;
 mod rest;
 mod shared_lines;
 
-use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
 use crate::rotation::rotation_by;
 use crate::vector::Turn;
@@ -108,24 +107,8 @@ impl Movers {
             who,
             gravity: (DVec3::ZERO, DVec3::ZERO),
         };
-        let moving = movers.moving.as_mut_slice();
-        for (local, &i) in movers.who.iter().enumerate() {
-            let (inertia, size) = (&bodies.inertias[i], radius(&bodies.shapes[i]));
-            let size = if size.is_finite() { size } else { 0.0 };
-            movers.poses[local] = line_of(&bodies.poses[i]);
-            movers.starts[local] = movers.poses[local];
-            movers.starts[local].0[7] = size;
-            let DVec3 { x, y, z } = inertia.inverse_moments;
-            let mut mass = 0.0;
-            if !inertia.is_infinite() {
-                let Velocity { linear: v, angular_momentum: l } = bodies.velocities[i];
-                moving[local].motion = Numbers([v.x, v.y, v.z, l.x, l.y, l.z, inertia.inverse_mass, 1.0]);
-                mass = bodies.masses[i];
-                movers.mass += mass;
-            }
-            movers.builds[local] = Numbers([x, y, z, x.max(y).max(z), 0.0, mass, 0.0, 0.0]);
-        }
-        movers.follow_poses::<I>();
+        movers.begin::<I>(bodies);
+        movers.mass = movers.builds.iter().map(|build| build.0[MASS]).sum();
         movers
     }
 

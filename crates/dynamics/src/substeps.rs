@@ -74,7 +74,8 @@ fn solve_with<I: Instructions>(
     frame: &Frame,
 ) -> Solved {
     let carried = warm.of_manifolds(bodies, manifolds);
-    let (bodies_now, touching) = (&*bodies, Touching { manifolds, carried: &carried });
+    let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
+    let bodies_now = &*bodies;
     let (clusters, is_in_one) = clusters(bodies, touching, frame);
     let closed = threads::map(clusters, manifolds.len(), |cluster| {
         let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };

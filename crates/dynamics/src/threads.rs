@@ -42,11 +42,7 @@ pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
 }
 
 /// What each item gives.
-pub(crate) fn map<T: Send, R: Send>(
-    items: Vec<T>,
-    things: usize,
-    of: impl Fn(T) -> R + Send + Sync,
-) -> Vec<R> {
+pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
     if items.len() > 1 && is_shared(things) {
         items.into_par_iter().map(of).collect()
     } else {

@@ -2,9 +2,13 @@
 
 use crate::manifold::Manifold;
 use crate::pair::Pair;
+use crate::threads;
 use crate::{Bodies, BodyId};
 use glam::Vec3;
 use std::ops::Range;
+
+/// Pairs that a thread looks up together: some ten microseconds of work.
+const SHARE: usize = 1024;
 
 /// What acted in a frame's last substep at each contact point, before and after its drift.
 #[derive(Clone, Debug, Default)]
@@ -75,21 +79,24 @@ impl WarmStart {
 
     /// Those of many pairs: most of them come in the order of ids.
     pub(crate) fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
-        let mut next = 0;
-        let of = |manifold: &Manifold| {
-            let wanted = manifold.pair.ids(bodies);
-            if self.pairs.get(next).is_none_or(|kept| kept.ids != wanted) {
-                next = self.pairs.partition_point(|kept| kept.ids < wanted);
-            }
-            match self.pairs.get(next) {
-                Some(kept) if kept.ids == wanted => {
-                    next += 1;
-                    self.points_of(kept)
+        let of_share = |manifolds: &[Manifold]| {
+            let mut next = 0;
+            let of = |manifold: &Manifold| {
+                let wanted = manifold.pair.ids(bodies);
+                if self.pairs.get(next).is_none_or(|kept| kept.ids != wanted) {
+                    next = self.pairs.partition_point(|kept| kept.ids < wanted);
                 }
-                _ => &[],
-            }
+                match self.pairs.get(next) {
+                    Some(kept) if kept.ids == wanted => {
+                        next += 1;
+                        self.points_of(kept)
+                    }
+                    _ => &[],
+                }
+            };
+            manifolds.iter().map(of).collect::<Vec<&[Carried]>>()
         };
-        manifolds.iter().map(of).collect()
+        threads::map(manifolds.chunks(SHARE).collect(), manifolds.len(), of_share).concat()
     }
 
     /// What a point carried.

@@ -1,8 +1,12 @@
 //! Energy and momentum of all dynamic bodies, and what the outside has to do with their change.
 
 use crate::report::{Causes, Energy, Momentum};
-use frangible_dynamics::{Bodies, Frame, Pose, Tally};
+use frangible_dynamics::{Bodies, Frame, Pose, Tally, threads};
 use glam::DVec3;
+use std::ops::Range;
+
+/// Bodies that a thread sums up together: some ten microseconds of work.
+const SHARE: usize = 512;
 
 /// Sums over all dynamic bodies at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,8 +35,16 @@ impl Totals {
 
     /// Of the bodies as they move, elsewhere.
     pub(crate) fn at(bodies: &Bodies, poses: &[Pose], frame: &Frame) -> Self {
+        let share = |begin: usize| begin..(begin + SHARE).min(bodies.len());
+        let shares = (0..bodies.len()).step_by(SHARE).map(share).collect();
+        let parts = threads::map(shares, bodies.len(), |share| Self::of_some(bodies, share, poses, frame));
+        parts.into_iter().fold(Self::default(), Self::plus)
+    }
+
+    /// Of some of the bodies.
+    fn of_some(bodies: &Bodies, some: Range<usize>, poses: &[Pose], frame: &Frame) -> Self {
         let mut sum = Self::default();
-        for i in 0..bodies.len() {
+        for i in some {
             let (inertia, pose, velocity) = (&bodies.inertias[i], &poses[i], &bodies.velocities[i]);
             if inertia.is_infinite() {
                 continue;
@@ -54,6 +66,18 @@ impl Totals {
             sum.angular_scale += orbital.length() + spin.length() + reach * weight.length();
         }
         sum
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            kinetic: self.kinetic + other.kinetic,
+            potential: self.potential + other.potential,
+            momentum: self.momentum + other.momentum,
+            angular_momentum: self.angular_momentum + other.angular_momentum,
+            momentum_scale: self.momentum_scale + other.momentum_scale,
+            angular_scale: self.angular_scale + other.angular_scale,
+        }
     }
 
     /// Kinetic and potential energy [J].

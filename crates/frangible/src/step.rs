@@ -19,7 +19,7 @@ use frangible_dynamics::manifold::Manifold;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
-use frangible_dynamics::struck::{Straying, find_struck_pairs};
+use frangible_dynamics::struck::note_struck;
 use frangible_dynamics::substeps::{Solved, solve};
 use frangible_dynamics::{Frame, Pose, Tally};
 use glam::DVec3;
@@ -169,17 +169,21 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let mut tally = Tally::default();
     let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
 
-    // What is struck on its way strikes others.
-    let Straying { pairs, strays } = find_struck_pairs(&world.bodies, &predicted, pairs, frame);
-    clock.lap("find_pairs");
-
     // What is near on the way may touch; contact takes it from there.
     let World { bodies, warm, kept, labels, fits, ledger, .. } = world;
-    let found = kept.find_manifolds(bodies, &pairs, &strays, warm, frame);
+    let found = kept.find_manifolds(bodies, &pairs, warm, frame);
+    clock.lap("find_manifolds");
+
+    // What is struck on its way strikes others.
+    note_struck(bodies, &predicted, &pairs, found, frame);
+    clock.lap("note_struck");
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
-        let [first, second] = [pair.first, pair.second].map(|i| labels[i].parent);
-        first == second && first.is_some_and(|parent| broken.contains(&id_number(parent)))
+        let parent = |i: usize| labels[i].parent;
+        let is_newborn = |parent| broken.contains(&id_number(parent));
+        !broken.is_empty()
+            && parent(pair.first) == parent(pair.second)
+            && parent(pair.first).is_some_and(is_newborn)
     });
     let manifolds: Vec<Manifold> = found.iter().collect();
     clock.lap("find_manifolds");

@@ -6,7 +6,7 @@ use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
 };
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -93,6 +93,49 @@ fn what_is_struck_is_not_pressed_through_a_thin_plate() {
                 depth < most,
                 "{density} kg/m^3 from {way} m off press the cube {depth} m into a plate {gap} m off"
             );
+        }
+    }
+}
+
+/// A card that lies with one edge on a thin plate, its other edge some millimetres or centimetres above it, is struck there: that edge, too far up to
+/// touch within the frame by itself, stops at the plate.
+#[test]
+fn a_card_that_is_struck_at_its_edge_is_stopped() {
+    const CARD: [f64; 3] = [0.4, 0.01, 0.3];
+    let cuboid = |size: [f64; 3]| ShapeDesc::Box { size, resolution: Resolution::default() };
+    for speed in [2.0, 8.0, 12.0, 20.0] {
+        for lift in (2..14).map(|lift| 2e-3 * f64::from(lift)) {
+            let turn = DQuat::from_rotation_z((lift / CARD[0]).asin());
+            let mut scene = SceneDesc::new("card");
+            scene.bodies.push(BodyDesc {
+                motion: MotionDesc::Static,
+                position: [0.0, -0.5 * CARD[1], 0.0],
+                ..BodyDesc::new("plate", cuboid([1.0, CARD[1], 1.0]))
+            });
+            let card = 0.5 * (CARD[1] + lift);
+            scene.bodies.push(BodyDesc {
+                position: [0.0, card, 0.0],
+                orientation: turn.to_array(),
+                density: 800.0,
+                ..BodyDesc::new("card", cuboid(CARD))
+            });
+            scene.bodies.push(BodyDesc {
+                position: [0.17, 0.07 + lift, 0.0],
+                linear_velocity: [0.0, -speed, 0.0],
+                density: 3000.0,
+                ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.05, resolution: Resolution::default() })
+            });
+            let mut world = World::build(&scene).unwrap();
+            for _ in 0..5 {
+                step(&mut world);
+                let pose = &world.bodies().poses[1];
+                let lowest = |x: f64| (pose.position + pose.orientation * DVec3::new(x, 0.0, 0.0)).y;
+                let lowest = lowest(0.5 * CARD[0]).min(lowest(-0.5 * CARD[0]));
+                assert!(
+                    lowest > 0.5 * CARD[1] - 2e-3,
+                    "struck at {speed} m/s {lift} m above the plate its edge gets to {lowest} m"
+                );
+            }
         }
     }
 }

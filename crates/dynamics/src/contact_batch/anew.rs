@@ -45,7 +45,7 @@ impl<I: Instructions> Batch<I> {
             if travel <= self.rest.look_at.get(lane) {
                 continue;
             }
-            let pair = patch.pair;
+            let (pair, struck) = (patch.pair, patch.struck);
             let shapes = [pair.first, pair.second].map(|i| &bodies.shapes[i]);
             let poses = locals.map(|local| movers.pose(local));
             let found_at = match &patch.anew {
@@ -53,8 +53,8 @@ impl<I: Instructions> Batch<I> {
                 None => movers.start_second_from_first(locals),
             };
             let placed = [0, 1].map(|side| Placed { shape: shapes[side], pose: &poses[side] });
-            let mut rests_for = STALE * patch.size;
-            if moved_since(&found_at, placed[0], placed[1], 0.0) > rests_for {
+            let mut rests_for = patch.rests_for();
+            if patch.is_watched || moved_since(&found_at, placed[0], placed[1], 0.0) > rests_for {
                 let apart = self.apart_for(lane, (bodies, movers), placed, travel);
                 if apart > 0.0 {
                     rests_for = apart;
@@ -65,8 +65,10 @@ impl<I: Instructions> Batch<I> {
                         let (pose, velocity) = movers.state(bodies, locals[side]);
                         Flight::from(bodies, i, (pose, &velocity), rest)
                     });
-                    let encounter = Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest);
+                    let encounter =
+                        Encounter::new(bodies, pair, [&flights[0], &flights[1]], rest).struck(struck);
                     self.find_anew(lane, movers, finder, &encounter);
+                    rests_for = self.rest.patches[lane].rests_for();
                     is_changed = true;
                 }
             }
@@ -87,7 +89,7 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
-    /// How far two hulls can travel until they, or their points, could meet within a substep, after so much `travel` [m]: as far as they are apart
+    /// How far two bodies can travel until they, or their points, could meet within a substep, after so much `travel` [m]: as far as they are apart
     /// along the normal of their points, or of their centres if they have none. Not positive if they could now.
     fn apart_for(
         &self,
@@ -96,11 +98,6 @@ impl<I: Instructions> Batch<I> {
         placed: [Placed; 2],
         travel: f64,
     ) -> f64 {
-        let [Solid::Hull(first_hull), Solid::Hull(second_hull)] =
-            placed.map(|placed| Solid::of(placed.shape))
-        else {
-            return 0.0;
-        };
         let (mut normal, mut nearest) = (None, f64::INFINITY);
         for (at, row) in self.rows.iter().enumerate().filter(|(_, row)| row.is_there.get(lane)) {
             normal = normal.or_else(|| Some(self.basis(at, self.shared_basis()).normal.get(lane)));
@@ -124,14 +121,28 @@ impl<I: Instructions> Batch<I> {
         let [(from, from_spin), (to, to_spin)] = [motion(0, pair.first), motion(1, pair.second)];
         let [radius, other_radius] = self.sizes.map(|size| size.get(lane));
         let [pose, other_pose] = placed.map(|placed| placed.pose);
-        let normal = normal.unwrap_or_else(|| (pose.position - other_pose.position).normalize_or_zero());
+        let between = pose.position - other_pose.position;
+        let closing_along = |normal: DVec3| (to - from).dot(normal);
 
         // No point of theirs is nearer, even along another normal.
-        let apart = apart_along([first_hull, second_hull], [pose, other_pose], normal).min(nearest);
-        let turning =
-            from_spin.cross(normal).length() * radius + to_spin.cross(normal).length() * other_radius;
-        let closing = (to - from).dot(normal) + turning;
-        apart - WARY * closing.max(0.0) * self.rest.dt
+        let (apart, closing) = match placed.map(|placed| Solid::of(placed.shape)) {
+            [Solid::Hull(hull), Solid::Hull(other)] => {
+                let normal = normal.unwrap_or_else(|| between.normalize_or_zero());
+                let turning =
+                    from_spin.cross(normal).length() * radius + to_spin.cross(normal).length() * other_radius;
+                (
+                    apart_along([hull, other], [pose, other_pose], normal).min(nearest),
+                    closing_along(normal) + turning,
+                )
+            }
+            _ if radius == 0.0 || other_radius == 0.0 => return 0.0,
+            // Balls around them are no nearer as they turn.
+            _ => (
+                (between.length() - radius - other_radius).min(nearest),
+                closing_along(between.normalize_or_zero()),
+            ),
+        };
+        apart - (WARY * closing.max(0.0) + self.rest.patches[lane].struck) * self.rest.dt
     }
 
     fn find_anew(
@@ -150,6 +161,7 @@ impl<I: Instructions> Batch<I> {
         );
         let patch = &mut self.rest.patches[lane];
         patch.anew = Some(Box::new(Anew { found_at: second_from_first(first, second), point }));
+        patch.is_watched = false;
         patch.touched |= taken.iter().any(|taken| taken.touched);
 
         let has_carried = |sample| taken.iter().any(|taken| taken.touched && taken.sample == sample);

@@ -1,12 +1,11 @@
 //! Which points of which pairs are in the lanes of a batch: gathered a line for each lane, row by row.
 
-use super::{Anchors, Batch, Patch, Rest, STALE, Softness};
+use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
-use crate::pair::Pair;
 use crate::warm_start::{Carried, PointImpulse};
 use crate::{Bodies, Motion};
 
@@ -23,6 +22,8 @@ pub(crate) struct Touching<'a> {
     pub(crate) manifolds: &'a [Manifold<'a>],
     /// What the points of each carried at the end of the last frame.
     pub(crate) carried: &'a [&'a [Carried]],
+    /// See [`Encounter::near`](crate::encounter::Encounter::near): how far points were looked for beyond what the bodies' ways take [m].
+    pub(crate) near: f64,
 }
 
 /// A point of a pair and what it carried in the last frame, by their places.
@@ -92,7 +93,8 @@ impl<I: Instructions> Batch<I> {
         let rows = group.iter().map(count).max().unwrap_or(0);
         let mut batch = Self::empty([[movers.nobody(); LANES]; 2], rows, dt);
         for (lane, member) in group.iter().enumerate() {
-            batch.add_pair(bodies, movers, lane, (member, touching.manifolds[member.manifold].pair));
+            let manifold = &touching.manifolds[member.manifold];
+            batch.add_pair(bodies, movers, lane, (member, manifold, touching.near));
         }
         I::run(
             #[inline(always)]
@@ -154,7 +156,14 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// Gives a lane its pair.
-    fn add_pair(&mut self, bodies: &Bodies, movers: &Movers, lane: usize, (member, pair): (&Member, Pair)) {
+    fn add_pair(
+        &mut self,
+        bodies: &Bodies,
+        movers: &Movers,
+        lane: usize,
+        (member, touching, near): (&Member, &Manifold, f64),
+    ) {
+        let pair = touching.pair;
         let locals = member.locals;
         [self.locals[0][lane], self.locals[1][lane]] = locals;
 
@@ -178,7 +187,10 @@ impl<I: Instructions> Batch<I> {
             }
         }
         let manifold = member.manifold;
-        self.rest.patches.push(Patch { pair, manifold, size: 0.0, touched: false, anew: None });
+        let (struck, near) = (touching.struck, near_if_struck(bodies, touching, near));
+        let patch =
+            Patch { pair, manifold, size: 0.0, near, struck, is_watched: false, touched: false, anew: None };
+        self.rest.patches.push(patch);
     }
 
     /// How its bodies began the frame.
@@ -194,7 +206,9 @@ impl<I: Instructions> Batch<I> {
         self.sizes = [first.size.kept(), second.size.kept()];
         for (lane, patch) in self.rest.patches.iter_mut().enumerate() {
             patch.size = smaller(first.size.get(lane), second.size.get(lane));
-            self.rest.look_at.set(lane, STALE * patch.size);
+            // What may be struck and has no points, or may need others at once, is looked at first.
+            patch.is_watched = patch.struck * self.rest.dt > patch.rests_for();
+            self.rest.look_at.set(lane, if patch.is_watched { -1.0 } else { patch.rests_for() });
         }
     }
 
@@ -369,6 +383,20 @@ impl<I: Instructions> Anchors<I> {
             self.sample[lane] = sample[lane];
         }
     }
+}
+
+/// How far a pair may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it has none, else as
+/// far as they were looked for, or by a quarter of what is thinner [m].
+fn near_if_struck(bodies: &Bodies, Manifold { pair, points, struck }: &Manifold, near: f64) -> f64 {
+    if *struck == 0.0 {
+        return f64::INFINITY;
+    }
+    let thickness = |i: usize| {
+        let (low, high) = bodies.shapes[i].bounds;
+        (high - low).min_element()
+    };
+    let thinner = thickness(pair.first).min(thickness(pair.second));
+    if points.is_empty() { 0.0 } else { near.max(0.25 * thinner) }
 }
 
 /// The smaller of two sizes, of which one may be 0 and infinite.

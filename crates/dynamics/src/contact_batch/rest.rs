@@ -6,10 +6,10 @@ use crate::lanes::{Instructions, Lanes3};
 use crate::moving::Movers;
 
 impl<I: Instructions> Batch<I> {
-    /// Comes to rest, if its bodies are calm and none of them kinematic.
+    /// Comes to rest, if its bodies are calm and none of them kinematic, and it has points.
     #[inline(always)]
     pub(crate) fn lie_down(&mut self, movers: &Movers, step: &Frame) {
-        let is_settled = !self.is_driven && !self.looks.any();
+        let is_settled = !self.is_driven && !self.looks.any() && !self.rows.is_empty();
         self.rests = is_settled && self.locals.iter().all(|locals| movers.are_calm(locals, step.dt));
         if self.rests {
             self.locals.iter().for_each(|locals| movers.lie_down(locals));
@@ -19,7 +19,7 @@ impl<I: Instructions> Batch<I> {
     /// If it acts on what rests, it has been in balance with that.
     #[inline(always)]
     pub(crate) fn lean(&self, movers: &Movers) {
-        if self.locals.iter().any(|locals| movers.any_rests(locals)) {
+        if !self.rows.is_empty() && self.locals.iter().any(|locals| movers.any_rests(locals)) {
             self.be_in_balance(movers);
         }
     }

@@ -4,7 +4,7 @@ use crate::clusters::Member;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
 use crate::instructions::Scalar;
-use crate::manifold::{Manifold, find_manifolds};
+use crate::manifold::{Manifold, ManifoldFinder, find_manifolds};
 use crate::warm_start::{Carried, WarmStart};
 use crate::{Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, Shape};
@@ -52,7 +52,7 @@ proptest! {
         let manifolds: Vec<Manifold> = found.iter().collect();
         prop_assume!(!manifolds.is_empty());
         let carried: [&[Carried]; 1] = [&[]];
-        let touching = Touching { manifolds: &manifolds, carried: &carried };
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: step.sag() };
         let mut movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
         let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
         let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
@@ -65,6 +65,48 @@ proptest! {
                 let closing = batch.point(at, batch.shared_basis()).closing(&sides).get(0);
                 let gap = batch.rows[at].gap.get(0);
                 prop_assert!(at < near || gap > closing * step.dt, "row {at} of {near} near ones: {gap} m, {closing} m/s");
+            }
+            movers.drift::<Scalar>(&bodies, &step);
+            batch.follow(&movers, Some(step.dt));
+        }
+    }
+}
+
+/// Two cubes that meet only if one of them is struck have no points while they are further apart than a blow of the speed that is told, which may come at any
+/// time, pushes them in a substep; then they have, before they come any nearer.
+#[test]
+fn what_may_be_struck_has_points_in_time() {
+    /// Substeps before the blow.
+    const BLOW: u32 = 2;
+    let frame = Frame { dt: 1.0 / 30.0, gravity: DVec3::ZERO, settings: StepSettings::default() };
+    let step = Frame { dt: frame.dt / 8.0, ..frame };
+    for (gap, struck) in [(0.05, 2.0), (0.05, 13.0), (0.3, 2.0), (0.3, 13.0), (0.3, 50.0)] {
+        // The lowest edge of the upper one is that much lower than if it were not turned.
+        let (sine, cosine) = libm::sincos(0.3);
+        let lower = 0.5 * (sine + cosine - 1.0);
+        let bodies = cubes(gap + lower, 0.3, [DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+        let manifolds = [Manifold { pair: Pair { first: 0, second: 1 }, points: &[], struck }];
+        let carried: [&[Carried]; 1] = [&[]];
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: step.sag() };
+        let mut movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
+        let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
+        let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
+        batch.follow(&movers, None);
+        let mut finder = ManifoldFinder::default();
+        for done in 0..8 {
+            let rest = Frame { dt: f64::from(8 - done) * step.dt, ..step };
+            if batch.refresh((&bodies, &movers), &mut finder, &rest) {
+                batch.follow(&movers, None);
+            }
+            let left = gap - movers.pose(0).position.y;
+            let (has_points, is_near) = (!batch.rows.is_empty(), left <= struck * step.dt);
+            assert!(has_points || !is_near, "{gap} m, {struck} m/s, substep {done}: {left} m");
+            assert!(is_near || !has_points || done > BLOW, "{gap} m, {struck} m/s, substep {done}: {left} m");
+
+            if done == BLOW {
+                let [mut struck_one, other] = batch.sides(&movers);
+                struck_one.linear.y = Lanes::splat(0.9 * struck);
+                batch.store(&movers, &[struck_one, other]);
             }
             movers.drift::<Scalar>(&bodies, &step);
             batch.follow(&movers, Some(step.dt));
@@ -102,7 +144,7 @@ impl Stack {
         let found = find_manifolds(&bodies, &pairs, &WarmStart::default(), &step);
         let manifolds: Vec<Manifold> = found.iter().collect();
         let carried: [&[Carried]; 2] = [&[], &[]];
-        let touching = Touching { manifolds: &manifolds, carried: &carried };
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: step.sag() };
         let movers = Movers::new::<Scalar>(&bodies, vec![0, 1, 2]);
         let batch = |manifold: usize| {
             let locals = [manifold as u32, manifold as u32 + 1];

@@ -13,7 +13,7 @@ use glam::DVec3;
 const NEAR: f64 = 0.02;
 
 /// For two hulls that move this far against each other in the frame, spin included, and only pass, one point does; relative to the smaller hull's size.
-/// It is found anew in each frame; what is slower keeps its points, and needs all of them, however hard it may be struck.
+/// It is found anew in each frame; what is slower keeps its points, and needs all of them.
 const PASSING: f64 = 0.3;
 
 /// Steps along the way to the first touch.

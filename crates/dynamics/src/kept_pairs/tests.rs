@@ -56,14 +56,14 @@ fn without_gaps(found: &Manifolds) -> Vec<Vec<ManifoldPoint>> {
 #[test]
 fn what_rests_keeps_its_points() {
     let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
-    let before = kept.find_manifolds(&bodies, &pairs, &[], &WarmStart::default(), &frame()).clone();
+    let before = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
     assert_eq!(before.iter().map(|manifold| manifold.pair).collect::<Vec<_>>(), [pairs[0], pairs[2]]);
     let anew = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame());
     assert_eq!(without_gaps(&before), without_gaps(&anew));
 
     for (shift, is_kept) in [(DVec3::new(4e-4, 2e-4, 0.0), true), (DVec3::new(8e-3, 2e-4, 0.0), false)] {
         bodies.poses[1].position += shift;
-        let after = kept.find_manifolds(&bodies, &pairs, &[], &WarmStart::default(), &frame()).clone();
+        let after = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
         for (before, after) in before.iter().zip(after.iter()) {
             assert_eq!(samples(&before), samples(&after));
             for (old, new) in before.points.iter().zip(after.points) {
@@ -100,7 +100,7 @@ fn what_rests_on_the_ground_keeps_its_points() {
         [(DVec3::ZERO, true), (DVec3::new(1e-3, 1e-3, 0.0), true), (0.01 * DVec3::X, false)]
     {
         bodies.poses[1].position += shift;
-        let kept = kept.find_manifolds(&bodies, &pairs, &[], &WarmStart::default(), &frame()).clone();
+        let kept = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
         let anew = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame());
         assert_eq!(list(&kept)[0].points.len(), 4);
         for (kept, anew) in list(&kept)[0].points.iter().zip(list(&anew)[0].points) {
@@ -117,7 +117,7 @@ fn what_jams_keeps_nothing() {
     let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
     for shift in [-0.03, 4e-4] {
         bodies.poses[1].position += shift * DVec3::new(1.0, 1.0, 0.0);
-        let found = kept.find_manifolds(&bodies, &pairs[..1], &[], &WarmStart::default(), &frame());
+        let found = kept.find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
         let anew = find_manifolds(&bodies, &pairs[..1], &WarmStart::default(), &frame());
         assert_eq!(samples(&list(found)[0]), samples(&list(&anew)[0]));
         assert_eq!(list(found)[0].points[0].anchor_second, list(&anew)[0].points[0].anchor_second);
@@ -129,7 +129,7 @@ fn what_jams_keeps_nothing() {
 fn only_motion_against_each_other_counts() {
     let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
     let anchor = |bodies: &Bodies, kept: &mut KeptPairs| {
-        let found = kept.find_manifolds(bodies, &pairs[..1], &[], &WarmStart::default(), &frame());
+        let found = kept.find_manifolds(bodies, &pairs[..1], &WarmStart::default(), &frame());
         list(found)[0].points[0].anchor_second
     };
     let at_start = anchor(&bodies, &mut kept);
@@ -154,12 +154,12 @@ fn only_motion_against_each_other_counts() {
 #[test]
 fn others_come_and_go() {
     let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
-    let before = kept.find_manifolds(&bodies, &pairs, &[], &WarmStart::default(), &frame()).clone();
+    let before = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
     // A motion that is too small for points to be found anew shows that they are not.
     bodies.poses[2].position.x += 3e-4;
     bodies.remove(&[true, false, false]);
     spawn(&mut bodies, cube(), DVec3::new(0.0, 2.994, 0.0), DVec3::ZERO, DVec3::ZERO);
-    let after = kept.find_manifolds(&bodies, &pairs, &[], &WarmStart::default(), &frame()).clone();
+    let after = kept.find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame()).clone();
     assert_eq!(after.len(), 2);
     let anchors = |manifold: &Manifold| {
         manifold.points.iter().map(|point| (point.anchor_first, point.anchor_second)).collect::<Vec<_>>()
@@ -201,7 +201,7 @@ proptest! {
                 };
                 manifolds.iter().flat_map(|manifold| manifold.points.iter().map(gap)).reduce(f64::min)
             };
-            let kept = lowest(kept.find_manifolds(&bodies, &[pair], &[], &WarmStart::default(), &frame()));
+            let kept = lowest(kept.find_manifolds(&bodies, &[pair], &WarmStart::default(), &frame()));
             let anew = lowest(&find_manifolds(&bodies, &[pair], &WarmStart::default(), &frame()));
             if let Some(anew) = anew {
                 let near = kept.map(|kept| kept <= anew + 8e-3);

@@ -7,7 +7,7 @@ use crate::exact_rotation::{NO_MOMENTUM, NO_TURN, SLOW, rotate_slowly};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers};
 use crate::threads;
 use crate::vector::{Turn, Vector};
-use crate::{Bodies, Frame, Motion, Rotation};
+use crate::{Bodies, Frame, Motion, Rotation, Velocity};
 use glam::DVec3;
 
 /// Bodies that go to a thread together, a multiple of [`LANES`]: a hundred kilobytes.
@@ -19,7 +19,7 @@ struct Stretch<'a> {
     moving: &'a mut [Moving],
     moved: &'a mut [Moved],
     poses: &'a mut [Numbers],
-    starts: &'a [Numbers],
+    starts: &'a mut [Numbers],
     builds: &'a mut [Build],
     /// See [`Movers`].
     moment_of_mass: DVec3,
@@ -42,9 +42,10 @@ impl Movers {
         });
     }
 
-    /// What depends on the poses, at the frame's start.
-    pub(super) fn follow_poses<I: Instructions>(&mut self) {
+    /// All bodies are as they are at the frame's start.
+    pub(super) fn begin<I: Instructions>(&mut self, bodies: &Bodies) {
         self.for_each_stretch(|stretch| {
+            stretch.begin(bodies);
             I::run(
                 #[inline(always)]
                 || stretch.follow_poses::<I>(0.0),
@@ -53,7 +54,7 @@ impl Movers {
     }
 
     fn for_each_stretch(&mut self, visit: impl Fn(&mut Stretch) + Send + Sync) {
-        let lines = self.poses.chunks_mut(STRETCH).zip(self.starts.chunks(STRETCH));
+        let lines = self.poses.chunks_mut(STRETCH).zip(self.starts.chunks_mut(STRETCH));
         let lines = lines.zip(self.builds.chunks_mut(STRETCH));
         let moving = self.moving.as_mut_slice().chunks_mut(STRETCH).zip(self.moved.chunks_mut(STRETCH));
         let mut stretches: Vec<Stretch> = moving
@@ -72,6 +73,26 @@ impl Movers {
 }
 
 impl Stretch<'_> {
+    /// Each body is where it is, as fast as it is.
+    fn begin(&mut self, bodies: &Bodies) {
+        for (local, &i) in self.who.iter().enumerate() {
+            let (inertia, size) = (&bodies.inertias[i], radius(&bodies.shapes[i]));
+            let size = if size.is_finite() { size } else { 0.0 };
+            self.poses[local] = line_of(&bodies.poses[i]);
+            self.starts[local] = self.poses[local];
+            self.starts[local].0[7] = size;
+            let DVec3 { x, y, z } = inertia.inverse_moments;
+            let mut mass = 0.0;
+            if !inertia.is_infinite() {
+                let Velocity { linear: v, angular_momentum: l } = bodies.velocities[i];
+                self.moving[local].motion =
+                    Numbers([v.x, v.y, v.z, l.x, l.y, l.z, inertia.inverse_mass, 1.0]);
+                mass = bodies.masses[i];
+            }
+            self.builds[local] = Numbers([x, y, z, x.max(y).max(z), 0.0, mass, 0.0, 0.0]);
+        }
+    }
+
     /// Moves bodies that turn slowly, by [`rotate_slowly`].
     #[inline(always)]
     fn drift_slowly<I: Instructions>(&mut self, step: &Frame) {
