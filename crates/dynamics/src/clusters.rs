@@ -301,6 +301,74 @@ fn root(parent: &mut [usize], mut of: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::manifold::ManifoldPoint;
+    use crate::pair::Pair;
+    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::{DQuat, DVec3};
+    use std::sync::Arc;
+
+    /// Each pair of a cluster is in one rank, and no body in two pairs of it; pairs without points are behind all others in heaps, and among them where
+    /// impacts follow each other.
+    #[test]
+    fn what_is_watched_has_ranks_of_its_own_in_heaps() {
+        const COUNT: usize = 12;
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1));
+        let mut bodies = Bodies::default();
+        for i in 0..COUNT {
+            bodies.spawn(NewBody {
+                shape: shape.clone(),
+                density: 1.0,
+                motion: Motion::Dynamic,
+                pose: Pose { position: i as f64 * DVec3::X, orientation: DQuat::IDENTITY },
+                velocity: Velocity::default(),
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        let point = ManifoldPoint {
+            anchor_first: DVec3::ZERO,
+            anchor_second: DVec3::ZERO,
+            rounding: [0.5; 2],
+            normal: DVec3::X,
+            sample: (true, 0),
+            approach: 0.0,
+            gap: 0.0,
+        };
+        // Neighbours touch, and each may be pushed to the one after its neighbour.
+        let points = [point];
+        let mut manifolds = Vec::new();
+        for first in 0..COUNT {
+            let others = (first + 1..COUNT).take(2);
+            manifolds.extend(others.map(|second| {
+                let points: &[ManifoldPoint] = if second == first + 1 { &points } else { &[] };
+                Manifold { pair: Pair { first, second }, points, struck: 1.0 }
+            }));
+        }
+        let carried = vec![&[][..]; manifolds.len()];
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: 0.0 };
+        let pairs: Vec<usize> = (0..manifolds.len()).collect();
+        let (calm, stiffness, mut local) =
+            (vec![true; COUNT], vec![1.0; manifolds.len()], vec![NOWHERE; COUNT]);
+        for (size, is_heap) in [(pairs.len(), false), (1 << 20, true)] {
+            let effort = Effort::of_size(size);
+            let cluster = Cluster::new((&bodies, &calm), touching, (&pairs, effort), &stiffness, &mut local);
+            let mut all: Vec<usize> = cluster.members.iter().map(|member| member.manifold).collect();
+            let touch = all.iter().filter(|&&at| !manifolds[at].points.is_empty()).count();
+            let are_last = all[touch..].iter().all(|&at| manifolds[at].points.is_empty());
+            assert_eq!(are_last, is_heap, "{all:?}");
+            all.sort_unstable();
+            assert_eq!(all, pairs);
+            let mut begin = 0;
+            for &end in cluster.rank_ends.iter().flatten() {
+                let mut in_rank: Vec<u32> =
+                    cluster.members[begin..end].iter().flat_map(|member| member.locals).collect();
+                in_rank.sort_unstable();
+                assert!(begin < end && in_rank.is_sorted_by(|a, b| a < b), "{in_rank:?}");
+                begin = end;
+            }
+            assert_eq!(begin, pairs.len());
+        }
+    }
 
     /// A body of a hundred pairs has one in each rank, whether ranks are taken in order or wherever they are free; and two that share nothing
     /// are side by side.
