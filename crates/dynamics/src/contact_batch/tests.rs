@@ -33,6 +33,16 @@ fn cubes(gap: f64, turn: f64, linear: [DVec3; 2], spin: [DVec3; 2]) -> Bodies {
     bodies
 }
 
+/// A batch of the only pair of two bodies.
+fn batch_of(bodies: &Bodies, manifold: Manifold, step: &Frame) -> (Movers, Batch<Scalar>) {
+    let touching = Touching { manifolds: &[manifold], carried: &[&[]], near: step.sag() };
+    let movers = Movers::new::<Scalar>(bodies, vec![0, 1]);
+    let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
+    let mut batch = Batch::new((bodies, &movers), &[member], touching, step.dt);
+    batch.follow(&movers, None);
+    (movers, batch)
+}
+
 proptest! {
     /// Rows that are left behind as far are too far to touch within a substep at any of their points; when they follow, they are where they
     /// would have been.
@@ -51,12 +61,7 @@ proptest! {
         let found = find_manifolds(&bodies, &[Pair { first: 0, second: 1 }], &WarmStart::default(), &frame);
         let manifolds: Vec<Manifold> = found.iter().collect();
         prop_assume!(!manifolds.is_empty());
-        let carried: [&[Carried]; 1] = [&[]];
-        let touching = Touching { manifolds: &manifolds, carried: &carried, near: step.sag() };
-        let mut movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
-        let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
-        let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
-        batch.follow(&movers, None);
+        let (mut movers, mut batch) = batch_of(&bodies, manifolds[0], &step);
         for _ in 0..4 {
             let near = batch.near_rows;
             let sides = batch.sides(&movers);
@@ -85,13 +90,8 @@ fn what_may_be_struck_has_points_in_time() {
         let (sine, cosine) = libm::sincos(0.3);
         let lower = 0.5 * (sine + cosine - 1.0);
         let bodies = cubes(gap + lower, 0.3, [DVec3::ZERO; 2], [DVec3::ZERO; 2]);
-        let manifolds = [Manifold { pair: Pair { first: 0, second: 1 }, points: &[], struck }];
-        let carried: [&[Carried]; 1] = [&[]];
-        let touching = Touching { manifolds: &manifolds, carried: &carried, near: step.sag() };
-        let mut movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
-        let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
-        let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
-        batch.follow(&movers, None);
+        let watched = Manifold { pair: Pair { first: 0, second: 1 }, points: &[], struck };
+        let (mut movers, mut batch) = batch_of(&bodies, watched, &step);
         let mut finder = ManifoldFinder::default();
         for done in 0..8 {
             let rest = Frame { dt: f64::from(8 - done) * step.dt, ..step };
