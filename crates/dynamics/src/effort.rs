@@ -15,8 +15,7 @@ pub(crate) struct Effort {
     /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on. And the most
     /// passes over what they squeeze.
     pub(crate) impacts: u32,
-    /// Whether it stands and carries much through few. Then what is calm does not rest: it sways slowly, and a tower of 50 cubes would drift by 18 cm
-    /// instead of 1. And overlaps close in full, or it sinks: with less a load of 1000 on ten cubes falls.
+    /// Whether it stands and carries much through few. Then overlaps close in full, or it sinks: with less a load of 1000 on ten cubes falls.
     pub(crate) carries_much: bool,
 }
 
@@ -55,6 +54,12 @@ impl Effort {
     pub(crate) fn of_size(pairs: usize) -> Self {
         let (passes, impacts) = if pairs > HEAP_PAIRS { (1, 1) } else { (2, 32) };
         Self { passes, stiffest: 1.0, impacts, carries_much: false }
+    }
+
+    /// Whether what is calm rests. What carries much on stiffer contacts does not: it sways slowly, and a tower of 50 cubes would drift by 18 cm
+    /// instead of 1.
+    pub(crate) fn rests(&self) -> bool {
+        self.stiffest <= 1.0
     }
 
     /// What those of some islands take that carry much, if they are small enough for that, and the load of each of their pairs.

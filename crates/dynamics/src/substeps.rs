@@ -5,10 +5,11 @@ mod passes;
 mod ranks;
 mod rebound;
 
-use crate::clusters::{Cluster, clusters};
+use crate::clusters::{Cluster, NOWHERE, plan};
 use crate::contact_batch::Touching;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
+use crate::effort::Effort;
 use crate::evolve::evolve;
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::{Avx2, Avx512, Sse2};
@@ -76,8 +77,11 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
     let bodies_now = &*bodies;
-    let (clusters, is_in_one) = clusters(bodies, touching, frame);
-    let closed = threads::map(clusters, manifolds.len(), |cluster| {
+    let plan = plan(bodies, manifolds, warm, frame);
+    let clusters: Vec<usize> = (0..plan.clusters.len()).collect();
+    let room = || vec![NOWHERE; bodies_now.len()];
+    let closed = threads::map_with(clusters, manifolds.len(), room, |local, number| {
+        let cluster = Cluster::new(bodies_now, touching, &plan, number, local);
         let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
         solver.open(ledger, frame);
@@ -93,16 +97,19 @@ fn solve_with<I: Instructions>(
 
     // One after the other, so that sums are the same whoever came first.
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
-    let mut parts = Vec::new();
+    let (mut parts, mut settled, mut is_in_one) =
+        (Vec::new(), vec![0; bodies.len()], vec![false; bodies.len()]);
     for Closed { movers, kept, tally } in closed {
         movers.hand_back(bodies);
+        movers.who.iter().for_each(|&i| is_in_one[i] = true);
+        movers.settled().for_each(|i| settled[i] = warm.settled_for(bodies.ids[i]).saturating_add(1));
         parts.extend(kept);
         solved.tally.add(tally);
         solved.gravity.0 += movers.gravity.0;
         solved.gravity.1 += movers.gravity.1;
     }
     fly(bodies, &is_in_one, frame, &mut solved);
-    *warm = WarmStart::of_parts(manifolds.len(), parts);
+    *warm = WarmStart::of_parts(bodies, manifolds.len(), parts, &settled);
     solved
 }
 
@@ -138,9 +145,7 @@ struct Solver<'a, I> {
     bodies: &'a Bodies,
     movers: Movers,
     ranks: Ranks<I>,
-    passes: u32,
-    impacts: u32,
-    carries_much: bool,
+    effort: Effort,
     funds: Funds,
 }
 
@@ -157,23 +162,15 @@ impl<'a, I: Instructions> Solver<'a, I> {
         let Cluster { bodies: who, members, rank_ends, effort } = cluster;
         let movers = Movers::new::<I>(bodies, who);
         let ranks = Ranks::new((bodies, &movers), (&members, &rank_ends), touching, dt);
-        let mut solver = Self {
-            bodies,
-            movers,
-            ranks,
-            passes: effort.passes,
-            impacts: effort.impacts,
-            carries_much: effort.carries_much,
-            funds: Funds::UNLIMITED,
-        };
+        let mut solver = Self { bodies, movers, ranks, effort, funds: Funds::UNLIMITED };
         solver.follow(None);
         solver
     }
 
     /// Finds what there is to close overlaps with, where that matters.
     fn open(&mut self, ledger: &Ledger, frame: &Frame) {
-        let Self { bodies, movers, funds, carries_much, .. } = self;
-        if !*carries_much && frame.settings.ledger {
+        let Self { bodies, movers, funds, effort, .. } = self;
+        if !effort.carries_much && frame.settings.ledger {
             let most = frame.settings.bank_cap * movers.mass();
             *funds = Funds::new(ledger.bank_of(bodies, &movers.who), most);
         }
@@ -226,13 +223,14 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// What is calm comes to rest.
     fn lie_down(&mut self, step: &Frame) {
-        if self.carries_much || !can_rest(step) {
+        if !self.effort.rests() || !can_rest(step) {
             return;
         }
+        self.movers.find_settled(step.dt);
         self.each_in_turn(false, |movers, block| {
             I::run(
                 #[inline(always)]
-                || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers, step)),
+                || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers)),
             );
         });
         self.each_in_turn(false, |movers, block| {

@@ -50,6 +50,21 @@ pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R +
     }
 }
 
+/// As [`map`], with room that is used again from item to item.
+pub(crate) fn map_with<T: Send, R: Send, O>(
+    items: Vec<T>,
+    things: usize,
+    room: impl Fn() -> O + Send + Sync,
+    of: impl Fn(&mut O, T) -> R + Send + Sync,
+) -> Vec<R> {
+    if items.len() > 1 && is_shared(things) {
+        items.into_par_iter().map_init(room, of).collect()
+    } else {
+        let mut room = room();
+        items.into_iter().map(|item| of(&mut room, item)).collect()
+    }
+}
+
 /// A list of so many things, each by its number.
 pub(crate) fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     if is_shared(count) {

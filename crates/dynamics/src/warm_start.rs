@@ -1,5 +1,6 @@
 //! What contact points carry from one substep, and from one frame, to the next.
 
+use crate::bodies::PerBody;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::threads;
@@ -15,14 +16,25 @@ const SHARE: usize = 1024;
 pub struct WarmStart {
     /// Of some pairs each.
     points: Vec<Vec<Carried>>,
-    /// In the order of ids.
+    /// In their order.
     pairs: Vec<CarriedPair>,
+    bodies: PerBody<CarriedBody>,
+}
+
+/// What is known of a body from the last frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct CarriedBody {
+    /// Its dense index then.
+    place: usize,
+    /// In so many frames, one after the other until then, it could come to rest.
+    settled_for: u8,
 }
 
 /// Where the points of a pair are.
 #[derive(Clone, Debug)]
 struct CarriedPair {
-    ids: [BodyId; 2],
+    /// By dense indices of that frame.
+    pair: Pair,
     part: usize,
     points: Range<usize>,
 }
@@ -32,7 +44,7 @@ struct CarriedPair {
 pub(crate) struct Part {
     pub(crate) points: Vec<Carried>,
     /// Place of each among all pairs, its bodies, and its end among the points.
-    pairs: Vec<(usize, [BodyId; 2], usize)>,
+    pairs: Vec<(usize, Pair, usize)>,
 }
 
 /// A contact point and what it carried.
@@ -69,25 +81,32 @@ impl PointImpulse {
 impl WarmStart {
     /// The points of a pair that carried.
     pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
-        let found = self.pairs.binary_search_by_key(&pair.ids(bodies), |kept| kept.ids);
+        let Some(pair) = self.pair_then(bodies, pair) else { return &[] };
+        let found = self.pairs.binary_search_by_key(&pair, |kept| kept.pair);
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
+    }
+
+    /// A pair by the dense indices of the last frame, if both of its bodies were there.
+    fn pair_then(&self, bodies: &Bodies, pair: Pair) -> Option<Pair> {
+        let [first, second] = pair.ids(bodies).map(|id| self.bodies.get(id));
+        Some(Pair { first: first?.place, second: second?.place })
     }
 
     fn points_of(&self, pair: &CarriedPair) -> &[Carried] {
         &self.points[pair.part][pair.points.clone()]
     }
 
-    /// Those of many pairs: most of them come in the order of ids.
+    /// Those of many pairs: most of them come in the order of the last frame's.
     pub(crate) fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
         let of_share = |manifolds: &[Manifold]| {
             let mut next = 0;
             let of = |manifold: &Manifold| {
-                let wanted = manifold.pair.ids(bodies);
-                if self.pairs.get(next).is_none_or(|kept| kept.ids != wanted) {
-                    next = self.pairs.partition_point(|kept| kept.ids < wanted);
+                let Some(wanted) = self.pair_then(bodies, manifold.pair) else { return &[][..] };
+                if self.pairs.get(next).is_none_or(|kept| kept.pair != wanted) {
+                    next = self.pairs.partition_point(|kept| kept.pair < wanted);
                 }
                 match self.pairs.get(next) {
-                    Some(kept) if kept.ids == wanted => {
+                    Some(kept) if kept.pair == wanted => {
                         next += 1;
                         self.points_of(kept)
                     }
@@ -104,22 +123,33 @@ impl WarmStart {
         self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
     }
 
-    /// Of so many pairs, some of them in each part.
-    pub(crate) fn of_parts(pairs: usize, parts: Vec<Part>) -> Self {
-        let nobody = BodyId { index: 0, generation: 0 };
-        let none = CarriedPair { ids: [nobody; 2], part: 0, points: 0..0 };
-        let mut all = Self { points: Vec::with_capacity(parts.len()), pairs: vec![none; pairs] };
+    /// In so many frames, one after the other until the last one, a body could come to rest.
+    pub(crate) fn settled_for(&self, id: BodyId) -> u8 {
+        self.bodies.get(id).map_or(0, |body| body.settled_for)
+    }
+
+    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now.
+    pub(crate) fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<Part>, settled_for: &[u8]) -> Self {
+        let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
+        let mut all = Self {
+            points: Vec::with_capacity(parts.len()),
+            pairs: vec![none; pairs],
+            bodies: PerBody::default(),
+        };
+        for (place, (&id, &settled_for)) in bodies.ids.iter().zip(settled_for).enumerate() {
+            all.bodies.insert(id, CarriedBody { place, settled_for });
+        }
         for Part { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
-            for (place, ids, end) in pairs {
-                all.pairs[place] = CarriedPair { ids, part, points: begin..end };
+            for (place, pair, end) in pairs {
+                all.pairs[place] = CarriedPair { pair, part, points: begin..end };
                 begin = end;
             }
             all.points.push(points);
         }
         all.pairs.retain(|kept| !kept.points.is_empty());
-        if !all.pairs.is_sorted_by_key(|kept| kept.ids) {
-            all.pairs.sort_unstable_by_key(|kept| kept.ids);
+        if !all.pairs.is_sorted_by_key(|kept| kept.pair) {
+            all.pairs.sort_unstable_by_key(|kept| kept.pair);
         }
         all
     }
@@ -127,7 +157,71 @@ impl WarmStart {
 
 impl Part {
     /// The points since the last pair are those of a pair that has some place among all.
-    pub(crate) fn end_pair(&mut self, place: usize, ids: [BodyId; 2]) {
-        self.pairs.push((place, ids, self.points.len()));
+    pub(crate) fn end_pair(&mut self, place: usize, pair: Pair) {
+        self.pairs.push((place, pair, self.points.len()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::{DQuat, DVec3};
+    use std::sync::Arc;
+
+    fn spawn(bodies: &mut Bodies) -> BodyId {
+        bodies.spawn(NewBody {
+            shape: Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1)),
+            density: 1.0,
+            motion: Motion::Dynamic,
+            pose: Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY },
+            velocity: Velocity::default(),
+            contactant: Contactant::new(0.0, 0.5),
+        })
+    }
+
+    /// What a pair carried is its own, whatever has been taken out of the world or put into it since.
+    #[test]
+    fn pairs_keep_what_they_carried() {
+        let mut bodies = Bodies::default();
+        (0..5).for_each(|_| _ = spawn(&mut bodies));
+        let all: Vec<Pair> =
+            (0..5).flat_map(|first| (first + 1..5).map(move |second| Pair { first, second })).collect();
+        let point = |sample| Carried { sample: (true, sample), forces: [PointImpulse::ZERO; 2] };
+        let sample_of = |pair: Pair| 10 * pair.first as u64 + pair.second as u64;
+
+        // Two parts that take turns, and a pair that carried nothing.
+        let mut parts = vec![Part::default(), Part::default()];
+        for (place, &pair) in all.iter().enumerate().rev() {
+            let part = &mut parts[place % 2];
+            if place != 3 {
+                part.points.push(point(sample_of(pair)));
+            }
+            part.end_pair(place, pair);
+        }
+        let warm = WarmStart::of_parts(&bodies, all.len(), parts, &[0, 1, 2, 3, 4]);
+        let ids = bodies.ids.clone();
+        bodies.remove(&[false, true, false, false, false]);
+        let newborn = spawn(&mut bodies);
+        assert_eq!(newborn.index, ids[1].index, "in the slot of another one");
+
+        let expected = |pair: Pair| {
+            let was = |i: usize| ids.iter().position(|&id| id == bodies.ids[i]);
+            let was = Pair { first: was(pair.first)?, second: was(pair.second)? };
+            (was != all[3]).then(|| sample_of(was))
+        };
+        let now: Vec<Pair> = all.iter().copied().filter(|pair| pair.second < bodies.len()).collect();
+        let manifolds: Vec<Manifold> =
+            now.iter().map(|&pair| Manifold { pair, points: &[], struck: 0.0 }).collect();
+        let mut found = 0;
+        for (&pair, points) in now.iter().zip(warm.of_manifolds(&bodies, &manifolds)) {
+            assert_eq!(points, warm.of_pair(&bodies, pair));
+            assert_eq!(points.first().map(|point| point.sample.1), expected(pair), "{pair:?}");
+            found += points.len();
+        }
+        assert_eq!(found, 5, "six pairs of those that stay, of which one carried nothing");
+        let settled: Vec<u8> = bodies.ids.iter().map(|&id| warm.settled_for(id)).collect();
+        assert_eq!(settled, [0, 2, 3, 4, 0]);
     }
 }

@@ -38,8 +38,7 @@ impl<I: Instructions> Batch<I> {
                     kept.points.push(Carried { sample: self.rest.anchors[at].sample(lane), forces });
                 }
             }
-            let ids = patch.pair.ids(bodies);
-            kept.end_pair(patch.manifold, ids);
+            kept.end_pair(patch.manifold, patch.pair);
 
             // What it gave in all, if anything, is to be paid back where its first point acts.
             if patch.touched || touched.get(lane) || owes.get(lane) {
@@ -47,7 +46,7 @@ impl<I: Instructions> Batch<I> {
             }
             if owes.get(lane) {
                 let (point, energy) = (self.last_point(movers, lane), self.given.get(lane));
-                tally.debts.push(Debt { ids, point, energy });
+                tally.debts.push(Debt { ids: patch.pair.ids(bodies), point, energy });
             }
         }
     }

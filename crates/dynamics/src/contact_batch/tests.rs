@@ -198,7 +198,7 @@ impl Stack {
 fn what_hardly_moves_lies_down_until_it_moves() {
     let Stack { movers, mut batches, bodies, step } = Stack::new();
     let mut batch = batches.swap_remove(0);
-    let stack = Stack { movers, batches: vec![], bodies, step };
+    let mut stack = Stack { movers, batches: vec![], bodies, step };
     let mut lies = |linear: DVec3, angular: DVec3, rests: bool| {
         let mut sides = batch.sides(&stack.movers);
         (sides[0].linear, sides[0].angular) = (Lanes3::splat(linear), Lanes3::splat(angular));
@@ -207,7 +207,8 @@ fn what_hardly_moves_lies_down_until_it_moves() {
         if rests {
             return !batch.is_stirred(&stack.movers);
         }
-        batch.lie_down(&stack.movers, &stack.step);
+        stack.movers.find_settled(stack.step.dt);
+        batch.lie_down(&stack.movers);
         batch.rests
     };
     assert!(!lies(1.1e-4 * DVec3::X, DVec3::ZERO, false));
@@ -225,7 +226,8 @@ fn what_hardly_moves_lies_down_until_it_moves() {
 fn what_leans_on_nothing_falls() {
     let (mut stack, mut given) = (Stack::new(), Given::ZERO);
     stack.store(DVec3::ZERO, DVec3::ZERO);
-    stack.batches[0].lie_down(&stack.movers, &stack.step);
+    stack.movers.find_settled(stack.step.dt);
+    stack.batches[0].lie_down(&stack.movers);
     stack.batches[1].lean(&stack.movers);
     stack.movers.kick(&stack.step, Stage::BeforeDrift);
     assert!(stack.batches[0].is_stirred(&stack.movers), "nothing has acted yet");
@@ -244,7 +246,8 @@ fn what_rests_is_in_balance() {
     let mut stack = Stack::new();
     let (linear, angular) = (DVec3::new(3e-5, -4e-5, 2e-5), DVec3::new(2e-5, 1e-5, -3e-5));
     stack.store(linear, angular);
-    stack.batches[0].lie_down(&stack.movers, &stack.step);
+    stack.movers.find_settled(stack.step.dt);
+    stack.batches[0].lie_down(&stack.movers);
     stack.batches[1].lean(&stack.movers);
     assert!(stack.batches[0].rests);
     for number in 0..4 {

@@ -21,10 +21,10 @@ impl<I: Instructions> Solver<'_, I> {
         if beat.stage == Stage::BeforeDrift {
             self.squeeze(beat, threshold);
         }
-        let begins_fro = self.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
-        for number in 0..self.passes {
+        let begins_fro = self.effort.passes % 2 == 1 && beat.stage == Stage::AfterDrift;
+        for number in 0..self.effort.passes {
             let is_fro = (number % 2 == 1) != begins_fro;
-            self.pass(beat, Pass::over_all(is_fro, number + 1 == self.passes));
+            self.pass(beat, Pass::over_all(is_fro, number + 1 == self.effort.passes));
         }
     }
 

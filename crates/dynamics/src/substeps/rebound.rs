@@ -18,7 +18,7 @@ impl<I: Instructions> Solver<'_, I> {
             return;
         }
         let least = threshold.max(SLOWEST);
-        for number in 0..self.impacts {
+        for number in 0..self.effort.impacts {
             let pass = Pass::over_squeezed(number % 2 == 1);
             let any_is = AtomicBool::new(false);
             self.each_in_turn(pass.is_fro, |movers, block| {
@@ -44,7 +44,7 @@ impl<I: Instructions> Solver<'_, I> {
     /// Notes what acts before anything met, so that what stops it can be taken back: where impacts may follow each other, of all, and nothing rests
     /// there any more.
     pub(super) fn expect_rebounds(&mut self) {
-        let is_only = self.impacts == 1;
+        let is_only = self.effort.impacts == 1;
         self.each_in_turn(false, |movers, block| {
             I::run(
                 #[inline(always)]
@@ -65,12 +65,12 @@ impl<I: Instructions> Solver<'_, I> {
     /// What met fast leaves again, by impacts that follow each other if there may be more than one.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
         let beat = &Beat::new(Stage::Bounce, step);
-        let is_only = self.impacts == 1;
+        let is_only = self.effort.impacts == 1;
         let mut reached = Reached::none(&self.movers);
         if !is_only {
             self.take_back(beat, &mut reached);
         }
-        for number in 1..=self.impacts {
+        for number in 1..=self.effort.impacts {
             let impact = Impact { number, is_only, threshold };
             let Self { movers, ranks, .. } = self;
             I::run(
