@@ -139,14 +139,22 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
     let up = (-frame.gravity).try_normalize()?;
     let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
 
-    // Who rests on whom, by places among those that move, sorted by the upper one.
+    // No pair carries more than all of them weigh: less than what each weighs as often as it is in a pair.
     let pairs = || island.iter().map(|&at| (manifolds[at].pair, manifolds[at].points));
+    let mobile = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).filter(|&i| is_mobile(i));
+    let (weights, lightest) = mobile.fold((0.0, 0.0), |(weights, lightest): (f64, f64), i| {
+        (weights + bodies.masses[i], lightest.max(bodies.inertias[i].inverse_mass))
+    });
+    if weights * lightest < LIGHT {
+        return None;
+    }
+
+    // Who rests on whom, by places among those that move, sorted by the upper one.
     let mut who: Vec<usize> = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).collect();
     who.retain(|&i| is_mobile(i));
     who.sort_unstable();
     who.dedup();
     let weight: f64 = who.iter().map(|&i| bodies.masses[i]).sum();
-    let lightest = who.iter().map(|&i| bodies.inertias[i].inverse_mass).fold(0.0, f64::max);
     if weight * lightest < LIGHT {
         return None;
     }

@@ -60,6 +60,12 @@ pub(crate) fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
 }
 
+/// Kinetic and potential energy of each body, 0 of those that impulses do not move [J].
+fn energies(bodies: &Bodies, frame: &Frame) -> Vec<f64> {
+    let of = |i: usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
+    threads::list(bodies.len(), |i| if bodies.inertias[i].is_infinite() { 0.0 } else { of(i) })
+}
+
 /// The sum of its kinetic and of the size of its potential energy, by the sum of both: what rounding is relative to [J].
 fn magnitude(bodies: &Bodies, i: usize, energy: f64, gravity: DVec3) -> f64 {
     let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
@@ -70,9 +76,10 @@ impl Opening {
     /// Opens the books of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
         let mut opening = Self::default();
-        for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
-            let energy = energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
-            opening.0.insert(bodies.ids[i], energy);
+        for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
+            if !bodies.inertias[i].is_infinite() {
+                opening.0.insert(bodies.ids[i], energy);
+            }
         }
         opening
     }
@@ -144,17 +151,17 @@ impl Ledger {
         let energy_of = |bodies: &Bodies, i: usize| {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
-        let energies = {
-            let bodies = &*bodies;
-            threads::list(bodies.len(), |i| {
-                if bodies.inertias[i].is_infinite() { 0.0 } else { energy_of(bodies, i) }
-            })
-        };
+        let energies = energies(bodies, frame);
         for mut island in self.islands(bodies, opening, tally) {
-            let members = island.members.clone();
-            let total = |bodies: &Bodies| -> f64 { members.iter().map(|&i| energy_of(bodies, i)).sum() };
-            let before: f64 = members.iter().map(|&i| energies[i]).sum();
-            let scale: f64 = members.iter().map(|&i| magnitude(bodies, i, energies[i], frame.gravity)).sum();
+            let total = |bodies: &Bodies, members: &[usize]| -> f64 {
+                members.iter().map(|&i| energy_of(bodies, i)).sum()
+            };
+            let (mut before, mut scale, mut mass) = (0.0, 0.0, 0.0);
+            for &i in &island.members {
+                before += energies[i];
+                scale += magnitude(bodies, i, energies[i], frame.gravity);
+                mass += bodies.masses[i];
+            }
             let too_much = |total: f64, island: &Island| {
                 let excess = total - island.allowance - island.bank;
                 (frame.settings.ledger && excess > ROUNDING * scale).then_some(excess)
@@ -168,26 +175,25 @@ impl Ledger {
                 let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
                 pay(bodies, &debts, excess, tally);
                 island.allowance += tally.causes.work - work_before;
-                if let Some(excess) = too_much(total(bodies), &island) {
+                if let Some(excess) = too_much(total(bodies, &island.members), &island) {
                     let shortened = take_out(bodies, &mut island, flight, excess, frame, tally);
                     balance.scaled += 1;
                     balance.shortened += u64::from(shortened);
                 } else {
                     balance.paid += 1;
                 }
-                after = total(bodies);
+                after = total(bodies, &island.members);
                 let removed = before + (tally.causes.work - work_before) - after;
                 balance.removed += removed;
                 tally.causes.balance -= removed;
             }
 
             // What is left goes into the bank, up to its cap, and is the members' by mass.
-            let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
             let left = island.allowance + island.bank - after;
             let cap = frame.settings.bank_cap * mass;
             // An island with a body whose numbers went bad has nothing to keep.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
-            for &i in &members {
+            for &i in &island.members {
                 bank.insert(bodies.ids[i], kept * bodies.masses[i] / mass);
             }
         }
