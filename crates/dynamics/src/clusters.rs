@@ -4,18 +4,19 @@
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
+use crate::moving::begins_calm;
 use crate::regions::Regions;
 use crate::threads;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame};
+use crate::{Bodies, Frame, Motion};
 use std::collections::BTreeMap;
 
 /// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
 const CLUSTER_PAIRS: usize = 512;
 
-/// Frames, one after the other, in which a body could come to rest, after which it probably can in the next one. Eight pairs side by side rest only
+/// Frames, one after the other, in which a body could come to rest, after which it probably can in the next one [1]. Eight pairs side by side rest only
 /// together: of those that could in one frame 3 % cannot in the next one in `pile-spread`, 17 % in figure 8's heap.
-const SETTLED: u8 = 4;
+const SETTLED_AFTER: u8 = 4;
 
 /// Some islands.
 pub(crate) struct Cluster {
@@ -46,21 +47,25 @@ pub(crate) struct Plan {
     pub(crate) clusters: Vec<(Vec<usize>, Effort)>,
     /// Of each contact, in units of that of a pair that carries one body.
     pub(crate) stiffness: Vec<f64>,
-    /// Whether each body probably comes to rest in this frame; what impulses do not move does.
-    pub(crate) calm: Vec<bool>,
+    /// Whether each body probably comes to rest in this frame; what is static always does.
+    pub(crate) settled: Vec<bool>,
 }
 
-/// Puts islands together: `warm` knows who is calm.
+/// Puts islands together: `warm` knows who has settled.
 pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, frame: &Frame) -> Plan {
-    let is_calm = |i: usize| bodies.inertias[i].is_infinite() || warm.settled_for(bodies.ids[i]) >= SETTLED;
-    let calm: Vec<bool> = (0..bodies.len()).map(is_calm).collect();
+    let is_settled = |i: usize| match bodies.motions[i] {
+        Motion::Static => true,
+        Motion::Kinematic { .. } => false,
+        Motion::Dynamic => warm.settled_for(bodies.ids[i]) >= SETTLED_AFTER && begins_calm(bodies, i),
+    };
+    let settled: Vec<bool> = (0..bodies.len()).map(is_settled).collect();
     let mut clusters = Vec::new();
     let mut stiffness = vec![1.0; manifolds.len()];
     let mut add = |pairs: Vec<usize>, effort: Effort| clusters.push((pairs, effort));
 
-    // What takes more goes with those that take as much, and what is calm with others that are.
+    // What takes more goes with those that take as much, and what has settled with others that have.
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
-    let (mut pairs, mut calm_pairs) = (Vec::new(), Vec::new());
+    let (mut pairs, mut settled_pairs) = (Vec::new(), Vec::new());
     let islands = islands(bodies, manifolds);
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
     for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
@@ -75,14 +80,14 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
             }
             continue;
         }
-        let is_calm = island.iter().all(|&at| {
+        let are_settled = island.iter().all(|&at| {
             let pair = manifolds[at].pair;
-            calm[pair.first] && calm[pair.second]
+            settled[pair.first] && settled[pair.second]
         });
-        if is_calm && island.len() < CLUSTER_PAIRS {
-            calm_pairs.extend_from_slice(island);
-            if calm_pairs.len() >= CLUSTER_PAIRS {
-                add(std::mem::take(&mut calm_pairs), Effort::of_size(CLUSTER_PAIRS));
+        if are_settled && island.len() < CLUSTER_PAIRS {
+            settled_pairs.extend_from_slice(island);
+            if settled_pairs.len() >= CLUSTER_PAIRS {
+                add(std::mem::take(&mut settled_pairs), Effort::of_size(CLUSTER_PAIRS));
             }
             continue;
         }
@@ -93,7 +98,7 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
             add(std::mem::take(&mut pairs), effort);
         }
     }
-    let others = [pairs, calm_pairs].map(|pairs| {
+    let others = [pairs, settled_pairs].map(|pairs| {
         let effort = Effort::of_size(pairs.len());
         (pairs, effort)
     });
@@ -102,7 +107,7 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
             add(pairs, effort);
         }
     }
-    Plan { clusters, stiffness, calm }
+    Plan { clusters, stiffness, settled }
 }
 
 /// Not in the cluster.
@@ -113,7 +118,7 @@ impl Cluster {
     pub(crate) fn new(
         bodies: &Bodies,
         touching: Touching,
-        Plan { clusters, stiffness, calm }: &Plan,
+        Plan { clusters, stiffness, settled }: &Plan,
         number: usize,
         local: &mut [u32],
     ) -> Self {
@@ -147,11 +152,11 @@ impl Cluster {
                 let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
                 let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
                 let member = Member { manifold, locals, stiffness: stiffness[manifold] };
-                let are_calm = locals.iter().all(|&local| calm[who[local as usize]]);
-                members.push((places.count((rank, are_calm), counts), member));
+                let are_settled = locals.iter().all(|&local| settled[who[local as usize]]);
+                members.push((places.count((rank, are_settled), counts), member));
             }
 
-            // Side by side are those whose bodies are calm, and those with about as many points, of which about as many carried in the last frame.
+            // Side by side are those whose bodies have settled, and those with about as many points, of which about as many carried in the last frame.
             ranked.ends = places.begin();
             ranked.members = vec![Member::NOBODY; members.len()];
             for (place, member) in members {
@@ -233,21 +238,21 @@ impl NextRanks {
     }
 }
 
-/// Where the pairs of each rank go: those of calm bodies first, of these those with more points, of these those of which more carried, and the
+/// Where the pairs of each rank go: those of settled bodies first, of these those with more points, of these those of which more carried, and the
 /// others in their order.
 #[derive(Default)]
 struct Places(Vec<usize>);
 
 impl Places {
-    /// Of each rank: calm ones and others, by points, then by how many of them carried.
+    /// Of each rank: settled ones and others, by points, then by how many of them carried.
     const EACH: usize = 2 * Self::ALIKE;
     const ALIKE: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
 
-    /// Makes room for a pair with some points, of which some carried, and of calm bodies or not.
-    fn count(&mut self, (rank, are_calm): (usize, bool), (points, carried): (usize, usize)) -> usize {
+    /// Makes room for a pair with some points, of which some carried, and of settled bodies or not.
+    fn count(&mut self, (rank, are_settled): (usize, bool), (points, carried): (usize, usize)) -> usize {
         let less = |number: usize| MOST_POINTS - number.min(MOST_POINTS);
         let alike = less(points) * (MOST_POINTS + 1) + less(carried);
-        let place = rank * Self::EACH + usize::from(!are_calm) * Self::ALIKE + alike;
+        let place = rank * Self::EACH + usize::from(!are_settled) * Self::ALIKE + alike;
         if place >= self.0.len() {
             self.0.resize((rank + 1) * Self::EACH, 0);
         }
@@ -312,7 +317,7 @@ mod tests {
     use super::*;
     use crate::manifold::ManifoldPoint;
     use crate::pair::Pair;
-    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
+    use crate::{Contactant, NewBody, Pose, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;
@@ -359,8 +364,8 @@ mod tests {
         let mut local = vec![NOWHERE; COUNT];
         for (size, is_heap) in [(pairs.len(), false), (1 << 20, true)] {
             let effort = Effort::of_size(size);
-            let (stiffness, calm) = (vec![1.0; manifolds.len()], vec![true; COUNT]);
-            let plan = Plan { clusters: vec![(pairs.clone(), effort)], stiffness, calm };
+            let (stiffness, settled) = (vec![1.0; manifolds.len()], vec![true; COUNT]);
+            let plan = Plan { clusters: vec![(pairs.clone(), effort)], stiffness, settled };
             let cluster = Cluster::new(&bodies, touching, &plan, 0, &mut local);
             let mut all: Vec<usize> = cluster.members.iter().map(|member| member.manifold).collect();
             let touch = all.iter().filter(|&&at| !manifolds[at].points.is_empty()).count();
@@ -380,12 +385,14 @@ mod tests {
         }
     }
 
-    /// What could come to rest for some frames, one after the other, is calm, and what impulses do not move.
+    /// Who could come to rest for some frames, one after the other, has settled, unless it has been pushed since; what is static has, what is driven has not.
     #[test]
-    fn who_has_settled_is_calm() {
+    fn who_could_rest_for_some_frames_has_settled() {
         let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1));
         let mut bodies = Bodies::default();
-        for motion in [Motion::Static, Motion::Dynamic, Motion::Dynamic, Motion::Dynamic] {
+        let driven = Motion::Kinematic { linear: DVec3::X, angular: DVec3::ZERO };
+        let dynamic = Motion::Dynamic;
+        for motion in [Motion::Static, dynamic, dynamic, dynamic, driven] {
             bodies.spawn(NewBody {
                 shape: shape.clone(),
                 density: 1.0,
@@ -395,11 +402,18 @@ mod tests {
                 contactant: Contactant::new(0.0, 0.5),
             });
         }
-        let warm = WarmStart::of_parts(&bodies, 0, vec![], &[0, SETTLED - 1, SETTLED, u8::MAX]);
+        let warm = WarmStart::of_parts(
+            &bodies,
+            0,
+            vec![],
+            &[u8::MAX, SETTLED_AFTER - 1, SETTLED_AFTER, u8::MAX, u8::MAX],
+        );
         let settings = crate::StepSettings::default();
         let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
-        assert_eq!(plan(&bodies, &[], &warm, &frame).calm, [true, false, true, true]);
-        assert_eq!(plan(&bodies, &[], &WarmStart::default(), &frame).calm, [true, false, false, false]);
+        bodies.velocities[3].linear = DVec3::X;
+        assert_eq!(plan(&bodies, &[], &warm, &frame).settled, [true, false, true, false, false]);
+        let nobody = plan(&bodies, &[], &WarmStart::default(), &frame).settled;
+        assert_eq!(nobody, [true, false, false, false, false]);
     }
 
     /// A body of a hundred pairs has one in each rank, whether ranks are taken in order or wherever they are free; and two that share nothing

@@ -10,8 +10,8 @@ use crate::vector::Turn;
 use crate::{Bodies, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
-pub(crate) use rest::can_rest;
 use rest::{Pace, Rest};
+pub(crate) use rest::{begins_calm, can_rest};
 use shared_lines::SharedLines;
 
 /// A body, in lines that are loaded for several bodies at once.

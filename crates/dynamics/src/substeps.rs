@@ -78,9 +78,9 @@ fn solve_with<I: Instructions>(
     let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
     let bodies_now = &*bodies;
     let plan = plan(bodies, manifolds, warm, frame);
-    let clusters: Vec<usize> = (0..plan.clusters.len()).collect();
+    let numbers: Vec<usize> = (0..plan.clusters.len()).collect();
     let room = || vec![NOWHERE; bodies_now.len()];
-    let closed = threads::map_with(clusters, manifolds.len(), room, |local, number| {
+    let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
         let cluster = Cluster::new(bodies_now, touching, &plan, number, local);
         let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
@@ -102,7 +102,7 @@ fn solve_with<I: Instructions>(
     for Closed { movers, kept, tally } in closed {
         movers.hand_back(bodies);
         movers.who.iter().for_each(|&i| is_in_one[i] = true);
-        movers.settled().for_each(|i| settled[i] = warm.settled_for(bodies.ids[i]).saturating_add(1));
+        movers.who_may_rest().for_each(|i| settled[i] = warm.settled_for(bodies.ids[i]).saturating_add(1));
         parts.extend(kept);
         solved.tally.add(tally);
         solved.gravity.0 += movers.gravity.0;
@@ -226,7 +226,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         if !self.effort.rests() || !can_rest(step) {
             return;
         }
-        self.movers.find_settled(step.dt);
+        self.movers.find_who_may_rest(step.dt);
         self.each_in_turn(false, |movers, block| {
             I::run(
                 #[inline(always)]
@@ -328,5 +328,57 @@ impl<'a, I: Instructions> Solver<'a, I> {
         all.outside_angular_impulse += held.moment;
         all.causes.add(Cause::Contact, held.energy);
         Closed { movers, kept, tally: all }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::broad_phase::find_swept_pairs;
+    use crate::collisions::predict;
+    use crate::manifold::find_manifolds;
+    use crate::{Contactant, NewBody, Pose, StepSettings, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    /// Frame by frame it is counted for how long a ball could rest that lies on another one, until it is pushed; one that falls could not.
+    #[test]
+    fn who_could_rest_is_counted() {
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1));
+        let mut bodies = Bodies::default();
+        for (motion, position) in
+            [(Motion::Static, DVec3::ZERO), (Motion::Dynamic, DVec3::Y), (Motion::Dynamic, 1e3 * DVec3::Y)]
+        {
+            bodies.spawn(NewBody {
+                shape: shape.clone(),
+                density: 1.0,
+                motion,
+                pose: Pose { position, orientation: DQuat::IDENTITY },
+                velocity: Velocity::default(),
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        // Without a ledger there is enough to close its overlap with, from a frame's first substep on.
+        let settings = StepSettings { ledger: false, ..StepSettings::default() };
+        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
+        let mut warm = WarmStart::default();
+        let mut go_on = |bodies: &mut Bodies| {
+            let ends = predict(bodies, &frame);
+            let pairs = find_swept_pairs(bodies, &ends, frame.dt, frame.sag());
+            let found = find_manifolds(bodies, &pairs, &warm, &frame);
+            let manifolds: Vec<Manifold> = found.iter().collect();
+            solve(bodies, &manifolds, &mut warm, &Ledger::default(), &frame);
+            [1, 2].map(|i| warm.settled_for(bodies.ids[i]))
+        };
+        // Its overlap has to come to what carries it first.
+        (0..30).for_each(|_| _ = go_on(&mut bodies));
+        let [begin, falls] = go_on(&mut bodies);
+        assert!(begin > 0 && falls == 0, "{begin} {falls}");
+        for more in 1..4 {
+            assert_eq!(go_on(&mut bodies), [begin + more, 0]);
+        }
+        bodies.velocities[1].linear.y = 1.0;
+        assert_eq!(go_on(&mut bodies), [0, 0]);
     }
 }

@@ -50,7 +50,7 @@ pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R +
     }
 }
 
-/// As [`map`], with room that is used again from item to item.
+/// As [`map`], with room that is used again for the next items of a thread.
 pub(crate) fn map_with<T: Send, R: Send, O>(
     items: Vec<T>,
     things: usize,

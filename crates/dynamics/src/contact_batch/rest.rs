@@ -5,11 +5,11 @@ use crate::lanes::{Instructions, Lanes3};
 use crate::moving::Movers;
 
 impl<I: Instructions> Batch<I> {
-    /// Comes to rest, if its bodies are calm and none of them kinematic, and it has points.
+    /// Comes to rest, if its bodies may and none of them is kinematic, and it has points.
     #[inline(always)]
     pub(crate) fn lie_down(&mut self, movers: &Movers) {
         let is_settled = !self.is_driven && !self.looks.any() && !self.rows.is_empty();
-        self.rests = is_settled && self.locals.iter().all(|locals| movers.are_settled(locals));
+        self.rests = is_settled && self.locals.iter().all(|locals| movers.may_rest(locals));
         if self.rests {
             self.locals.iter().for_each(|locals| movers.lie_down(locals));
         }

@@ -207,7 +207,7 @@ fn what_hardly_moves_lies_down_until_it_moves() {
         if rests {
             return !batch.is_stirred(&stack.movers);
         }
-        stack.movers.find_settled(stack.step.dt);
+        stack.movers.find_who_may_rest(stack.step.dt);
         batch.lie_down(&stack.movers);
         batch.rests
     };
@@ -226,7 +226,7 @@ fn what_hardly_moves_lies_down_until_it_moves() {
 fn what_leans_on_nothing_falls() {
     let (mut stack, mut given) = (Stack::new(), Given::ZERO);
     stack.store(DVec3::ZERO, DVec3::ZERO);
-    stack.movers.find_settled(stack.step.dt);
+    stack.movers.find_who_may_rest(stack.step.dt);
     stack.batches[0].lie_down(&stack.movers);
     stack.batches[1].lean(&stack.movers);
     stack.movers.kick(&stack.step, Stage::BeforeDrift);
@@ -246,7 +246,7 @@ fn what_rests_is_in_balance() {
     let mut stack = Stack::new();
     let (linear, angular) = (DVec3::new(3e-5, -4e-5, 2e-5), DVec3::new(2e-5, 1e-5, -3e-5));
     stack.store(linear, angular);
-    stack.movers.find_settled(stack.step.dt);
+    stack.movers.find_who_may_rest(stack.step.dt);
     stack.batches[0].lie_down(&stack.movers);
     stack.batches[1].lean(&stack.movers);
     assert!(stack.batches[0].rests);

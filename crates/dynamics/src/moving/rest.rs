@@ -47,7 +47,7 @@ pub(super) struct Rest {
     /// Whether each was calm at the frame's start.
     began_calm: Vec<bool>,
     /// Whether each could come to rest when what is calm did.
-    settled: Vec<bool>,
+    may_rest: Vec<bool>,
     weights: SharedLines<Weight>,
     /// In how many batches at rest each is.
     batches: SharedLines<u32>,
@@ -120,7 +120,7 @@ impl Rest {
         Self {
             paces: SharedLines::new(Pace::Calm, lines),
             began_calm,
-            settled: vec![false; lines],
+            may_rest: vec![false; lines],
             weights: SharedLines::new(Weight::Falls, lines),
             batches: SharedLines::new(0, lines),
             held: [0, 1].map(|_| SharedLines::new(Numbers::ZERO, lines)),
@@ -199,25 +199,25 @@ impl Movers {
         self.rest.given
     }
 
-    /// Finds which bodies are calm after a frame's first substep, of `dt` [s], have been so in its drift, in which overlaps close, and were so
+    /// Finds who may come to rest: which bodies are calm after a frame's first substep, of `dt` [s], have been so in its drift, in which overlaps close, and were so
     /// before it: nothing that falls is, not even at its highest.
-    pub(crate) fn find_settled(&mut self, dt: f64) {
-        let Rest { paces, began_calm, settled, .. } = &mut self.rest;
+    pub(crate) fn find_who_may_rest(&mut self, dt: f64) {
+        let Rest { paces, began_calm, may_rest, .. } = &mut self.rest;
         let paces = paces.as_mut_slice();
-        for (at, settled) in settled.iter_mut().enumerate() {
-            *settled = paces[at] == Pace::Calm && began_calm[at] && self.builds[at].0[TRAVEL] <= CALM * dt;
+        for (at, may_rest) in may_rest.iter_mut().enumerate() {
+            *may_rest = paces[at] == Pace::Calm && began_calm[at] && self.builds[at].0[TRAVEL] <= CALM * dt;
         }
     }
 
-    /// Whether all of some bodies could come to rest.
+    /// Whether all of some bodies may come to rest.
     #[inline(always)]
-    pub(crate) fn are_settled(&self, locals: &[u32; LANES]) -> bool {
-        locals.iter().all(|&local| self.rest.settled[local as usize])
+    pub(crate) fn may_rest(&self, locals: &[u32; LANES]) -> bool {
+        locals.iter().all(|&local| self.rest.may_rest[local as usize])
     }
 
     /// Those that could come to rest in this frame, by dense index.
-    pub(crate) fn settled(&self) -> impl Iterator<Item = usize> {
-        self.who.iter().zip(&self.rest.settled).filter(|(_, settled)| **settled).map(|(&i, _)| i)
+    pub(crate) fn who_may_rest(&self) -> impl Iterator<Item = usize> {
+        self.who.iter().zip(&self.rest.may_rest).filter(|(_, may_rest)| **may_rest).map(|(&i, _)| i)
     }
 
     /// Whether none of some bodies is fast.
@@ -323,7 +323,7 @@ pub(crate) fn can_rest(step: &Frame) -> bool {
 }
 
 /// Whether a body is calm as the frame begins.
-fn begins_calm(bodies: &Bodies, i: usize) -> bool {
+pub(crate) fn begins_calm(bodies: &Bodies, i: usize) -> bool {
     let inertia = &bodies.inertias[i];
     let Velocity { linear, angular_momentum } = bodies.velocities[i];
     let turning = inertia.inverse_moments.max_element() * radius(&bodies.shapes[i]);
