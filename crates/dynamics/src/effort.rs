@@ -38,9 +38,9 @@ const MOST_PASSES: f64 = 32.0;
 const BUDGET: f64 = 1024.0;
 
 /// The same for all towers in a frame, and for all other islands together. Rubble under large chunks sinks a little if it gets too little, and figure 8
-/// has much of it; but of sixty towers of thirty cubes all fall within 10 s if they share as little, and none moves by 2 cm with this, at 27 ms a frame.
+/// has much of it; but of sixty towers of thirty cubes all fall within 10 s if they share as little, and none moves by 2 cm with this, at 26 ms a frame.
 const BUDGET_OF_TOWERS: f64 = 16_384.0;
-const BUDGET_OF_ALL: f64 = 4096.0;
+const BUDGET_OF_OTHERS: f64 = 4096.0;
 
 /// Bodies of which each rests on the next one, from which on they are a tower.
 const TOWER: usize = 8;
@@ -87,7 +87,7 @@ impl Effort {
             *(if loads.is_tower() { &mut of_towers } else { &mut of_others }) +=
                 passes * loads.of_pairs.len() as f64;
         }
-        let shares = [BUDGET_OF_ALL / of_others, BUDGET_OF_TOWERS / of_towers].map(|share| share.min(1.0));
+        let shares = [BUDGET_OF_OTHERS / of_others, BUDGET_OF_TOWERS / of_towers].map(|share| share.min(1.0));
         let of = |loads: Option<Loads>| {
             let loads = loads?;
             let share = shares[usize::from(loads.is_tower())];
