@@ -13,8 +13,8 @@ pub(crate) use points::Touching;
 
 use crate::Bodies;
 use crate::contact_rows::{Basis, Point, Row, RowDirections, RowImpulse, Stage};
-use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask};
-use crate::moving::{Movers, Shift, Side, drive};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Single, Single3};
+use crate::moving::{Movers, Shift, Side, Sides, drive};
 use crate::pair::Pair;
 use frangible_geometry::RigidTransform;
 use glam::DVec3;
@@ -23,14 +23,14 @@ use glam::DVec3;
 #[derive(Clone)]
 pub(crate) struct Anchors<I> {
     /// Levers of the anchors from the centres of mass at the frame's start [m].
-    levers: [Kept3<I>; 2],
-    rounding: [Kept<I>; 2],
+    levers: [Single3<I>; 2],
+    rounding: [Single<I>; 2],
     /// The gap there if nothing had moved since the frame's start [m].
-    gap: Kept<I>,
+    gap: Single<I>,
     /// The smallest of these gaps here and in all rows behind [m].
-    reach: Kept<I>,
+    reach: Single<I>,
     /// At which speed the surfaces have met [m/s]; 0 if they touched before.
-    pub(crate) met_at: Lanes<I>,
+    pub(crate) met_at: Single<I>,
     /// Which go with the first body, as samples or features of it; the others go with the second.
     is_of_first: Mask,
     /// Which sample or feature each is.
@@ -39,22 +39,22 @@ pub(crate) struct Anchors<I> {
 
 /// How a contact's normal impulses answer [Cat24].
 #[derive(Clone, Copy)]
-pub(crate) struct Softness<N> {
+pub(crate) struct Softness<I> {
     /// Closing speed of an overlap per depth [1/s].
-    pub(crate) rate: N,
+    pub(crate) rate: Single<I>,
     /// Of what a rigid point would add to its impulse [1].
-    pub(crate) mass_scale: N,
+    pub(crate) mass_scale: Single<I>,
     /// Of the impulse so far, that it takes back [1].
-    pub(crate) impulse_scale: N,
+    pub(crate) impulse_scale: Single<I>,
 }
 
 /// How the contacts of a batch hold their bodies.
 pub(crate) struct Hold<I> {
-    pub(crate) soft: Softness<Lanes<I>>,
+    pub(crate) soft: Softness<I>,
     /// Coefficient of friction.
-    pub(crate) friction: Lanes<I>,
+    pub(crate) friction: Single<I>,
     /// Of what a rigid point would add to its impulse [1].
-    pub(crate) relaxation: Lanes<I>,
+    pub(crate) relaxation: Single<I>,
 }
 
 /// Several pairs.
@@ -65,8 +65,8 @@ pub(crate) struct Batch<I> {
     pub(crate) offset: Lanes3<I>,
     /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
     pub(crate) given: Lanes<I>,
-    pub(crate) soft: Softness<Kept<I>>,
-    pub(crate) friction: Kept<I>,
+    pub(crate) soft: Softness<I>,
+    pub(crate) friction: Single<I>,
     pub(crate) rows: Vec<Row<I>>,
     directions: RowDirections<I>,
     /// Whether there is rolling or spinning friction.
@@ -87,9 +87,9 @@ pub(crate) struct Batch<I> {
     pub(crate) carrying_rows: [usize; 2],
     /// Rows behind these are too far from touching to act, and have not followed their bodies, until those of a pair come closer by `room` [m].
     pub(crate) near_rows: usize,
-    room: Kept<I>,
+    room: Single<I>,
     /// Radii of balls around the centres of mass that hold the bodies [m], 0 of infinite ones.
-    sizes: [Kept<I>; 2],
+    sizes: [Single<I>; 2],
     /// Which pairs have come so far that their points have to be looked at.
     looks: Mask,
     pub(crate) rest: Box<Rest<I>>,
@@ -106,22 +106,22 @@ pub(crate) struct Rest<I> {
     answered_at: Lanes<I>,
     /// Up to which travel of the two bodies their points need no look [m].
     look_at: Lanes<I>,
-    pub(crate) restitution: Lanes<I>,
+    pub(crate) restitution: Single<I>,
     /// Of the contacts, in units of that of one that carries itself.
-    stiffness: Lanes<I>,
+    stiffness: Single<I>,
     /// Of rolling and of spinning friction [m].
-    pub(crate) roll_lengths: [Lanes<I>; 2],
+    pub(crate) roll_lengths: [Single<I>; 2],
     /// What kinematic bodies add to the spin of the first bodies less that of the second ones [rad/s].
-    pub(crate) spin: Lanes3<I>,
+    pub(crate) spin: Single3<I>,
     /// Work of kinematic bodies in this frame [J].
     pub(crate) work: Lanes<I>,
     /// The rows' impulses when this substep began, if anything rebounds in it.
     pub(crate) starts: Vec<[RowImpulse<I>; 2]>,
     /// Of rolling and spinning friction, before and after the drift, a pair for each row if anything rolls [N m s].
-    pub(crate) twists: Vec<[Lanes3<I>; 2]>,
+    pub(crate) twists: Vec<[Single3<I>; 2]>,
     /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are
     /// there [m/s].
-    drives: Vec<Lanes3<I>>,
+    drives: Vec<Single3<I>>,
     pub(crate) anchors: Vec<Anchors<I>>,
     /// One for each lane that is used.
     pub(crate) patches: Vec<Patch>,
@@ -168,7 +168,7 @@ impl<I: Instructions> Batch<I> {
     /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
     pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
-        let sides = self.sides(movers);
+        let sides = Sides::of(&self.sides(movers));
         let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
         let [first, second] = &shifts;
         self.offset = self.rest.start_offset + (first.translation - second.translation);
@@ -176,7 +176,7 @@ impl<I: Instructions> Batch<I> {
             self.rest.centre = self.rest.start + first.translation;
         }
         let stirred = first.stirred + second.stirred;
-        let travel = first.stirred * self.sizes[0].lanes() + second.stirred * self.sizes[1].lanes();
+        let travel = first.stirred * self.sizes[0].double() + second.stirred * self.sizes[1].double();
         self.looks = travel.above(self.rest.look_at);
         let answers =
             drifted.is_none() || (stirred - self.rest.answered_at).above(Lanes::splat(STIRRED)).any();
@@ -184,7 +184,7 @@ impl<I: Instructions> Batch<I> {
             self.rest.answered_at = stirred;
         }
         let answered_rows = if answers { 0 } else { self.near_rows };
-        self.find_near_rows(&sides, travel);
+        self.find_near_rows(&sides, travel.single());
         let shared = self.shared_basis();
         for at in 0..self.near_rows {
             self.follow_row((at, shared), &shifts);
@@ -205,37 +205,37 @@ impl<I: Instructions> Batch<I> {
     fn follow_row(&mut self, (at, shared): (usize, Option<Basis<I>>), [first, second]: &[Shift<I>; 2]) {
         let normal = self.basis(at, shared).normal;
         let anchors = &self.rest.anchors[at];
-        let [lever, other_lever] = [anchors.levers[0].lanes(), anchors.levers[1].lanes()];
+        let [lever, other_lever] = anchors.levers;
         let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
-        let shift = first.translation - second.translation + turn - other_turn;
-        let gap = anchors.gap.lanes() + shift.dot(normal);
+        let shift = (first.translation - second.translation).single() + turn - other_turn;
+        let gap = anchors.gap + shift.dot(normal);
 
         // Between the surfaces, beside the corner that slides along the other body.
-        let half = Lanes::splat(0.5) * gap;
-        let on_first = lever + turn - normal * (anchors.rounding[0].lanes() + half);
-        let on_second = other_lever + other_turn + normal * (anchors.rounding[1].lanes() + half);
+        let half = Single::splat(0.5) * gap;
+        let on_first = lever + turn - normal * (anchors.rounding[0] + half);
+        let on_second = other_lever + other_turn + normal * (anchors.rounding[1] + half);
         let row = &mut self.rows[at];
-        row.lever = anchors.is_of_first.select3(on_first, on_second - self.offset).kept();
-        row.gap = gap.kept();
+        row.lever = anchors.is_of_first.select(on_first, on_second - self.offset.single());
+        row.gap = gap;
     }
 
     /// Which rows may act in the next substep, after so much `travel` of the bodies [m]: those behind them are too far from touching. A gap
     /// changes by no more than what its bodies travel.
     #[inline(always)]
-    fn find_near_rows(&mut self, sides: &[Side<I>; 2], travel: Lanes<I>) {
+    fn find_near_rows(&mut self, sides: &Sides<I>, travel: Single<I>) {
         let [before, after] = self.carrying_rows;
-        let wary = Lanes::splat(WARY) * self.closing_at_most(sides);
+        let wary = Single::splat(WARY) * self.closing_at_most(sides);
         let mut near = self.met_rows.max(before).max(after);
-        self.room = Kept::splat(f32::INFINITY);
+        self.room = Single::splat(f64::INFINITY);
         if self.is_driven {
             near = self.rows.len();
         }
         while near < self.rows.len() {
-            let room = self.rest.anchors[near].reach.lanes() - travel;
+            let room = self.rest.anchors[near].reach - travel;
             if room.above(wary).not().any() {
                 near += 1;
             } else {
-                self.room = room.kept();
+                self.room = room;
                 break;
             }
         }
@@ -244,29 +244,25 @@ impl<I: Instructions> Batch<I> {
 
     /// How far the two sides of the pairs can come nearer in a substep at most, as fast as they are [m].
     #[inline(always)]
-    pub(crate) fn closing_at_most(&self, [first, second]: &[Side<I>; 2]) -> Lanes<I> {
-        let apart = first.linear - second.linear;
-        let turning = |side: &Side<I>, size: Kept<I>| {
-            let size = size.lanes();
-            side.angular.dot(side.angular) * (size * size)
-        };
+    pub(crate) fn closing_at_most(&self, Sides { apart, spins, .. }: &Sides<I>) -> Single<I> {
+        let turning = |side: usize| spins[side].dot(spins[side]) * (self.sizes[side] * self.sizes[side]);
         // No sum of three numbers is larger than the root of three times the sum of their squares.
-        let squares = apart.dot(apart) + turning(first, self.sizes[0]) + turning(second, self.sizes[1]);
-        (Lanes::splat(3.0 * self.rest.dt * self.rest.dt) * squares).sqrt()
+        let squares = apart.dot(*apart) + turning(0) + turning(1);
+        (Single::splat(3.0 * self.rest.dt * self.rest.dt) * squares).sqrt()
     }
 
     /// Lets all rows follow their bodies, if those behind the near ones could touch within a substep.
     #[inline(always)]
-    pub(crate) fn wake_rows(&mut self, movers: &Movers, sides: &[Side<I>; 2]) {
+    pub(crate) fn wake_rows(&mut self, movers: &Movers, sides: &Sides<I>) {
         let all_are_near = self.near_rows == self.rows.len();
-        if !all_are_near && self.room.lanes().above(self.closing_at_most(sides)).not().any() {
+        if !all_are_near && self.room.above(self.closing_at_most(sides)).not().any() {
             self.follow_all(movers, sides);
         }
     }
 
     /// Lets all rows follow their bodies.
     #[cold]
-    pub(crate) fn follow_all(&mut self, movers: &Movers, sides: &[Side<I>; 2]) {
+    pub(crate) fn follow_all(&mut self, movers: &Movers, sides: &Sides<I>) {
         I::run(
             #[inline(always)]
             || {
@@ -348,8 +344,8 @@ impl<I: Instructions> Batch<I> {
 
     #[inline(always)]
     pub(crate) fn store(&self, movers: &Movers, sides: &[Side<I>; 2]) {
-        movers.store(&self.locals[0], &sides[0], self.sizes[0].lanes());
-        movers.store(&self.locals[1], &sides[1], self.sizes[1].lanes());
+        movers.store(&self.locals[0], &sides[0], self.sizes[0].double());
+        movers.store(&self.locals[1], &sides[1], self.sizes[1].double());
     }
 
     /// The directions of all rows, if they have the same ones.
@@ -372,20 +368,14 @@ impl<I: Instructions> Batch<I> {
     /// A row as it acts.
     #[inline(always)]
     pub(crate) fn point(&self, at: usize, shared: Option<Basis<I>>) -> Point<I> {
-        let lever = self.rows[at].lever.lanes();
+        let lever = self.rows[at].lever;
         let drive = if self.is_driven { Some(self.rest.drives[at]) } else { None };
-        Point { basis: self.basis(at, shared), levers: [lever, lever + self.offset], drive }
+        Point { basis: self.basis(at, shared), levers: [lever, lever + self.offset.single()], drive }
     }
 
     #[inline(always)]
     pub(crate) fn hold(&self) -> Hold<I> {
-        let Softness { rate, mass_scale, impulse_scale } = &self.soft;
-        let soft = Softness {
-            rate: rate.lanes(),
-            mass_scale: mass_scale.lanes(),
-            impulse_scale: impulse_scale.lanes(),
-        };
-        Hold { soft, friction: self.friction.lanes(), relaxation: Lanes::splat(1.0) }
+        Hold { soft: self.soft, friction: self.friction, relaxation: Single::splat(1.0) }
     }
 
     /// Where the first point of a pair is, in the world frame [m]; where one was, if it has none.

@@ -1,8 +1,8 @@
-//! One point of contact of each of several pairs, side by side.
+//! One point of contact of each of several pairs, side by side, in single precision.
 
 use crate::Frame;
-use crate::lanes::{Instructions, Kept, Kept3, Lanes, Lanes3, Mask};
-use crate::moving::Side;
+use crate::lanes::{Instructions, Mask, Single, Single3, Symmetric};
+use crate::moving::Sides;
 use glam::DVec3;
 
 /// Fastest closing of an overlap [m/s]: a tenth of a metre in a frame, so that deep overlaps part gently [Cat24].
@@ -35,9 +35,9 @@ pub(crate) struct Beat {
 #[derive(Clone)]
 pub(crate) struct Row<I> {
     /// From the first bodies' centres of mass to the point [m].
-    pub(crate) lever: Kept3<I>,
+    pub(crate) lever: Single3<I>,
     /// Between the surfaces, along the normal [m].
-    pub(crate) gap: Kept<I>,
+    pub(crate) gap: Single<I>,
     pub(crate) response: Response<I>,
     /// Of this substep, before and after the drift.
     pub(crate) impulses: [RowImpulse<I>; 2],
@@ -57,31 +57,31 @@ pub(crate) struct Row<I> {
 #[derive(Clone, Copy)]
 pub(crate) struct Response<I> {
     /// Its change along the normal and the two tangents per impulse along the normal [1/kg].
-    pub(crate) to_normal: Kept3<I>,
+    pub(crate) to_normal: Single3<I>,
     /// Inverse of the first [kg].
-    pub(crate) mass: Kept<I>,
+    pub(crate) mass: Single<I>,
     /// Inverse of its change along the tangents per impulse along them, a symmetric matrix: entries 11, 22 and 12 [kg].
-    pub(crate) slip_mass: Kept3<I>,
+    pub(crate) slip_mass: Single3<I>,
     /// The least mass that it shows to any tangent impulse [kg].
-    pub(crate) least_slip_mass: Kept<I>,
+    pub(crate) least_slip_mass: Single<I>,
 }
 
 /// What acts at the points of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct RowImpulse<I> {
     /// Along the normal, not negative [N s].
-    pub(crate) normal: Kept<I>,
+    pub(crate) normal: Single<I>,
     /// Along the two tangents [N s].
-    pub(crate) tangent: [Kept<I>; 2],
+    pub(crate) tangent: [Single<I>; 2],
 }
 
 /// Directions of contact, as they are kept.
 #[derive(Clone, Copy)]
 pub(crate) struct Directions<I> {
     /// Unit, world frame, from the second body to the first.
-    pub(crate) normal: Kept3<I>,
+    pub(crate) normal: Single3<I>,
     /// One of the two tangents.
-    pub(crate) tangent: Kept3<I>,
+    pub(crate) tangent: Single3<I>,
 }
 
 /// Directions of contact of some rows, as they are kept.
@@ -96,9 +96,9 @@ pub(crate) enum RowDirections<I> {
 #[derive(Clone, Copy)]
 pub(crate) struct Basis<I> {
     /// Unit, world frame, from the second body to the first.
-    pub(crate) normal: Lanes3<I>,
+    pub(crate) normal: Single3<I>,
     /// Across it and each other.
-    pub(crate) tangents: [Lanes3<I>; 2],
+    pub(crate) tangents: [Single3<I>; 2],
 }
 
 /// A point of contact of each pair, as it acts.
@@ -106,9 +106,9 @@ pub(crate) struct Basis<I> {
 pub(crate) struct Point<I> {
     pub(crate) basis: Basis<I>,
     /// From the centres of mass to the point [m]: one point for both bodies, so that angular momentum is exact.
-    pub(crate) levers: [Lanes3<I>; 2],
+    pub(crate) levers: [Single3<I>; 2],
     /// What static and kinematic bodies add to the velocity of the first body's material less the second's, if they move [m/s].
-    pub(crate) drive: Option<Lanes3<I>>,
+    pub(crate) drive: Option<Single3<I>>,
 }
 
 impl Stage {
@@ -129,8 +129,8 @@ impl Beat {
 impl<I: Instructions> Row<I> {
     pub(crate) fn empty() -> Self {
         Self {
-            lever: Kept3::ZERO,
-            gap: Kept::ZERO,
+            lever: Single3::ZERO,
+            gap: Single::ZERO,
             response: Response::NONE,
             impulses: [RowImpulse::ZERO; 2],
             is_there: Mask::NONE,
@@ -152,13 +152,13 @@ impl<I: Instructions> Row<I> {
 
     /// What no longer meets, at a `closing` speed [m/s], within a substep of `dt` [s] has nothing to go on from. Says where that is.
     #[inline(always)]
-    pub(crate) fn forget_if_parted(&mut self, stage: Stage, closing: Lanes<I>, dt: f64) -> Mask {
-        let parts = self.gap.lanes().above(closing.max(Lanes::ZERO) * Lanes::splat(dt));
+    pub(crate) fn forget_if_parted(&mut self, stage: Stage, closing: Single<I>, dt: f64) -> Mask {
+        let parts = self.gap.above(closing.max(Single::ZERO) * Single::splat(dt));
         if parts.any() {
             let impulse = &mut self.impulses[stage.at()];
-            impulse.normal = parts.select(Lanes::ZERO, impulse.normal.lanes()).kept();
+            impulse.normal = parts.select(Single::ZERO, impulse.normal);
             for tangent in &mut impulse.tangent {
-                *tangent = parts.select(Lanes::ZERO, tangent.lanes()).kept();
+                *tangent = parts.select(Single::ZERO, *tangent);
             }
         }
         parts
@@ -179,25 +179,26 @@ impl<I: Instructions> Row<I> {
     /// Speed at which the surfaces are to separate [m/s], negative if they may approach; and where they overlap before the drift: such
     /// points are soft.
     #[inline(always)]
-    pub(crate) fn target_speed(&self, rate: Lanes<I>, beat: &Beat) -> (Lanes<I>, Mask) {
-        let gap = self.gap.lanes();
-        let is_open = gap.above(Lanes::ZERO);
+    pub(crate) fn target_speed(&self, rate: Single<I>, beat: &Beat) -> (Single<I>, Mask) {
+        let gap = self.gap;
+        let is_open = gap.above(Single::ZERO);
         let softens = if beat.stage == Stage::BeforeDrift { is_open.not() } else { Mask::NONE };
-        let closing = softens.select(closing_speed(gap, rate) * Lanes::splat(beat.parting), Lanes::ZERO);
-        (is_open.select(-gap * Lanes::splat(1.0 / beat.dt), closing), softens)
+        let closing = softens.select(closing_speed(gap, rate) * Single::splat(beat.parting), Single::ZERO);
+        (is_open.select(-gap * Single::splat(1.0 / beat.dt), closing), softens)
     }
 }
 
 /// Speed at which an overlap closes if that is paid for, negative where there is none [m/s].
 #[inline(always)]
-pub(crate) fn closing_speed<I: Instructions>(gap: Lanes<I>, rate: Lanes<I>) -> Lanes<I> {
-    (-(rate * gap)).min(Lanes::splat(PUSH_SPEED))
+pub(crate) fn closing_speed<I: Instructions>(gap: Single<I>, rate: Single<I>) -> Single<I> {
+    (-(rate * gap)).min(Single::splat(PUSH_SPEED))
 }
 
 impl<I: Instructions> Point<I> {
     #[inline(always)]
-    pub(crate) fn relative_velocity(&self, sides: &[Side<I>; 2]) -> Lanes3<I> {
-        let velocity = sides[0].at(self.levers[0]) - sides[1].at(self.levers[1]);
+    pub(crate) fn relative_velocity(&self, sides: &Sides<I>) -> Single3<I> {
+        let [lever, other_lever] = self.levers;
+        let velocity = sides.apart + sides.spins[0].cross(lever) - sides.spins[1].cross(other_lever);
         match self.drive {
             Some(drive) => velocity + drive,
             None => velocity,
@@ -205,54 +206,55 @@ impl<I: Instructions> Point<I> {
     }
 
     #[inline(always)]
-    pub(crate) fn closing(&self, sides: &[Side<I>; 2]) -> Lanes<I> {
+    pub(crate) fn closing(&self, sides: &Sides<I>) -> Single<I> {
         -self.relative_velocity(sides).dot(self.basis.normal)
     }
 
     /// How it answers, where there is a point.
     #[inline(always)]
-    pub(crate) fn response(&self, sides: &[Side<I>; 2], is_there: Mask) -> Response<I> {
-        let of_first = self.answer(&sides[0], self.levers[0]);
-        let of_second = self.answer(&sides[1], self.levers[1]);
-        let (to_normal, Lanes3 { x: tt, y: bb, z: tb }) =
-            (of_first.0 + of_second.0, of_first.1 + of_second.1);
-        let one = Lanes::splat(1.0);
+    pub(crate) fn response(&self, sides: &Sides<I>, is_there: Mask) -> Response<I> {
+        let of_first = self.answer(&sides.inverse_tensors[0], self.levers[0]);
+        let of_second = self.answer(&sides.inverse_tensors[1], self.levers[1]);
+        let (one, linear) = (Single::splat(1.0), sides.inverse_mass);
+        let to_normal = of_first.0 + of_second.0 + Single3 { x: linear, y: Single::ZERO, z: Single::ZERO };
+        let across = of_first.1 + of_second.1;
+        let (tt, bb, tb) = (across.x + linear, across.y + linear, across.z);
 
         // The inverse of two by two, and its eigenvalues.
-        let (mean, half) = ((tt + bb) * Lanes::splat(0.5), (tt - bb) * Lanes::splat(0.5));
+        let (mean, half) = ((tt + bb) * Single::splat(0.5), (tt - bb) * Single::splat(0.5));
         let most = mean + (half * half + tb * tb).sqrt();
+        let least_mass = one / most;
+        let (tt, bb, tb) = (tt * least_mass, bb * least_mass, tb * least_mass);
         let area = tt * bb - tb * tb;
-        let (least_mass, inverse) = (one / most, one / area);
-        let is_round = (area * Lanes::splat(MOST_ELONGATED)).above(most * most);
-        let across = Lanes3 { x: bb * inverse, y: tt * inverse, z: -(tb * inverse) };
-        let around = Lanes3 { x: least_mass, y: least_mass, z: Lanes::ZERO };
-        let slip_mass = is_there.select3(is_round.select3(across, around), Lanes3::ZERO);
+        let inverse = least_mass / area;
+        let is_round = (area * Single::splat(MOST_ELONGATED)).above(one);
+        let across = Single3 { x: bb * inverse, y: tt * inverse, z: -(tb * inverse) };
+        let around = Single3 { x: least_mass, y: least_mass, z: Single::ZERO };
+        let slip_mass = is_there.select(is_round.select(across, around), Single3::ZERO);
         Response {
-            to_normal: to_normal.kept(),
-            mass: is_there.select(one / to_normal.x, Lanes::ZERO).kept(),
-            slip_mass: slip_mass.kept(),
-            least_slip_mass: is_there.select(least_mass, Lanes::ZERO).kept(),
+            to_normal,
+            mass: is_there.select(one / to_normal.x, Single::ZERO),
+            slip_mass,
+            least_slip_mass: is_there.select(least_mass, Single::ZERO),
         }
     }
 
-    /// What one side adds to the change of the velocity: per impulse along the normal, along it and the tangents; and per impulse along
+    /// What the turning of one side adds to the change of the velocity: per impulse along the normal, along it and the tangents; and per impulse along
     /// the tangents, entries 11, 22 and 12 [1/kg].
     #[inline(always)]
-    fn answer(&self, side: &Side<I>, lever: Lanes3<I>) -> (Lanes3<I>, Lanes3<I>) {
+    fn answer(&self, inverse_tensor: &Symmetric<Single<I>>, lever: Single3<I>) -> (Single3<I>, Single3<I>) {
         let Basis { normal: n, tangents: [t, b] } = self.basis;
         let (about_n, about_t, about_b) = (lever.cross(n), lever.cross(t), lever.cross(b));
-        let (by_n, by_t) = (side.inverse_tensor * about_n, side.inverse_tensor * about_t);
-        let by_b = side.inverse_tensor * about_b;
-        let linear = side.inverse_mass;
-        let to_normal = Lanes3 { x: linear + by_n.dot(about_n), y: by_n.dot(about_t), z: by_n.dot(about_b) };
-        let across =
-            Lanes3 { x: linear + by_t.dot(about_t), y: linear + by_b.dot(about_b), z: by_t.dot(about_b) };
+        let (by_n, by_t) = (*inverse_tensor * about_n, *inverse_tensor * about_t);
+        let by_b = *inverse_tensor * about_b;
+        let to_normal = Single3 { x: by_n.dot(about_n), y: by_n.dot(about_t), z: by_n.dot(about_b) };
+        let across = Single3 { x: by_t.dot(about_t), y: by_b.dot(about_b), z: by_t.dot(about_b) };
         (to_normal, across)
     }
 
     /// An impulse along the normal and the two tangents, in the world.
     #[inline(always)]
-    pub(crate) fn impulse(&self, normal: Lanes<I>, tangent: [Lanes<I>; 2]) -> Lanes3<I> {
+    pub(crate) fn impulse(&self, normal: Single<I>, tangent: [Single<I>; 2]) -> Single3<I> {
         let Basis { normal: n, tangents: [t, b] } = self.basis;
         n * normal + t * tangent[0] + b * tangent[1]
     }
@@ -263,11 +265,11 @@ impl<I: Instructions> Point<I> {
 const MOST_ELONGATED: f64 = 1e4;
 
 impl<I: Instructions> Directions<I> {
-    pub(crate) const NONE: Self = Self { normal: Kept3::ZERO, tangent: Kept3::ZERO };
+    pub(crate) const NONE: Self = Self { normal: Single3::ZERO, tangent: Single3::ZERO };
 
     #[inline(always)]
     pub(crate) fn basis(&self) -> Basis<I> {
-        let (normal, tangent) = (self.normal.lanes(), self.tangent.lanes());
+        let Self { normal, tangent } = *self;
         Basis { normal, tangents: [tangent, normal.cross(tangent)] }
     }
 
@@ -318,28 +320,28 @@ impl<I: Instructions> RowDirections<I> {
 
 impl<I: Instructions> Response<I> {
     const NONE: Self = Self {
-        to_normal: Kept3::ZERO,
-        mass: Kept::ZERO,
-        slip_mass: Kept3::ZERO,
-        least_slip_mass: Kept::ZERO,
+        to_normal: Single3::ZERO,
+        mass: Single::ZERO,
+        slip_mass: Single3::ZERO,
+        least_slip_mass: Single::ZERO,
     };
 }
 
 impl<I: Instructions> RowImpulse<I> {
-    pub(crate) const ZERO: Self = Self { normal: Kept::ZERO, tangent: [Kept::ZERO; 2] };
+    pub(crate) const ZERO: Self = Self { normal: Single::ZERO, tangent: [Single::ZERO; 2] };
 
     /// What acts along the normal and, in the world, across it.
     #[inline(always)]
-    pub(crate) fn new(normal: Lanes<I>, across: Lanes3<I>, basis: &Basis<I>) -> Self {
+    pub(crate) fn new(normal: Single<I>, across: Single3<I>, basis: &Basis<I>) -> Self {
         let [t, b] = basis.tangents;
-        Self { normal: normal.kept(), tangent: [across.dot(t).kept(), across.dot(b).kept()] }
+        Self { normal, tangent: [across.dot(t), across.dot(b)] }
     }
 
     /// Whether anything acts.
     #[inline(always)]
     pub(crate) fn is_any(&self) -> bool {
         let [t, b] = self.tangent;
-        [self.normal, t, b].iter().any(|along| along.lanes().differs_from_zero().any())
+        self.normal.differs_from_zero().or(t.differs_from_zero()).or(b.differs_from_zero()).any()
     }
 
     pub(crate) fn clear(&mut self, lane: usize) {

@@ -2,9 +2,9 @@
 
 use crate::contact_batch::{Batch, Hold};
 use crate::contact_kernels::{Visit, stop, stop_roll};
-use crate::contact_rows::{Basis, Beat, Stage, closing_speed};
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask};
-use crate::moving::Movers;
+use crate::contact_rows::{Basis, Beat, RowImpulse, Stage, closing_speed};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Single, Single3};
+use crate::moving::{Movers, Sides};
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
 use std::ops::Range;
@@ -100,9 +100,10 @@ impl<I: Instructions> Batch<I> {
     /// what touches and is struck, but it does not begin to bounce by itself. What meets no faster than `threshold` [m/s] bounces no more.
     #[inline(always)]
     pub(crate) fn meet(&mut self, movers: &Movers, threshold: f64, step: &Frame) {
-        let sides = self.sides(movers);
-        let (dt, threshold) = (Lanes::splat(step.dt), Lanes::splat(threshold));
-        let falls = sides[0].falls - sides[1].falls;
+        let both = self.sides(movers);
+        let sides = Sides::of(&both);
+        let (dt, threshold) = (Single::splat(step.dt), Single::splat(threshold));
+        let falls = (both[0].falls - both[1].falls).single();
         let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
         self.wake_rows(movers, &sides);
@@ -112,7 +113,7 @@ impl<I: Instructions> Batch<I> {
             let closing = point.closing(&sides);
             let parts = self.forget_if_parted(at, Stage::BeforeDrift, closing, step.dt);
             let row = &mut self.rows[at];
-            let gap = row.gap.lanes();
+            let gap = row.gap;
             let comes_apart = parts.and(gap.above(threshold * dt));
             row.has_met = row.has_met.and(comes_apart.not());
             let is_still = row.has_met.and(closing.above(threshold).not());
@@ -127,13 +128,13 @@ impl<I: Instructions> Batch<I> {
             if !meets.any() && !row.bounces.any() {
                 continue;
             }
-            let acceleration = -(Lanes3::splat(step.gravity) * falls).dot(point.basis.normal);
-            let start = closing - Lanes::splat(0.5) * dt * acceleration;
-            let squared = start * start + Lanes::splat(2.0) * acceleration * gap.max(Lanes::ZERO);
-            let approaches = closing.above(Lanes::ZERO);
-            let speed = approaches.select(squared.max(Lanes::ZERO).sqrt(), Lanes::ZERO);
+            let acceleration = -(Single3::splat(step.gravity) * falls).dot(point.basis.normal);
+            let start = closing - Single::splat(0.5) * dt * acceleration;
+            let squared = start * start + Single::splat(2.0) * acceleration * gap.max(Single::ZERO);
+            let approaches = closing.above(Single::ZERO);
+            let speed = approaches.select(squared.max(Single::ZERO).sqrt(), Single::ZERO);
             let met_at = &mut self.rest.anchors[at].met_at;
-            *met_at = meets.select(touched.select(Lanes::ZERO, speed), *met_at);
+            *met_at = meets.select(touched.select(Single::ZERO, speed), *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
             any_bounces = any_bounces.or(row.bounces);
@@ -144,7 +145,7 @@ impl<I: Instructions> Batch<I> {
     /// What a kinematic body has left, after a drift in a substep of `dt` [s], is forgotten.
     pub(crate) fn forget_driven(&mut self, movers: &Movers, dt: f64) {
         if self.is_driven {
-            let sides = self.sides(movers);
+            let sides = Sides::of(&self.sides(movers));
             for at in 0..self.rows.len() {
                 let closing = self.point(at, self.shared_basis()).closing(&sides);
                 self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
@@ -154,11 +155,11 @@ impl<I: Instructions> Batch<I> {
 
     /// See [`Row::forget_if_parted`].
     #[inline(always)]
-    pub(crate) fn forget_if_parted(&mut self, at: usize, stage: Stage, closing: Lanes<I>, dt: f64) -> Mask {
+    pub(crate) fn forget_if_parted(&mut self, at: usize, stage: Stage, closing: Single<I>, dt: f64) -> Mask {
         let parts = self.rows[at].forget_if_parted(stage, closing, dt);
         if self.rolls {
             let twist = &mut self.rest.twists[at][stage.at()];
-            *twist = parts.select3(Lanes3::ZERO, *twist);
+            *twist = parts.select(Single3::ZERO, *twist);
         }
         parts
     }
@@ -170,18 +171,11 @@ impl<I: Instructions> Batch<I> {
         let shared = self.shared_basis();
         for at in 0..self.carrying_rows[beat.stage.at()] {
             let row = &self.rows[at];
-            let impulse = &row.impulses[beat.stage.at()];
-            let (normal, tangent) = (impulse.normal.lanes(), impulse.tangent);
-            let tangent = [tangent[0].lanes(), tangent[1].lanes()];
-            if !normal
-                .differs_from_zero()
-                .or(tangent[0].differs_from_zero())
-                .or(tangent[1].differs_from_zero())
-                .any()
-            {
+            let impulse = row.impulses[beat.stage.at()];
+            if !impulse.is_any() {
                 continue;
             }
-            self.give(&mut visit, (at, shared), normal, tangent);
+            self.give(&mut visit, (at, shared), impulse);
             if self.rolls {
                 visit.turn(self.rest.spin, self.rest.twists[at][beat.stage.at()]);
             }
@@ -195,15 +189,14 @@ impl<I: Instructions> Batch<I> {
         &self,
         visit: &mut Visit<I>,
         (at, shared): (usize, Option<Basis<I>>),
-        normal: Lanes<I>,
-        tangent: [Lanes<I>; 2],
+        RowImpulse { normal, tangent }: RowImpulse<I>,
     ) {
         let (row, point) = (&self.rows[at], self.point(at, shared));
-        let before = -point.closing(&visit.sides);
-        let Lanes3 { x, y, z } = row.response.to_normal.lanes();
+        let before = -point.closing(&visit.now);
+        let Single3 { x, y, z } = row.response.to_normal;
         let gain = x * normal + y * tangent[0] + z * tangent[1];
         visit.push(&point, point.impulse(normal, tangent));
-        visit.note_normal(normal, before + Lanes::splat(0.5) * gain, (&point, row.bounces));
+        visit.note_normal(normal, before + Single::splat(0.5) * gain, (&point, row.bounces));
     }
 
     /// One pass over the rows.
@@ -217,7 +210,7 @@ impl<I: Instructions> Batch<I> {
             // What is far may wake before it would act: first on the way fro, last on the way to.
             let wakes = !pass.only_meeting && beat.stage == Stage::BeforeDrift;
             if wakes && pass.is_fro {
-                self.wake_rows(movers, &visit.sides);
+                self.wake_rows(movers, &visit.now);
             }
             let mut rows = 0..if pass.only_meeting { self.near_rows } else { self.acting_rows(beat.stage) };
             loop {
@@ -225,7 +218,7 @@ impl<I: Instructions> Batch<I> {
                 if !wakes || pass.is_fro {
                     break;
                 }
-                self.wake_rows(movers, &visit.sides);
+                self.wake_rows(movers, &visit.now);
                 rows = rows.end..self.near_rows;
                 if rows.is_empty() {
                     break;
@@ -241,17 +234,17 @@ impl<I: Instructions> Batch<I> {
     /// Some rows act: normal, friction, rolling.
     #[inline(always)]
     fn sweep(&mut self, visit: &mut Visit<I>, beat: &Beat, pass: Pass, rows: Range<usize>) {
-        let hold = Hold { relaxation: Lanes::splat(pass.relaxation), ..self.hold() };
+        let hold = Hold { relaxation: Single::splat(pass.relaxation), ..self.hold() };
         let shared = self.shared_basis();
         for step in 0..rows.len() {
             let at = if pass.is_fro { rows.end - 1 - step } else { rows.start + step };
             let point = self.point(at, shared);
-            let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
+            let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Single::ZERO };
             let row = &mut self.rows[at];
             let acts = if pass.only_meeting { row.meets(beat) } else { row.acts(beat) };
             stop(row, &point, (&hold, leaving), visit, (beat, acts, true));
             if self.rolls && beat.stage != Stage::Bounce {
-                let load = row.impulses[beat.stage.at()].normal.lanes();
+                let load = row.impulses[beat.stage.at()].normal;
                 let twist = &mut self.rest.twists[at][beat.stage.at()];
                 let lengths = (&self.rest.roll_lengths, self.rest.spin);
                 *twist = stop_roll(visit, point.basis.normal, lengths, (load, *twist, acts));
@@ -279,7 +272,7 @@ impl<I: Instructions> Batch<I> {
             for step in 0..count {
                 let at = if pass % 2 == 0 { step } else { count - 1 - step };
                 let point = self.point(at, shared);
-                let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Lanes::ZERO };
+                let leaving = if beat.stage == Stage::Bounce { self.leaving(at) } else { Single::ZERO };
                 let row = &mut self.rows[at];
                 let acts = row.meets(beat).and(together);
                 stop(row, &point, (&hold, leaving), visit, (beat, acts, false));
@@ -289,8 +282,8 @@ impl<I: Instructions> Batch<I> {
 
     /// Speed at which a row that bounces leaves [m/s].
     #[inline(always)]
-    fn leaving(&self, at: usize) -> Lanes<I> {
-        self.rest.restitution * self.rows[at].has_met.select(self.rest.anchors[at].met_at, Lanes::ZERO)
+    fn leaving(&self, at: usize) -> Single<I> {
+        self.rest.restitution * self.rows[at].has_met.select(self.rest.anchors[at].met_at, Single::ZERO)
     }
 
     /// The impulses of what bounces begin, and end, at nothing.
@@ -302,33 +295,33 @@ impl<I: Instructions> Batch<I> {
             }
         }
         for (row, twists) in self.rows.iter().zip(&mut self.rest.twists) {
-            twists.iter_mut().for_each(|twist| *twist = row.bounces.select3(Lanes3::ZERO, *twist));
+            twists.iter_mut().for_each(|twist| *twist = row.bounces.select(Single3::ZERO, *twist));
         }
     }
 
     /// Closes the books of a stage: who acted; what closed an overlap did work, as a wedge between the two would.
     #[inline(always)]
     fn close(&mut self, visit: &mut Visit<I>, beat: &Beat, given: &mut Given<I>) {
-        let rate = self.soft.rate.lanes();
+        let rate = self.soft.rate;
         let mut carrying = 0;
         let count = self.acting_rows(beat.stage).max(self.carrying_rows[beat.stage.at()]);
         for (at, row) in self.rows[..count].iter_mut().enumerate() {
             let impulse = &row.impulses[beat.stage.at()];
-            let (normal, [t, b]) = (impulse.normal.lanes(), impulse.tangent);
-            let rubs = t.lanes().differs_from_zero().or(b.lanes().differs_from_zero());
-            let acted = normal.above(Lanes::ZERO).or(rubs);
+            let (normal, [t, b]) = (impulse.normal, impulse.tangent);
+            let rubs = t.differs_from_zero().or(b.differs_from_zero());
+            let acted = normal.above(Single::ZERO).or(rubs);
             row.touched = row.touched.or(acted);
             if acted.any() {
                 carrying = at + 1;
             }
             given.impulses += u64::from(acted.count());
             if beat.stage == Stage::BeforeDrift {
-                let wanted = normal * closing_speed(row.gap.lanes(), rate).max(Lanes::ZERO);
-                let work = wanted * Lanes::splat(beat.parting);
-                given.wanted = given.wanted + wanted;
-                given.projection = given.projection + work;
-                visit.by_collision = visit.by_collision - row.bounces.select(work, Lanes::ZERO);
-                visit.by_contact = visit.by_contact - row.bounces.select(Lanes::ZERO, work);
+                let wanted = normal * closing_speed(row.gap, rate).max(Single::ZERO);
+                let work = wanted * Single::splat(beat.parting);
+                given.wanted = given.wanted + wanted.double();
+                given.projection = given.projection + work.double();
+                visit.by_collision = visit.by_collision - row.bounces.select(work, Single::ZERO);
+                visit.by_contact = visit.by_contact - row.bounces.select(Single::ZERO, work);
                 visit.projected = visit.projected + work;
             }
         }
@@ -338,22 +331,24 @@ impl<I: Instructions> Batch<I> {
     /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
     #[inline(always)]
     pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &Movers, given: &mut Given<I>) {
-        given.collision = given.collision + visit.by_collision;
-        given.contact = given.contact + visit.by_contact;
+        let (by_collision, by_contact) = (visit.by_collision.double(), visit.by_contact.double());
+        given.collision = given.collision + by_collision;
+        given.contact = given.contact + by_contact;
         if !visit.acted {
             return;
         }
-        let energy = visit.given();
-        given.friction = given.friction + (energy - visit.by_collision - visit.by_contact - visit.projected);
+        let after = visit.after(self.offset);
+        let energy = visit.given(&after);
+        given.friction = given.friction + (energy - by_collision - by_contact - visit.projected.double());
         self.given = self.given + energy;
         if self.has_outside {
             // On the first bodies, or against what acts on the second ones.
-            let sign = visit.sides[0].falls - visit.sides[1].falls;
-            let turned = visit.sides[0].angular_momentum - visit.before[0].angular_momentum;
-            given.impulse = given.impulse + visit.impulse * sign;
-            given.moment = given.moment + (turned + self.rest.centre.cross(visit.impulse)) * sign;
-            self.rest.work = self.rest.work + visit.work;
+            let (sign, impulse) = (after[0].falls - after[1].falls, visit.impulse.double());
+            let turned = after[0].angular_momentum - visit.before[0].angular_momentum;
+            given.impulse = given.impulse + impulse * sign;
+            given.moment = given.moment + (turned + self.rest.centre.cross(impulse)) * sign;
+            self.rest.work = self.rest.work + visit.work.double();
         }
-        self.store(movers, &visit.sides);
+        self.store(movers, &after);
     }
 }

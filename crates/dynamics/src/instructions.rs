@@ -13,10 +13,14 @@ impl Numbers {
     pub(crate) const ZERO: Self = Self([0.0; LANES]);
 }
 
-/// A number in each lane in single precision: half the room.
+/// A number in each lane in single precision: half the room, and half the work where registers hold no more than eight of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub(crate) struct Singles(pub(crate) [f32; LANES]);
+
+impl Singles {
+    pub(crate) const ZERO: Self = Self([0.0; LANES]);
+}
 
 /// What is done to all lanes at once.
 pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'static {
@@ -29,6 +33,13 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync 
     fn above(a: Numbers, b: Numbers) -> u8;
     /// In each lane whose bit is set `yes`, else `no`.
     fn select(mask: u8, yes: Numbers, no: Numbers) -> Numbers;
+    fn add_singles(a: Singles, b: Singles) -> Singles;
+    fn sub_singles(a: Singles, b: Singles) -> Singles;
+    fn mul_singles(a: Singles, b: Singles) -> Singles;
+    fn div_singles(a: Singles, b: Singles) -> Singles;
+    fn sqrt_singles(a: Singles) -> Singles;
+    fn above_singles(a: Singles, b: Singles) -> u8;
+    fn select_singles(mask: u8, yes: Singles, no: Singles) -> Singles;
     /// To double precision.
     fn widen(a: Singles) -> Numbers;
     /// To the nearest in single precision.
@@ -54,7 +65,9 @@ pub(crate) fn prefetch<T>(soon: &[T]) {
 pub(crate) fn available(asked: Width) -> Width {
     #[cfg(target_arch = "x86_64")]
     {
-        let has_avx512 = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq");
+        let has_avx512 = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
         let widest = match (has_avx512, is_x86_feature_detected!("avx2")) {
             (true, _) => Width::Avx512,
             (false, true) => Width::Avx2,
@@ -73,54 +86,45 @@ pub(crate) fn available(asked: Width) -> Width {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scalar;
 
+macro_rules! one_by_one {
+    ($type:ident: $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $above:ident $select:ident) => {
+        one_by_one!($type: $add +, $sub -, $mul *, $div /);
+
+        #[inline(always)]
+        fn $sqrt(a: $type) -> $type {
+            $type(each(|lane| a.0[lane].sqrt()))
+        }
+
+        #[inline(always)]
+        fn $above(a: $type, b: $type) -> u8 {
+            (0..LANES).fold(0, |mask, lane| mask | u8::from(a.0[lane] > b.0[lane]) << lane)
+        }
+
+        #[inline(always)]
+        fn $select(mask: u8, yes: $type, no: $type) -> $type {
+            $type(each(|lane| if mask >> lane & 1 == 1 { yes.0[lane] } else { no.0[lane] }))
+        }
+    };
+    ($type:ident: $($method:ident $operator:tt),*) => { $(
+        #[inline(always)]
+        fn $method(a: $type, b: $type) -> $type {
+            $type(each(|lane| a.0[lane] $operator b.0[lane]))
+        }
+    )* };
+}
+
 impl Instructions for Scalar {
-    #[inline(always)]
-    fn add(a: Numbers, b: Numbers) -> Numbers {
-        each(|lane| a.0[lane] + b.0[lane])
-    }
-
-    #[inline(always)]
-    fn sub(a: Numbers, b: Numbers) -> Numbers {
-        each(|lane| a.0[lane] - b.0[lane])
-    }
-
-    #[inline(always)]
-    fn mul(a: Numbers, b: Numbers) -> Numbers {
-        each(|lane| a.0[lane] * b.0[lane])
-    }
-
-    #[inline(always)]
-    fn div(a: Numbers, b: Numbers) -> Numbers {
-        each(|lane| a.0[lane] / b.0[lane])
-    }
-
-    #[inline(always)]
-    fn sqrt(a: Numbers) -> Numbers {
-        each(|lane| a.0[lane].sqrt())
-    }
-
-    #[inline(always)]
-    fn above(a: Numbers, b: Numbers) -> u8 {
-        (0..LANES).fold(0, |mask, lane| mask | u8::from(a.0[lane] > b.0[lane]) << lane)
-    }
-
-    #[inline(always)]
-    fn select(mask: u8, yes: Numbers, no: Numbers) -> Numbers {
-        each(|lane| if mask >> lane & 1 == 1 { yes.0[lane] } else { no.0[lane] })
-    }
+    one_by_one!(Numbers: add sub mul div sqrt above select);
+    one_by_one!(Singles: add_singles sub_singles mul_singles div_singles sqrt_singles above_singles select_singles);
 
     #[inline(always)]
     fn widen(a: Singles) -> Numbers {
-        each(|lane| f64::from(a.0[lane]))
+        Numbers(each(|lane| f64::from(a.0[lane])))
     }
 
     #[inline(always)]
     fn narrow(a: Numbers) -> Singles {
-        let mut singles = [0.0; LANES];
-        for lane in 0..LANES {
-            singles[lane] = a.0[lane] as f32;
-        }
-        Singles(singles)
+        Singles(each(|lane| a.0[lane] as f32))
     }
 
     #[inline(always)]
@@ -144,12 +148,12 @@ impl Instructions for Scalar {
 }
 
 #[inline(always)]
-fn each(value: impl Fn(usize) -> f64) -> Numbers {
-    let mut numbers = [0.0; LANES];
+fn each<T: Copy + Default>(value: impl Fn(usize) -> T) -> [T; LANES] {
+    let mut all = [T::default(); LANES];
     for lane in 0..LANES {
-        numbers[lane] = value(lane);
+        all[lane] = value(lane);
     }
-    Numbers(numbers)
+    all
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -163,24 +167,62 @@ mod x86 {
     use std::arch::x86_64::*;
     use std::mem::transmute;
 
-    macro_rules! lane_by_lane {
-        ($count:literal, $($method:ident $operation:ident),*) => { $(
-            #[inline(always)]
-            fn $method(a: Numbers, b: Numbers) -> Numbers {
-                let (mut a, b) = (Self::registers(a), Self::registers(b));
-                for part in 0..$count {
-                    a[part] = unsafe { $operation(a[part], b[part]) };
+    /// Arithmetic on whole registers, of which some hold all lanes of a type.
+    macro_rules! arithmetic {
+        ($type:ty, [$register:ty; $count:literal],
+         $($method:ident $operation:ident),*; $sqrt:ident $root:ident,
+         $is_above:ident |$a:ident, $b:ident| $above:expr,
+         $blend:ident |$mask:ident, $yes:ident, $no:ident| $select:expr) => {
+            $(
+                #[inline(always)]
+                fn $method(a: $type, b: $type) -> $type {
+                    let mut a = unsafe { transmute::<$type, [$register; $count]>(a) };
+                    let b = unsafe { transmute::<$type, [$register; $count]>(b) };
+                    for part in 0..$count {
+                        a[part] = unsafe { $operation(a[part], b[part]) };
+                    }
+                    unsafe { transmute::<[$register; $count], $type>(a) }
                 }
-                Self::numbers(a)
+            )*
+
+            #[inline(always)]
+            fn $sqrt(a: $type) -> $type {
+                let mut a = unsafe { transmute::<$type, [$register; $count]>(a) };
+                for part in 0..$count {
+                    a[part] = unsafe { $root(a[part]) };
+                }
+                unsafe { transmute::<[$register; $count], $type>(a) }
             }
-        )* };
+
+            #[inline(always)]
+            fn $is_above(a: $type, b: $type) -> u8 {
+                let a = unsafe { transmute::<$type, [$register; $count]>(a) };
+                let b = unsafe { transmute::<$type, [$register; $count]>(b) };
+                let mut mask = 0;
+                for part in 0..$count {
+                    let ($a, $b) = (a[part], b[part]);
+                    mask |= unsafe { $above } << (part * (LANES / $count));
+                }
+                mask
+            }
+
+            #[inline(always)]
+            fn $blend(mask: u8, yes: $type, no: $type) -> $type {
+                let yes = unsafe { transmute::<$type, [$register; $count]>(yes) };
+                let no = unsafe { transmute::<$type, [$register; $count]>(no) };
+                let mut out = no;
+                for part in 0..$count {
+                    let ($mask, $yes, $no) = (mask >> (part * (LANES / $count)), yes[part], no[part]);
+                    out[part] = unsafe { $select };
+                }
+                unsafe { transmute::<[$register; $count], $type>(out) }
+            }
+        };
     }
 
     macro_rules! instructions {
-        ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal,
-         $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $transpose:ident,
-         |$a:ident, $b:ident| $above:expr, |$mask:ident, $yes:ident, $no:ident| $select:expr,
-         |$single:ident| $widen:expr, |$double:ident| $narrow:expr) => {
+        ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal, $transpose:ident,
+         |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
             #[doc = $doc]
             #[derive(Clone, Copy, Debug, PartialEq)]
             pub(crate) struct $name;
@@ -198,38 +240,7 @@ mod x86 {
             }
 
             impl Instructions for $name {
-                lane_by_lane!($count, add $add, sub $sub, mul $mul, div $div);
-
-                #[inline(always)]
-                fn sqrt(a: Numbers) -> Numbers {
-                    let mut a = Self::registers(a);
-                    for part in 0..$count {
-                        a[part] = unsafe { $sqrt(a[part]) };
-                    }
-                    Self::numbers(a)
-                }
-
-                #[inline(always)]
-                fn above(a: Numbers, b: Numbers) -> u8 {
-                    let (a, b) = (Self::registers(a), Self::registers(b));
-                    let mut mask = 0;
-                    for part in 0..$count {
-                        let ($a, $b) = (a[part], b[part]);
-                        mask |= unsafe { $above } << (part * (LANES / $count));
-                    }
-                    mask
-                }
-
-                #[inline(always)]
-                fn select(mask: u8, yes: Numbers, no: Numbers) -> Numbers {
-                    let (yes, no) = (Self::registers(yes), Self::registers(no));
-                    let mut out = no;
-                    for part in 0..$count {
-                        let ($mask, $yes, $no) = (mask >> (part * (LANES / $count)), yes[part], no[part]);
-                        out[part] = unsafe { $select };
-                    }
-                    Self::numbers(out)
-                }
+                $($arithmetic)*
 
                 #[inline(always)]
                 fn widen(a: Singles) -> Numbers {
@@ -245,7 +256,7 @@ mod x86 {
                 #[inline(always)]
                 fn narrow(a: Numbers) -> Singles {
                     let registers = Self::registers(a);
-                    let mut halves = unsafe { transmute::<Singles, [$half; $count]>(Singles([0.0; LANES])) };
+                    let mut halves = unsafe { transmute::<Singles, [$half; $count]>(Singles::ZERO) };
                     for part in 0..$count {
                         let $double = registers[part];
                         halves[part] = unsafe { $narrow };
@@ -288,38 +299,101 @@ mod x86 {
     }
 
     instructions!(
-        Sse2, "Two lanes at a time.", __m128d, f64, 4, "sse2",
-        _mm_add_pd _mm_sub_pd _mm_mul_pd _mm_div_pd _mm_sqrt_pd transpose_pairs,
-        |a, b| _mm_movemask_pd(_mm_cmpgt_pd(a, b)) as u8,
-        |mask, yes, no| {
-            let mask = i64::from(mask);
-            let mask = _mm_castsi128_pd(_mm_set_epi64x(-(mask >> 1 & 1), -(mask & 1)));
-            _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no))
-        },
+        Sse2,
+        "Two lanes at a time, four in single precision.",
+        __m128d,
+        f64,
+        4,
+        "sse2",
+        transpose_pairs,
         |single| _mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(single))),
-        |double| _mm_cvtsd_f64(_mm_castps_pd(_mm_cvtpd_ps(double)))
+        |double| _mm_cvtsd_f64(_mm_castps_pd(_mm_cvtpd_ps(double))),
+        {
+            arithmetic!(
+                Numbers, [__m128d; 4],
+                add _mm_add_pd, sub _mm_sub_pd, mul _mm_mul_pd, div _mm_div_pd; sqrt _mm_sqrt_pd,
+                above |a, b| _mm_movemask_pd(_mm_cmpgt_pd(a, b)) as u8,
+                select |mask, yes, no| {
+                    let mask = i64::from(mask);
+                    let mask = _mm_castsi128_pd(_mm_set_epi64x(-(mask >> 1 & 1), -(mask & 1)));
+                    _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no))
+                }
+            );
+            arithmetic!(
+                Singles, [__m128; 2],
+                add_singles _mm_add_ps, sub_singles _mm_sub_ps, mul_singles _mm_mul_ps, div_singles _mm_div_ps;
+                sqrt_singles _mm_sqrt_ps,
+                above_singles |a, b| _mm_movemask_ps(_mm_cmpgt_ps(a, b)) as u8,
+                select_singles |mask, yes, no| {
+                    let bits = _mm_set_epi32(8, 4, 2, 1);
+                    let set = _mm_and_si128(_mm_set1_epi32(i32::from(mask)), bits);
+                    let mask = _mm_castsi128_ps(_mm_cmpeq_epi32(set, bits));
+                    _mm_or_ps(_mm_and_ps(mask, yes), _mm_andnot_ps(mask, no))
+                }
+            );
+        }
     );
 
     instructions!(
-        Avx2, "Four lanes at a time.", __m256d, __m128, 2, "avx2",
-        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd transpose_fours,
-        |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, b)) as u8,
-        |mask, yes, no| {
-            let bits = _mm256_set_epi64x(8, 4, 2, 1);
-            let set = _mm256_and_si256(_mm256_set1_epi64x(i64::from(mask)), bits);
-            _mm256_blendv_pd(no, yes, _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bits)))
-        },
+        Avx2,
+        "Four lanes at a time, all in single precision.",
+        __m256d,
+        __m128,
+        2,
+        "avx2",
+        transpose_fours,
         |single| _mm256_cvtps_pd(single),
-        |double| _mm256_cvtpd_ps(double)
+        |double| _mm256_cvtpd_ps(double),
+        {
+            arithmetic!(
+                Numbers, [__m256d; 2],
+                add _mm256_add_pd, sub _mm256_sub_pd, mul _mm256_mul_pd, div _mm256_div_pd; sqrt _mm256_sqrt_pd,
+                above |a, b| _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, b)) as u8,
+                select |mask, yes, no| {
+                    let bits = _mm256_set_epi64x(8, 4, 2, 1);
+                    let set = _mm256_and_si256(_mm256_set1_epi64x(i64::from(mask)), bits);
+                    _mm256_blendv_pd(no, yes, _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bits)))
+                }
+            );
+            arithmetic!(
+                Singles, [__m256; 1],
+                add_singles _mm256_add_ps, sub_singles _mm256_sub_ps, mul_singles _mm256_mul_ps,
+                div_singles _mm256_div_ps; sqrt_singles _mm256_sqrt_ps,
+                above_singles |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a, b)) as u8,
+                select_singles |mask, yes, no| {
+                    let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+                    let set = _mm256_and_si256(_mm256_set1_epi32(i32::from(mask)), bits);
+                    _mm256_blendv_ps(no, yes, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bits)))
+                }
+            );
+        }
     );
 
     instructions!(
-        Avx512, "All lanes at once.", __m512d, __m256, 1, "avx512f,avx512dq",
-        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd transpose_eights,
-        |a, b| _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b),
-        |mask, yes, no| _mm512_mask_blend_pd(mask, no, yes),
+        Avx512,
+        "All lanes at once.",
+        __m512d,
+        __m256,
+        1,
+        "avx512f,avx512dq,avx512vl",
+        transpose_eights,
         |single| _mm512_cvtps_pd(single),
-        |double| _mm512_cvtpd_ps(double)
+        |double| _mm512_cvtpd_ps(double),
+        {
+            arithmetic!(
+                Numbers, [__m512d; 1],
+                add _mm512_add_pd, sub _mm512_sub_pd, mul _mm512_mul_pd, div _mm512_div_pd; sqrt _mm512_sqrt_pd,
+                above |a, b| _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b),
+                select |mask, yes, no| _mm512_mask_blend_pd(mask, no, yes)
+            );
+            arithmetic!(
+                Singles, [__m256; 1],
+                add_singles _mm256_add_ps, sub_singles _mm256_sub_ps, mul_singles _mm256_mul_ps,
+                div_singles _mm256_div_ps; sqrt_singles _mm256_sqrt_ps,
+                above_singles |a, b| _mm256_cmp_ps_mask::<_CMP_GT_OQ>(a, b),
+                select_singles |mask, yes, no| _mm256_mask_blend_ps(mask, no, yes)
+            );
+        }
     );
 
     /// Blocks of two by two.
@@ -407,6 +481,33 @@ mod tests {
                 assert_eq!(single, Scalar::narrow(rows[i]));
                 assert_eq!(I::widen(single), Scalar::widen(single));
             }
+
+            // Arithmetic, of doubles and of singles.
+            let (a, b) = (rows[0], Numbers(std::array::from_fn(|lane| 3.0 - 0.7 * lane as f64)));
+            let (c, d) = (Scalar::narrow(a), Scalar::narrow(b));
+            for (of, expected) in [
+                (I::add(a, b), Scalar::add(a, b)),
+                (I::sub(a, b), Scalar::sub(a, b)),
+                (I::mul(a, b), Scalar::mul(a, b)),
+                (I::div(a, b), Scalar::div(a, b)),
+                (I::sqrt(a), Scalar::sqrt(a)),
+                (I::select(0b0110_1001, a, b), Scalar::select(0b0110_1001, a, b)),
+            ] {
+                assert_eq!(of, expected);
+            }
+            for (of, expected) in [
+                (I::add_singles(c, d), Scalar::add_singles(c, d)),
+                (I::sub_singles(c, d), Scalar::sub_singles(c, d)),
+                (I::mul_singles(c, d), Scalar::mul_singles(c, d)),
+                (I::div_singles(c, d), Scalar::div_singles(c, d)),
+                (I::sqrt_singles(c), Scalar::sqrt_singles(c)),
+                (I::select_singles(0b0110_1001, c, d), Scalar::select_singles(0b0110_1001, c, d)),
+            ] {
+                assert_eq!(of, expected);
+            }
+            assert_eq!(I::above(a, b), Scalar::above(a, b));
+            assert_eq!(I::above_singles(c, d), Scalar::above_singles(c, d));
+            assert!(![0, u8::MAX].contains(&I::above_singles(c, d)));
         }
         check::<Scalar>();
         #[cfg(target_arch = "x86_64")]

@@ -2,6 +2,7 @@
 
 use crate::instructions::Singles;
 pub(crate) use crate::instructions::{Instructions, Numbers};
+use crate::vector::Number;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -13,17 +14,9 @@ pub(crate) const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<I>(Numbers, PhantomData<I>);
 
-/// A number in each lane as it is kept, in single precision.
+/// A number in each lane in single precision: what contact is computed with, and kept in, that has no sum to keep exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Kept<I>(Singles, PhantomData<I>);
-
-/// A vector in each lane as it is kept.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Kept3<I> {
-    x: Kept<I>,
-    y: Kept<I>,
-    z: Kept<I>,
-}
+pub(crate) struct Single<I>(Singles, PhantomData<I>);
 
 /// A yes or no in each lane: its bits, the first lane's lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,43 +24,105 @@ pub(crate) struct Mask(u8);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes3<I> {
-    pub(crate) x: Lanes<I>,
-    pub(crate) y: Lanes<I>,
-    pub(crate) z: Lanes<I>,
+pub(crate) struct Three<N> {
+    pub(crate) x: N,
+    pub(crate) y: N,
+    pub(crate) z: N,
 }
+
+pub(crate) type Lanes3<I> = Three<Lanes<I>>;
+pub(crate) type Single3<I> = Three<Single<I>>;
 
 /// A symmetric matrix in each lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SymmetricLanes<I> {
+pub(crate) struct Symmetric<N> {
     /// On the diagonal.
-    pub(crate) diagonal: Lanes3<I>,
+    pub(crate) diagonal: Three<N>,
     /// The entries yz, xz and xy.
-    pub(crate) off: Lanes3<I>,
+    pub(crate) off: Three<N>,
 }
 
+/// What a [`Mask`] selects.
+pub(crate) trait Blend: Copy {
+    /// In each lane whose bit is set `yes`, else `no`.
+    fn blend(mask: u8, yes: Self, no: Self) -> Self;
+}
+
+macro_rules! of_lanes {
+    ($name:ident, $memory:ident, $number:ty: $above:ident, $sqrt:ident, $select:ident,
+     $($trait:ident $method:ident $operation:ident),*) => {
+        impl<I: Instructions> $name<I> {
+            pub(crate) const ZERO: Self = Self($memory::ZERO, PhantomData);
+
+            #[inline(always)]
+            pub(crate) fn splat(value: f64) -> Self {
+                Self($memory([value as $number; LANES]), PhantomData)
+            }
+
+            #[inline(always)]
+            pub(crate) fn get(&self, lane: usize) -> f64 {
+                self.0.0[lane].into()
+            }
+
+            #[inline(always)]
+            pub(crate) fn set(&mut self, lane: usize, value: f64) {
+                self.0.0[lane] = value as $number;
+            }
+
+            #[inline(always)]
+            pub(crate) fn sqrt(self) -> Self {
+                Self(I::$sqrt(self.0), PhantomData)
+            }
+
+            #[inline(always)]
+            pub(crate) fn above(self, other: Self) -> Mask {
+                Mask(I::$above(self.0, other.0))
+            }
+        }
+
+        impl<I: Instructions> Blend for $name<I> {
+            #[inline(always)]
+            fn blend(mask: u8, yes: Self, no: Self) -> Self {
+                Self(I::$select(mask, yes.0, no.0), PhantomData)
+            }
+        }
+
+        impl<I: Instructions> Number for $name<I> {
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                Self::splat(value)
+            }
+        }
+
+        impl<I: Instructions> Neg for $name<I> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::splat(-0.0) - self
+            }
+        }
+
+        $(
+            impl<I: Instructions> $trait for $name<I> {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    Self(I::$operation(self.0, other.0), PhantomData)
+                }
+            }
+        )*
+    };
+}
+
+of_lanes!(Lanes, Numbers, f64: above, sqrt, select, Add add add, Sub sub sub, Mul mul mul, Div div div);
+of_lanes!(Single, Singles, f32: above_singles, sqrt_singles, select_singles,
+    Add add add_singles, Sub sub sub_singles, Mul mul mul_singles, Div div div_singles);
+
 impl<I: Instructions> Lanes<I> {
-    pub(crate) const ZERO: Self = Self(Numbers::ZERO, PhantomData);
-
-    #[inline(always)]
-    pub(crate) fn splat(value: f64) -> Self {
-        Self(Numbers([value; LANES]), PhantomData)
-    }
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> f64 {
-        self.0.0[lane]
-    }
-
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: f64) {
-        self.0.0[lane] = value;
-    }
-
     /// In single precision.
     #[inline(always)]
-    pub(crate) fn kept(self) -> Kept<I> {
-        Kept(I::narrow(self.0), PhantomData)
+    pub(crate) fn single(self) -> Single<I> {
+        Single(I::narrow(self.0), PhantomData)
     }
 
     /// Rows become columns.
@@ -91,9 +146,23 @@ impl<I: Instructions> Lanes<I> {
         I::transpose(numbers)
     }
 
+    /// The sum over all lanes, always in the same order.
+    pub(crate) fn sum(self) -> f64 {
+        self.0.0.iter().sum()
+    }
+}
+
+impl<I: Instructions> Single<I> {
+    /// In double precision.
     #[inline(always)]
-    pub(crate) fn sqrt(self) -> Self {
-        Self(I::sqrt(self.0), PhantomData)
+    pub(crate) fn double(self) -> Lanes<I> {
+        Lanes(I::widen(self.0), PhantomData)
+    }
+
+    /// The same, but another one in some lanes.
+    #[inline(always)]
+    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
+        lanes.select(other, self)
     }
 
     /// The larger one; `other` where this is not a number.
@@ -109,75 +178,8 @@ impl<I: Instructions> Lanes<I> {
     }
 
     #[inline(always)]
-    pub(crate) fn above(self, other: Self) -> Mask {
-        Mask(I::above(self.0, other.0))
-    }
-
-    #[inline(always)]
     pub(crate) fn differs_from_zero(self) -> Mask {
         self.above(Self::ZERO).or(Self::ZERO.above(self))
-    }
-
-    /// The sum over all lanes, always in the same order.
-    pub(crate) fn sum(self) -> f64 {
-        self.0.0.iter().sum()
-    }
-}
-
-impl<I: Instructions> Kept<I> {
-    pub(crate) const ZERO: Self = Self(Singles([0.0; LANES]), PhantomData);
-
-    #[inline(always)]
-    pub(crate) fn splat(value: f32) -> Self {
-        Self(Singles([value; LANES]), PhantomData)
-    }
-
-    #[inline(always)]
-    pub(crate) fn lanes(self) -> Lanes<I> {
-        Lanes(I::widen(self.0), PhantomData)
-    }
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> f64 {
-        self.0.0[lane].into()
-    }
-
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: f64) {
-        self.0.0[lane] = value as f32;
-    }
-
-    /// The same, but another one in some lanes.
-    #[inline(always)]
-    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
-        lanes.select(other.lanes(), self.lanes()).kept()
-    }
-}
-
-impl<I: Instructions> Kept3<I> {
-    pub(crate) const ZERO: Self = Self { x: Kept::ZERO, y: Kept::ZERO, z: Kept::ZERO };
-
-    #[inline(always)]
-    pub(crate) fn lanes(self) -> Lanes3<I> {
-        Lanes3 { x: self.x.lanes(), y: self.y.lanes(), z: self.z.lanes() }
-    }
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> DVec3 {
-        DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
-    }
-
-    /// See [`Kept::but`].
-    #[inline(always)]
-    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
-        Self { x: self.x.but(lanes, other.x), y: self.y.but(lanes, other.y), z: self.z.but(lanes, other.z) }
-    }
-
-    /// The lanes in which it is another one.
-    #[inline(always)]
-    pub(crate) fn differs(self, other: Self) -> Mask {
-        let differs = |a: Kept<I>, b: Kept<I>| (a.lanes() - b.lanes()).differs_from_zero();
-        differs(self.x, other.x).or(differs(self.y, other.y)).or(differs(self.z, other.z))
     }
 }
 
@@ -204,13 +206,8 @@ impl Mask {
     }
 
     #[inline(always)]
-    pub(crate) fn select<I: Instructions>(self, yes: Lanes<I>, no: Lanes<I>) -> Lanes<I> {
-        Lanes(I::select(self.0, yes.0, no.0), PhantomData)
-    }
-
-    #[inline(always)]
-    pub(crate) fn select3<I: Instructions>(self, yes: Lanes3<I>, no: Lanes3<I>) -> Lanes3<I> {
-        Lanes3 { x: self.select(yes.x, no.x), y: self.select(yes.y, no.y), z: self.select(yes.z, no.z) }
+    pub(crate) fn select<T: Blend>(self, yes: T, no: T) -> T {
+        T::blend(self.0, yes, no)
     }
 
     #[inline(always)]
@@ -239,18 +236,44 @@ impl Mask {
     }
 }
 
+impl<N: Blend> Blend for Three<N> {
+    #[inline(always)]
+    fn blend(mask: u8, yes: Self, no: Self) -> Self {
+        Self {
+            x: N::blend(mask, yes.x, no.x),
+            y: N::blend(mask, yes.y, no.y),
+            z: N::blend(mask, yes.z, no.z),
+        }
+    }
+}
+
 impl<I: Instructions> Lanes3<I> {
     pub(crate) const ZERO: Self = Self { x: Lanes::ZERO, y: Lanes::ZERO, z: Lanes::ZERO };
 
     /// In single precision.
     #[inline(always)]
-    pub(crate) fn kept(self) -> Kept3<I> {
-        Kept3 { x: self.x.kept(), y: self.y.kept(), z: self.z.kept() }
+    pub(crate) fn single(self) -> Single3<I> {
+        Three { x: self.x.single(), y: self.y.single(), z: self.z.single() }
     }
 
     #[inline(always)]
-    pub(crate) fn splat(value: DVec3) -> Self {
-        Self { x: Lanes::splat(value.x), y: Lanes::splat(value.y), z: Lanes::splat(value.z) }
+    pub(crate) fn get(&self, lane: usize) -> DVec3 {
+        DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
+    }
+
+    /// The sum over all lanes, always in the same order.
+    pub(crate) fn sum(self) -> DVec3 {
+        DVec3::new(self.x.sum(), self.y.sum(), self.z.sum())
+    }
+}
+
+impl<I: Instructions> Single3<I> {
+    pub(crate) const ZERO: Self = Self { x: Single::ZERO, y: Single::ZERO, z: Single::ZERO };
+
+    /// In double precision.
+    #[inline(always)]
+    pub(crate) fn double(self) -> Lanes3<I> {
+        Three { x: self.x.double(), y: self.y.double(), z: self.z.double() }
     }
 
     #[inline(always)]
@@ -265,13 +288,36 @@ impl<I: Instructions> Lanes3<I> {
         self.z.set(lane, value.z);
     }
 
-    /// The sum over all lanes, always in the same order.
-    pub(crate) fn sum(self) -> DVec3 {
-        DVec3::new(self.x.sum(), self.y.sum(), self.z.sum())
+    /// See [`Single::but`].
+    #[inline(always)]
+    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
+        lanes.select(other, self)
+    }
+
+    /// The lanes in which it is another one.
+    #[inline(always)]
+    pub(crate) fn differs(self, other: Self) -> Mask {
+        let apart = self - other;
+        apart.x.differs_from_zero().or(apart.y.differs_from_zero()).or(apart.z.differs_from_zero())
+    }
+
+    /// No longer than `most` in each lane.
+    #[inline(always)]
+    pub(crate) fn shortened_to(self, most: Single<I>) -> Self {
+        let squared = self.dot(self);
+        let is_over = squared.above(most * most);
+        self * is_over.select(most / squared.sqrt(), Single::splat(1.0))
+    }
+}
+
+impl<N: Number> Three<N> {
+    #[inline(always)]
+    pub(crate) fn splat(value: DVec3) -> Self {
+        Self { x: N::of(value.x), y: N::of(value.y), z: N::of(value.z) }
     }
 
     #[inline(always)]
-    pub(crate) fn dot(self, other: Self) -> Lanes<I> {
+    pub(crate) fn dot(self, other: Self) -> N {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
@@ -283,22 +329,22 @@ impl<I: Instructions> Lanes3<I> {
             z: self.x * other.y - self.y * other.x,
         }
     }
+}
 
-    /// No longer than `most` in each lane.
+impl<I: Instructions> Symmetric<Lanes<I>> {
+    /// In single precision.
     #[inline(always)]
-    pub(crate) fn shortened_to(self, most: Lanes<I>) -> Self {
-        let squared = self.dot(self);
-        let is_over = squared.above(most * most);
-        self * is_over.select(most / squared.sqrt(), Lanes::splat(1.0))
+    pub(crate) fn single(self) -> Symmetric<Single<I>> {
+        Symmetric { diagonal: self.diagonal.single(), off: self.off.single() }
     }
 }
 
-impl<I: Instructions> Mul<Lanes3<I>> for SymmetricLanes<I> {
-    type Output = Lanes3<I>;
+impl<N: Number> Mul<Three<N>> for Symmetric<N> {
+    type Output = Three<N>;
     #[inline(always)]
-    fn mul(self, v: Lanes3<I>) -> Lanes3<I> {
+    fn mul(self, v: Three<N>) -> Three<N> {
         let Self { diagonal: d, off } = self;
-        Lanes3 {
+        Three {
             x: d.x * v.x + off.z * v.y + off.y * v.z,
             y: off.z * v.x + d.y * v.y + off.x * v.z,
             z: off.y * v.x + off.x * v.y + d.z * v.z,
@@ -306,29 +352,7 @@ impl<I: Instructions> Mul<Lanes3<I>> for SymmetricLanes<I> {
     }
 }
 
-macro_rules! lane_by_lane {
-    ($($trait:ident $method:ident),*) => { $(
-        impl<I: Instructions> $trait for Lanes<I> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self(I::$method(self.0, other.0), PhantomData)
-            }
-        }
-    )* };
-}
-
-lane_by_lane!(Add add, Sub sub, Mul mul, Div div);
-
-impl<I: Instructions> Neg for Lanes<I> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::splat(-0.0) - self
-    }
-}
-
-impl<I: Instructions> Add for Lanes3<I> {
+impl<N: Number> Add for Three<N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -336,7 +360,7 @@ impl<I: Instructions> Add for Lanes3<I> {
     }
 }
 
-impl<I: Instructions> Sub for Lanes3<I> {
+impl<N: Number> Sub for Three<N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -344,15 +368,15 @@ impl<I: Instructions> Sub for Lanes3<I> {
     }
 }
 
-impl<I: Instructions> Mul<Lanes<I>> for Lanes3<I> {
+impl<N: Number> Mul<N> for Three<N> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, scale: Lanes<I>) -> Self {
+    fn mul(self, scale: N) -> Self {
         Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
     }
 }
 
-impl<I: Instructions> Neg for Lanes3<I> {
+impl<N: Number> Neg for Three<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

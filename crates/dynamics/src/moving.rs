@@ -4,7 +4,7 @@ mod drift;
 mod rest;
 mod shared_lines;
 
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, SymmetricLanes};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, Single, Single3, Symmetric, Three};
 use crate::rotation::rotation_by;
 use crate::vector::Turn;
 use crate::{Bodies, Motion, Pose, Velocity};
@@ -68,9 +68,21 @@ pub(crate) struct Side<I> {
     /// [rad/s]
     pub(crate) angular: Lanes3<I>,
     pub(crate) inverse_mass: Lanes<I>,
-    pub(crate) inverse_tensor: SymmetricLanes<I>,
+    pub(crate) inverse_tensor: Symmetric<Lanes<I>>,
     /// 1 for what falls, else 0.
     pub(crate) falls: Lanes<I>,
+}
+
+/// Both sides of several pairs as their rows see them, in single precision: velocities that both have in common make no difference there.
+#[derive(Clone, Copy)]
+pub(crate) struct Sides<I> {
+    /// Velocity of the first centre of mass less that of the second one [m/s].
+    pub(crate) apart: Single3<I>,
+    /// [rad/s]
+    pub(crate) spins: [Single3<I>; 2],
+    /// The sum of both [1/kg].
+    pub(crate) inverse_mass: Single<I>,
+    pub(crate) inverse_tensors: [Symmetric<Single<I>>; 2],
 }
 
 /// How some bodies began the frame.
@@ -85,7 +97,7 @@ pub(crate) struct Start<I: Instructions> {
 /// How some bodies have moved since the frame's start.
 pub(crate) struct Shift<I: Instructions> {
     pub(crate) translation: Lanes3<I>,
-    pub(crate) rotation: Turn<Lanes3<I>>,
+    pub(crate) rotation: Turn<Single3<I>>,
     /// How far any of their points can have moved, relative to their sizes [1].
     pub(crate) stirred: Lanes<I>,
 }
@@ -170,7 +182,7 @@ impl Movers {
         let [xx, yy, zz, yz, xz, xy, ..] = Lanes::transposed(answers);
         let angular_momentum = Lanes3 { x: lx, y: ly, z: lz };
         let inverse_tensor =
-            SymmetricLanes { diagonal: Lanes3 { x: xx, y: yy, z: zz }, off: Lanes3 { x: yz, y: xz, z: xy } };
+            Symmetric { diagonal: Lanes3 { x: xx, y: yy, z: zz }, off: Lanes3 { x: yz, y: xz, z: xy } };
         Side {
             linear: Lanes3 { x, y, z },
             angular: inverse_tensor * angular_momentum,
@@ -254,7 +266,7 @@ impl Movers {
         let [x, y, z, qx, qy, qz, qw, stirred] = Lanes::transposed(shifts);
         Shift {
             translation: Lanes3 { x, y, z },
-            rotation: Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw },
+            rotation: Turn { vector: Three { x: qx, y: qy, z: qz }.single(), scalar: qw.single() },
             stirred,
         }
     }
@@ -309,32 +321,49 @@ fn pose_of(line: &Numbers) -> Pose {
 impl<I: Instructions> Shift<I> {
     /// What the rotation adds to a lever.
     #[inline(always)]
-    pub(crate) fn turn(&self, lever: Lanes3<I>) -> Lanes3<I> {
+    pub(crate) fn turn(&self, lever: Single3<I>) -> Single3<I> {
         let Turn { vector: axis, scalar: w } = self.rotation;
-        let twice = axis.cross(lever) * Lanes::splat(2.0);
+        let twice = axis.cross(lever) * Single::splat(2.0);
         twice * w + axis.cross(twice)
     }
 }
 
 impl<I: Instructions> Side<I> {
-    /// Velocity of the material at a lever from the centre of mass [m/s].
+    /// After an impulse and an angular impulse about the centre of mass.
     #[inline(always)]
-    pub(crate) fn at(&self, lever: Lanes3<I>) -> Lanes3<I> {
-        self.linear + self.angular.cross(lever)
+    pub(crate) fn pushed(&self, impulse: Lanes3<I>, angular_impulse: Lanes3<I>) -> Self {
+        Self {
+            linear: self.linear + impulse * self.inverse_mass,
+            angular_momentum: self.angular_momentum + angular_impulse,
+            angular: self.angular + self.inverse_tensor * angular_impulse,
+            ..*self
+        }
+    }
+}
+
+impl<I: Instructions> Sides<I> {
+    #[inline(always)]
+    pub(crate) fn of([first, second]: &[Side<I>; 2]) -> Self {
+        Self {
+            apart: (first.linear - second.linear).single(),
+            spins: [first.angular.single(), second.angular.single()],
+            inverse_mass: (first.inverse_mass + second.inverse_mass).single(),
+            inverse_tensors: [first.inverse_tensor.single(), second.inverse_tensor.single()],
+        }
     }
 
-    /// An impulse at a lever from the centre of mass.
+    /// After an impulse on the first bodies at levers from both centres of mass, and its opposite on the second ones.
     #[inline(always)]
-    pub(crate) fn push(&mut self, lever: Lanes3<I>, impulse: Lanes3<I>) {
-        self.linear = self.linear + impulse * self.inverse_mass;
-        self.turn(lever.cross(impulse));
+    pub(crate) fn push(&mut self, [angular_impulse, opposite]: [Single3<I>; 2], impulse: Single3<I>) {
+        self.apart = self.apart + impulse * self.inverse_mass;
+        self.turn([angular_impulse, opposite]);
     }
 
-    /// An angular impulse.
+    /// An angular impulse on the first bodies, and the opposite of another one on the second ones.
     #[inline(always)]
-    pub(crate) fn turn(&mut self, angular_impulse: Lanes3<I>) {
-        self.angular_momentum = self.angular_momentum + angular_impulse;
-        self.angular = self.angular + self.inverse_tensor * angular_impulse;
+    pub(crate) fn turn(&mut self, [on_first, off_second]: [Single3<I>; 2]) {
+        self.spins[0] = self.spins[0] + self.inverse_tensors[0] * on_first;
+        self.spins[1] = self.spins[1] - self.inverse_tensors[1] * off_second;
     }
 }
 

@@ -6,8 +6,8 @@ use crate::contact_batch::Batch;
 use crate::contact_kernels::Visit;
 use crate::contact_rows::{Beat, RowImpulse, Stage};
 use crate::contact_sweep::Given;
-use crate::lanes::{Instructions, LANES, Lanes, Mask};
-use crate::moving::Movers;
+use crate::lanes::{Instructions, LANES, Mask, Single};
+use crate::moving::{Movers, Sides};
 
 /// What changes a speed by less [m/s] is no part of an impact: where nothing falls no speed is too low to bounce, and rounding would go on
 /// bouncing.
@@ -59,17 +59,18 @@ impl<I: Instructions> Batch<I> {
     /// their bodies do so first, if they could.
     #[inline(always)]
     pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
-        let sides = self.sides(movers);
+        let sides = Sides::of(&self.sides(movers));
         // Most are slower than that, and their rows need not come from memory.
-        if !self.is_driven && !self.closing_at_most(&sides).above(Lanes::splat(least * beat.dt)).any() {
+        if !self.is_driven && !self.closing_at_most(&sides).above(Single::splat(least * beat.dt)).any() {
             return false;
         }
         self.wake_rows(movers, &sides);
-        let (shared, least, per_dt) = (self.shared_basis(), Lanes::splat(least), Lanes::splat(1.0 / beat.dt));
+        let (shared, least, per_dt) =
+            (self.shared_basis(), Single::splat(least), Single::splat(1.0 / beat.dt));
         let mut any = Mask::NONE;
         for at in 0..self.near_rows {
             let row = &self.rows[at];
-            let most = row.gap.lanes().max(Lanes::ZERO) * per_dt + least;
+            let most = row.gap.max(Single::ZERO) * per_dt + least;
             any = any.or(row.is_there.and(self.point(at, shared).closing(&sides).above(most)));
         }
         any.any()
@@ -80,9 +81,9 @@ impl<I: Instructions> Batch<I> {
         if !self.bounces {
             return Mask::NONE;
         }
-        let met = |at: usize| self.rows[at].bounces.and(self.rest.anchors[at].met_at.above(Lanes::ZERO));
+        let met = |at: usize| self.rows[at].bounces.and(self.rest.anchors[at].met_at.above(Single::ZERO));
         let any = (0..self.rows.len()).fold(Mask::NONE, |any, at| any.or(met(at)));
-        any.and(self.rest.restitution.above(Lanes::ZERO))
+        any.and(self.rest.restitution.above(Single::ZERO))
     }
 
     /// Notes with which impulses the substep begins.
@@ -95,9 +96,9 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     fn stopped(&self, at: usize) -> Mask {
         let row = &self.rows[at];
-        let now = row.impulses[Stage::BeforeDrift.at()].normal.lanes();
-        let change = now - self.rest.starts[at][Stage::BeforeDrift.at()].normal.lanes();
-        let least = row.response.mass.lanes() * Lanes::splat(SLOWEST);
+        let now = row.impulses[Stage::BeforeDrift.at()].normal;
+        let change = now - self.rest.starts[at][Stage::BeforeDrift.at()].normal;
+        let least = row.response.mass * Single::splat(SLOWEST);
         row.bounces.or((change * change).above(least * least))
     }
 
@@ -129,9 +130,9 @@ impl<I: Instructions> Batch<I> {
             let takes = self.stopped(at).and(lanes);
             let now = self.rows[at].impulses[Stage::BeforeDrift.at()];
             let back = now.but(takes, self.rest.starts[at][Stage::BeforeDrift.at()]);
-            let normal = back.normal.lanes() - now.normal.lanes();
-            let across = |tangent: usize| back.tangent[tangent].lanes() - now.tangent[tangent].lanes();
-            self.give(&mut visit, (at, shared), normal, [across(0), across(1)]);
+            let across = |tangent: usize| back.tangent[tangent] - now.tangent[tangent];
+            let change = RowImpulse { normal: back.normal - now.normal, tangent: [across(0), across(1)] };
+            self.give(&mut visit, (at, shared), change);
             self.rows[at].impulses[Stage::BeforeDrift.at()] = back;
         }
         self.settle(visit, movers, given.1);
@@ -147,16 +148,16 @@ impl<I: Instructions> Batch<I> {
             return false;
         }
         self.forget_who_acts();
-        let (sides, shared) = (self.sides(movers), self.shared_basis());
-        let least = Lanes::splat(threshold.max(SLOWEST));
+        let (sides, shared) = (Sides::of(&self.sides(movers)), self.shared_basis());
+        let least = Single::splat(threshold.max(SLOWEST));
         let mut any = Mask::NONE;
         for at in 0..self.rows.len() {
             let closing = self.point(at, shared).closing(&sides);
             let row = &mut self.rows[at];
             let met_at = &mut self.rest.anchors[at].met_at;
-            let as_met = if number == 1 { row.bounces.and(met_at.above(Lanes::ZERO)) } else { Mask::NONE };
-            let touches = row.is_there.and(row.has_met.or(row.gap.lanes().above(Lanes::ZERO).not()));
-            let approaches = as_met.and(closing.above(Lanes::ZERO)).or(touches.and(closing.above(least)));
+            let as_met = if number == 1 { row.bounces.and(met_at.above(Single::ZERO)) } else { Mask::NONE };
+            let touches = row.is_there.and(row.has_met.or(row.gap.above(Single::ZERO).not()));
+            let approaches = as_met.and(closing.above(Single::ZERO)).or(touches.and(closing.above(least)));
             let acts = if is_only { as_met } else { approaches }.and(lanes);
             *met_at = acts.and(as_met.not()).select(closing, *met_at);
 

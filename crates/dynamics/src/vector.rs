@@ -1,6 +1,6 @@
 //! Vectors and unit quaternions of one body, or of several side by side: what is written for these is the same for either, bit for bit.
 
-use crate::lanes::{Instructions, Lanes, Lanes3};
+use crate::lanes::Three;
 use glam::{DQuat, DVec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -39,13 +39,6 @@ impl Number for f64 {
     }
 }
 
-impl<I: Instructions> Number for Lanes<I> {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        Self::splat(value)
-    }
-}
-
 impl Vector for DVec3 {
     type Number = f64;
 
@@ -75,21 +68,21 @@ impl Vector for DVec3 {
     }
 }
 
-impl<I: Instructions> Vector for Lanes3<I> {
-    type Number = Lanes<I>;
+impl<N: Number> Vector for Three<N> {
+    type Number = N;
 
     #[inline(always)]
-    fn dot(self, other: Self) -> Lanes<I> {
-        Lanes3::dot(self, other)
+    fn dot(self, other: Self) -> N {
+        Three::dot(self, other)
     }
 
     #[inline(always)]
     fn cross(self, other: Self) -> Self {
-        Lanes3::cross(self, other)
+        Three::cross(self, other)
     }
 
     #[inline(always)]
-    fn less(self, number: Lanes<I>) -> Self {
+    fn less(self, number: N) -> Self {
         Self { x: self.x - number, y: self.y - number, z: self.z - number }
     }
 
@@ -99,7 +92,7 @@ impl<I: Instructions> Vector for Lanes3<I> {
     }
 
     #[inline(always)]
-    fn components(self) -> [Lanes<I>; 3] {
+    fn components(self) -> [N; 3] {
         [self.x, self.y, self.z]
     }
 }

@@ -3,7 +3,7 @@
 use super::Batch;
 use crate::Bodies;
 use crate::contact_rows::{Basis, RowImpulse};
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers};
+use crate::lanes::{Instructions, LANES, Lanes, Mask, Numbers, Single, Single3};
 use crate::moving::Movers;
 use crate::tally::{Debt, Tally};
 use crate::warm_start::{Carried, Part, PointImpulse};
@@ -100,8 +100,8 @@ impl<I: Instructions> RowImpulse<I> {
     #[inline(always)]
     fn in_world(&self, basis: &Basis<I>, by: f64) -> [Lanes<I>; 4] {
         let ([t, b], [along_t, along_b]) = (basis.tangents, self.tangent);
-        let Lanes3 { x, y, z } = (t * along_t.lanes() + b * along_b.lanes()).kept().lanes();
-        let by = Lanes::splat(f64::from(by as f32));
-        [self.normal.lanes() * by, x * by, y * by, z * by]
+        let Single3 { x, y, z } = t * along_t + b * along_b;
+        let by = Single::splat(by);
+        [(self.normal * by).double(), (x * by).double(), (y * by).double(), (z * by).double()]
     }
 }

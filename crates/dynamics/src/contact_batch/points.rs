@@ -3,7 +3,7 @@
 use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
-use crate::lanes::{Instructions, Kept, Kept3, LANES, Lanes, Lanes3, Mask, Numbers};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3};
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
 use crate::warm_start::{Carried, PointImpulse};
@@ -123,10 +123,10 @@ impl<I: Instructions> Batch<I> {
             centre: Lanes3::ZERO,
             answered_at: Lanes::ZERO,
             look_at: Lanes::splat(f64::INFINITY),
-            restitution: Lanes::ZERO,
-            stiffness: Lanes::ZERO,
-            roll_lengths: [Lanes::ZERO; 2],
-            spin: Lanes3::ZERO,
+            restitution: Single::ZERO,
+            stiffness: Single::ZERO,
+            roll_lengths: [Single::ZERO; 2],
+            spin: Single3::ZERO,
             work: Lanes::ZERO,
             starts: Vec::new(),
             twists: Vec::new(),
@@ -139,8 +139,8 @@ impl<I: Instructions> Batch<I> {
             locals,
             offset: Lanes3::ZERO,
             given: Lanes::ZERO,
-            soft: Softness { rate: Kept::ZERO, mass_scale: Kept::ZERO, impulse_scale: Kept::ZERO },
-            friction: Kept::ZERO,
+            soft: Softness { rate: Single::ZERO, mass_scale: Single::ZERO, impulse_scale: Single::ZERO },
+            friction: Single::ZERO,
             rows: Vec::with_capacity(rows),
             directions: RowDirections::Shared(Directions::NONE),
             rolls: false,
@@ -152,8 +152,8 @@ impl<I: Instructions> Batch<I> {
             met_rows: 0,
             carrying_rows: [0; 2],
             near_rows: 0,
-            room: Kept::ZERO,
-            sizes: [Kept::ZERO; 2],
+            room: Single::ZERO,
+            sizes: [Single::ZERO; 2],
             looks: Mask::NONE,
             rest: Box::new(rest),
         }
@@ -207,7 +207,7 @@ impl<I: Instructions> Batch<I> {
     fn begin(&mut self, [first, second]: &[Start<I>; 2]) {
         self.rest.start = first.centre;
         self.rest.start_offset = first.centre - second.centre;
-        self.sizes = [first.size.kept(), second.size.kept()];
+        self.sizes = [first.size.single(), second.size.single()];
         for (lane, patch) in self.rest.patches.iter_mut().enumerate() {
             patch.size = smaller(first.size.get(lane), second.size.get(lane));
             // What may be struck and has no points, or may need others at once, is looked at first.
@@ -222,7 +222,7 @@ impl<I: Instructions> Batch<I> {
         self.make_room(at + 1);
         let lanes = points.lanes;
         let [x, y, z, tx, ty, tz, ..] = Lanes::transposed(points.directions);
-        let (normal, tangent) = (Lanes3 { x, y, z }.kept(), Lanes3 { x: tx, y: ty, z: tz }.kept());
+        let (normal, tangent) = (Lanes3 { x, y, z }.single(), Lanes3 { x: tx, y: ty, z: tz }.single());
         self.directions.set((at, self.rows.len()), lanes, Directions { normal, tangent });
         let basis = self.directions.of(at).basis();
 
@@ -230,7 +230,7 @@ impl<I: Instructions> Batch<I> {
         let [x, y, z, rounding, bx, by, bz, other_rounding] = Lanes::transposed(points.anchors);
         let lever = starts[0].orientation.turn(Lanes3 { x, y, z });
         let other_lever = starts[1].orientation.turn(Lanes3 { x: bx, y: by, z: bz });
-        let apart = (self.rest.start_offset + lever - other_lever).dot(basis.normal);
+        let apart = (self.rest.start_offset + lever - other_lever).dot(basis.normal.double());
         let gap = apart - rounding - other_rounding;
         self.rest.anchors[at].put(lanes, [lever, other_lever], [rounding, other_rounding], gap);
         self.rest.anchors[at].name(lanes, points.is_of_first, &points.sample);
@@ -239,8 +239,8 @@ impl<I: Instructions> Batch<I> {
         let [normal, x, y, z, later_normal, tx, ty, tz] = Lanes::transposed(points.lines());
         let row = &mut self.rows[at];
         row.is_there = row.is_there.or(lanes);
-        let before = RowImpulse::new(normal, Lanes3 { x, y, z }, &basis);
-        let after = RowImpulse::new(later_normal, Lanes3 { x: tx, y: ty, z: tz }, &basis);
+        let before = RowImpulse::new(normal.single(), Lanes3 { x, y, z }.single(), &basis);
+        let after = RowImpulse::new(later_normal.single(), Lanes3 { x: tx, y: ty, z: tz }.single(), &basis);
         row.impulses = [row.impulses[0].but(lanes, before), row.impulses[1].but(lanes, after)];
         for (impulse, carrying) in row.impulses.iter().zip(&mut self.carrying_rows) {
             if impulse.is_any() {
@@ -266,10 +266,10 @@ impl<I: Instructions> Batch<I> {
             self.rows.push(Row::empty());
             self.rest.anchors.push(Anchors::empty());
             if self.rolls {
-                self.rest.twists.push([Lanes3::ZERO; 2]);
+                self.rest.twists.push([Single3::ZERO; 2]);
             }
             if self.is_driven {
-                self.rest.drives.push(Lanes3::ZERO);
+                self.rest.drives.push(Single3::ZERO);
             }
         }
     }
@@ -277,10 +277,10 @@ impl<I: Instructions> Batch<I> {
     /// How near the surfaces were at the frame's start, from the last row on.
     #[inline(always)]
     pub(super) fn find_reach(&mut self) {
-        let mut nearest = Lanes::splat(f64::INFINITY);
+        let mut nearest = Single::splat(f64::INFINITY);
         for (row, anchors) in self.rows.iter().zip(&mut self.rest.anchors).rev() {
-            nearest = row.is_there.select(nearest.min(anchors.gap.lanes()), nearest);
-            anchors.reach = nearest.kept();
+            nearest = row.is_there.select(nearest.min(anchors.gap), nearest);
+            anchors.reach = nearest;
         }
     }
 
@@ -288,22 +288,19 @@ impl<I: Instructions> Batch<I> {
     /// unstable [Cat24].
     #[inline(always)]
     pub(super) fn soften(&mut self) {
-        let (one, dt) = (Lanes::splat(1.0), Lanes::splat(self.rest.dt));
-        let mut points = Lanes::ZERO;
+        let (one, dt) = (Single::splat(1.0), Single::splat(self.rest.dt));
+        let mut points = Single::ZERO;
         for row in &self.rows {
-            points = points + row.is_there.select(one, Lanes::ZERO);
+            points = points + row.is_there.select(one, Single::ZERO);
         }
-        let share = (Lanes::splat(4.0) / points).min(one);
-        let hertz = share.sqrt() * Lanes::splat(CONTACT_HERTZ);
-        let most = Lanes::splat(0.25 / self.rest.dt);
-        let omega = Lanes::splat(std::f64::consts::TAU) * hertz.min(most) * self.rest.stiffness.sqrt();
-        let a = Lanes::splat(2.0 * CONTACT_DAMPING) + dt * omega;
+        let share = (Single::splat(4.0) / points).min(one);
+        let hertz = share.sqrt() * Single::splat(CONTACT_HERTZ);
+        let most = Single::splat(0.25 / self.rest.dt);
+        let omega = Single::splat(std::f64::consts::TAU) * hertz.min(most) * self.rest.stiffness.sqrt();
+        let a = Single::splat(2.0 * CONTACT_DAMPING) + dt * omega;
         let b = dt * omega * a;
-        self.soft = Softness {
-            rate: (omega / a).kept(),
-            mass_scale: (b / (one + b)).kept(),
-            impulse_scale: (one / (one + b)).kept(),
-        };
+        self.soft =
+            Softness { rate: (omega / a), mass_scale: (b / (one + b)), impulse_scale: (one / (one + b)) };
     }
 }
 
@@ -359,11 +356,11 @@ impl Touching<'_> {
 impl<I: Instructions> Anchors<I> {
     fn empty() -> Self {
         Self {
-            levers: [Kept3::ZERO; 2],
-            rounding: [Kept::ZERO; 2],
-            gap: Kept::ZERO,
-            reach: Kept::ZERO,
-            met_at: Lanes::ZERO,
+            levers: [Single3::ZERO; 2],
+            rounding: [Single::ZERO; 2],
+            gap: Single::ZERO,
+            reach: Single::ZERO,
+            met_at: Single::ZERO,
             is_of_first: Mask::NONE,
             sample: [0; LANES],
         }
@@ -373,10 +370,10 @@ impl<I: Instructions> Anchors<I> {
     #[inline(always)]
     fn put(&mut self, lanes: Mask, levers: [Lanes3<I>; 2], rounding: [Lanes<I>; 2], gap: Lanes<I>) {
         for side in 0..2 {
-            self.levers[side] = self.levers[side].but(lanes, levers[side].kept());
-            self.rounding[side] = self.rounding[side].but(lanes, rounding[side].kept());
+            self.levers[side] = self.levers[side].but(lanes, levers[side].single());
+            self.rounding[side] = self.rounding[side].but(lanes, rounding[side].single());
         }
-        self.gap = self.gap.but(lanes, gap.kept());
+        self.gap = self.gap.but(lanes, gap.single());
     }
 
     /// Which samples or features they are, in some lanes.

@@ -1,7 +1,7 @@
 //! Pairs at rest.
 
 use super::Batch;
-use crate::lanes::{Instructions, Lanes3};
+use crate::lanes::{Instructions, Lanes3, Single3};
 use crate::moving::Movers;
 
 impl<I: Instructions> Batch<I> {
@@ -52,17 +52,19 @@ impl<I: Instructions> Batch<I> {
     fn carried(&self, movers: &Movers, stage: usize) -> (Lanes3<I>, Lanes3<I>) {
         let shift = movers.shifts::<I>(&self.locals[0]).translation;
         let shared = self.shared_basis();
-        let (mut sum, mut moment) = (Lanes3::ZERO, Lanes3::ZERO);
+        // As it is given to the bodies: see `Visit::push`.
+        let (mut sum, mut moment) = (Single3::ZERO, Single3::ZERO);
         for at in 0..self.carrying_rows[stage] {
             let impulse = &self.rows[at].impulses[stage];
             let point = self.point(at, shared);
-            let j = point.impulse(impulse.normal.lanes(), impulse.tangent.map(|along| along.lanes()));
+            let j = point.impulse(impulse.normal, impulse.tangent);
             sum = sum + j;
-            moment = moment + (point.levers[0] + shift).cross(j);
+            moment = moment + point.levers[0].cross(j);
             if self.rolls {
                 moment = moment + self.rest.twists[at][stage];
             }
         }
-        (sum, moment)
+        let sum = sum.double();
+        (sum, moment.double() + shift.cross(sum))
     }
 }

@@ -64,7 +64,7 @@ proptest! {
         let (mut movers, mut batch) = batch_of(&bodies, manifolds[0], &step);
         for _ in 0..4 {
             let near = batch.near_rows;
-            let sides = batch.sides(&movers);
+            let sides = Sides::of(&batch.sides(&movers));
             batch.follow_all(&movers, &sides);
             for at in 0..batch.rows.len() {
                 let closing = batch.point(at, batch.shared_basis()).closing(&sides).get(0);

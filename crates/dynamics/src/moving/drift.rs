@@ -110,14 +110,14 @@ impl Stretch<'_> {
             let rates = Lanes3 { x: ix, y: iy, z: iz } * (one / fastest);
             let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
             let Turn { vector, scalar } = rotate_slowly(orientation, (direction, rates), angle);
-            let turned = rests.select3(orientation.vector, vector);
+            let turned = rests.select(orientation.vector, vector);
             let scalar = rests.select(qw, scalar);
 
             // The others wait.
             let goes = if is_exact { Lanes::splat(SLOW).above(angle) } else { Mask::NONE };
-            let Lanes3 { x: tx, y: ty, z: tz } = goes.select3(turned, orientation.vector);
+            let Lanes3 { x: tx, y: ty, z: tz } = goes.select(turned, orientation.vector);
             let (linear, position) = (Lanes3 { x, y, z }, Lanes3 { x: px, y: py, z: pz });
-            let Lanes3 { x: px, y: py, z: pz } = goes.select3(position + linear * dt, position);
+            let Lanes3 { x: px, y: py, z: pz } = goes.select(position + linear * dt, position);
             let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(scalar, qw), Lanes::ZERO]);
             self.poses[begin..begin + LANES].copy_from_slice(&poses);
         }
