@@ -224,6 +224,10 @@ class World:
         """(n,) [kg]; infinite for static and kinematic bodies."""
 
     @property
+    def asleep(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether each slept in the last frame, where the scene has ``"sleep": true``."""
+
+    @property
     def names(self) -> list[str]:
         """(n) names."""
 

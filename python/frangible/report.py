@@ -120,6 +120,8 @@ class StepReport(TypedDict):
     time: float
     #: Living bodies at the end of the frame.
     bodies: int
+    #: How many of them slept in this frame, where the scene has ``"sleep": true``.
+    asleep: int
     #: Of all dynamic bodies [kg].
     mass: float
     energy: Energy

@@ -6,6 +6,7 @@ use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::begins_calm;
 use crate::regions::Regions;
+use crate::sleep::Sleep;
 use crate::threads;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame, Motion};
@@ -49,6 +50,8 @@ pub(crate) struct Plan {
     pub(crate) stiffness: Vec<f64>,
     /// Whether each body probably comes to rest in this frame; what is static always does.
     pub(crate) settled: Vec<bool>,
+    /// Who is in no cluster, as it sleeps.
+    pub(crate) sleep: Sleep,
 }
 
 /// Puts islands together: `warm` knows who has settled.
@@ -66,7 +69,8 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
     // What takes more goes with those that take as much, and what has settled with others that have.
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
     let (mut pairs, mut settled_pairs) = (Vec::new(), Vec::new());
-    let islands = islands(bodies, manifolds);
+    let mut islands = islands(bodies, manifolds);
+    let sleep = Sleep::take_out(bodies, manifolds, &mut islands, (warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
     for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
         if let Some((effort, loads)) = effort {
@@ -107,7 +111,7 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
             add(pairs, effort);
         }
     }
-    Plan { clusters, stiffness, settled }
+    Plan { clusters, stiffness, settled, sleep }
 }
 
 /// Not in the cluster.
@@ -118,7 +122,7 @@ impl Cluster {
     pub(crate) fn new(
         bodies: &Bodies,
         touching: Touching,
-        Plan { clusters, stiffness, settled }: &Plan,
+        Plan { clusters, stiffness, settled, .. }: &Plan,
         number: usize,
         local: &mut [u32],
     ) -> Self {
@@ -365,7 +369,8 @@ mod tests {
         for (size, is_heap) in [(pairs.len(), false), (1 << 20, true)] {
             let effort = Effort::of_size(size);
             let (stiffness, settled) = (vec![1.0; manifolds.len()], vec![true; COUNT]);
-            let plan = Plan { clusters: vec![(pairs.clone(), effort)], stiffness, settled };
+            let plan =
+                Plan { clusters: vec![(pairs.clone(), effort)], stiffness, settled, sleep: Sleep::default() };
             let cluster = Cluster::new(&bodies, touching, &plan, 0, &mut local);
             let mut all: Vec<usize> = cluster.members.iter().map(|member| member.manifold).collect();
             let touch = all.iter().filter(|&&at| !manifolds[at].points.is_empty()).count();
@@ -404,9 +409,9 @@ mod tests {
         }
         let warm = WarmStart::of_parts(
             &bodies,
-            0,
-            vec![],
+            (0, vec![]),
             &[u8::MAX, SETTLED_AFTER - 1, SETTLED_AFTER, u8::MAX, u8::MAX],
+            &[],
         );
         let settings = crate::StepSettings::default();
         let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };

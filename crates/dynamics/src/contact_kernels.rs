@@ -11,8 +11,9 @@ pub(crate) struct Visit<I> {
     pub(crate) before: [Side<I>; 2],
     /// As rows see them now.
     pub(crate) now: Sides<I>,
-    /// Gravity's kick on the first bodies less that on the second ones [m/s].
-    kick: Single3<I>,
+    /// Gravity's kick on the first bodies less that on the second ones, and in single precision [m/s].
+    kick: Lanes3<I>,
+    seen_kick: Single3<I>,
     /// Sum of the impulses on the first bodies [N s], and of the angular impulses about their centres of mass [N m s].
     pub(crate) impulse: Single3<I>,
     pub(crate) moment: Single3<I>,
@@ -30,9 +31,11 @@ pub(crate) struct Visit<I> {
 impl<I: Instructions> Visit<I> {
     #[inline(always)]
     pub(crate) fn new(before: [Side<I>; 2], beat: &Beat) -> Self {
+        let kick = Lanes3::splat(beat.kick) * (before[0].falls - before[1].falls);
         Self {
             now: Sides::of(&before),
-            kick: (Lanes3::splat(beat.kick) * (before[0].falls - before[1].falls)).single(),
+            kick,
+            seen_kick: kick.single(),
             before,
             impulse: Single3::ZERO,
             moment: Single3::ZERO,
@@ -75,7 +78,7 @@ impl<I: Instructions> Visit<I> {
         speed: Single<I>,
         (point, bounces): (&Point<I>, Mask),
     ) {
-        let energy = impulse * (speed - self.kick.dot(point.basis.normal));
+        let energy = impulse * (speed - self.seen_kick.dot(point.basis.normal));
         self.by_collision = self.by_collision + bounces.select(energy, Single::ZERO);
         self.by_contact = self.by_contact + bounces.select(Single::ZERO, energy);
     }
@@ -99,7 +102,7 @@ impl<I: Instructions> Visit<I> {
             (after.angular + before.angular).dot(after.angular_momentum - before.angular_momentum)
         };
         let turned = turn(first, first_before) + turn(second, second_before);
-        (linear + turned) * Lanes::splat(0.5) - self.kick.double().dot(impulse) - self.work.double()
+        (linear + turned) * Lanes::splat(0.5) - self.kick.dot(impulse) - self.work.double()
     }
 }
 

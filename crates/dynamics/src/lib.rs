@@ -50,6 +50,7 @@ pub mod rigid_part;
 pub mod rotation;
 pub mod settings;
 pub mod shock_propagation;
+mod sleep;
 pub mod state;
 pub mod struck;
 pub mod substeps;

@@ -31,6 +31,8 @@ pub struct StepSettings {
     pub ledger: bool,
     /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
     pub bank_cap: f64,
+    /// Let islands that stand still sleep; off, all bodies are awake in every frame. Only the frame-rate method does.
+    pub sleep: bool,
     /// The widest instructions to use. All of them give the same bits.
     pub width: Width,
 }
@@ -77,6 +79,7 @@ impl Default for StepSettings {
             impulse_clamp: true,
             ledger: true,
             bank_cap: 0.1,
+            sleep: false,
             width: Width::Avx512,
         }
     }

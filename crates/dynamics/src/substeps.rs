@@ -108,8 +108,17 @@ fn solve_with<I: Instructions>(
         solved.gravity.0 += movers.gravity.0;
         solved.gravity.1 += movers.gravity.1;
     }
+
+    // What sleeps stays, with what it carries.
+    let are_asleep = plan.sleep.hold(bodies, manifolds, &mut solved.tally);
+    are_asleep.iter().enumerate().filter(|&(_, &is)| is).for_each(|(i, _)| is_in_one[i] = true);
+    let mut kept = Part::default();
+    plan.sleep.manifolds.iter().for_each(|&at| kept.keep(at, manifolds[at].pair, carried[at]));
+    parts.push(kept);
+
     fly(bodies, &is_in_one, frame, &mut solved);
-    *warm = WarmStart::of_parts(bodies, manifolds.len(), parts, &settled);
+    let drowsiness = plan.sleep.drowsiness(bodies, warm, &are_asleep);
+    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &drowsiness);
     solved
 }
 

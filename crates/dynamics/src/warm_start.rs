@@ -3,6 +3,7 @@
 use crate::bodies::PerBody;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
+use crate::sleep::Drowsiness;
 use crate::threads;
 use crate::{Bodies, BodyId};
 use glam::Vec3;
@@ -29,6 +30,7 @@ struct CarriedBody {
     place: usize,
     /// In so many frames, one after the other until then, it could come to rest.
     settled_for: u8,
+    drowsiness: Drowsiness,
 }
 
 /// Where the points of a pair are.
@@ -129,8 +131,30 @@ impl WarmStart {
         self.bodies.get(id).map_or(0, |body| body.settled_for)
     }
 
-    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now.
-    pub(crate) fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<Part>, settled_for: &[u8]) -> Self {
+    /// What decides whether a body sleeps.
+    pub(crate) fn drowsiness(&self, id: BodyId) -> Drowsiness {
+        self.bodies.get(id).map_or(Drowsiness::default(), |body| body.drowsiness)
+    }
+
+    /// Whatever a body was, it is as if it had just moved.
+    pub fn wake(&mut self, id: BodyId) {
+        if let Some(body) = self.bodies.get(id) {
+            self.bodies.insert(id, CarriedBody { settled_for: 0, drowsiness: Drowsiness::default(), ..body });
+        }
+    }
+
+    /// Whether a body slept in the last frame.
+    pub fn is_asleep(&self, id: BodyId) -> bool {
+        self.drowsiness(id).is_asleep()
+    }
+
+    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now, and are drowsy if any may sleep.
+    pub(crate) fn of_parts(
+        bodies: &Bodies,
+        (pairs, parts): (usize, Vec<Part>),
+        settled_for: &[u8],
+        drowsiness: &[Drowsiness],
+    ) -> Self {
         let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
         let mut all = Self {
             points: Vec::with_capacity(parts.len()),
@@ -138,7 +162,8 @@ impl WarmStart {
             bodies: PerBody::default(),
         };
         for (place, (&id, &settled_for)) in bodies.ids.iter().zip(settled_for).enumerate() {
-            all.bodies.insert(id, CarriedBody { place, settled_for });
+            let drowsiness = drowsiness.get(place).copied().unwrap_or_default();
+            all.bodies.insert(id, CarriedBody { place, settled_for, drowsiness });
         }
         for Part { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
@@ -157,6 +182,12 @@ impl WarmStart {
 }
 
 impl Part {
+    /// A pair that has some place among all carries what it carried.
+    pub(crate) fn keep(&mut self, place: usize, pair: Pair, carried: &[Carried]) {
+        self.points.extend_from_slice(carried);
+        self.end_pair(place, pair);
+    }
+
     /// The points since the last pair are those of a pair that has some place among all.
     pub(crate) fn end_pair(&mut self, place: usize, pair: Pair) {
         self.pairs.push((place, pair, self.points.len()));
@@ -202,7 +233,7 @@ mod tests {
             }
             part.end_pair(place, pair);
         }
-        let warm = WarmStart::of_parts(&bodies, all.len(), parts, &[0, 1, 2, 3, 4]);
+        let warm = WarmStart::of_parts(&bodies, (all.len(), parts), &[0, 1, 2, 3, 4], &[]);
         let ids = bodies.ids.clone();
         bodies.remove(&[false, true, false, false, false]);
         let newborn = spawn(&mut bodies);

@@ -34,7 +34,7 @@ impl World {
             frame: 0,
             dt: 1.0 / rate,
             gravity,
-            settings: settings_of(scene.method),
+            settings: StepSettings { sleep: scene.sleep, ..settings_of(scene.method) },
             books: Books::default(),
             ledger: Ledger::default(),
             method: scene.method,

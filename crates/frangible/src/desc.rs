@@ -23,6 +23,10 @@ pub struct SceneDesc {
     /// Which step.
     #[serde(default)]
     pub method: Method,
+    /// Whether what has stood still for half a second sleeps until something touches it, in the frame-rate method: it takes no solving then. Off, all
+    /// bodies are awake in every frame.
+    #[serde(default)]
+    pub sleep: bool,
     /// In the order in which they enter the world.
     pub bodies: Vec<BodyDesc>,
 }
@@ -329,6 +333,7 @@ impl SceneDesc {
             gravity: defaults::gravity(),
             frames_per_second: defaults::frames_per_second(),
             method: Method::default(),
+            sleep: false,
             bodies: Vec::new(),
         }
     }

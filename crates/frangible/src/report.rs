@@ -12,6 +12,8 @@ pub struct StepReport {
     pub time: f64,
     /// Living bodies at the end of the frame.
     pub bodies: usize,
+    /// How many of them slept in this frame.
+    pub asleep: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
     /// The energy books.

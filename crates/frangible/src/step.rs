@@ -90,6 +90,7 @@ fn advance(world: &mut World) -> StepReport {
         frame: world.frame,
         time: world.time(),
         bodies: world.bodies.len(),
+        asleep: world.bodies.ids.iter().filter(|&&id| world.is_asleep(id)).count(),
         mass: after.mass,
         energy,
         momentum,

@@ -122,6 +122,7 @@ impl World {
             .bodies
             .index_of(id)
             .ok_or_else(|| body.broken(&id_number(id).to_string(), "the id of a living body"))?;
+        self.warm.wake(id);
         match self.bodies.motions[dense] {
             Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
             Motion::Kinematic { .. } => self.bodies.motions[dense] = Motion::Kinematic { linear, angular },
@@ -133,6 +134,11 @@ impl World {
             }
         }
         Ok(())
+    }
+
+    /// Whether a body slept in the last frame, where the scene lets bodies [sleep](crate::SceneDesc::sleep).
+    pub fn is_asleep(&self, id: BodyId) -> bool {
+        self.warm.is_asleep(id)
     }
 
     /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when asked for.

@@ -117,6 +117,11 @@ impl World {
     }
 
     #[getter]
+    fn asleep<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_iter(py, self.world.bodies().ids.iter().map(|&id| self.world.is_asleep(id)))
+    }
+
+    #[getter]
     fn names(&self) -> Vec<&str> {
         self.world.labels().iter().map(|label| label.name.as_str()).collect()
     }
