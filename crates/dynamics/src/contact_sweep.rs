@@ -319,7 +319,6 @@ impl<I: Instructions> Batch<I> {
                 let wanted = normal * closing_speed(row.gap, rate).max(Single::ZERO);
                 let work = wanted * Single::splat(beat.parting);
                 given.wanted = given.wanted + wanted.double();
-                given.projection = given.projection + work.double();
                 visit.by_collision = visit.by_collision - row.bounces.select(work, Single::ZERO);
                 visit.by_contact = visit.by_contact - row.bounces.select(Single::ZERO, work);
                 visit.projected = visit.projected + work;
@@ -331,24 +330,28 @@ impl<I: Instructions> Batch<I> {
     /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
     #[inline(always)]
     pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &Movers, given: &mut Given<I>) {
-        let (by_collision, by_contact) = (visit.by_collision.double(), visit.by_contact.double());
-        given.collision = given.collision + by_collision;
-        given.contact = given.contact + by_contact;
-        if !visit.acted {
-            return;
+        let mut energy = Lanes::ZERO;
+        if visit.acted {
+            let after = visit.after(self.offset);
+            energy = visit.given(&after);
+            self.given = self.given + energy;
+            if self.has_outside {
+                // On the first bodies, or against what acts on the second ones.
+                let (sign, impulse) = (after[0].falls - after[1].falls, visit.impulse.double());
+                let turned = after[0].angular_momentum - visit.before[0].angular_momentum;
+                given.impulse = given.impulse + impulse * sign;
+                given.moment = given.moment + (turned + self.rest.centre.cross(impulse)) * sign;
+                self.rest.work = self.rest.work + visit.work.double();
+            }
+            self.store(movers, &after);
         }
-        let after = visit.after(self.offset);
-        let energy = visit.given(&after);
-        given.friction = given.friction + (energy - by_collision - by_contact - visit.projected.double());
-        self.given = self.given + energy;
-        if self.has_outside {
-            // On the first bodies, or against what acts on the second ones.
-            let (sign, impulse) = (after[0].falls - after[1].falls, visit.impulse.double());
-            let turned = after[0].angular_momentum - visit.before[0].angular_momentum;
-            given.impulse = given.impulse + impulse * sign;
-            given.moment = given.moment + (turned + self.rest.centre.cross(impulse)) * sign;
-            self.rest.work = self.rest.work + visit.work.double();
-        }
-        self.store(movers, &after);
+
+        // Its causes add up to it.
+        let [collision, contact, projected] =
+            [visit.by_collision.double(), visit.by_contact.double(), visit.projected.double()];
+        given.collision = given.collision + collision;
+        given.contact = given.contact + contact;
+        given.projection = given.projection + projected;
+        given.friction = given.friction + (energy - collision - contact - projected);
     }
 }

@@ -42,7 +42,8 @@ fn what_stands_still_sleeps_until_it_is_touched() {
     let stack = (0..STACK).map(|level| cube([0.0, 0.5 + level as f64, 0.0]));
     let ball = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
     // It falls for 3.9 s.
-    let ball = BodyDesc { position: [0.2, 80.0, 0.0], ..BodyDesc::new("ball", ball) };
+    let position = [0.2, 80.0, 0.0];
+    let ball = BodyDesc { position, rolling_friction: 0.05, ..BodyDesc::new("ball", ball) };
     let bodies = [BodyDesc::ground(0.0)].into_iter().chain(stack).chain([cube([5.0, 0.5, 0.0]), ball]);
     let scene = scene(bodies);
     let mut world = World::build(&scene).unwrap();
