@@ -55,7 +55,8 @@ pub(crate) struct Plan {
 }
 
 /// Puts islands together: `warm` knows who has settled.
-pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, frame: &Frame) -> Plan {
+pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
+    let Touching { manifolds, carried, .. } = touching;
     let is_settled = |i: usize| match bodies.motions[i] {
         Motion::Static => true,
         Motion::Kinematic { .. } => false,
@@ -70,7 +71,7 @@ pub(crate) fn plan(bodies: &Bodies, manifolds: &[Manifold], warm: &WarmStart, fr
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
     let (mut pairs, mut settled_pairs) = (Vec::new(), Vec::new());
     let mut islands = islands(bodies, manifolds);
-    let sleep = Sleep::take_out(bodies, manifolds, &mut islands, (warm, frame));
+    let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
     for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
         if let Some((effort, loads)) = effort {
@@ -416,8 +417,9 @@ mod tests {
         let settings = crate::StepSettings::default();
         let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
         bodies.velocities[3].linear = DVec3::X;
-        assert_eq!(plan(&bodies, &[], &warm, &frame).settled, [true, false, true, false, false]);
-        let nobody = plan(&bodies, &[], &WarmStart::default(), &frame).settled;
+        let nothing = Touching { manifolds: &[], carried: &[], near: 0.0 };
+        assert_eq!(plan(&bodies, nothing, &warm, &frame).settled, [true, false, true, false, false]);
+        let nobody = plan(&bodies, nothing, &WarmStart::default(), &frame).settled;
         assert_eq!(nobody, [true, false, false, false, false]);
     }
 

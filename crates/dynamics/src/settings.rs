@@ -37,7 +37,7 @@ pub struct StepSettings {
     pub width: Width,
 }
 
-/// How many numbers are computed at a time; a machine that has not as many uses what it has.
+/// How many numbers are computed at a time in double precision, up to eight in single precision; a machine that has not as many uses what it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// One.

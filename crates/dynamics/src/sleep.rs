@@ -6,12 +6,12 @@ use crate::ledger::energy;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::tally::{Cause, Tally};
-use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame, Motion, Velocity};
+use crate::warm_start::{Carried, WarmStart};
+use crate::{Bodies, BodyId, Frame, Motion, Velocity};
 use glam::DVec3;
 
-/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim together. Heaps fidget below it; what begins to slide passes it
-/// within [`SLOW_FOR`], unless its slope is less than 0.1 degrees too steep. It does not scale with the scene.
+/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim together. Heaps fidget below it; on earth what begins to slide passes
+/// it within [`SLOW_FOR`], unless its slope is less than 0.06 degrees too steep. It does not scale with the scene.
 const SLOW: f64 = 5e-3;
 
 /// So long all bodies of an island must have been slow [s], as in Box2D.
@@ -20,10 +20,10 @@ const SLOW_FOR: f64 = 0.5;
 /// What decides whether a body sleeps, from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Drowsiness {
-    /// In so many frames, one after the other, it has been slow, and has touched as many others.
-    slow_for: u8,
-    /// So many pairs had points with it.
-    touching: u32,
+    /// In so many frames, one after the other, it has been slow, and has touched the same others, of which none was driven.
+    slow_for: u32,
+    /// Those others: see [`Sleep::touching`].
+    touching: u64,
     is_asleep: bool,
 }
 
@@ -36,18 +36,22 @@ impl Drowsiness {
 /// Who sleeps in a frame.
 #[derive(Default)]
 pub(crate) struct Sleep {
-    /// Of each body, how many pairs have points with it; empty if nothing may sleep.
-    touching: Vec<u32>,
-    /// Of each island that was asked about and sleeps, its manifolds.
+    /// The manifolds of all islands that sleep.
     pub(crate) manifolds: Vec<usize>,
+    /// Of each body, a number that says with whom it has points, in any order; empty if nothing may sleep.
+    touching: Vec<u64>,
+    /// Whether each is in an island with something that is driven.
+    is_stirred: Vec<bool>,
+    /// Where each was at the frame's start [m].
+    starts: Vec<DVec3>,
 }
 
 impl Sleep {
-    /// Takes those of some islands out that sleep in this frame: all of their bodies have been slow for long enough, and touch as many others as they did
-    /// then, of which one at least does not move.
+    /// Takes those islands out that sleep in this frame: all of their bodies have been slow for long enough, and touch the same others as they did
+    /// then, of which one at least does not move and carries something.
     pub(crate) fn take_out(
         bodies: &Bodies,
-        manifolds: &[Manifold],
+        (manifolds, carried): (&[Manifold], &[&[Carried]]),
         islands: &mut Vec<Vec<usize>>,
         (warm, frame): (&WarmStart, &Frame),
     ) -> Self {
@@ -55,31 +59,37 @@ impl Sleep {
         if !frame.settings.sleep {
             return sleep;
         }
+        sleep.starts = bodies.poses.iter().map(|pose| pose.position).collect();
+        sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if !points.is_empty() {
-                sleep.touching[*first] += 1;
-                sleep.touching[*second] += 1;
+                for (i, other) in [(*first, *second), (*second, *first)] {
+                    sleep.touching[i] = sleep.touching[i].wrapping_add(scattered(bodies.ids[other]));
+                }
             }
         }
-        let enough = (SLOW_FOR / frame.dt).ceil().min(u8::MAX.into()) as u8;
-        let is_drowsy = |i: usize| {
-            let before = warm.drowsiness(bodies.ids[i]);
-            before.slow_for >= enough && before.touching == sleep.touching[i] && is_slow(bodies, i)
-        };
-        let sleeps = |island: &[usize]| {
-            let mut stands = false;
-            let all = island.iter().all(|&at| {
-                let Manifold { pair, points, .. } = manifolds[at];
-                [pair.first, pair.second].into_iter().all(|i| {
-                    stands |= bodies.motions[i] != Motion::Dynamic && !points.is_empty();
-                    is_drowsy(i) || bodies.motions[i] != Motion::Dynamic && is_still(bodies, i)
-                })
-            });
-            all && stands
-        };
+        let enough = (SLOW_FOR / frame.dt).ceil() as u32;
         islands.retain(|island| {
-            let sleeps = sleeps(island);
+            let pairs = || island.iter().map(|&at| manifolds[at].pair);
+            let all = || pairs().flat_map(|Pair { first, second }| [first, second]);
+            if all().any(|i| is_driven(bodies, i)) {
+                all().for_each(|i| sleep.is_stirred[i] = true);
+                return true;
+            }
+            let is_drowsy = |i: usize| {
+                let Drowsiness { slow_for, touching, .. } = warm.drowsiness(bodies.ids[i]);
+                slow_for >= enough && touching == sleep.touching[i] && is_slow(bodies, i)
+            };
+            let presses = |at: usize| {
+                carried[at].iter().flat_map(|carried| &carried.forces).any(|force| force.normal > 0.0)
+            };
+            let is_fixed = |i: usize| bodies.motions[i] != Motion::Dynamic;
+            let stands = |&at: &usize| {
+                let Pair { first, second } = manifolds[at].pair;
+                (is_fixed(first) || is_fixed(second)) && presses(at)
+            };
+            let sleeps = all().all(|i| is_fixed(i) || is_drowsy(i)) && island.iter().any(stands);
             if sleeps {
                 sleep.manifolds.extend_from_slice(island);
             }
@@ -90,7 +100,7 @@ impl Sleep {
 
     /// The bodies that sleep stand still: what they lose by that, what they stand on has given.
     pub(crate) fn hold(&self, bodies: &mut Bodies, manifolds: &[Manifold], tally: &mut Tally) -> Vec<bool> {
-        let mut are_asleep = vec![false; if self.touching.is_empty() { 0 } else { bodies.len() }];
+        let mut are_asleep = vec![false; self.touching.len()];
         for Pair { first, second } in self.manifolds.iter().map(|&at| manifolds[at].pair) {
             for i in [first, second].into_iter().filter(|&i| bodies.motions[i] == Motion::Dynamic) {
                 if !std::mem::replace(&mut are_asleep[i], true) {
@@ -108,16 +118,18 @@ impl Sleep {
         are_asleep
     }
 
-    /// How drowsy each body is at the frame's end, if any may sleep.
+    /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an overlap moves, though it is slow in the end.
     pub(crate) fn drowsiness(
         &self,
         bodies: &Bodies,
-        warm: &WarmStart,
+        (warm, frame): (&WarmStart, &Frame),
         are_asleep: &[bool],
     ) -> Vec<Drowsiness> {
-        let of = |(i, &touching): (usize, &u32)| {
+        let of = |(i, &touching): (usize, &u64)| {
             let before = warm.drowsiness(bodies.ids[i]);
-            let goes_on = before.touching == touching && is_slow(bodies, i);
+            let way = bodies.poses[i].position.distance(self.starts[i]);
+            let is_still = is_slow(bodies, i) && way < SLOW * frame.dt && !self.is_stirred[i];
+            let goes_on = is_still && before.touching == touching;
             let slow_for = if goes_on { before.slow_for.saturating_add(1) } else { 0 };
             Drowsiness { slow_for, touching, is_asleep: are_asleep[i] }
         };
@@ -125,16 +137,81 @@ impl Sleep {
     }
 }
 
-fn is_slow(bodies: &Bodies, i: usize) -> bool {
-    let turning = bodies.inertias[i].inverse_moments.max_element() * radius(&bodies.shapes[i]);
-    let Velocity { linear, angular_momentum } = bodies.velocities[i];
-    linear.length() + turning * angular_momentum.length() < SLOW
+/// A number for a body, of which sums tell one set of bodies from another: its id through SplitMix64.
+fn scattered(BodyId { index, generation }: BodyId) -> u64 {
+    let mut number = (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    number = (number ^ number >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    number = (number ^ number >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    number ^ number >> 31
 }
 
-/// Whether a static or kinematic body does not move.
-fn is_still(bodies: &Bodies, i: usize) -> bool {
-    match bodies.motions[i] {
-        Motion::Kinematic { linear, angular } => linear == DVec3::ZERO && angular == DVec3::ZERO,
-        Motion::Static | Motion::Dynamic => true,
+fn is_slow(bodies: &Bodies, i: usize) -> bool {
+    let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
+    // What has no bounds does not turn.
+    let turning = if spin > 0.0 { spin * radius(&bodies.shapes[i]) } else { 0.0 };
+    bodies.velocities[i].linear.length() + turning < SLOW
+}
+
+/// Whether it is a kinematic body that moves.
+fn is_driven(bodies: &Bodies, i: usize) -> bool {
+    matches!(bodies.motions[i], Motion::Kinematic { linear, angular } if linear != DVec3::ZERO || angular != DVec3::ZERO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::broad_phase::find_swept_pairs;
+    use crate::collisions::predict;
+    use crate::ledger::Ledger;
+    use crate::manifold::find_manifolds;
+    use crate::substeps::solve;
+    use crate::{Contactant, NewBody, Pose, StepSettings};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    fn spawn(bodies: &mut Bodies, motion: Motion, height: f64) -> BodyId {
+        bodies.spawn(NewBody {
+            shape: Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(0.5) }, 0.1)),
+            density: 1.0,
+            motion,
+            pose: Pose { position: height * DVec3::Y, orientation: DQuat::IDENTITY },
+            velocity: Velocity::default(),
+            contactant: Contactant::new(0.0, 0.5),
+        })
+    }
+
+    /// What sleeps carries on what it carried; if another support is where its own was, it wakes, as that has to learn what lies on it.
+    #[test]
+    fn another_support_wakes_what_lies_on_it() {
+        let mut bodies = Bodies::default();
+        let support = spawn(&mut bodies, Motion::Static, 0.0);
+        let sleeper = spawn(&mut bodies, Motion::Dynamic, 1.0);
+        let settings = StepSettings { sleep: true, ..StepSettings::default() };
+        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
+        let mut warm = WarmStart::default();
+        let mut run = |bodies: &mut Bodies, frames: usize| {
+            for _ in 0..frames {
+                let ends = predict(bodies, &frame);
+                let pairs = find_swept_pairs(bodies, &ends, frame.dt, frame.sag());
+                let found = find_manifolds(bodies, &pairs, &warm, &frame);
+                let manifolds: Vec<Manifold> = found.iter().collect();
+                solve(bodies, &manifolds, &mut warm, &Ledger::default(), &frame);
+            }
+            let carried = warm.of_pair(bodies, Pair { first: 0, second: 1 }).to_vec();
+            (warm.is_asleep(sleeper), carried)
+        };
+        let awake = run(&mut bodies, 12);
+        assert!(!awake.0 && !awake.1.is_empty());
+        let asleep = run(&mut bodies, 30);
+        assert!(asleep.0);
+        assert_eq!(run(&mut bodies, 10), asleep, "it carries what it carried");
+
+        bodies.remove(&[bodies.ids[0] == support, bodies.ids[1] == support]);
+        spawn(&mut bodies, Motion::Static, 0.0);
+        let (is_asleep, carried) = run(&mut bodies, 1);
+        assert!(!is_asleep);
+        assert!(carried.iter().any(|point| point.forces[0].normal > 0.0));
+        assert!(run(&mut bodies, 30).0);
     }
 }

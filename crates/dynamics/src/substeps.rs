@@ -77,7 +77,7 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
     let bodies_now = &*bodies;
-    let plan = plan(bodies, manifolds, warm, frame);
+    let plan = plan(bodies, touching, warm, frame);
     let numbers: Vec<usize> = (0..plan.clusters.len()).collect();
     let room = || vec![NOWHERE; bodies_now.len()];
     let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
@@ -117,7 +117,7 @@ fn solve_with<I: Instructions>(
     parts.push(kept);
 
     fly(bodies, &is_in_one, frame, &mut solved);
-    let drowsiness = plan.sleep.drowsiness(bodies, warm, &are_asleep);
+    let drowsiness = plan.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
     *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &drowsiness);
     solved
 }

@@ -136,10 +136,10 @@ impl WarmStart {
         self.bodies.get(id).map_or(Drowsiness::default(), |body| body.drowsiness)
     }
 
-    /// Whatever a body was, it is as if it had just moved.
+    /// A body is as awake as if it had just moved.
     pub fn wake(&mut self, id: BodyId) {
         if let Some(body) = self.bodies.get(id) {
-            self.bodies.insert(id, CarriedBody { settled_for: 0, drowsiness: Drowsiness::default(), ..body });
+            self.bodies.insert(id, CarriedBody { drowsiness: Drowsiness::default(), ..body });
         }
     }
 

@@ -28,6 +28,9 @@ impl World {
         let checker = Checker::root();
         let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
         let rate = checker.field("frames_per_second").within(scene.frames_per_second, 1.0, 1e5)?;
+        if scene.sleep && scene.method == Method::Paper {
+            return Err(checker.field("sleep").broken("true", "false, with the paper's method"));
+        }
         let mut world = Self {
             bodies: Bodies::default(),
             labels: Vec::new(),

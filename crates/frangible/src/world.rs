@@ -122,7 +122,6 @@ impl World {
             .bodies
             .index_of(id)
             .ok_or_else(|| body.broken(&id_number(id).to_string(), "the id of a living body"))?;
-        self.warm.wake(id);
         match self.bodies.motions[dense] {
             Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
             Motion::Kinematic { .. } => self.bodies.motions[dense] = Motion::Kinematic { linear, angular },
@@ -133,6 +132,7 @@ impl World {
                     Velocity::spinning(linear, angular, orientation, shape, density);
             }
         }
+        self.warm.wake(id);
         Ok(())
     }
 

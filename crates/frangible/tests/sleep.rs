@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
 
-use frangible::{BodyDesc, BodyId, MotionDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step};
+use frangible::{
+    BodyDesc, BodyId, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
+};
 use glam::DVec3;
 
 fn cube(position: [f64; 3]) -> BodyDesc {
@@ -99,6 +101,51 @@ fn what_gets_a_velocity_wakes() {
     assert_eq!(run(&mut world, 10).asleep, 0);
     let way = world.bodies().poses[1].position.x;
     assert!((way - 0.004 / 3.0).abs() < 1e-4, "{way} m");
+
+    // As it falls asleep, what it loses is booked.
+    let mass = world.bodies().masses[1];
+    let mut lost = 0.0;
+    for _ in 0..20 {
+        let causes = run(&mut world, 1).energy.causes;
+        assert!(causes.flight.abs() < 1e-9, "{causes:?}");
+        lost += causes.contact + causes.projection + causes.friction;
+    }
+    assert!(world.is_asleep(id) && world.bodies().velocities[1].linear == DVec3::ZERO);
+    assert!((lost + 0.5 * mass * 0.004 * 0.004).abs() < 1e-2 * mass * 0.004 * 0.004, "{lost} J");
+}
+
+/// What has been slow while its platform tilted has not been at rest: it takes half a second on the platform that has stopped.
+#[test]
+fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
+    let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
+    let platform = BodyDesc { motion: MotionDesc::Kinematic, ..BodyDesc::new("platform", platform) };
+    let mut world = World::build(&scene([platform, cube([0.0, 0.75, 0.0])])).unwrap();
+    assert_eq!(run(&mut world, 60).asleep, 1);
+    let id = world.bodies().ids[0];
+    world.set_velocity(id, DVec3::ZERO, 0.001 * DVec3::Z).unwrap();
+    assert_eq!(run(&mut world, 60).asleep, 0);
+    world.set_velocity(id, DVec3::ZERO, DVec3::ZERO).unwrap();
+    assert_eq!(run(&mut world, 12).asleep, 0);
+    assert_eq!(run(&mut world, 12).asleep, 1);
+}
+
+/// What glides past a wall where nothing falls, nearer than contacts are looked for, is not stopped by it.
+#[test]
+fn what_glides_past_a_wall_does_not_sleep() {
+    let wall = ShapeDesc::Box { size: [9.0, 1.0, 9.0], resolution: Resolution::default() };
+    let wall = BodyDesc { motion: MotionDesc::Static, ..BodyDesc::new("wall", wall) };
+    let glides = BodyDesc { linear_velocity: [0.004, 0.0, 0.0], ..cube([0.0, 1.0003, 0.0]) };
+    let mut world = World::build(&SceneDesc { gravity: [0.0; 3], ..scene([wall, glides]) }).unwrap();
+    assert_eq!(run(&mut world, 60).asleep, 0);
+    assert!((world.bodies().poses[1].position.x - 0.008).abs() < 1e-6);
+}
+
+/// The paper's method has no sleep, and says so.
+#[test]
+fn the_papers_method_refuses_to_sleep() {
+    let scene = SceneDesc { method: Method::Paper, ..scene([cube([0.0; 3])]) };
+    let error = World::build(&scene).err().unwrap().to_string();
+    assert!(error.contains("sleep") && error.contains("paper"), "{error}");
 }
 
 /// What touches nothing that stands still never sleeps: two cubes that drift side by side where nothing falls.

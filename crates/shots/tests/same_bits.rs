@@ -79,3 +79,18 @@ fn a_heap_in_halves_ends_in_the_same_state() {
     }
     assert_eq!(after(&heap, 24, Width::Sse2, 2).state_hash(), alone.state_hash(), "with SSE2");
 }
+
+/// What sleeps sleeps in the same frames.
+#[test]
+fn a_heap_that_may_sleep_ends_in_the_same_state() {
+    let mut heap = scene("pile-spread");
+    heap.bodies.truncate(1000);
+    heap.sleep = true;
+    let alone = after(&heap, FRAMES, Width::Avx512, 1);
+    let asleep = alone.bodies().ids.iter().filter(|&&id| alone.is_asleep(id)).count();
+    assert!(asleep > 100 && asleep < alone.bodies().len(), "{asleep}");
+    for (width, threads) in [(Width::Sse2, 2), (Width::Scalar, 3), (Width::Avx2, 8)] {
+        let same = after(&heap, FRAMES, width, threads);
+        assert_eq!(same.state_hash(), alone.state_hash(), "with {width:?} on {threads} threads");
+    }
+}
