@@ -76,8 +76,12 @@ impl Effort {
         islands: &[Vec<usize>],
         frame: &Frame,
     ) -> Vec<Option<(Self, Vec<f64>)>> {
-        let carries = |island: &Vec<usize>| Self::carries_much(bodies, manifolds, island, frame);
-        let loads: Vec<Option<Loads>> = threads::map(islands.iter().collect(), manifolds.len(), carries);
+        let carries = |places: &mut Vec<u32>, island: &Vec<usize>| {
+            Self::carries_much(bodies, manifolds, island, frame, places)
+        };
+        let room = || vec![NOBODY; bodies.len()];
+        let loads: Vec<Option<Loads>> =
+            threads::map_with(islands.iter().collect(), manifolds.len(), room, carries);
 
         // Where many do, each gets less.
         let (mut of_towers, mut of_others) = (0.0, 0.0);
@@ -102,6 +106,7 @@ impl Effort {
         manifolds: &[Manifold],
         island: &[usize],
         frame: &Frame,
+        places: &mut [u32],
     ) -> Option<Loads> {
         let stands = |&at: &usize| {
             let pair = manifolds[at].pair;
@@ -110,7 +115,7 @@ impl Effort {
         if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
-        loads(bodies, manifolds, island, frame)
+        loads(bodies, manifolds, island, frame, places)
     }
 
     /// By the largest load, a share of it; those that would get too little get no more than others. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
@@ -127,17 +132,35 @@ impl Effort {
     }
 }
 
-/// A body that rests on another one.
+/// A body of an island that moves.
+struct Carrier {
+    /// Dense index.
+    body: usize,
+    /// Along gravity, backwards [m].
+    height: f64,
+    /// It and what rests on it [kg].
+    mass: f64,
+    /// On how many it rests, and where these begin among all supports.
+    supports: usize,
+    begin: usize,
+    /// The most bodies of which each rests on the next one, down to it.
+    high: usize,
+}
+
+/// What a body rests on.
+#[derive(Clone, Copy)]
 struct Support {
-    /// Their places among the bodies of the island that move.
-    upper: usize,
-    /// None if it does not move.
-    lower: Option<usize>,
+    /// The places of the one above and of the one below among the carriers; this one is [`NOBODY`] if it does not move.
+    upper: u32,
+    lower: u32,
     /// Place of the pair in its island.
     pair: usize,
     /// Inverse mass of the lighter one [1/kg].
     lightness: f64,
 }
+
+/// Among the carriers.
+const NOBODY: u32 = u32::MAX;
 
 /// What an island carries.
 struct Loads {
@@ -158,8 +181,14 @@ impl Loads {
 }
 
 /// What an island carries: each body hands its own weight and what rests on it to those that it rests on, in equal parts, from the highest down. None if
-/// no pair can carry more than is [`LIGHT`].
-fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Frame) -> Option<Loads> {
+/// no pair can carry more than is [`LIGHT`]. `places` has room for all bodies: all are [`NOBODY`], and are so again at the end.
+fn loads(
+    bodies: &Bodies,
+    manifolds: &[Manifold],
+    island: &[usize],
+    frame: &Frame,
+    places: &mut [u32],
+) -> Option<Loads> {
     let up = (-frame.gravity).try_normalize()?;
     let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
 
@@ -173,53 +202,66 @@ fn loads(bodies: &Bodies, manifolds: &[Manifold], island: &[usize], frame: &Fram
         return None;
     }
 
-    // Who rests on whom, by places among those that move, sorted by the upper one.
-    let mut who: Vec<usize> = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).collect();
-    who.retain(|&i| is_mobile(i));
-    who.sort_unstable();
-    who.dedup();
-    let weight: f64 = who.iter().map(|&i| bodies.masses[i]).sum();
+    // Who is in it, and who rests on whom.
+    let mut carriers: Vec<Carrier> = Vec::with_capacity(island.len() + 1);
+    let mut supports: Vec<Support> = Vec::with_capacity(island.len());
+    let mut place_of = |i: usize, carriers: &mut Vec<Carrier>| {
+        if bodies.inertias[i].is_infinite() {
+            return NOBODY;
+        }
+        if places[i] == NOBODY {
+            places[i] = carriers.len() as u32;
+            let (height, mass) = (bodies.poses[i].position.dot(up), bodies.masses[i]);
+            carriers.push(Carrier { body: i, height, mass, supports: 0, begin: 0, high: 1 });
+        }
+        places[i]
+    };
+    for (number, (pair, points)) in pairs().enumerate() {
+        let [first, second] = [pair.first, pair.second].map(|i| place_of(i, &mut carriers));
+        let cosine = points.first().map_or(0.0, |point| point.normal.dot(up));
+        let (upper, lower) = if cosine > 0.0 { (first, second) } else { (second, first) };
+        if cosine.abs() > RESTS && upper != NOBODY {
+            let [a, b] = [pair.first, pair.second].map(|i| bodies.inertias[i].inverse_mass);
+            supports.push(Support { upper, lower, pair: number, lightness: a.max(b) });
+            carriers[upper as usize].supports += 1;
+        }
+    }
+    carriers.iter().for_each(|carrier| places[carrier.body] = NOBODY);
+    let weight: f64 = carriers.iter().map(|carrier| carrier.mass).sum();
     if weight * lightest < LIGHT {
         return None;
     }
-    let mut supports: Vec<Support> = Vec::with_capacity(island.len());
-    for (place, (pair, points)) in pairs().enumerate() {
-        let normal = points.first().map_or(DVec3::ZERO, |point| point.normal);
-        let cosine = normal.dot(up);
-        let (upper, lower) = if cosine > 0.0 { (pair.first, pair.second) } else { (pair.second, pair.first) };
-        if cosine.abs() > RESTS
-            && let Ok(on) = who.binary_search(&upper)
-        {
-            let lightness = bodies.inertias[upper].inverse_mass.max(bodies.inertias[lower].inverse_mass);
-            supports.push(Support {
-                upper: on,
-                lower: who.binary_search(&lower).ok(),
-                pair: place,
-                lightness,
-            });
-        }
+
+    // Those of each body lie together.
+    let mut end = 0;
+    for carrier in &mut carriers {
+        carrier.begin = end;
+        end += carrier.supports;
     }
-    supports.sort_by_key(|support| support.upper);
+    let mut of_uppers = supports.clone();
+    for support in supports {
+        let begin = &mut carriers[support.upper as usize].begin;
+        of_uppers[*begin] = support;
+        *begin += 1;
+    }
 
     // From the highest down.
-    let mut order: Vec<usize> = (0..who.len()).collect();
-    let height = |at: usize| bodies.poses[who[at]].position.dot(up);
-    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+    let mut order: Vec<(f64, usize, u32)> =
+        (0..).zip(&carriers).map(|(at, carrier)| (carrier.height, carrier.body, at)).collect();
+    order.sort_unstable_by(|(height, a, _), (other, b, _)| other.total_cmp(height).then(a.cmp(b)));
     let mut of_pairs = vec![0.0; island.len()];
-    let (mut rests_on, mut high) = (vec![0.0; who.len()], vec![1; who.len()]);
-    for upper in order {
-        let begin = supports.partition_point(|support| support.upper < upper);
-        let of_upper = supports[begin..].iter().take_while(|support| support.upper == upper);
-        let share = (bodies.masses[who[upper]] + rests_on[upper]) / of_upper.clone().count() as f64;
-        for support in of_upper {
-            of_pairs[support.pair] += share * support.lightness;
-            if let Some(lower) = support.lower {
-                rests_on[lower] += share;
-                high[lower] = high[lower].max(high[upper] + 1);
+    for (.., upper) in order {
+        let Carrier { mass, supports, begin: end, high, .. } = carriers[upper as usize];
+        let share = mass / supports as f64;
+        for support in &of_uppers[end - supports..end] {
+            of_pairs[support.pair] = share * support.lightness;
+            if let Some(lower) = carriers.get_mut(support.lower as usize) {
+                lower.mass += share;
+                lower.high = lower.high.max(high + 1);
             }
         }
     }
-    Some(Loads { of_pairs, high: high.into_iter().max()? })
+    Some(Loads { of_pairs, high: carriers.iter().map(|carrier| carrier.high).max()? })
 }
 
 #[cfg(test)]

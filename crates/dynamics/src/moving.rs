@@ -32,11 +32,10 @@ type Moved = Numbers;
 const UNMOVED: Moved = Numbers([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 
 /// What a body is like, and how far it has come, as a line: inverse principal moments of inertia, and the largest of them
-/// [1/(kg m^2)]; how far any of its points can have moved since the frame's start [m]; its mass if impulses move it [kg].
+/// [1/(kg m^2)]; how far any of its points can have moved since the frame's start [m]; its mass if impulses move it [kg]; 1 if it is driven.
 type Build = Numbers;
 
 /// Places in a [`Build`].
-const FASTEST: usize = 3;
 const TRAVEL: usize = 4;
 const MASS: usize = 5;
 

@@ -182,6 +182,11 @@ impl WarmStart {
 }
 
 impl Part {
+    /// For so many pairs that carried at so many points.
+    pub(crate) fn with_room(pairs: usize, points: usize) -> Self {
+        Self { points: Vec::with_capacity(points), pairs: Vec::with_capacity(pairs) }
+    }
+
     /// A pair that has some place among all carries what it carried.
     pub(crate) fn keep(&mut self, place: usize, pair: Pair, carried: &[Carried]) {
         self.points.extend_from_slice(carried);

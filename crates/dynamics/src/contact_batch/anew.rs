@@ -199,8 +199,8 @@ impl<I: Instructions> Batch<I> {
         self.make_room(points.len());
         for (at, point) in points.iter().enumerate() {
             let same = taken.iter().find(|taken| taken.sample == point.sample);
-            let mut new = NewPoints::NONE;
-            new.add(lane, point, same.map_or([PointImpulse::ZERO; 2], |same| same.impulses));
+            let mut new = NewPoints::none(1.0);
+            new.add(lane, point, same.map(|same| &same.impulses));
             self.place(at, &new, &starts);
             if let Some(same) = same {
                 let row = &mut self.rows[at];

@@ -51,6 +51,11 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
+    /// How many points it has that acted.
+    pub(crate) fn carried_points(&self) -> usize {
+        self.rows.iter().map(|row| row.is_there.and(row.touched).count() as usize).sum()
+    }
+
     /// So many times what acts at the points of a row, a line for each lane: along the normal and, in the world, across it, before and after
     /// the drift.
     #[inline(always)]

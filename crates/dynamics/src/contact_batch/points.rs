@@ -4,7 +4,7 @@ use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3};
-use crate::manifold::{Manifold, ManifoldPoint};
+use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
 use crate::warm_start::{Carried, PointImpulse};
 use crate::{Bodies, Motion};
@@ -30,57 +30,76 @@ pub(crate) struct Touching<'a> {
     pub(crate) near: f64,
 }
 
-/// A point of a pair and what it carried in the last frame, by their places.
+/// A point of a pair and what it carried in the last frame, by their places; [`NOWHERE`](Self::NOWHERE) if there is none.
 #[derive(Clone, Copy)]
 struct Place {
-    point: usize,
-    carried: Option<usize>,
+    point: u8,
+    carried: u8,
+}
+
+impl Place {
+    const NOWHERE: u8 = u8::MAX;
+    const NONE: Self = Self { point: Self::NOWHERE, carried: Self::NOWHERE };
 }
 
 /// Points for a row, in some lanes.
-pub(super) struct NewPoints {
+pub(super) struct NewPoints<'a> {
     lanes: Mask,
     /// On the first and on the second body, each in its own frame and with its rounding [m].
     anchors: [Numbers; LANES],
-    /// Normals, and one of the tangents each.
-    directions: [Numbers; LANES],
-    impulses: [[PointImpulse; 2]; LANES],
+    normals: [Numbers; LANES],
+    /// What acts there before and after the drift, in units of `by`.
+    impulses: [&'a [PointImpulse; 2]; LANES],
+    by: f64,
     is_of_first: Mask,
     sample: [u64; LANES],
 }
 
-impl NewPoints {
-    pub(super) const NONE: Self = Self {
-        lanes: Mask::NONE,
-        anchors: [Numbers::ZERO; LANES],
-        directions: [Numbers::ZERO; LANES],
-        impulses: [[PointImpulse::ZERO; 2]; LANES],
-        is_of_first: Mask::NONE,
-        sample: [0; LANES],
-    };
+impl<'a> NewPoints<'a> {
+    const NOTHING: [PointImpulse; 2] = [PointImpulse::ZERO; 2];
 
-    /// A lane's point, and what acts there before and after the drift.
+    /// None yet; what acts there is told in units of `by`.
+    pub(super) fn none(by: f64) -> Self {
+        Self {
+            lanes: Mask::NONE,
+            anchors: [Numbers::ZERO; LANES],
+            normals: [Numbers::ZERO; LANES],
+            impulses: [&Self::NOTHING; LANES],
+            by,
+            is_of_first: Mask::NONE,
+            sample: [0; LANES],
+        }
+    }
+
+    /// A lane's point, and what acts there, if anything does.
     #[inline(always)]
-    pub(super) fn add(&mut self, lane: usize, point: &ManifoldPoint, impulses: [PointImpulse; 2]) {
+    pub(super) fn add(
+        &mut self,
+        lane: usize,
+        point: &ManifoldPoint,
+        impulses: Option<&'a [PointImpulse; 2]>,
+    ) {
         let ManifoldPoint { anchor_first: a, anchor_second: b, rounding, normal: n, sample, .. } = *point;
-        let t = n.any_orthonormal_vector();
         self.lanes.set(lane, true);
         self.anchors[lane] = Numbers([a.x, a.y, a.z, rounding[0], b.x, b.y, b.z, rounding[1]]);
-        self.directions[lane] = Numbers([n.x, n.y, n.z, t.x, t.y, t.z, 0.0, 0.0]);
-        self.impulses[lane] = impulses;
+        self.normals[lane] = Numbers([n.x, n.y, n.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        self.impulses[lane] = impulses.unwrap_or(&Self::NOTHING);
         self.is_of_first.set(lane, sample.0);
         self.sample[lane] = sample.1;
     }
 
-    /// What acts in the world, a line for each lane: along the normal and across it, before and after the drift.
+    /// What acts in the world along the normals and across them, before and after the drift.
     #[inline(always)]
-    fn lines(&self) -> [Numbers; LANES] {
+    fn acting<I: Instructions>(&self) -> [(Single<I>, Single3<I>); 2] {
         let mut lines = [Numbers::ZERO; LANES];
-        for (line, [before, after]) in lines.iter_mut().zip(&self.impulses) {
+        for (line, [before, after]) in lines.iter_mut().zip(self.impulses) {
             let (a, b) = (before.tangent.as_dvec3(), after.tangent.as_dvec3());
             line.0 = [before.normal.into(), a.x, a.y, a.z, after.normal.into(), b.x, b.y, b.z];
         }
-        lines
+        let by = Single::splat(self.by);
+        let [normal, x, y, z, later_normal, tx, ty, tz] =
+            Lanes::transposed(lines).map(|column| column.single() * by);
+        [(normal, Single3 { x, y, z }), (later_normal, Single3 { x: tx, y: ty, z: tz })]
     }
 }
 
@@ -105,7 +124,7 @@ impl<I: Instructions> Batch<I> {
             || {
                 let starts = batch.starts(movers);
                 batch.begin(&starts);
-                for (row, places) in touching.places(group, rows).iter().enumerate() {
+                for (row, places) in touching.places(group).iter().take(rows).enumerate() {
                     batch.place(row, &touching.points((group, places), dt), &starts);
                 }
                 batch.soften();
@@ -221,9 +240,10 @@ impl<I: Instructions> Batch<I> {
     pub(super) fn place(&mut self, at: usize, points: &NewPoints, starts: &[Start<I>; 2]) {
         self.make_room(at + 1);
         let lanes = points.lanes;
-        let [x, y, z, tx, ty, tz, ..] = Lanes::transposed(points.directions);
-        let (normal, tangent) = (Lanes3 { x, y, z }.single(), Lanes3 { x: tx, y: ty, z: tz }.single());
-        self.directions.set((at, self.rows.len()), lanes, Directions { normal, tangent });
+        let [x, y, z, ..] = Lanes::transposed(points.normals);
+        let normal = Lanes3 { x, y, z };
+        let directions = Directions { normal: normal.single(), tangent: normal.across().single() };
+        self.directions.set((at, self.rows.len()), lanes, directions);
         let basis = self.directions.of(at).basis();
 
         // Where they were at the frame's start.
@@ -236,11 +256,9 @@ impl<I: Instructions> Batch<I> {
         self.rest.anchors[at].name(lanes, points.is_of_first, &points.sample);
 
         // What acts there.
-        let [normal, x, y, z, later_normal, tx, ty, tz] = Lanes::transposed(points.lines());
+        let [before, after] = points.acting().map(|(normal, across)| RowImpulse::new(normal, across, &basis));
         let row = &mut self.rows[at];
         row.is_there = row.is_there.or(lanes);
-        let before = RowImpulse::new(normal.single(), Lanes3 { x, y, z }.single(), &basis);
-        let after = RowImpulse::new(later_normal.single(), Lanes3 { x: tx, y: ty, z: tz }.single(), &basis);
         row.impulses = [row.impulses[0].but(lanes, before), row.impulses[1].but(lanes, after)];
         for (impulse, carrying) in row.impulses.iter().zip(&mut self.carrying_rows) {
             if impulse.is_any() {
@@ -249,7 +267,7 @@ impl<I: Instructions> Batch<I> {
         }
         if self.rolls {
             for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
-                let [before, after] = points.impulses[lane];
+                let [before, after] = points.impulses[lane].map(|impulse| impulse.scaled(points.by));
                 self.rest.twists[at][0].set(lane, before.twist.as_dvec3());
                 self.rest.twists[at][1].set(lane, after.twist.as_dvec3());
             }
@@ -305,24 +323,30 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl Touching<'_> {
-    /// Which points of some pairs go into so many rows, a place for each lane: first what carries, then what is nearest, so that the rows behind
+    /// Which points of some pairs go into which row, a place for each lane: first what carries, then what is nearest, so that the rows behind
     /// hold nothing that does, and need no visit while they are far from touching.
     #[inline(always)]
-    fn places(&self, group: &[Member], rows: usize) -> Vec<[Option<Place>; LANES]> {
-        let mut places = vec![[None; LANES]; rows];
-        let mut order = Vec::with_capacity(rows);
+    fn places(&self, group: &[Member]) -> [[Place; LANES]; MOST_POINTS] {
+        let mut places = [[Place::NONE; LANES]; MOST_POINTS];
         for (lane, member) in group.iter().enumerate() {
             let (points, carried) = (self.manifolds[member.manifold].points, self.carried[member.manifold]);
-            order.clear();
-            for (point, ManifoldPoint { sample, gap, .. }) in points.iter().enumerate() {
+            let mut order = [(f64::INFINITY, Place::NONE); MOST_POINTS];
+            for (point, ManifoldPoint { sample, gap, .. }) in points.iter().enumerate().take(MOST_POINTS) {
                 let same = carried.iter().position(|carried| carried.sample == *sample);
                 let presses = |same: usize| carried[same].forces.iter().any(|force| force.normal > 0.0);
                 let nearness = if same.is_some_and(presses) { f64::NEG_INFINITY } else { *gap };
-                order.push((nearness, Place { point, carried: same }));
+                let carried = same.map_or(Place::NOWHERE, |same| same as u8);
+
+                // Behind those that are as near.
+                let mut at = point;
+                while at > 0 && nearness.total_cmp(&order[at - 1].0).is_lt() {
+                    order[at] = order[at - 1];
+                    at -= 1;
+                }
+                order[at] = (nearness, Place { point: point as u8, carried });
             }
-            order.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-            for (row, (_, place)) in order.iter().enumerate() {
-                places[row][lane] = Some(*place);
+            for (row, (_, place)) in order.into_iter().enumerate() {
+                places[row][lane] = place;
             }
         }
         places
@@ -330,14 +354,14 @@ impl Touching<'_> {
 
     /// Points of some pairs that go into one row.
     #[inline(always)]
-    fn points(&self, (group, places): (&[Member], &[Option<Place>; LANES]), dt: f64) -> NewPoints {
-        let mut points = NewPoints::NONE;
+    fn points(&self, (group, places): (&[Member], &[Place; LANES]), dt: f64) -> NewPoints<'_> {
+        let mut points = NewPoints::none(dt);
         for (lane, member) in group.iter().enumerate() {
-            let Some(Place { point, carried }) = places[lane] else { continue };
-            let forces = carried.map(|place| self.carried[member.manifold][place].forces);
-            let [before, after] = forces.unwrap_or([PointImpulse::ZERO; 2]);
-            let point = &self.manifolds[member.manifold].points[point];
-            points.add(lane, point, [before.scaled(dt), after.scaled(dt)]);
+            let Place { point, carried } = places[lane];
+            if let Some(point) = self.manifolds[member.manifold].points.get(usize::from(point)) {
+                let carried = self.carried[member.manifold].get(usize::from(carried));
+                points.add(lane, point, carried.map(|carried| &carried.forces));
+            }
         }
         points
     }

@@ -1,6 +1,6 @@
 //! Bodies drift: those that turn slowly side by side, the others one after the other.
 
-use super::{Build, FASTEST, Moved, Movers, Moving, TRAVEL, line_of, pose_of};
+use super::{Build, Moved, Movers, Moving, TRAVEL, line_of, pose_of};
 use crate::detection::radius;
 use crate::evolve::evolve;
 use crate::exact_rotation::{NO_MOMENTUM, NO_TURN, SLOW, rotate_slowly};
@@ -32,12 +32,7 @@ impl Movers {
         self.for_each_stretch(|stretch| {
             I::run(
                 #[inline(always)]
-                || stretch.drift_slowly::<I>(step),
-            );
-            stretch.drift_others(bodies, step);
-            I::run(
-                #[inline(always)]
-                || stretch.follow_poses::<I>(step.dt),
+                || stretch.drift::<I>(bodies, step),
             );
         });
     }
@@ -48,7 +43,7 @@ impl Movers {
             stretch.begin(bodies);
             I::run(
                 #[inline(always)]
-                || stretch.follow_poses::<I>(0.0),
+                || stretch.follow_all_poses::<I>(),
             );
         });
     }
@@ -89,51 +84,70 @@ impl Stretch<'_> {
                     Numbers([v.x, v.y, v.z, l.x, l.y, l.z, inertia.inverse_mass, 1.0]);
                 mass = bodies.masses[i];
             }
-            self.builds[local] = Numbers([x, y, z, x.max(y).max(z), 0.0, mass, 0.0, 0.0]);
+            let is_driven = f64::from(u8::from(matches!(bodies.motions[i], Motion::Kinematic { .. })));
+            self.builds[local] = Numbers([x, y, z, x.max(y).max(z), 0.0, mass, is_driven, 0.0]);
         }
     }
 
-    /// Moves bodies that turn slowly, by [`rotate_slowly`].
+    /// Moves all bodies, group by group, while their lines are at hand.
     #[inline(always)]
-    fn drift_slowly<I: Instructions>(&mut self, step: &Frame) {
-        let (dt, one) = (Lanes::<I>::splat(step.dt), Lanes::splat(1.0));
-        let is_exact = step.settings.rotation == Rotation::Exact;
+    fn drift<I: Instructions>(&mut self, bodies: &Bodies, step: &Frame) {
+        let mut moment_of_mass = Lanes3::<I>::ZERO;
         for begin in (0..self.poses.len()).step_by(LANES) {
-            let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
-            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
-            let [ix, iy, iz, fastest, ..] = lanes_of::<I>(self.builds, begin);
-            let momentum = Lanes3 { x: lx, y: ly, z: lz };
-            let magnitude = momentum.dot(momentum).sqrt();
-            let angle = dt * fastest * magnitude;
-            let rests = Lanes::splat(NO_TURN).above(angle).or(Lanes::splat(NO_MOMENTUM).above(magnitude));
-            let direction = momentum * (one / magnitude);
-            let rates = Lanes3 { x: ix, y: iy, z: iz } * (one / fastest);
-            let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
-            let Turn { vector, scalar } = rotate_slowly(orientation, (direction, rates), angle);
-            let turned = rests.select(orientation.vector, vector);
-            let scalar = rests.select(qw, scalar);
-
-            // The others wait.
-            let goes = if is_exact { Lanes::splat(SLOW).above(angle) } else { Mask::NONE };
-            let Lanes3 { x: tx, y: ty, z: tz } = goes.select(turned, orientation.vector);
-            let (linear, position) = (Lanes3 { x, y, z }, Lanes3 { x: px, y: py, z: pz });
-            let Lanes3 { x: px, y: py, z: pz } = goes.select(position + linear * dt, position);
-            let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(scalar, qw), Lanes::ZERO]);
-            self.poses[begin..begin + LANES].copy_from_slice(&poses);
+            let others = self.drift_slowly::<I>(begin, step);
+            if others.any() {
+                self.drift_others((begin, others), bodies, step);
+            }
+            moment_of_mass = moment_of_mass + self.follow_poses(begin, step.dt);
         }
+        self.moment_of_mass = moment_of_mass.sum();
     }
 
-    /// Moves bodies that turn fast, or as they are told.
-    fn drift_others(&mut self, bodies: &Bodies, step: &Frame) {
-        for (local, &i) in self.who.iter().enumerate() {
-            let is_driven = matches!(bodies.motions[i], Motion::Kinematic { .. });
-            let velocity = self.moving[local].velocity();
-            let angle = step.dt * self.builds[local].0[FASTEST] * velocity.angular_momentum.length();
-            let is_slow = step.settings.rotation == Rotation::Exact && angle < SLOW;
-            if is_driven || !is_slow {
-                let pose = evolve(bodies, i, &pose_of(&self.poses[local]), &velocity, step);
-                self.poses[local] = line_of(&pose);
-            }
+    /// What depends on the poses, at the frame's start.
+    #[inline(always)]
+    fn follow_all_poses<I: Instructions>(&mut self) {
+        let groups = (0..self.poses.len()).step_by(LANES);
+        let sum = groups.fold(Lanes3::<I>::ZERO, |sum, begin| sum + self.follow_poses(begin, 0.0));
+        self.moment_of_mass = sum.sum();
+    }
+
+    /// Moves those of a group that turn slowly, by [`rotate_slowly`]; which the others are.
+    #[inline(always)]
+    fn drift_slowly<I: Instructions>(&mut self, begin: usize, step: &Frame) -> Mask {
+        let (dt, one) = (Lanes::<I>::splat(step.dt), Lanes::splat(1.0));
+        let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
+        let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
+        let [ix, iy, iz, fastest, _, _, is_driven, _] = lanes_of::<I>(self.builds, begin);
+        let momentum = Lanes3 { x: lx, y: ly, z: lz };
+        let magnitude = momentum.dot(momentum).sqrt();
+        let angle = dt * fastest * magnitude;
+        let rests = Lanes::splat(NO_TURN).above(angle).or(Lanes::splat(NO_MOMENTUM).above(magnitude));
+        let direction = momentum * (one / magnitude);
+        let rates = Lanes3 { x: ix, y: iy, z: iz } * (one / fastest);
+        let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
+        let Turn { vector, scalar } = rotate_slowly(orientation, (direction, rates), angle);
+        let turned = rests.select(orientation.vector, vector);
+        let scalar = rests.select(qw, scalar);
+
+        // The others wait.
+        let is_slow = Lanes::splat(SLOW).above(angle).and(is_driven.above(Lanes::ZERO).not());
+        let goes = if step.settings.rotation == Rotation::Exact { is_slow } else { Mask::NONE };
+        let Lanes3 { x: tx, y: ty, z: tz } = goes.select(turned, orientation.vector);
+        let (linear, position) = (Lanes3 { x, y, z }, Lanes3 { x: px, y: py, z: pz });
+        let Lanes3 { x: px, y: py, z: pz } = goes.select(position + linear * dt, position);
+        let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(scalar, qw), Lanes::ZERO]);
+        self.poses[begin..begin + LANES].copy_from_slice(&poses);
+        goes.not()
+    }
+
+    /// Moves those of a group that turn fast, or as they are told.
+    #[cold]
+    fn drift_others(&mut self, (begin, others): (usize, Mask), bodies: &Bodies, step: &Frame) {
+        let end = (begin + LANES).min(self.who.len());
+        for local in (begin..end).filter(|local| others.get(local - begin)) {
+            let (i, velocity) = (self.who[local], self.moving[local].velocity());
+            let pose = evolve(bodies, i, &pose_of(&self.poses[local]), &velocity, step);
+            self.poses[local] = line_of(&pose);
             if let Motion::Kinematic { linear, angular } = bodies.motions[i] {
                 let turning =
                     if angular == DVec3::ZERO { 0.0 } else { angular.length() * radius(&bodies.shapes[i]) };
@@ -142,56 +156,52 @@ impl Stretch<'_> {
         }
     }
 
-    /// What depends on the poses, `dt` [s] after they were others.
+    /// What depends on the poses of a group, `dt` [s] after they were others; its moment of mass.
     #[inline(always)]
-    fn follow_poses<I: Instructions>(&mut self, dt: f64) {
-        let mut moment_of_mass = Lanes3::<I>::ZERO;
-        for begin in (0..self.poses.len()).step_by(LANES) {
-            let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
-            let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
-            let [sx, sy, sz, rx, ry, rz, rw, size] = lanes_of::<I>(self.starts, begin);
-            let [ix, iy, iz, fastest, travel, mass, ..] = lanes_of::<I>(self.builds, begin);
-            let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
-            let start = Turn { vector: Lanes3 { x: rx, y: ry, z: rz }, scalar: rw };
+    fn follow_poses<I: Instructions>(&mut self, begin: usize, dt: f64) -> Lanes3<I> {
+        let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
+        let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
+        let [sx, sy, sz, rx, ry, rz, rw, size] = lanes_of::<I>(self.starts, begin);
+        let [ix, iy, iz, fastest, travel, mass, ..] = lanes_of::<I>(self.builds, begin);
+        let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
+        let start = Turn { vector: Lanes3 { x: rx, y: ry, z: rz }, scalar: rw };
 
-            // The inverse tensor: a sum over the principal axes in the world.
-            let rates = Lanes3 { x: ix, y: iy, z: iz };
-            let a = orientation.turn(Lanes3::splat(DVec3::X));
-            let b = orientation.turn(Lanes3::splat(DVec3::Y));
-            let c = orientation.turn(Lanes3::splat(DVec3::Z));
-            let (row_x, row_y, row_z) = (
-                Lanes3 { x: a.x, y: b.x, z: c.x },
-                Lanes3 { x: a.y, y: b.y, z: c.y },
-                Lanes3 { x: a.z, y: b.z, z: c.z },
-            );
-            let (by_x, by_y, by_z) = (rates.times(row_x), rates.times(row_y), rates.times(row_z));
-            let answers = Lanes::rows([
-                by_x.dot(row_x),
-                by_y.dot(row_y),
-                by_z.dot(row_z),
-                by_y.dot(row_z),
-                by_x.dot(row_z),
-                by_x.dot(row_y),
-                Lanes::ZERO,
-                Lanes::ZERO,
-            ]);
+        // The inverse tensor: a sum over the principal axes in the world.
+        let rates = Lanes3 { x: ix, y: iy, z: iz };
+        let a = orientation.turn(Lanes3::splat(DVec3::X));
+        let b = orientation.turn(Lanes3::splat(DVec3::Y));
+        let c = orientation.turn(Lanes3::splat(DVec3::Z));
+        let (row_x, row_y, row_z) = (
+            Lanes3 { x: a.x, y: b.x, z: c.x },
+            Lanes3 { x: a.y, y: b.y, z: c.y },
+            Lanes3 { x: a.z, y: b.z, z: c.z },
+        );
+        let (by_x, by_y, by_z) = (rates.times(row_x), rates.times(row_y), rates.times(row_z));
+        let answers = Lanes::rows([
+            by_x.dot(row_x),
+            by_y.dot(row_y),
+            by_z.dot(row_z),
+            by_y.dot(row_z),
+            by_x.dot(row_z),
+            by_x.dot(row_y),
+            Lanes::ZERO,
+            Lanes::ZERO,
+        ]);
 
-            // How far it has come.
-            let (linear, momentum) = (Lanes3 { x, y, z }, Lanes3 { x: lx, y: ly, z: lz });
-            let speed = linear.dot(linear).sqrt() + fastest * momentum.dot(momentum).sqrt() * size;
-            let travel = travel + Lanes::splat(dt) * speed;
-            let stirred = size.above(Lanes::ZERO).select(travel / size, Lanes::ZERO);
-            let turned = orientation.after(start.back());
-            let Lanes3 { x: tx, y: ty, z: tz } = turned.vector;
-            let shifts = Lanes::rows([px - sx, py - sy, pz - sz, tx, ty, tz, turned.scalar, stirred]);
-            moment_of_mass = moment_of_mass + Lanes3 { x: px, y: py, z: pz } * mass;
-            for lane in 0..LANES {
-                self.moving[begin + lane].answer = answers[lane];
-                self.moved[begin + lane] = shifts[lane];
-                self.builds[begin + lane].0[TRAVEL] = travel.get(lane);
-            }
+        // How far it has come.
+        let (linear, momentum) = (Lanes3 { x, y, z }, Lanes3 { x: lx, y: ly, z: lz });
+        let speed = linear.dot(linear).sqrt() + fastest * momentum.dot(momentum).sqrt() * size;
+        let travel = travel + Lanes::splat(dt) * speed;
+        let stirred = size.above(Lanes::ZERO).select(travel / size, Lanes::ZERO);
+        let turned = orientation.after(start.back());
+        let Lanes3 { x: tx, y: ty, z: tz } = turned.vector;
+        let shifts = Lanes::rows([px - sx, py - sy, pz - sz, tx, ty, tz, turned.scalar, stirred]);
+        for lane in 0..LANES {
+            self.moving[begin + lane].answer = answers[lane];
+            self.moved[begin + lane] = shifts[lane];
+            self.builds[begin + lane].0[TRAVEL] = travel.get(lane);
         }
-        self.moment_of_mass = moment_of_mass.sum();
+        Lanes3 { x: px, y: py, z: pz } * mass
     }
 
     #[inline(always)]

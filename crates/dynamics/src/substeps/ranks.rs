@@ -204,8 +204,12 @@ impl<I: Instructions> Block<I> {
 
     /// What its pairs carried, and their books.
     pub(super) fn close(self, bodies: &Bodies, movers: &Movers) -> (Part, Tally) {
-        let (mut kept, mut tally, mut lines) = (Part::default(), Tally::default(), Vec::new());
+        let (mut tally, mut lines) = (Tally::default(), Vec::new());
         self.given.book(&mut tally);
+        let (pairs, points) = self.batches.iter().fold((0, 0), |(pairs, points), batch| {
+            (pairs + batch.rest.patches.len(), points + batch.carried_points())
+        });
+        let mut kept = Part::with_room(pairs, points);
         I::run(
             #[inline(always)]
             || {
