@@ -97,9 +97,10 @@ impl<'a> NewPoints<'a> {
             line.0 = [before.normal.into(), a.x, a.y, a.z, after.normal.into(), b.x, b.y, b.z];
         }
         let by = Single::splat(self.by);
-        let [normal, x, y, z, later_normal, tx, ty, tz] =
-            Lanes::transposed(lines).map(|column| column.single() * by);
-        [(normal, Single3 { x, y, z }), (later_normal, Single3 { x: tx, y: ty, z: tz })]
+        let [normal, x, y, z, later_normal, tx, ty, tz] = Lanes::transposed(lines);
+        let across = Lanes3 { x, y, z }.single() * by;
+        let later_across = Lanes3 { x: tx, y: ty, z: tz }.single() * by;
+        [(normal.single() * by, across), (later_normal.single() * by, later_across)]
     }
 }
 
@@ -256,7 +257,9 @@ impl<I: Instructions> Batch<I> {
         self.rest.anchors[at].name(lanes, points.is_of_first, &points.sample);
 
         // What acts there.
-        let [before, after] = points.acting().map(|(normal, across)| RowImpulse::new(normal, across, &basis));
+        let [(normal, across), (later_normal, later_across)] = points.acting();
+        let before = RowImpulse::new(normal, across, &basis);
+        let after = RowImpulse::new(later_normal, later_across, &basis);
         let row = &mut self.rows[at];
         row.is_there = row.is_there.or(lanes);
         row.impulses = [row.impulses[0].but(lanes, before), row.impulses[1].but(lanes, after)];

@@ -106,9 +106,11 @@ impl Stretch<'_> {
     /// What depends on the poses, at the frame's start.
     #[inline(always)]
     fn follow_all_poses<I: Instructions>(&mut self) {
-        let groups = (0..self.poses.len()).step_by(LANES);
-        let sum = groups.fold(Lanes3::<I>::ZERO, |sum, begin| sum + self.follow_poses(begin, 0.0));
-        self.moment_of_mass = sum.sum();
+        let mut moment_of_mass = Lanes3::<I>::ZERO;
+        for begin in (0..self.poses.len()).step_by(LANES) {
+            moment_of_mass = moment_of_mass + self.follow_poses(begin, 0.0);
+        }
+        self.moment_of_mass = moment_of_mass.sum();
     }
 
     /// Moves those of a group that turn slowly, by [`rotate_slowly`]; which the others are.
