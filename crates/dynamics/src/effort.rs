@@ -76,8 +76,13 @@ impl Effort {
         islands: &[Vec<usize>],
         frame: &Frame,
     ) -> Vec<Option<(Self, Vec<f64>)>> {
+        let Some(up) = (-frame.gravity).try_normalize() else {
+            return islands.iter().map(|_| None).collect();
+        };
+        let carriers = threads::list(bodies.len(), |i| Carrier::new(bodies, i, up));
+        let leanings = threads::list(manifolds.len(), |at| Leaning::new(&manifolds[at], up));
         let carries = |places: &mut Vec<u32>, island: &Vec<usize>| {
-            Self::carries_much(bodies, manifolds, island, frame, places)
+            Self::carries_much(&carriers, &leanings, island, places)
         };
         let room = || vec![NOBODY; bodies.len()];
         let loads: Vec<Option<Loads>> =
@@ -102,20 +107,16 @@ impl Effort {
 
     /// The loads of an island, if it stands and may get more effort than others.
     fn carries_much(
-        bodies: &Bodies,
-        manifolds: &[Manifold],
+        carriers: &[Carrier],
+        leanings: &[Leaning],
         island: &[usize],
-        frame: &Frame,
         places: &mut [u32],
     ) -> Option<Loads> {
-        let stands = |&at: &usize| {
-            let pair = manifolds[at].pair;
-            [pair.first, pair.second].into_iter().all(|i| bodies.velocities[i].linear.length() < STANDS)
-        };
+        let stands = |&at: &usize| leanings[at].pair.iter().all(|&i| carriers[i as usize].stands);
         if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
-        loads(bodies, manifolds, island, frame, places)
+        loads(carriers, leanings, island, places)
     }
 
     /// By the largest load, a share of it; those that would get too little get no more than others. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
@@ -132,10 +133,53 @@ impl Effort {
     }
 }
 
-/// A body of an island that moves.
+/// A body, as far as loads go: those of a heap lie side by side.
+#[derive(Clone, Copy)]
 struct Carrier {
+    /// Along gravity, backwards [m].
+    height: f64,
+    /// [kg]; 0 if impulses do not move it.
+    mass: f64,
+    /// [1/kg]
+    inverse_mass: f64,
+    /// See [`STANDS`].
+    stands: bool,
+}
+
+impl Carrier {
+    fn new(bodies: &Bodies, i: usize, up: DVec3) -> Self {
+        let inertia = &bodies.inertias[i];
+        Self {
+            height: bodies.poses[i].position.dot(up),
+            mass: if inertia.is_infinite() { 0.0 } else { bodies.masses[i] },
+            inverse_mass: inertia.inverse_mass,
+            stands: bodies.velocities[i].linear.length() < STANDS,
+        }
+    }
+
+    fn is_mobile(&self) -> bool {
+        self.inverse_mass > 0.0
+    }
+}
+
+/// A pair, as far as loads go.
+struct Leaning {
+    pair: [u32; 2],
+    /// Between the normal of its first point and the vertical; 0 if it has none.
+    cosine: f64,
+}
+
+impl Leaning {
+    fn new(Manifold { pair, points, .. }: &Manifold, up: DVec3) -> Self {
+        let cosine = points.first().map_or(0.0, |point| point.normal.dot(up));
+        Self { pair: [pair.first as u32, pair.second as u32], cosine }
+    }
+}
+
+/// A body of an island that moves, and what rests on it.
+struct Loaded {
     /// Dense index.
-    body: usize,
+    body: u32,
     /// Along gravity, backwards [m].
     height: f64,
     /// It and what rests on it [kg].
@@ -150,7 +194,7 @@ struct Carrier {
 /// What a body rests on.
 #[derive(Clone, Copy)]
 struct Support {
-    /// The places of the one above and of the one below among the carriers; this one is [`NOBODY`] if it does not move.
+    /// The places of the one above and of the one below among the loaded ones; this one is [`NOBODY`] if it does not move.
     upper: u32,
     lower: u32,
     /// Place of the pair in its island.
@@ -159,7 +203,7 @@ struct Support {
     lightness: f64,
 }
 
-/// Among the carriers.
+/// Not among the loaded ones.
 const NOBODY: u32 = u32::MAX;
 
 /// What an island carries.
@@ -182,86 +226,73 @@ impl Loads {
 
 /// What an island carries: each body hands its own weight and what rests on it to those that it rests on, in equal parts, from the highest down. None if
 /// no pair can carry more than is [`LIGHT`]. `places` has room for all bodies: all are [`NOBODY`], and are so again at the end.
-fn loads(
-    bodies: &Bodies,
-    manifolds: &[Manifold],
-    island: &[usize],
-    frame: &Frame,
-    places: &mut [u32],
-) -> Option<Loads> {
-    let up = (-frame.gravity).try_normalize()?;
-    let is_mobile = |i: usize| !bodies.inertias[i].is_infinite();
-
+fn loads(carriers: &[Carrier], leanings: &[Leaning], island: &[usize], places: &mut [u32]) -> Option<Loads> {
     // No pair carries more than all of them weigh: no more than what each weighs as often as it is in a pair.
-    let pairs = || island.iter().map(|&at| (manifolds[at].pair, manifolds[at].points));
-    let mobile = pairs().flat_map(|(pair, _)| [pair.first, pair.second]).filter(|&i| is_mobile(i));
-    let (weights, lightest) = mobile.fold((0.0, 0.0), |(weights, lightest): (f64, f64), i| {
-        (weights + bodies.masses[i], lightest.max(bodies.inertias[i].inverse_mass))
+    let mobile = island.iter().flat_map(|&at| leanings[at].pair).map(|i| &carriers[i as usize]);
+    let (weights, lightest) = mobile.fold((0.0, 0.0), |(weights, lightest): (f64, f64), carrier| {
+        (weights + carrier.mass, lightest.max(carrier.inverse_mass))
     });
     if weights * lightest < LIGHT {
         return None;
     }
 
     // Who is in it, and who rests on whom.
-    let mut carriers: Vec<Carrier> = Vec::with_capacity(island.len() + 1);
+    let mut loaded: Vec<Loaded> = Vec::with_capacity(island.len() + 1);
     let mut supports: Vec<Support> = Vec::with_capacity(island.len());
-    let mut place_of = |i: usize, carriers: &mut Vec<Carrier>| {
-        if bodies.inertias[i].is_infinite() {
-            return NOBODY;
-        }
-        if places[i] == NOBODY {
-            places[i] = carriers.len() as u32;
-            let (height, mass) = (bodies.poses[i].position.dot(up), bodies.masses[i]);
-            carriers.push(Carrier { body: i, height, mass, supports: 0, begin: 0, high: 1 });
-        }
-        places[i]
-    };
-    for (number, (pair, points)) in pairs().enumerate() {
-        let [first, second] = [pair.first, pair.second].map(|i| place_of(i, &mut carriers));
-        let cosine = points.first().map_or(0.0, |point| point.normal.dot(up));
+    for (number, &at) in island.iter().enumerate() {
+        let Leaning { pair, cosine } = leanings[at];
+        let [first, second] = pair.map(|i| {
+            let (place, carrier) = (&mut places[i as usize], &carriers[i as usize]);
+            if *place == NOBODY && carrier.is_mobile() {
+                *place = loaded.len() as u32;
+                let Carrier { height, mass, .. } = *carrier;
+                loaded.push(Loaded { body: i, height, mass, supports: 0, begin: 0, high: 1 });
+            }
+            *place
+        });
         let (upper, lower) = if cosine > 0.0 { (first, second) } else { (second, first) };
         if cosine.abs() > RESTS && upper != NOBODY {
-            let [a, b] = [pair.first, pair.second].map(|i| bodies.inertias[i].inverse_mass);
+            let [a, b] = pair.map(|i| carriers[i as usize].inverse_mass);
             supports.push(Support { upper, lower, pair: number, lightness: a.max(b) });
-            carriers[upper as usize].supports += 1;
+            loaded[upper as usize].supports += 1;
         }
     }
-    carriers.iter().for_each(|carrier| places[carrier.body] = NOBODY);
-    let weight: f64 = carriers.iter().map(|carrier| carrier.mass).sum();
+    loaded.iter().for_each(|loaded| places[loaded.body as usize] = NOBODY);
+    let weight: f64 = loaded.iter().map(|loaded| loaded.mass).sum();
     if weight * lightest < LIGHT {
         return None;
     }
 
     // Those of each body lie together.
     let mut end = 0;
-    for carrier in &mut carriers {
-        carrier.begin = end;
-        end += carrier.supports;
+    for loaded in &mut loaded {
+        loaded.begin = end;
+        end += loaded.supports;
     }
     let mut of_uppers = supports.clone();
     for support in supports {
-        let begin = &mut carriers[support.upper as usize].begin;
+        let begin = &mut loaded[support.upper as usize].begin;
         of_uppers[*begin] = support;
         *begin += 1;
     }
 
     // From the highest down.
-    let mut order: Vec<(f64, usize, u32)> =
-        (0..).zip(&carriers).map(|(at, carrier)| (carrier.height, carrier.body, at)).collect();
+    let mut order: Vec<(f64, u32, u32)> =
+        (0..).zip(&loaded).map(|(at, loaded)| (loaded.height, loaded.body, at)).collect();
     order.sort_unstable_by(|(height, a, _), (other, b, _)| other.total_cmp(height).then(a.cmp(b)));
     let mut of_pairs = vec![0.0; island.len()];
     for (.., upper) in order {
-        let Carrier { mass, supports, begin: end, high, .. } = carriers[upper as usize];
+        let Loaded { mass, supports, begin: end, high, .. } = loaded[upper as usize];
         let share = mass / supports as f64;
         for support in &of_uppers[end - supports..end] {
             of_pairs[support.pair] = share * support.lightness;
-            if let Some(lower) = carriers.get_mut(support.lower as usize) {
+            if let Some(lower) = loaded.get_mut(support.lower as usize) {
                 lower.mass += share;
                 lower.high = lower.high.max(high + 1);
             }
         }
     }
-    Some(Loads { of_pairs, high: carriers.iter().map(|carrier| carrier.high).max()? })
+    Some(Loads { of_pairs, high: loaded.iter().map(|loaded| loaded.high).max()? })
 }
 
 #[cfg(test)]

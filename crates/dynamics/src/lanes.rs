@@ -266,7 +266,8 @@ impl<I: Instructions> Lanes3<I> {
     pub(crate) fn across(self) -> Self {
         let Self { x, y, z } = self;
         let one = Lanes::splat(1.0);
-        let sign = Lanes::ZERO.above(z).select(-one, one);
+        // Minus zero is negative.
+        let sign = Lanes::ZERO.above(one / z).select(-one, one);
         let a = -one / (sign + z);
         Self { x: x * y * a, y: sign + y * y * a, z: -y }
     }

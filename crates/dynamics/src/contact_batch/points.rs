@@ -369,13 +369,28 @@ impl Touching<'_> {
         points
     }
 
+    /// Asks for where the points of some pairs are.
+    pub(crate) fn prefetch<I: Instructions>(&self, group: &[Member]) {
+        for &Member { manifold, .. } in group {
+            I::prefetch(&self.manifolds[manifold..][..1]);
+            I::prefetch(&self.carried[manifold..][..1]);
+        }
+    }
+
     /// Asks for what a batch of some pairs is made of.
-    pub(crate) fn prefetch<I: Instructions>(&self, movers: &Movers, group: &[Member]) {
-        for member in group {
-            I::prefetch(self.manifolds[member.manifold].points);
-            I::prefetch(self.carried[member.manifold]);
-            movers.prefetch::<I>(&member.locals);
-            movers.prefetch_starts::<I>(&member.locals);
+    pub(crate) fn prefetch_points<I: Instructions>(
+        &self,
+        (bodies, movers): (&Bodies, &Movers),
+        group: &[Member],
+    ) {
+        for &Member { manifold, locals, .. } in group {
+            let Manifold { pair, points, .. } = self.manifolds[manifold];
+            I::prefetch(points);
+            I::prefetch(self.carried[manifold]);
+            I::prefetch(&bodies.contactants[pair.first..][..1]);
+            I::prefetch(&bodies.contactants[pair.second..][..1]);
+            movers.prefetch::<I>(&locals);
+            movers.prefetch_starts::<I>(&locals);
         }
     }
 }

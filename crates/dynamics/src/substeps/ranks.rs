@@ -60,15 +60,16 @@ impl<I: Instructions> Ranks<I> {
             }
             region_ends.push(shares.len());
         }
-        let batch = |(group, next): (&[Member], &[Member])| {
-            touching.prefetch::<I>(movers, next);
-            Batch::new((bodies, movers), group, touching, dt)
-        };
         let block = |groups: Vec<&[Member]>| {
-            // Each group with the one after it, whose memory is asked for meanwhile.
-            let next = groups.iter().copied().skip(1).chain([&[][..]]);
+            // The memory of the next groups is asked for meanwhile: what they are, then what that leads to.
+            let group = |at: usize| groups.get(at).copied().unwrap_or(&[]);
+            let batch = |at: usize| {
+                touching.prefetch::<I>(group(at + 2));
+                touching.prefetch_points::<I>((bodies, movers), group(at + 1));
+                Batch::new((bodies, movers), group(at), touching, dt)
+            };
             Block {
-                batches: groups.iter().copied().zip(next).map(batch).collect(),
+                batches: (0..groups.len()).map(batch).collect(),
                 given: Given::ZERO,
                 bounces: false,
                 impacts: false,
