@@ -1,7 +1,12 @@
 //! Where bodies get to in one frame at a given velocity.
 
-use crate::{Bodies, Frame, Motion, Pose, Velocity, rotation, threads};
-use glam::DVec3;
+use crate::exact_rotation::rotate_slow_ones;
+use crate::instructions::with_widest;
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
+use crate::vector::Turn;
+use crate::{Bodies, Frame, Motion, Pose, Rotation, Velocity, rotation, threads};
+use glam::{DQuat, DVec3};
+use std::ops::Range;
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09 sec. 2].
 pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame: &Frame) -> Pose {
@@ -17,9 +22,62 @@ pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame
     }
 }
 
+/// Bodies that a thread evolves together, a multiple of [`LANES`]: some microseconds of work.
+const SHARE: usize = 256;
+
 /// [`evolve`] for all bodies: `poses` and `velocities` may belong to different time levels.
 pub fn evolve_all(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], frame: &Frame) -> Vec<Pose> {
-    threads::list(bodies.len(), |i| evolve(bodies, i, &poses[i], &velocities[i], frame))
+    let shares = (0..bodies.len()).step_by(SHARE).collect();
+    let of_share = |begin: usize| {
+        let end = (begin + SHARE).min(bodies.len());
+        with_widest!(frame.settings.width, evolve_some(bodies, begin..end, poses, velocities, frame))
+    };
+    threads::map(shares, bodies.len(), of_share).concat()
+}
+
+/// [`evolve`] for some bodies, those that turn slowly side by side.
+fn evolve_some<I: Instructions>(
+    bodies: &Bodies,
+    who: Range<usize>,
+    poses: &[Pose],
+    velocities: &[Velocity],
+    frame: &Frame,
+) -> Vec<Pose> {
+    let mut ends = poses[who.clone()].to_vec();
+    I::run(
+        #[inline(always)]
+        || {
+            for (ends, begin) in ends.chunks_mut(LANES).zip(who.step_by(LANES)) {
+                // Bodies that do not turn, in the lanes that hold none.
+                let (mut motions, mut turns) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
+                for (lane, pose) in ends.iter().enumerate() {
+                    let (l, q) = (velocities[begin + lane].angular_momentum, pose.orientation);
+                    let m = bodies.inertias[begin + lane].inverse_moments;
+                    motions[lane] = Numbers([l.x, l.y, l.z, m.x, m.y, m.z, m.max_element(), 0.0]);
+                    turns[lane] = Numbers([q.x, q.y, q.z, q.w, 0.0, 0.0, 0.0, 0.0]);
+                }
+                let [x, y, z, mx, my, mz, fastest, _] = Lanes::<I>::transposed(motions);
+                let [qx, qy, qz, scalar, ..] = Lanes::transposed(turns);
+                let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar };
+                let moments = (Lanes3 { x: mx, y: my, z: mz }, fastest);
+                let (turned, is_slow) = rotate_slow_ones(orientation, Lanes3 { x, y, z }, moments, frame.dt);
+                let Lanes3 { x: qx, y: qy, z: qz } = turned.vector;
+                let zero = Lanes::ZERO;
+                let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
+                let is_exact = frame.settings.rotation == Rotation::Exact;
+                for (lane, end) in ends.iter_mut().enumerate() {
+                    let (i, Numbers([x, y, z, w, ..])) = (begin + lane, turned[lane]);
+                    if is_exact && is_slow.get(lane) && bodies.motions[i] == Motion::Dynamic {
+                        let position = end.position + frame.dt * velocities[i].linear;
+                        *end = Pose { position, orientation: DQuat::from_xyzw(x, y, z, w) };
+                    } else {
+                        *end = evolve(bodies, i, end, &velocities[i], frame);
+                    }
+                }
+            }
+        },
+    );
+    ends
 }
 
 /// Velocities after `duration` [s] of gravity alone; bodies of infinite mass do not fall.

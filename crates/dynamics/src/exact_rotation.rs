@@ -7,18 +7,19 @@
 
 use crate::Inertia;
 use crate::jacobi::{Series, arithmetic_geometric_mean};
+use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
 use crate::vector::{Number, Turn, Vector};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// A turn [rad] that leaves a quaternion as it is.
-pub(crate) const NO_TURN: f64 = 1e-20;
+const NO_TURN: f64 = 1e-20;
 
 /// A turn [rad] up to which the series in time is exact to rounding: its next term, of fifth order, is below 1e-16.
 pub(crate) const SLOW: f64 = 1e-3;
 
 /// Angular momentum [kg m^2/s] whose square is too small for its length to be precise.
-pub(crate) const NO_MOMENTUM: f64 = 1e-140;
+const NO_MOMENTUM: f64 = 1e-140;
 
 /// Rotates `orientation` (`world_from_body`) over `dt` [s], of either sign, without torque. `angular_momentum` L is in
 /// the world frame [kg m^2/s]; it is an input only, and the kinetic energy is kept to round-off. The error in angle is
@@ -59,6 +60,28 @@ pub(crate) fn rotate_slowly<V: Vector>(
     let direction = orientation.back().turn(direction_world);
     let turn_body = turn_slowly(direction, rates, angle);
     settle(orientation.after(turn_body), direction_world, direction, rates)
+}
+
+/// Rotates bodies side by side over `dt` [s], which is not negative, each as [`rotate_exact`] does, that turn slowly: which these are. `inverse_moments` are the principal ones, of which
+/// `fastest` is the largest.
+#[inline(always)]
+pub(crate) fn rotate_slow_ones<I: Instructions>(
+    orientation: Turn<Lanes3<I>>,
+    angular_momentum: Lanes3<I>,
+    (inverse_moments, fastest): (Lanes3<I>, Lanes<I>),
+    dt: f64,
+) -> (Turn<Lanes3<I>>, Mask) {
+    let one = Lanes::splat(1.0);
+    let magnitude = angular_momentum.dot(angular_momentum).sqrt();
+    let angle = Lanes::splat(dt) * fastest * magnitude;
+    let rests = Lanes::splat(NO_TURN).above(angle).or(Lanes::splat(NO_MOMENTUM).above(magnitude));
+    let direction = angular_momentum * (one / magnitude);
+    let rates = inverse_moments * (one / fastest);
+    let turned = rotate_slowly(orientation, (direction, rates), angle);
+    let is_slow = Lanes::splat(SLOW).above(angle);
+    let goes = is_slow.and(rests.not());
+    let vector = goes.select(turned.vector, orientation.vector);
+    (Turn { vector, scalar: goes.select(turned.scalar, orientation.scalar) }, is_slow)
 }
 
 /// The turn within `angle`, in the body frame: the logarithm of the rotation to fourth order in time [Mag54].

@@ -82,6 +82,28 @@ pub(crate) fn available(asked: Width) -> Width {
     }
 }
 
+/// Calls a function of some instructions with the widest that there are, up to a width.
+macro_rules! with_widest {
+    ($asked:expr, $function:ident($($argument:expr),*)) => {{
+        #[cfg(target_arch = "x86_64")]
+        use $crate::instructions::{Avx2, Avx512, Sse2};
+        use $crate::instructions::{Scalar, available};
+        use $crate::settings::Width;
+        match available($asked) {
+            Width::Scalar => $function::<Scalar>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            Width::Sse2 => $function::<Sse2>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx2 => $function::<Avx2>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            Width::Avx512 => $function::<Avx512>($($argument),*),
+            #[cfg(not(target_arch = "x86_64"))]
+            Width::Sse2 | Width::Avx2 | Width::Avx512 => $function::<Scalar>($($argument),*),
+        }
+    }};
+}
+pub(crate) use with_widest;
+
 /// One lane after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scalar;

@@ -11,9 +11,7 @@ use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
 use crate::effort::Effort;
 use crate::evolve::evolve;
-#[cfg(target_arch = "x86_64")]
-use crate::instructions::{Avx2, Avx512, Sse2};
-use crate::instructions::{Scalar, available};
+use crate::instructions::with_widest;
 use crate::lanes::Instructions;
 use crate::ledger::Ledger;
 use crate::manifold::{Manifold, ManifoldFinder};
@@ -21,7 +19,7 @@ use crate::moving::{Movers, can_rest};
 use crate::tally::Cause;
 use crate::threads;
 use crate::warm_start::{Part, WarmStart};
-use crate::{Bodies, Frame, Motion, Tally, Width};
+use crate::{Bodies, Frame, Motion, Tally};
 use funds::Funds;
 use glam::DVec3;
 use ranks::{Block, Ranks};
@@ -52,18 +50,7 @@ pub fn solve(
     ledger: &Ledger,
     frame: &Frame,
 ) -> Solved {
-    let solve_with = match available(frame.settings.width) {
-        Width::Scalar => solve_with::<Scalar>,
-        #[cfg(target_arch = "x86_64")]
-        Width::Sse2 => solve_with::<Sse2>,
-        #[cfg(target_arch = "x86_64")]
-        Width::Avx2 => solve_with::<Avx2>,
-        #[cfg(target_arch = "x86_64")]
-        Width::Avx512 => solve_with::<Avx512>,
-        #[cfg(not(target_arch = "x86_64"))]
-        Width::Sse2 | Width::Avx2 | Width::Avx512 => solve_with::<Scalar>,
-    };
-    solve_with(bodies, manifolds, warm, ledger, frame)
+    with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, ledger, frame))
 }
 
 /// [`solve`] with some instructions.

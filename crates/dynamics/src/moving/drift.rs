@@ -3,7 +3,7 @@
 use super::{Build, Moved, Movers, Moving, TRAVEL, line_of, pose_of};
 use crate::detection::radius;
 use crate::evolve::evolve;
-use crate::exact_rotation::{NO_MOMENTUM, NO_TURN, SLOW, rotate_slowly};
+use crate::exact_rotation::rotate_slow_ones;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers};
 use crate::threads;
 use crate::vector::{Turn, Vector};
@@ -113,31 +113,24 @@ impl Stretch<'_> {
         self.moment_of_mass = moment_of_mass.sum();
     }
 
-    /// Moves those of a group that turn slowly, by [`rotate_slowly`]; which the others are.
+    /// Moves those of a group that turn slowly, by [`rotate_slow_ones`]; which the others are.
     #[inline(always)]
     fn drift_slowly<I: Instructions>(&mut self, begin: usize, step: &Frame) -> Mask {
-        let (dt, one) = (Lanes::<I>::splat(step.dt), Lanes::splat(1.0));
         let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
         let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
         let [ix, iy, iz, fastest, _, _, is_driven, _] = lanes_of::<I>(self.builds, begin);
-        let momentum = Lanes3 { x: lx, y: ly, z: lz };
-        let magnitude = momentum.dot(momentum).sqrt();
-        let angle = dt * fastest * magnitude;
-        let rests = Lanes::splat(NO_TURN).above(angle).or(Lanes::splat(NO_MOMENTUM).above(magnitude));
-        let direction = momentum * (one / magnitude);
-        let rates = Lanes3 { x: ix, y: iy, z: iz } * (one / fastest);
         let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
-        let Turn { vector, scalar } = rotate_slowly(orientation, (direction, rates), angle);
-        let turned = rests.select(orientation.vector, vector);
-        let scalar = rests.select(qw, scalar);
+        let momentum = Lanes3 { x: lx, y: ly, z: lz };
+        let moments = Lanes3 { x: ix, y: iy, z: iz };
+        let (turned, is_slow) = rotate_slow_ones(orientation, momentum, (moments, fastest), step.dt);
 
         // The others wait.
-        let is_slow = Lanes::splat(SLOW).above(angle).and(is_driven.above(Lanes::ZERO).not());
-        let goes = if step.settings.rotation == Rotation::Exact { is_slow } else { Mask::NONE };
-        let Lanes3 { x: tx, y: ty, z: tz } = goes.select(turned, orientation.vector);
+        let is_exact = step.settings.rotation == Rotation::Exact;
+        let goes = if is_exact { is_slow.and(is_driven.above(Lanes::ZERO).not()) } else { Mask::NONE };
+        let Lanes3 { x: tx, y: ty, z: tz } = goes.select(turned.vector, orientation.vector);
         let (linear, position) = (Lanes3 { x, y, z }, Lanes3 { x: px, y: py, z: pz });
-        let Lanes3 { x: px, y: py, z: pz } = goes.select(position + linear * dt, position);
-        let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(scalar, qw), Lanes::ZERO]);
+        let Lanes3 { x: px, y: py, z: pz } = goes.select(position + linear * Lanes::splat(step.dt), position);
+        let poses = Lanes::rows([px, py, pz, tx, ty, tz, goes.select(turned.scalar, qw), Lanes::ZERO]);
         self.poses[begin..begin + LANES].copy_from_slice(&poses);
         goes.not()
     }
@@ -226,8 +219,10 @@ fn lanes_of<I: Instructions>(lines: &[Numbers], begin: usize) -> [Lanes<I>; LANE
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evolve::evolve_all;
+    use crate::exact_rotation::SLOW;
     use crate::instructions::Scalar;
-    use crate::{Contactant, NewBody, Pose, StepSettings, Velocity};
+    use crate::{Contactant, NewBody, Pose, StepSettings, Velocity, Width};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -236,7 +231,8 @@ mod tests {
     /// their tensors and shifts are those of their poses.
     #[test]
     fn bodies_go_as_each_would_alone() {
-        let frame = Frame { dt: 1.0 / 240.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+        let settings = StepSettings { rotation: Rotation::Exact, ..StepSettings::default() };
+        let frame = Frame { dt: 1.0 / 240.0, gravity: -9.81 * DVec3::Y, settings };
         let mut bodies = Bodies::default();
         for k in 0..21 {
             let s = f64::from(k);
@@ -265,6 +261,13 @@ mod tests {
             });
         }
         let alone = &bodies;
+        for width in [Width::Scalar, Width::Sse2, Width::Avx2, Width::Avx512] {
+            let frame = Frame { settings: StepSettings { width, ..frame.settings }, ..frame };
+            let ends = evolve_all(alone, &alone.poses, &alone.velocities, &frame);
+            for (i, end) in ends.iter().enumerate() {
+                assert_eq!(*end, evolve(alone, i, &alone.poses[i], &alone.velocities[i], &frame), "{i}");
+            }
+        }
         let mut movers = Movers::new::<Scalar>(&bodies, (0..bodies.len()).collect());
         for _ in 0..3 {
             movers.drift::<Scalar>(&bodies, &frame);
