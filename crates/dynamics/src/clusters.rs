@@ -412,6 +412,7 @@ mod tests {
             &bodies,
             (0, vec![]),
             &[u8::MAX, SETTLED_AFTER - 1, SETTLED_AFTER, u8::MAX, u8::MAX],
+            &[false; 5],
             &[],
         );
         let settings = crate::StepSettings::default();

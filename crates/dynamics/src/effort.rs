@@ -63,6 +63,11 @@ impl Effort {
         Self { passes, stiffest: 1.0, impacts, carries_much: false }
     }
 
+    /// Whether it is for a heap.
+    pub(crate) fn is_for_heap(&self) -> bool {
+        self.passes == 1
+    }
+
     /// Whether what is calm rests. On stiffer contacts it does not: it sways slowly, and a tower of 50 cubes would drift by 18 cm instead of 1. What gets
     /// no more than others sways anyway: a hundred towers of 20 cubes by 23 cm within 10 s, and by 12 if they do not rest.
     pub(crate) fn rests(&self) -> bool {

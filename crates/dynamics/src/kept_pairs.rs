@@ -13,21 +13,29 @@ use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
 use crate::threads;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, BodyId, Frame, Pose};
+use crate::{Bodies, BodyId, Frame, Motion, Pose};
 use ahead::{Ahead, Seen};
 use frangible_geometry::RigidTransform;
 use glam::{DVec3, DVec4};
 use passing::{NOWHERE, Passing, firsts};
 
-/// Relative motion up to which a pair keeps its points, relative to the size of the smaller body.
-const STEADY: f64 = 5e-3;
+/// For how long a pair keeps its points, relative to the size of the smaller body.
+#[derive(Clone, Copy)]
+struct Lasting {
+    /// Relative motion up to which it does.
+    steady: f64,
+    /// Overlap from which on it is looked at anew in each frame: what jams goes on to part only along an axis that is the best one now.
+    deep: f64,
+}
+
+/// What lies on an edge sticks out over it by as much before it tips.
+const USUALLY: Lasting = Lasting { steady: 5e-3, deep: 1e-2 };
+
+/// Heaps rock where their points are found anew, and have them found anew where they rock. With a tenth instead of a twentieth deep overlaps grow.
+const IN_HEAPS: Lasting = Lasting { steady: 5e-2, deep: 3e-2 };
 
 /// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
 const MARGIN: f64 = 0.2;
-
-/// Overlap, relative to the size of the smaller body, from which on a pair is looked at anew in each frame: what jams goes on to part
-/// only along an axis that is the best one now.
-const DEEP: f64 = 1e-2;
 
 /// The pairs of the last frame, in the order of their bodies' births.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +60,8 @@ struct Way {
     pose: Pose,
     /// No point of it has moved further since it was first seen, all frames together [m].
     length: f64,
+    /// Whether it was part of a heap in the last frame, or does not take part in what a heap does.
+    is_in_heap: bool,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -80,7 +90,7 @@ struct KeptPair {
 struct KeptPoint {
     /// On the first and on the second body, each in its own frame [m].
     anchors: [DVec3; 2],
-    /// Unit, from the second to the first, in the first one's frame.
+    /// Unit, from the second to the first, in the frame of the body whose face it is, so that it turns with that: of the first one if the sample is the second one's.
     normal: DVec3,
     sample: (bool, u64),
 }
@@ -97,7 +107,7 @@ impl KeptPairs {
     ) -> &mut Manifolds {
         let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
         let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
-        let places = self.go_on(bodies, &flights);
+        let places = self.go_on(bodies, &flights, warm);
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.kept);
         self.kept.resize_with(count, Kept::default);
@@ -121,8 +131,12 @@ impl KeptPairs {
     }
 
     /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
-    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
-        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
+    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight], warm: &WarmStart) -> Vec<u32> {
+        let at_rest = |i: usize| {
+            let id = bodies.ids[i];
+            let is_in_heap = bodies.motions[i] != Motion::Dynamic || warm.is_in_heap(id);
+            Way { id, pose: bodies.poses[i], length: 0.0, is_in_heap }
+        };
         let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
         let place = |last: &Way| {
             let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
@@ -198,7 +212,10 @@ impl Share<'_> {
             ahead.go_on();
             let encounter = encounter(pair);
             if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
-                let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
+                let last_normal = known.and_then(|(_, points)| {
+                    let into_first = encounter.flights[0].start.orientation.inverse();
+                    Some(into_first * points.first()?.normal_in_world(&encounter))
+                });
                 self.find_anew(Encounter { last_normal, ..encounter }, solids);
                 continue;
             }
@@ -214,10 +231,17 @@ impl Share<'_> {
         self.ways[pair.first].length + self.ways[pair.second].length
     }
 
+    /// For how long a pair keeps its points.
+    fn lasting(&self, pair: Pair) -> Lasting {
+        let is_heap = self.ways[pair.first].is_in_heap && self.ways[pair.second].is_in_heap;
+        if is_heap { IN_HEAPS } else { USUALLY }
+    }
+
     /// If the points of a pair are still its points, and nothing else has come within reach: from when on its ways count.
     #[inline]
     fn still_holds(&self, kept: &KeptPair, points: &[KeptPoint], encounter: &Encounter) -> Option<f64> {
-        let steady = if points.is_empty() { f64::INFINITY } else { STEADY * encounter.size };
+        let steady = self.lasting(encounter.pair).steady * encounter.size;
+        let steady = if points.is_empty() { f64::INFINITY } else { steady };
         let most = steady.min(kept.beyond - encounter.reach);
         let ways = self.ways_of(encounter.pair);
         if ways - kept.since <= most {
@@ -244,7 +268,8 @@ impl Share<'_> {
     /// Looks where a pair touches, and keeps it for the next frame.
     fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
         let Encounter { bodies, pair, reach, size, .. } = encounter;
-        encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
+        let lasting = self.lasting(pair);
+        encounter.search = (1.0 + MARGIN) * reach + lasting.steady * size;
         let ManifoldFinder { room, points } = &mut *self.finder;
         points.clear();
         let beyond = match solids {
@@ -261,14 +286,19 @@ impl Share<'_> {
             Solid::Ground(ground) => -ground.normal,
             _ => seen.normal,
         };
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let found_at = second_from_first(first, second);
+        let into_faces = |normal: DVec3, (is_of_first, _): (bool, u64)| {
+            if is_of_first { found_at.rotation * normal } else { normal }
+        };
         self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
             anchors: [point.anchor_first, point.anchor_second],
-            normal: normal_of(seen),
+            normal: into_faces(normal_of(seen), point.sample),
             sample: point.sample,
         }));
 
         // What will meet later will do so elsewhere; what jams is looked at again.
-        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
+        let is_deep = room.points.iter().any(|point| point.gap < -lasting.deep * size);
         let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
             let kept = &self.kept.points[begin..];
             self.found.add(pair, kept.iter().filter_map(|point| point.within_reach(&encounter)));
@@ -277,8 +307,7 @@ impl Share<'_> {
             self.found.add(pair, points.iter().copied());
             f64::NEG_INFINITY
         };
-        let (first, second) = placed(bodies, pair, &bodies.poses);
-        let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
+        let since = self.ways_of(pair);
         self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
     }
 }
@@ -292,11 +321,18 @@ fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
 }
 
 impl KeptPoint {
+    /// Its normal where its bodies are now.
+    #[inline]
+    fn normal_in_world(&self, encounter: &Encounter) -> DVec3 {
+        let (is_of_first, _) = self.sample;
+        encounter.flights[usize::from(is_of_first)].start.orientation * self.normal
+    }
+
     /// The point where its bodies are now; `None` if it is too far to touch within the frame.
     #[inline]
     fn within_reach(&self, encounter: &Encounter) -> Option<ManifoldPoint> {
         let [first, second] = encounter.flights;
-        let normal = first.start.orientation * self.normal;
+        let normal = self.normal_in_world(encounter);
         let on_first = first.start.world_from_body().point(self.anchors[0]);
         let on_second = second.start.world_from_body().point(self.anchors[1]);
         let gap = (on_first - on_second).dot(normal);

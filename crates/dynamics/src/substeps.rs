@@ -84,11 +84,15 @@ fn solve_with<I: Instructions>(
 
     // One after the other, so that sums are the same whoever came first.
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
-    let (mut parts, mut settled, mut is_in_one) =
-        (Vec::new(), vec![0; bodies.len()], vec![false; bodies.len()]);
-    for Closed { movers, kept, tally } in closed {
+    let mut parts = Vec::new();
+    let (mut settled, mut is_in_one, mut is_in_heap) =
+        (vec![0; bodies.len()], vec![false; bodies.len()], vec![false; bodies.len()]);
+    for Closed { movers, kept, tally, is_heap } in closed {
         movers.hand_back(bodies);
-        movers.who.iter().for_each(|&i| is_in_one[i] = true);
+        for &i in &movers.who {
+            is_in_one[i] = true;
+            is_in_heap[i] |= is_heap;
+        }
         movers.who_may_rest().for_each(|i| settled[i] = warm.settled_for(bodies.ids[i]).saturating_add(1));
         parts.extend(kept);
         solved.tally.add(tally);
@@ -98,14 +102,17 @@ fn solve_with<I: Instructions>(
 
     // What sleeps stays, with what it carries.
     let are_asleep = plan.sleep.hold(bodies, manifolds, &mut solved.tally);
-    are_asleep.iter().enumerate().filter(|&(_, &is)| is).for_each(|(i, _)| is_in_one[i] = true);
+    for (i, _) in are_asleep.iter().enumerate().filter(|&(_, &is)| is) {
+        is_in_one[i] = true;
+        is_in_heap[i] = warm.is_in_heap(bodies.ids[i]);
+    }
     let mut kept = Part::default();
     plan.sleep.manifolds.iter().for_each(|&at| kept.keep(at, manifolds[at].pair, carried[at]));
     parts.push(kept);
 
     fly(bodies, &is_in_one, frame, &mut solved);
     let drowsiness = plan.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
-    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &drowsiness);
+    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &is_in_heap, &drowsiness);
     solved
 }
 
@@ -150,6 +157,7 @@ struct Closed {
     movers: Movers,
     kept: Vec<Part>,
     tally: Tally,
+    is_heap: bool,
 }
 
 impl<'a, I: Instructions> Solver<'a, I> {
@@ -313,7 +321,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// At the frame's end.
     fn close(self) -> Closed {
-        let Self { bodies, movers, ranks, .. } = self;
+        let Self { bodies, movers, ranks, effort, .. } = self;
         let (mut kept, mut all) = (Vec::new(), Tally::default());
         for (part, tally) in threads::map(ranks.blocks, ranks.pairs, |block| block.close(bodies, &movers)) {
             kept.push(part);
@@ -323,7 +331,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
         all.outside_impulse += held.impulse;
         all.outside_angular_impulse += held.moment;
         all.causes.add(Cause::Contact, held.energy);
-        Closed { movers, kept, tally: all }
+        Closed { movers, kept, tally: all, is_heap: effort.is_for_heap() }
     }
 }
 

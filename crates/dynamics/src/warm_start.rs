@@ -30,6 +30,7 @@ struct CarriedBody {
     place: usize,
     /// In so many frames, one after the other until then, it could come to rest.
     settled_for: u8,
+    is_in_heap: bool,
     drowsiness: Drowsiness,
 }
 
@@ -131,6 +132,11 @@ impl WarmStart {
         self.bodies.get(id).map_or(0, |body| body.settled_for)
     }
 
+    /// Whether a body was in a heap in the last frame: in a cluster that gets no more than one pass.
+    pub(crate) fn is_in_heap(&self, id: BodyId) -> bool {
+        self.bodies.get(id).is_some_and(|body| body.is_in_heap)
+    }
+
     /// What decides whether a body sleeps.
     pub(crate) fn drowsiness(&self, id: BodyId) -> Drowsiness {
         self.bodies.get(id).map_or(Drowsiness::default(), |body| body.drowsiness)
@@ -148,11 +154,12 @@ impl WarmStart {
         self.drowsiness(id).is_asleep()
     }
 
-    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now, and are drowsy if any may sleep.
+    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now, may be in heaps, and are drowsy if any may sleep.
     pub(crate) fn of_parts(
         bodies: &Bodies,
         (pairs, parts): (usize, Vec<Part>),
         settled_for: &[u8],
+        are_in_heaps: &[bool],
         drowsiness: &[Drowsiness],
     ) -> Self {
         let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
@@ -161,9 +168,10 @@ impl WarmStart {
             pairs: vec![none; pairs],
             bodies: PerBody::default(),
         };
-        for (place, (&id, &settled_for)) in bodies.ids.iter().zip(settled_for).enumerate() {
+        for (place, &id) in bodies.ids.iter().enumerate() {
+            let (settled_for, is_in_heap) = (settled_for[place], are_in_heaps[place]);
             let drowsiness = drowsiness.get(place).copied().unwrap_or_default();
-            all.bodies.insert(id, CarriedBody { place, settled_for, drowsiness });
+            all.bodies.insert(id, CarriedBody { place, settled_for, is_in_heap, drowsiness });
         }
         for Part { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
@@ -238,7 +246,7 @@ mod tests {
             }
             part.end_pair(place, pair);
         }
-        let warm = WarmStart::of_parts(&bodies, (all.len(), parts), &[0, 1, 2, 3, 4], &[]);
+        let warm = WarmStart::of_parts(&bodies, (all.len(), parts), &[0, 1, 2, 3, 4], &[false; 5], &[]);
         let ids = bodies.ids.clone();
         bodies.remove(&[false, true, false, false, false]);
         let newborn = spawn(&mut bodies);
