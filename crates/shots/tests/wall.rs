@@ -158,10 +158,12 @@ fn threads_change_nothing() {
     assert_eq!(hash(1), hash(4));
 }
 
-/// The ball presses bricks into each other, and parting them lifts the wall: only as fast as there is energy for it, or the ledger would stop
-/// all that is still falling, frame after frame. By chance it does for up to eight frames after some balls, as in 2 of 32 when this was written.
+/// What a ball leaves of a wall of loose bricks goes on standing, as it does with 240 steps a second, after which its bricks are 0.72 to 0.73 m high; where points
+/// are found anew too often it has fallen by then. The ball presses bricks into each other, and parting them lifts the wall: only as fast as there is
+/// energy for it, or the ledger would stop all that moves, frame after frame. By chance it does in some frames: in 18 when this was written, in some
+/// 150 where overlaps close whether that is paid for or not.
 #[test]
-fn loose_bricks_that_a_ball_has_pressed_together_go_on_falling() {
+fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
     let balls = [1.0, 1.003, 1.006, 1.009];
     let (mut still, mut heights) = (0, Vec::new());
     for faster in balls {
@@ -180,5 +182,5 @@ fn loose_bricks_that_a_ball_has_pressed_together_go_on_falling() {
         heights.push(sum / world.bodies().len() as f64);
     }
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;
-    assert!(still <= 12 && mean < 0.4, "{still} of 240 frames stood still, walls are {heights:?} m high");
+    assert!(still <= 36 && mean > 0.5, "{still} of 240 frames stood still, bricks are {heights:?} m high");
 }
