@@ -37,7 +37,7 @@ OURS = "frangible"
 
 COLUMNS = (
     "date", "shot", "engine", "frames", "runs", "cpu_median_ms", "cpu_p95_ms", "cpu_max_ms", "time_ratio", "penetration_p50_mm",
-    "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost",
+    "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost", "memory_per_piece_KiB",
 )  # fmt: skip
 
 
@@ -60,6 +60,8 @@ class Result:
     engine: str
     #: Medians over the runs of the processor time that the last frames took [ms].
     times: dict[str, float]
+    #: By how much memory grew at most, by piece, in the last of them [KiB].
+    memory: float
     quality: Quality
 
 
@@ -116,6 +118,7 @@ def compare(shots: Sequence[str], *, frames: int | None, runs: int, folder: str,
 
 def _run_by_turns(shot: str, pile: Pile, built: Sequence[Path], frames: int, runs: int) -> list[Result]:
     times: dict[str, list[dict[str, float]]] = {}
+    memories: dict[str, float] = {}
     qualities: dict[str, Quality] = {}
     with tempfile.TemporaryDirectory() as folder:
         path, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
@@ -123,32 +126,35 @@ def _run_by_turns(shot: str, pile: Pile, built: Sequence[Path], frames: int, run
             pile.write(file)
         for _ in range(runs):
             for program in (None, *built):
-                name, spent = _run_ours(shot, frames, states) if program is None else run_peer(program, path, frames, states)
+                name, spent, memory = _run_ours(shot, frames, states) if program is None else run_peer(program, path, frames, states)
                 times.setdefault(name, []).append(spent)
+                memories[name] = memory / float(pile.moves.sum())
                 # A run is the same every time but for how long it takes.
                 if name not in qualities:
                     qualities[name] = judge(pile, load_states(states, pile))
     return [
-        Result(name, {key: median(run[key] for run in spent) for key in ("median", "p95", "max")}, qualities[name])
+        Result(name, {key: median(run[key] for run in spent) for key in ("median", "p95", "max")}, memories[name], qualities[name])
         for name, spent in times.items()
     ]
 
 
-def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
-    return OURS, run_apart(Request(shot, frames, 1, states))["cpu_ms_per_frame"]
+def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float], float]:
+    summary = run_apart(Request(shot, frames, 1, states))
+    return OURS, summary["cpu_ms_per_frame"], summary["memory_per_piece_KiB"] * summary["pieces"]
 
 
-def run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float]]:
-    """Who an engine's program says that it is, on its last line, and the times of its run; what else it says goes to stderr."""
+def run_peer(program: Path, pile: str, frames: int, states: str) -> tuple[str, dict[str, float], float]:
+    """Who an engine's program says that it is, the times of its run, and by how much its memory grew [KiB], as its last two lines say; what else it
+    says goes to stderr."""
     times = states + ".times"
     print(f"{program.name}: {frames} frames", file=sys.stderr, flush=True)
     done = subprocess.run([program, pile, str(frames), times, states], stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         raise BenchError(f"{program.name}: ended with status {done.returncode}")
-    *complaints, name = done.stdout.splitlines()
+    *complaints, name, memory = done.stdout.splitlines()
     for line in complaints:
         print(f"{name}: {line}", file=sys.stderr, flush=True)
-    return name, spread(np.loadtxt(times, ndmin=1)[-LAST_FRAMES:].tolist())
+    return name, spread(np.loadtxt(times, ndmin=1)[-LAST_FRAMES:].tolist()), float(memory)
 
 
 def judge(pile: Pile, states: Float64) -> Quality:
@@ -176,6 +182,7 @@ def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) ->
             **{f"penetration_{key}_mm": round(1e3 * depth, 3) for key, depth in zip(("p50", "p99", "max"), result.quality.penetration, strict=True)},
             "energy_gain": f"{result.quality.energy_gain:.2g}",
             "pieces_lost": result.quality.lost,
+            "memory_per_piece_KiB": round(result.memory, 2),
         }
         for result in results
     ]
@@ -184,7 +191,7 @@ def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) ->
 def describe_peers(rows: Sequence[dict[str, Any]]) -> str:
     """The table for people."""
     shot, frames = rows[0]["shot"], rows[0]["frames"]
-    heads = ("engine", "median ms", "p95", "max", "of ours", "overlap mm p50", "p99", "max", "energy gained", "lost")
+    heads = ("engine", "median ms", "p95", "max", "of ours", "overlap mm p50", "p99", "max", "energy gained", "lost", "KiB a piece")
     keys = ("engine", *COLUMNS[5:])
     cells = [heads, *(tuple(str(row[key]) for key in keys) for row in rows)]
     widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]

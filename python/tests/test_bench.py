@@ -179,10 +179,10 @@ def test_what_cannot_be_built_is_left_out_with_a_sentence(tmp_path: Path, capsys
 
 def test_what_an_engine_complains_of_is_no_part_of_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     program = tmp_path / "peer-loud"
-    program.write_text("#!/bin/sh\necho no room for contacts\nprintf '1.0\\n3.0\\n' > \"$3\"\necho loud 1.0\n")
+    program.write_text("#!/bin/sh\necho no room for contacts\nprintf '1.0\\n3.0\\n' > \"$3\"\necho loud 1.0\necho 512\n")
     program.chmod(0o755)
-    name, times = peers.run_peer(program, "pile", 2, str(tmp_path / "states"))
-    assert name == "loud 1.0" and times["median"] == 2.0
+    name, times, memory = peers.run_peer(program, "pile", 2, str(tmp_path / "states"))
+    assert name == "loud 1.0" and times["median"] == 2.0 and memory == 512.0
     assert "loud 1.0: no room for contacts" in capsys.readouterr().err
 
 
@@ -197,13 +197,13 @@ def test_every_engine_in_the_repository_is_found_and_told_of() -> None:
 def test_the_table_of_engines_is_in_units_of_ours() -> None:
     quality = peers.Quality((0.0011, 0.02, 0.3), 0.0015, 2)
     results = [
-        peers.Result(name, {"median": time, "p95": time, "max": time}, quality) for name, time in (("frangible", 20.0), ("other 1.0", 50.0))
+        peers.Result(name, {"median": time, "p95": time, "max": time}, 3.25, quality) for name, time in (("frangible", 20.0), ("other 1.0", 50.0))
     ]
     rows = peers.result_rows("pile", 150, 3, results)
     assert [row["time_ratio"] for row in rows] == [1.0, 2.5]
     lines = peers.describe_peers(rows).splitlines()
     assert lines[0] == "pile: the last 150 of 150 frames, 3 runs by turns on one core, processor time"
-    assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2"]
+    assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2", "3.25"]
     assert len({len(line) for line in lines[1:]}) == 1
 
 

@@ -24,7 +24,7 @@ use passing::{NOWHERE, Passing, firsts};
 struct Lasting {
     /// Relative motion up to which it does.
     steady: f64,
-    /// Overlap from which on it is looked at anew in each frame: what jams goes on to part only along an axis that is the best one now.
+    /// Overlap with which it is looked at anew in the next frame: what jams goes on to part only along an axis that is the best one now.
     deep: f64,
 }
 
@@ -90,9 +90,12 @@ struct KeptPair {
 struct KeptPoint {
     /// On the first and on the second body, each in its own frame [m].
     anchors: [DVec3; 2],
-    /// Unit, from the second to the first, in the frame of the body whose face it is, so that it turns with that: of the first one if the sample is the second one's.
+    /// Unit, from the second to the first, in the frame of the body whose face it is, so that it turns with that.
     normal: DVec3,
-    sample: (bool, u64),
+    /// Which one of the two that is: see [`HullPoint::is_of_second`].
+    is_of_second: bool,
+    sample_of_first: bool,
+    sample: u64,
 }
 
 impl KeptPairs {
@@ -282,19 +285,18 @@ impl Share<'_> {
             _ => None,
         };
         let begin = self.kept.points.len();
-        let normal_of = |seen: &HullPoint| match solids[0] {
-            Solid::Ground(ground) => -ground.normal,
-            _ => seen.normal,
-        };
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let found_at = second_from_first(first, second);
-        let into_faces = |normal: DVec3, (is_of_first, _): (bool, u64)| {
-            if is_of_first { found_at.rotation * normal } else { normal }
+        let normal_of = |seen: &HullPoint| match solids[0] {
+            Solid::Ground(ground) => (-ground.normal, false),
+            _ if seen.is_of_second => (found_at.rotation * seen.normal, true),
+            _ => (seen.normal, false),
         };
-        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
-            anchors: [point.anchor_first, point.anchor_second],
-            normal: into_faces(normal_of(seen), point.sample),
-            sample: point.sample,
+        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| {
+            let (normal, is_of_second) = normal_of(seen);
+            let (sample_of_first, sample) = point.sample;
+            let anchors = [point.anchor_first, point.anchor_second];
+            KeptPoint { anchors, normal, is_of_second, sample_of_first, sample }
         }));
 
         // What will meet later will do so elsewhere; what jams is looked at again.
@@ -324,8 +326,7 @@ impl KeptPoint {
     /// Its normal where its bodies are now.
     #[inline]
     fn normal_in_world(&self, encounter: &Encounter) -> DVec3 {
-        let (is_of_first, _) = self.sample;
-        encounter.flights[usize::from(is_of_first)].start.orientation * self.normal
+        encounter.flights[usize::from(self.is_of_second)].start.orientation * self.normal
     }
 
     /// The point where its bodies are now; `None` if it is too far to touch within the frame.
@@ -345,7 +346,7 @@ impl KeptPoint {
             anchor_second: self.anchors[1],
             rounding: [0.0; 2],
             normal,
-            sample: self.sample,
+            sample: (self.sample_of_first, self.sample),
             approach: encounter.surface_speed(normal, -velocity.dot(normal), gap),
             gap,
         })

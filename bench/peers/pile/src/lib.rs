@@ -144,7 +144,7 @@ pub trait Engine {
 
 /// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps it, and writes the
 /// milliseconds of processor time of each step, one on a line, and after each the states of all bodies, little endian, if
-/// they are wanted. Says on stdout who it is.
+/// they are wanted. Says on stdout who it is, and then by how many KiB its memory grew at most.
 ///
 /// # Errors
 /// If a file cannot be read or written, or an argument is missing.
@@ -159,6 +159,7 @@ pub fn run<E: Engine>() -> io::Result<()> {
     let frames: usize = frames.parse().map_err(|_| usage())?;
     let pile = Pile::load(path)?;
     let mut states = states.map(fs::File::create).transpose()?.map(io::BufWriter::new);
+    let memory = peak_memory();
     let mut engine = E::build(&pile);
     let mut lines = String::new();
     for _ in 0..frames {
@@ -177,6 +178,13 @@ pub fn run<E: Engine>() -> io::Result<()> {
         file.flush()?;
     }
     fs::write(times, lines)?;
-    println!("{}", E::NAME);
+    println!("{}\n{}", E::NAME, peak_memory() - memory);
     Ok(())
+}
+
+/// Largest resident set of this process so far [KiB]; 0 where the system does not say.
+fn peak_memory() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    peak.and_then(|peak| peak.trim().strip_suffix(" kB")?.parse().ok()).unwrap_or(0)
 }

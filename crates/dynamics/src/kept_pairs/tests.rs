@@ -106,28 +106,56 @@ fn heaps_keep_their_points_for_longer() {
     }
 }
 
-/// A normal that is kept turns with the body whose face it is.
+/// Normals that are kept turn with the body whose face they are of: a cube's on whose face a corner of another one stands, which is turned on an edge, then
+/// on that corner.
 #[test]
 fn normals_turn_with_their_faces() {
+    let tilt = DQuat::from_scaled_axis(DVec3::new(0.3, 1.1, -0.7));
     for tips in [0, 1] {
-        for small in [0, 1] {
+        for upper in [0, 1] {
             let (mut bodies, mut kept) = (Bodies::default(), KeptPairs::default());
             for i in 0..2 {
-                let half = DVec3::splat(if i == small { 0.25 } else { 0.5 });
-                let height = if i == small { 0.749 } else { 0.0 };
-                let shape = Shape::closed_form(ClosedForm::Box { half }, 0.1);
-                spawn(&mut bodies, shape, height * DVec3::Y, 0.2 * DVec3::Y, DVec3::ZERO);
+                let height = if i == upper { 0.998 * f64::sqrt(0.75) + 0.5 } else { 0.0 };
+                spawn(&mut bodies, cube(), tilt * (height * DVec3::Y), DVec3::ZERO, DVec3::ZERO);
+                let on_corner = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::Y);
+                bodies.poses[i].orientation = if i == upper { tilt * on_corner } else { tilt };
             }
             let warm = all_in_a_heap(&bodies);
             let pair = Pair { first: 0, second: 1 };
-            let mut normal = |bodies: &Bodies| {
-                list(kept.find_manifolds(bodies, &[pair], &warm, &frame()))[0].points[0].normal
+            let mut normals = |bodies: &Bodies| {
+                let found = kept.find_manifolds(bodies, &[pair], &warm, &frame());
+                list(found)[0].points.iter().map(|point| point.normal).collect::<Vec<_>>()
             };
-            let before = normal(&bodies);
-            let turn = DQuat::from_rotation_z(1e-3);
+            let before = normals(&bodies);
+            let up = if upper == 0 { tilt * DVec3::Y } else { tilt * -DVec3::Y };
+            assert!(before.iter().all(|normal| (*normal - up).length() < 1e-12), "{before:?}");
+            let turn = DQuat::from_scaled_axis(DVec3::new(1e-3, 2e-3, -1e-3));
             bodies.poses[tips].orientation = turn * bodies.poses[tips].orientation;
-            let expected = if tips == small { before } else { turn * before };
-            assert!((normal(&bodies) - expected).length() < 1e-12, "{tips} {small}");
+            let expected = if tips == upper { up } else { turn * up };
+            for normal in normals(&bodies) {
+                assert!((normal - expected).length() < 1e-12, "{tips} {upper}");
+            }
+        }
+    }
+}
+
+/// So do all normals of faces that lie on each other, crossings of edges too: they stay the same.
+#[test]
+fn all_normals_of_a_face_turn_together() {
+    for (tips, turns) in [(0, true), (1, false)] {
+        let ((mut bodies, pairs), mut kept) = (stack(), KeptPairs::default());
+        let warm = all_in_a_heap(&bodies);
+        let mut normals = |bodies: &Bodies| {
+            let found = kept.find_manifolds(bodies, &pairs[..1], &warm, &frame());
+            list(found)[0].points.iter().map(|point| point.normal).collect::<Vec<_>>()
+        };
+        let before = normals(&bodies);
+        let turn = DQuat::from_rotation_z(1e-3);
+        bodies.poses[tips].orientation = turn * bodies.poses[tips].orientation;
+        // The first one's face is preferred.
+        for (normal, before) in normals(&bodies).into_iter().zip(before) {
+            let expected = if turns { turn * before } else { before };
+            assert!((normal - expected).length() < 1e-12, "{tips}");
         }
     }
 }
