@@ -124,7 +124,7 @@ fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<
         let on = point.on_surfaces_at([&first.start, &second.start]);
         let gap = (on[0] - on[1]).dot(point.normal);
         let feature = Feature::VertexOfFirst(index as u32);
-        let candidate = HullPoint { on, normal: point.normal, is_of_second: false, gap, feature };
+        let candidate = HullPoint { on, normal: point.normal, gap, feature };
         let same = |flat: &&mut (DVec3, f64, Vec<HullPoint>)| {
             flat.0.dot(point.normal) > FLAT && (flat.1 - gap).abs() <= LEVEL * size
         };

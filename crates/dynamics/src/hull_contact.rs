@@ -53,8 +53,6 @@ pub(crate) struct HullPoint {
     pub(crate) on: [DVec3; 2],
     /// Unit, from the second hull to the first.
     pub(crate) normal: DVec3,
-    /// Whether the normal is that of a face of the second hull; else it is of a face of the first one, or of no face.
-    pub(crate) is_of_second: bool,
     /// Between them along the normal, negative if they overlap [m].
     pub(crate) gap: f64,
     pub(crate) feature: Feature,
@@ -237,8 +235,7 @@ impl<'a> HullPair<'a> {
     fn over_face(&self, axes: &[FaceAxis; 2], apart: HullContact, room: &mut Room) {
         let [first, second] = self.views();
         let HullContact { normal, gap } = apart;
-        let is_of_second = axes[1].separation > axes[0].separation;
-        let (on, feature) = if is_of_second {
+        let (on, feature) = if axes[1].separation > axes[0].separation {
             let vertex = axes[1].vertex;
             let point = first.vertex(vertex);
             ([point, point - gap * normal], Feature::VertexOfFirst(vertex as u32))
@@ -248,7 +245,7 @@ impl<'a> HullPair<'a> {
             ([point + gap * normal, point], Feature::VertexOfSecond(vertex as u32))
         };
         room.points.clear();
-        room.points.push(HullPoint { on, normal, is_of_second, gap, feature });
+        room.points.push(HullPoint { on, normal, gap, feature });
     }
 
     /// Puts the points of one hull's face into `room`.
@@ -307,7 +304,6 @@ impl<'a> HullPair<'a> {
         Some(HullPoint {
             on,
             normal: axis.normal,
-            is_of_second: false,
             gap: axis.separation,
             feature: Feature::Edges(edge_a, edge_b),
         })

@@ -90,12 +90,9 @@ struct KeptPair {
 struct KeptPoint {
     /// On the first and on the second body, each in its own frame [m].
     anchors: [DVec3; 2],
-    /// Unit, from the second to the first, in the frame of the body whose face it is, so that it turns with that.
+    /// Unit, from the second to the first, in the first one's frame.
     normal: DVec3,
-    /// Which one of the two that is: see [`HullPoint::is_of_second`].
-    is_of_second: bool,
-    sample_of_first: bool,
-    sample: u64,
+    sample: (bool, u64),
 }
 
 impl KeptPairs {
@@ -215,10 +212,7 @@ impl Share<'_> {
             ahead.go_on();
             let encounter = encounter(pair);
             if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
-                let last_normal = known.and_then(|(_, points)| {
-                    let into_first = encounter.flights[0].start.orientation.inverse();
-                    Some(into_first * points.first()?.normal_in_world(&encounter))
-                });
+                let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
                 self.find_anew(Encounter { last_normal, ..encounter }, solids);
                 continue;
             }
@@ -285,18 +279,14 @@ impl Share<'_> {
             _ => None,
         };
         let begin = self.kept.points.len();
-        let (first, second) = placed(bodies, pair, &bodies.poses);
-        let found_at = second_from_first(first, second);
         let normal_of = |seen: &HullPoint| match solids[0] {
-            Solid::Ground(ground) => (-ground.normal, false),
-            _ if seen.is_of_second => (found_at.rotation * seen.normal, true),
-            _ => (seen.normal, false),
+            Solid::Ground(ground) => -ground.normal,
+            _ => seen.normal,
         };
-        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| {
-            let (normal, is_of_second) = normal_of(seen);
-            let (sample_of_first, sample) = point.sample;
-            let anchors = [point.anchor_first, point.anchor_second];
-            KeptPoint { anchors, normal, is_of_second, sample_of_first, sample }
+        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
+            anchors: [point.anchor_first, point.anchor_second],
+            normal: normal_of(seen),
+            sample: point.sample,
         }));
 
         // What will meet later will do so elsewhere; what jams is looked at again.
@@ -309,7 +299,8 @@ impl Share<'_> {
             self.found.add(pair, points.iter().copied());
             f64::NEG_INFINITY
         };
-        let since = self.ways_of(pair);
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
         self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
     }
 }
@@ -323,17 +314,11 @@ fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
 }
 
 impl KeptPoint {
-    /// Its normal where its bodies are now.
-    #[inline]
-    fn normal_in_world(&self, encounter: &Encounter) -> DVec3 {
-        encounter.flights[usize::from(self.is_of_second)].start.orientation * self.normal
-    }
-
     /// The point where its bodies are now; `None` if it is too far to touch within the frame.
     #[inline]
     fn within_reach(&self, encounter: &Encounter) -> Option<ManifoldPoint> {
         let [first, second] = encounter.flights;
-        let normal = self.normal_in_world(encounter);
+        let normal = first.start.orientation * self.normal;
         let on_first = first.start.world_from_body().point(self.anchors[0]);
         let on_second = second.start.world_from_body().point(self.anchors[1]);
         let gap = (on_first - on_second).dot(normal);
@@ -346,7 +331,7 @@ impl KeptPoint {
             anchor_second: self.anchors[1],
             rounding: [0.0; 2],
             normal,
-            sample: (self.sample_of_first, self.sample),
+            sample: self.sample,
             approach: encounter.surface_speed(normal, -velocity.dot(normal), gap),
             gap,
         })

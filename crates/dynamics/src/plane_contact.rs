@@ -48,8 +48,7 @@ pub(crate) fn plane_points(
             continue;
         }
         let on = [vertex, vertex - gap * now.normal];
-        let feature = Feature::VertexOfFirst(number as u32);
-        let point = HullPoint { on, normal: now.normal, is_of_second: true, gap, feature };
+        let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
         let comes_near = is_slow
             || gap <= near
             || gap <= frame.dt * closing(&point) + near

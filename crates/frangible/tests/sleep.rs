@@ -43,10 +43,9 @@ fn what_stands_still_sleeps_until_it_is_touched() {
     const STACK: usize = 5;
     let stack = (0..STACK).map(|level| cube([0.0, 0.5 + level as f64, 0.0]));
     let ball = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
-    // It falls for 3.9 s. Without spinning friction it would turn on its spot for ever.
+    // It falls for 3.9 s.
     let position = [0.2, 80.0, 0.0];
-    let ball =
-        BodyDesc { position, rolling_friction: 0.05, spinning_friction: 0.05, ..BodyDesc::new("ball", ball) };
+    let ball = BodyDesc { position, rolling_friction: 0.05, ..BodyDesc::new("ball", ball) };
     let bodies = [BodyDesc::ground(0.0)].into_iter().chain(stack).chain([cube([5.0, 0.5, 0.0]), ball]);
     let scene = scene(bodies);
     let mut world = World::build(&scene).unwrap();

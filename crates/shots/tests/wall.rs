@@ -160,7 +160,7 @@ fn threads_change_nothing() {
 
 /// What a ball leaves of a wall of loose bricks goes on standing, as it does with 240 steps a second, after which its bricks are 0.72 to 0.73 m high; where points
 /// are found anew too often it has fallen by then. The ball presses bricks into each other, and parting them lifts the wall: only as fast as there is
-/// energy for it, or the ledger would stop all that moves, frame after frame. By chance it does in some frames: in 18 when this was written, in some
+/// energy for it, or the ledger would stop all that moves, frame after frame. By chance it does in some frames: in 29 when this was written, in some
 /// 150 where overlaps close whether that is paid for or not.
 #[test]
 fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
@@ -182,5 +182,5 @@ fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
         heights.push(sum / world.bodies().len() as f64);
     }
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;
-    assert!(still <= 36 && mean > 0.5, "{still} of 240 frames stood still, bricks are {heights:?} m high");
+    assert!(still <= 60 && mean > 0.5, "{still} of 240 frames stood still, bricks are {heights:?} m high");
 }

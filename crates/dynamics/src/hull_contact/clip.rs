@@ -73,13 +73,12 @@ pub(crate) fn face_points(
     let point = |corner: &Corner| {
         let gap = plane.distance(corner.point);
         let foot = corner.point - gap * plane.normal;
-        let is_of_second = !reference_is_first;
-        let (on, normal, feature) = if is_of_second {
-            ([corner.point, foot], plane.normal, corner.feature.swapped())
+        if reference_is_first {
+            HullPoint { on: [foot, corner.point], normal: -plane.normal, gap, feature: corner.feature }
         } else {
-            ([foot, corner.point], -plane.normal, corner.feature)
-        };
-        HullPoint { on, normal, is_of_second, gap, feature }
+            let feature = corner.feature.swapped();
+            HullPoint { on: [corner.point, foot], normal: plane.normal, gap, feature }
+        }
     };
     points.clear();
     points.extend(polygon.iter().map(point));

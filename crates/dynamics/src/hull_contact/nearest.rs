@@ -12,7 +12,7 @@ pub(crate) fn nearest_points(pair: &HullPair, ridges: &[Vec<Ridge>; 2], most: f6
     let mut consider = |on: [DVec3; 2], feature: Feature| {
         let gap = on[0].distance(on[1]);
         if best.is_none_or(|best| gap < best.gap) {
-            best = Some(HullPoint { on, normal: DVec3::ZERO, is_of_second: false, gap, feature });
+            best = Some(HullPoint { on, normal: DVec3::ZERO, gap, feature });
         }
         best.map_or(most, |best| best.gap.min(most))
     };

@@ -201,7 +201,7 @@ proptest! {
         let point = |(at, gap): (DVec3, f64)| {
             let on = at.with_y(0.0);
             HullPoint {
-                on: [on + gap * DVec3::Y, on], normal: DVec3::Y, is_of_second: false, gap, feature: Feature::VertexOfFirst(0),
+                on: [on + gap * DVec3::Y, on], normal: DVec3::Y, gap, feature: Feature::VertexOfFirst(0),
             }
         };
         let points: Vec<HullPoint> = points.into_iter().map(point).collect();
