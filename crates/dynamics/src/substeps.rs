@@ -251,16 +251,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn refresh(&mut self, rest: &Frame) {
         let Self { bodies, movers, ranks, .. } = self;
         threads::for_each_with(&mut ranks.blocks, ranks.pairs, ManifoldFinder::default, |finder, block| {
-            block.visit(
-                #[inline(always)]
-                |next| next.prefetch_to_refresh(movers),
-                #[inline(always)]
-                |batch, _| {
-                    if batch.refresh((bodies, movers), finder, rest) {
-                        batch.follow(movers, None);
-                    }
-                },
-            );
+            block.refresh((bodies, movers), finder, rest);
         });
     }
 
@@ -295,6 +286,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
                     batch.forget_driven(movers, dt);
                 }
             }
+            block.find_stale();
         });
     }
 

@@ -35,9 +35,6 @@ impl<I: Instructions> Batch<I> {
         rest: &Frame,
     ) -> bool {
         let looks = if self.is_driven { Mask::of(|_| true) } else { self.looks };
-        if !looks.any() {
-            return false;
-        }
         let (lanes, mut is_changed) = (self.rest.patches.len(), false);
         for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
@@ -77,15 +74,19 @@ impl<I: Instructions> Batch<I> {
         is_changed
     }
 
+    /// Whether [`Self::refresh`] may find any.
+    #[inline(always)]
+    pub(crate) fn may_be_stale(&self) -> bool {
+        self.is_driven || self.looks.any()
+    }
+
     /// Asks for what [`Self::refresh`] will need of pairs that may have moved too far.
     #[inline(always)]
     pub(crate) fn prefetch_to_refresh(&self, movers: &Movers) {
-        if self.looks.any() {
-            self.prefetch(movers, self.near_rows);
-            I::prefetch(&self.rest.patches);
-            for lane in (0..LANES).filter(|&lane| self.looks.get(lane)) {
-                movers.prefetch_paths::<I>([self.locals[0][lane], self.locals[1][lane]]);
-            }
+        self.prefetch(movers, self.near_rows);
+        I::prefetch(&self.rest.patches);
+        for lane in (0..LANES).filter(|&lane| self.looks.get(lane)) {
+            movers.prefetch_paths::<I>([self.locals[0][lane], self.locals[1][lane]]);
         }
     }
 

@@ -4,11 +4,12 @@ use crate::clusters::Member;
 use crate::contact_batch::{Batch, Touching};
 use crate::contact_sweep::Given;
 use crate::lanes::{Instructions, LANES};
+use crate::manifold::ManifoldFinder;
 use crate::moving::Movers;
 use crate::regions::halves;
 use crate::threads;
 use crate::warm_start::Part;
-use crate::{Bodies, Tally};
+use crate::{Bodies, Frame, Tally};
 
 /// Batches of which fewer than this are all in the core's own cache.
 const FAR: usize = 256;
@@ -24,6 +25,8 @@ pub(super) struct Block<I> {
     pub(super) bounces: bool,
     /// Whether anything takes part in the impact that acts now.
     pub(super) impacts: bool,
+    /// Batches of which pairs may have moved too far since their points were found, by their places.
+    stale: Vec<u32>,
     /// Whether the memory of the next batches has to be asked for.
     is_far: bool,
 }
@@ -73,6 +76,7 @@ impl<I: Instructions> Ranks<I> {
                 given: Given::ZERO,
                 bounces: false,
                 impacts: false,
+                stale: Vec::new(),
                 is_far,
             }
         };
@@ -164,12 +168,49 @@ impl<I: Instructions> Way<'_, I> {
 impl<I: Instructions> Block<I> {
     /// Lets batches get up of which a body is fast.
     pub(super) fn wake(&mut self, movers: &Movers) {
-        let Self { batches, .. } = self;
+        let Self { batches, stale, .. } = self;
         I::run(
             #[inline(always)]
             || {
-                for batch in batches.iter_mut().filter(|batch| batch.rests && batch.is_stirred(movers)) {
-                    batch.get_up(movers);
+                for (at, batch) in batches.iter_mut().enumerate() {
+                    if batch.rests && batch.is_stirred(movers) {
+                        batch.get_up(movers);
+                        if batch.may_be_stale() {
+                            stale.push(at as u32);
+                        }
+                    }
+                }
+            },
+        );
+    }
+
+    /// Finds the batches of which pairs may have moved too far.
+    pub(super) fn find_stale(&mut self) {
+        let Self { batches, stale, .. } = self;
+        stale.clear();
+        let may_be = |(_, batch): &(usize, &Batch<I>)| !batch.rests && batch.may_be_stale();
+        stale.extend(batches.iter().enumerate().filter(may_be).map(|(at, _)| at as u32));
+    }
+
+    /// Finds their points anew. `rest` is what is left of the frame.
+    pub(super) fn refresh(
+        &mut self,
+        (bodies, movers): (&Bodies, &Movers),
+        finder: &mut ManifoldFinder,
+        rest: &Frame,
+    ) {
+        let Self { batches, stale, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for (turn, &at) in stale.iter().enumerate() {
+                    if let Some(&next) = stale.get(turn + 1) {
+                        batches[next as usize].prefetch_to_refresh(movers);
+                    }
+                    let batch = &mut batches[at as usize];
+                    if batch.refresh((bodies, movers), finder, rest) {
+                        batch.follow(movers, None);
+                    }
                 }
             },
         );
