@@ -63,6 +63,11 @@ pub(crate) struct Batch<I> {
     pub(crate) locals: [[u32; LANES]; 2],
     /// Centres of mass of the first bodies less those of the second ones [m].
     pub(crate) offset: Lanes3<I>,
+    /// What acted in this stage and has yet to be given to the bodies exactly: the sum of the impulses on the first ones [N s], and of their moments about the centres of
+    /// mass [N m s].
+    pub(crate) pending: [Single3<I>; 2],
+    /// Whether there is any.
+    pub(crate) is_pending: bool,
     /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
     pub(crate) given: Lanes<I>,
     pub(crate) soft: Softness<I>,
@@ -168,7 +173,9 @@ impl<I: Instructions> Batch<I> {
     /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
     pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
-        let sides = Sides::of(&self.sides(movers));
+        // After a drift contacts may have acted on some of them again.
+        let both = if drifted.is_some() { self.sides_kicked(movers) } else { self.sides(movers) };
+        let sides = Sides::of(&both);
         let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
         let [first, second] = &shifts;
         self.offset = self.rest.start_offset + (first.translation - second.translation);
@@ -260,6 +267,16 @@ impl<I: Instructions> Batch<I> {
         }
     }
 
+    /// Lets all rows follow their bodies, if some have not yet.
+    pub(crate) fn let_all_follow(&mut self, movers: &Movers) {
+        if self.near_rows < self.rows.len() {
+            I::run(
+                #[inline(always)]
+                || self.follow_all(movers, &Sides::of(&self.sides(movers))),
+            );
+        }
+    }
+
     /// Lets all rows follow their bodies.
     #[cold]
     pub(crate) fn follow_all(&mut self, movers: &Movers, sides: &Sides<I>) {
@@ -302,10 +319,25 @@ impl<I: Instructions> Batch<I> {
         movers.prefetch::<I>(&self.locals[1]);
     }
 
+    /// Asks for what the last pass of a stage will need beside that.
+    #[inline(always)]
+    pub(crate) fn prefetch_motions(&self, movers: &Movers) {
+        movers.prefetch_motions::<I>(&self.locals[0]);
+        movers.prefetch_motions::<I>(&self.locals[1]);
+    }
+
+    /// Asks for what [`Self::meet`] will need.
+    #[inline(always)]
+    pub(crate) fn prefetch_to_meet(&self, movers: &Movers) {
+        self.prefetch(movers, self.near_rows);
+        movers.prefetch_kicked::<I>(&self.locals[0]);
+        movers.prefetch_kicked::<I>(&self.locals[1]);
+    }
+
     /// Asks for what [`Self::follow`] will need.
     #[inline(always)]
     pub(crate) fn prefetch_to_follow(&self, movers: &Movers) {
-        self.prefetch(movers, self.near_rows);
+        self.prefetch_to_meet(movers);
         movers.prefetch_shifts::<I>(&self.locals[0]);
         movers.prefetch_shifts::<I>(&self.locals[1]);
         I::prefetch(&self.rest.anchors[..self.near_rows]);
@@ -342,10 +374,17 @@ impl<I: Instructions> Batch<I> {
         [movers.load(&self.locals[0]), movers.load(&self.locals[1])]
     }
 
+    /// The same, as fast as gravity's last kick left them.
     #[inline(always)]
-    pub(crate) fn store(&self, movers: &Movers, sides: &[Side<I>; 2]) {
-        movers.store(&self.locals[0], &sides[0], self.sizes[0].double());
-        movers.store(&self.locals[1], &sides[1], self.sizes[1].double());
+    pub(crate) fn sides_kicked(&self, movers: &Movers) -> [Side<I>; 2] {
+        [movers.load_kicked(&self.locals[0]), movers.load_kicked(&self.locals[1])]
+    }
+
+    /// Shows the bodies as fast as they are now.
+    #[inline(always)]
+    pub(crate) fn show(&self, movers: &Movers, sides: &[Side<I>; 2]) {
+        movers.show(&self.locals[0], &sides[0], self.sizes[0]);
+        movers.show(&self.locals[1], &sides[1], self.sizes[1]);
     }
 
     /// The directions of all rows, if they have the same ones.

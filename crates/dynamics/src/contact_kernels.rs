@@ -2,7 +2,7 @@
 
 use crate::contact_batch::Hold;
 use crate::contact_rows::{Beat, Point, Row, RowImpulse, Stage};
-use crate::lanes::{Instructions, Lanes, Lanes3, Mask, Single, Single3};
+use crate::lanes::{Instructions, Mask, Single, Single3};
 use crate::moving::{Side, Sides};
 
 /// A visit to some pairs: their bodies, and what has been done to them.
@@ -11,12 +11,11 @@ pub(crate) struct Visit<I> {
     pub(crate) before: [Side<I>; 2],
     /// As rows see them now.
     pub(crate) now: Sides<I>,
-    /// Gravity's kick on the first bodies less that on the second ones, and in single precision [m/s].
-    kick: Lanes3<I>,
-    seen_kick: Single3<I>,
-    /// Sum of the impulses on the first bodies [N s], and of the angular impulses about their centres of mass [N m s].
-    pub(crate) impulse: Single3<I>,
-    pub(crate) moment: Single3<I>,
+    /// Gravity's kick on the first bodies less that on the second ones [m/s].
+    kick: Single3<I>,
+    /// Sum of the impulses on the first bodies [N s], and of the angular impulses about their centres of mass, and against those of the second ones [N m s].
+    impulse: Single3<I>,
+    moments: [Single3<I>; 2],
     /// Energy given by normal impulses, where they stop what meets fast and elsewhere [J].
     pub(crate) by_collision: Single<I>,
     pub(crate) by_contact: Single<I>,
@@ -25,25 +24,23 @@ pub(crate) struct Visit<I> {
     /// Work of kinematic bodies [J].
     pub(crate) work: Single<I>,
     /// Whether any impulse acted.
-    pub(crate) acted: bool,
+    pub(crate) has_acted: bool,
 }
 
 impl<I: Instructions> Visit<I> {
     #[inline(always)]
     pub(crate) fn new(before: [Side<I>; 2], beat: &Beat) -> Self {
-        let kick = Lanes3::splat(beat.kick) * (before[0].falls - before[1].falls);
         Self {
             now: Sides::of(&before),
-            kick,
-            seen_kick: kick.single(),
+            kick: Single3::splat(beat.kick) * (before[0].falls - before[1].falls),
             before,
             impulse: Single3::ZERO,
-            moment: Single3::ZERO,
+            moments: [Single3::ZERO; 2],
             by_collision: Single::ZERO,
             by_contact: Single::ZERO,
             projected: Single::ZERO,
             work: Single::ZERO,
-            acted: false,
+            has_acted: false,
         }
     }
 
@@ -53,11 +50,11 @@ impl<I: Instructions> Visit<I> {
         let moments = [point.levers[0].cross(impulse), point.levers[1].cross(impulse)];
         self.now.push(moments, impulse);
         self.impulse = self.impulse + impulse;
-        self.moment = self.moment + moments[0];
+        self.moments = [self.moments[0] + moments[0], self.moments[1] + moments[1]];
         if let Some(drive) = point.drive {
             self.work = self.work - impulse.dot(drive);
         }
-        self.acted = true;
+        self.has_acted = true;
     }
 
     /// An angular impulse on the first bodies, and its opposite on the second ones; `driven` is what kinematic bodies add to their
@@ -65,9 +62,9 @@ impl<I: Instructions> Visit<I> {
     #[inline(always)]
     pub(crate) fn turn(&mut self, driven: Single3<I>, angular_impulse: Single3<I>) {
         self.now.turn([angular_impulse; 2]);
-        self.moment = self.moment + angular_impulse;
+        self.moments = [self.moments[0] + angular_impulse, self.moments[1] + angular_impulse];
         self.work = self.work - angular_impulse.dot(driven);
-        self.acted = true;
+        self.has_acted = true;
     }
 
     /// Notes what normal impulses gave at a mean speed along them.
@@ -78,31 +75,41 @@ impl<I: Instructions> Visit<I> {
         speed: Single<I>,
         (point, bounces): (&Point<I>, Mask),
     ) {
-        let energy = impulse * (speed - self.seen_kick.dot(point.basis.normal));
+        let energy = impulse * (speed - self.kick.dot(point.basis.normal));
         self.by_collision = self.by_collision + bounces.select(energy, Single::ZERO);
         self.by_contact = self.by_contact + bounces.select(Single::ZERO, energy);
     }
 
-    /// The bodies at its end. What one side gets the other one loses, to rounding in double precision: the impulses act at one point of space, which is
-    /// `offset` further from the second centre of mass [m].
+    /// The bodies at its end, as they are seen.
     #[inline(always)]
-    pub(crate) fn after(&self, offset: Lanes3<I>) -> [Side<I>; 2] {
-        let (impulse, moment) = (self.impulse.double(), self.moment.double());
+    pub(crate) fn after(&self) -> [Side<I>; 2] {
         let [first, second] = &self.before;
-        [first.pushed(impulse, moment), second.pushed(-impulse, -(moment + offset.cross(impulse)))]
+        let [spin, other_spin] = self.now.spins;
+        [
+            Side { linear: first.linear + self.impulse * first.inverse_mass, angular: spin, ..*first },
+            Side {
+                linear: second.linear - self.impulse * second.inverse_mass,
+                angular: other_spin,
+                ..*second
+            },
+        ]
+    }
+
+    /// What acted: the sum of the impulses on the first bodies [N s], and of their moments about the centres of mass [N m s].
+    #[inline(always)]
+    pub(crate) fn acted(&self) -> [Single3<I>; 2] {
+        [self.impulse, self.moments[0]]
     }
 
     /// Energy given to the bodies in all, without gravity's and a kinematic body's work [J].
     #[inline(always)]
-    pub(crate) fn given(&self, [first, second]: &[Side<I>; 2]) -> Lanes<I> {
-        let [first_before, second_before] = &self.before;
-        let impulse = self.impulse.double();
-        let linear = (first.linear + first_before.linear - second.linear - second_before.linear).dot(impulse);
-        let turn = |after: &Side<I>, before: &Side<I>| {
-            (after.angular + before.angular).dot(after.angular_momentum - before.angular_momentum)
-        };
-        let turned = turn(first, first_before) + turn(second, second_before);
-        (linear + turned) * Lanes::splat(0.5) - self.kick.dot(impulse) - self.work.double()
+    pub(crate) fn given(&self) -> Single<I> {
+        let [first, second] = &self.before;
+        let [spin, other_spin] = self.now.spins;
+        let [moment, opposite] = self.moments;
+        let linear = (self.now.apart + (first.linear - second.linear)).dot(self.impulse);
+        let turned = (first.angular + spin).dot(moment) - (second.angular + other_spin).dot(opposite);
+        (linear + turned) * Single::splat(0.5) - self.kick.dot(self.impulse) - self.work
     }
 }
 

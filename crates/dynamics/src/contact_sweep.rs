@@ -4,7 +4,7 @@ use crate::contact_batch::{Batch, Hold};
 use crate::contact_kernels::{Visit, stop, stop_roll};
 use crate::contact_rows::{Basis, Beat, RowImpulse, Stage, closing_speed};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Single, Single3};
-use crate::moving::{Movers, Sides};
+use crate::moving::{Movers, Push, Side, Sides};
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
 use std::ops::Range;
@@ -100,10 +100,10 @@ impl<I: Instructions> Batch<I> {
     /// what touches and is struck, but it does not begin to bounce by itself. What meets no faster than `threshold` [m/s] bounces no more.
     #[inline(always)]
     pub(crate) fn meet(&mut self, movers: &Movers, threshold: f64, step: &Frame) {
-        let both = self.sides(movers);
+        let both = self.sides_kicked(movers);
         let sides = Sides::of(&both);
         let (dt, threshold) = (Single::splat(step.dt), Single::splat(threshold));
-        let falls = (both[0].falls - both[1].falls).single();
+        let falls = both[0].falls - both[1].falls;
         let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
         self.wake_rows(movers, &sides);
@@ -145,11 +145,16 @@ impl<I: Instructions> Batch<I> {
     /// What a kinematic body has left, after a drift in a substep of `dt` [s], is forgotten.
     pub(crate) fn forget_driven(&mut self, movers: &Movers, dt: f64) {
         if self.is_driven {
-            let sides = Sides::of(&self.sides(movers));
-            for at in 0..self.rows.len() {
-                let closing = self.point(at, self.shared_basis()).closing(&sides);
-                self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
-            }
+            I::run(
+                #[inline(always)]
+                || {
+                    let sides = Sides::of(&self.sides_kicked(movers));
+                    for at in 0..self.rows.len() {
+                        let closing = self.point(at, self.shared_basis()).closing(&sides);
+                        self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
+                    }
+                },
+            );
         }
     }
 
@@ -180,7 +185,7 @@ impl<I: Instructions> Batch<I> {
                 visit.turn(self.rest.spin, self.rest.twists[at][beat.stage.at()]);
             }
         }
-        self.settle(visit, movers, given);
+        self.settle(visit, movers, given, false);
     }
 
     /// Gives the bodies an impulse at a row's points, along its normals and tangents.
@@ -228,7 +233,7 @@ impl<I: Instructions> Batch<I> {
         if pass.is_last {
             self.close(&mut visit, beat, given);
         }
-        self.settle(visit, movers, given);
+        self.settle(visit, movers, given, pass.is_last || beat.stage == Stage::Bounce);
     }
 
     /// Some rows act: normal, friction, rolling.
@@ -327,23 +332,23 @@ impl<I: Instructions> Batch<I> {
         self.carrying_rows[beat.stage.at()] = carrying;
     }
 
-    /// Ends a visit: the bodies get their velocities, energy is booked by its cause, and what static and kinematic bodies gave is noted.
+    /// Ends a visit: the bodies are seen as fast as they are now, and get what acted exactly if the visit `ends` their stage; energy is booked by its cause.
     #[inline(always)]
-    pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &Movers, given: &mut Given<I>) {
+    pub(crate) fn settle(&mut self, visit: Visit<I>, movers: &Movers, given: &mut Given<I>, ends: bool) {
         let mut energy = Lanes::ZERO;
-        if visit.acted {
-            let after = visit.after(self.offset);
-            energy = visit.given(&after);
+        if visit.has_acted {
+            self.show(movers, &visit.after());
+            energy = visit.given().double();
             self.given = self.given + energy;
             if self.has_outside {
-                // On the first bodies, or against what acts on the second ones.
-                let (sign, impulse) = (after[0].falls - after[1].falls, visit.impulse.double());
-                let turned = after[0].angular_momentum - visit.before[0].angular_momentum;
-                given.impulse = given.impulse + impulse * sign;
-                given.moment = given.moment + (turned + self.rest.centre.cross(impulse)) * sign;
                 self.rest.work = self.rest.work + visit.work.double();
             }
-            self.store(movers, &after);
+            let ([impulse, moment], acted) = (self.pending, visit.acted());
+            self.pending = [impulse + acted[0], moment + acted[1]];
+            self.is_pending = true;
+        }
+        if ends && self.is_pending {
+            self.give_exactly(movers, &visit.before, given);
         }
 
         // Its causes add up to it.
@@ -353,5 +358,27 @@ impl<I: Instructions> Batch<I> {
         given.contact = given.contact + contact;
         given.projection = given.projection + projected;
         given.friction = given.friction + (energy - collision - contact - projected);
+    }
+
+    /// The bodies get what acted. What one side gets the other one loses, to rounding in double precision: the impulses act at one point of space, which is the batch's
+    /// offset further from the second centre of mass. What static and kinematic bodies gave is noted.
+    #[inline(always)]
+    pub(crate) fn give_exactly(&mut self, movers: &Movers, sides: &[Side<I>; 2], given: &mut Given<I>) {
+        let (impulse, moment) = (self.pending[0].double(), self.pending[1].double());
+        let pushes = [
+            Push { impulse, moment },
+            Push { impulse: -impulse, moment: -(moment + self.offset.cross(impulse)) },
+        ];
+        for side in 0..2 {
+            movers.push(&self.locals[side], (&pushes[side], sides[side].inverse_mass));
+        }
+        if self.has_outside {
+            // On the first bodies, or against what acts on the second ones.
+            let sign = (sides[0].falls - sides[1].falls).double();
+            given.impulse = given.impulse + impulse * sign;
+            given.moment = given.moment + (moment + self.rest.centre.cross(impulse)) * sign;
+        }
+        self.pending = [Single3::ZERO; 2];
+        self.is_pending = false;
     }
 }

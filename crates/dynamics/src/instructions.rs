@@ -4,7 +4,7 @@
 use crate::lanes::LANES;
 use crate::settings::Width;
 
-/// A number in each lane, as it lies in memory.
+/// A number in each lane, as it lies in memory; or as many numbers of one lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Numbers(pub(crate) [f64; LANES]);
@@ -46,8 +46,11 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync 
     fn narrow(a: Numbers) -> Singles;
     /// Rows become columns.
     fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES];
+    fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
     /// Asks for what will be needed soon; changes nothing.
     fn prefetch<T>(soon: &[T]);
+    /// Asks for one of some things, none larger than 64 bytes; changes nothing, whether it is there or not.
+    fn prefetch_one<T>(of: &[T], at: u32);
     /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine must have them.
     fn run(kernel: impl FnOnce());
 }
@@ -161,7 +164,21 @@ impl Instructions for Scalar {
     }
 
     #[inline(always)]
+    fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES] {
+        let mut columns = [Singles::ZERO; LANES];
+        for (i, row) in rows.iter().enumerate() {
+            for (column, number) in columns.iter_mut().zip(row.0) {
+                column.0[i] = number;
+            }
+        }
+        columns
+    }
+
+    #[inline(always)]
     fn prefetch<T>(_: &[T]) {}
+
+    #[inline(always)]
+    fn prefetch_one<T>(_: &[T], _: u32) {}
 
     #[inline(always)]
     fn run(kernel: impl FnOnce()) {
@@ -243,8 +260,8 @@ mod x86 {
     }
 
     macro_rules! instructions {
-        ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal, $transpose:ident,
-         |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
+        ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal,
+         $transpose:ident, $transpose_singles:ident, |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
             #[doc = $doc]
             #[derive(Clone, Copy, Debug, PartialEq)]
             pub(crate) struct $name;
@@ -301,11 +318,21 @@ mod x86 {
                 }
 
                 #[inline(always)]
+                fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES] {
+                    unsafe { transmute::<_, [Singles; LANES]>($transpose_singles(transmute::<[Singles; LANES], _>(rows))) }
+                }
+
+                #[inline(always)]
                 fn prefetch<T>(soon: &[T]) {
                     let start = soon.as_ptr().cast::<i8>();
                     for line in (0..size_of_val(soon)).step_by(64) {
                         unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) };
                     }
+                }
+
+                #[inline(always)]
+                fn prefetch_one<T>(of: &[T], at: u32) {
+                    unsafe { _mm_prefetch::<_MM_HINT_T0>(of.as_ptr().wrapping_add(at as usize).cast::<i8>()) };
                 }
 
                 #[inline(always)]
@@ -328,6 +355,7 @@ mod x86 {
         4,
         "sse2",
         transpose_pairs,
+        transpose_singles_by_four,
         |single| _mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(single))),
         |double| _mm_cvtsd_f64(_mm_castps_pd(_mm_cvtpd_ps(double))),
         {
@@ -364,6 +392,7 @@ mod x86 {
         2,
         "avx2",
         transpose_fours,
+        transpose_singles_by_eight,
         |single| _mm256_cvtps_pd(single),
         |double| _mm256_cvtpd_ps(double),
         {
@@ -399,6 +428,7 @@ mod x86 {
         1,
         "avx512f,avx512dq,avx512vl",
         transpose_eights,
+        transpose_singles_by_eight,
         |single| _mm512_cvtps_pd(single),
         |double| _mm512_cvtpd_ps(double),
         {
@@ -481,6 +511,54 @@ mod x86 {
         }
         columns
     }
+
+    /// Blocks of four by four.
+    #[inline(always)]
+    unsafe fn transpose_singles_by_four(rows: [[__m128; 2]; LANES]) -> [[__m128; 2]; LANES] {
+        let mut columns = rows;
+        for i in 0..2 {
+            for k in 0..2 {
+                let [a, b, c, d] =
+                    [rows[4 * i][k], rows[4 * i + 1][k], rows[4 * i + 2][k], rows[4 * i + 3][k]];
+                unsafe {
+                    let (low, high) = (_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
+                    let (low2, high2) = (_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
+                    columns[4 * k][i] = _mm_movelh_ps(low, low2);
+                    columns[4 * k + 1][i] = _mm_movehl_ps(low2, low);
+                    columns[4 * k + 2][i] = _mm_movelh_ps(high, high2);
+                    columns[4 * k + 3][i] = _mm_movehl_ps(high2, high);
+                }
+            }
+        }
+        columns
+    }
+
+    /// First fours in each half of the registers, then halves.
+    #[inline(always)]
+    unsafe fn transpose_singles_by_eight(rows: [__m256; LANES]) -> [__m256; LANES] {
+        let mut fours = rows;
+        for i in 0..2 {
+            let [a, b, c, d] = [rows[4 * i], rows[4 * i + 1], rows[4 * i + 2], rows[4 * i + 3]];
+            unsafe {
+                let low = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
+                let high = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
+                let low2 = _mm256_castps_pd(_mm256_unpacklo_ps(c, d));
+                let high2 = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
+                fours[4 * i] = _mm256_castpd_ps(_mm256_unpacklo_pd(low, low2));
+                fours[4 * i + 1] = _mm256_castpd_ps(_mm256_unpackhi_pd(low, low2));
+                fours[4 * i + 2] = _mm256_castpd_ps(_mm256_unpacklo_pd(high, high2));
+                fours[4 * i + 3] = _mm256_castpd_ps(_mm256_unpackhi_pd(high, high2));
+            }
+        }
+        let mut columns = fours;
+        for at in 0..4 {
+            unsafe {
+                columns[at] = _mm256_permute2f128_ps::<0x20>(fours[at], fours[at + 4]);
+                columns[at + 4] = _mm256_permute2f128_ps::<0x31>(fours[at], fours[at + 4]);
+            }
+        }
+        columns
+    }
 }
 
 #[cfg(test)]
@@ -503,6 +581,9 @@ mod tests {
                 assert_eq!(single, Scalar::narrow(rows[i]));
                 assert_eq!(I::widen(single), Scalar::widen(single));
             }
+            let singles: [Singles; LANES] = std::array::from_fn(|i| Scalar::narrow(rows[i]));
+            assert_eq!(I::transpose_singles(singles), Scalar::transpose_singles(singles));
+            assert_eq!(Scalar::transpose_singles(singles)[3].0[5], singles[5].0[3]);
 
             // Arithmetic, of doubles and of singles.
             let (a, b) = (rows[0], Numbers(std::array::from_fn(|lane| 3.0 - 0.7 * lane as f64)));

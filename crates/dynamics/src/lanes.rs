@@ -1,7 +1,6 @@
 //! Several numbers at a time. No lane sees another, so it does not matter how many of them the machine does at once.
 
-use crate::instructions::Singles;
-pub(crate) use crate::instructions::{Instructions, Numbers};
+pub(crate) use crate::instructions::{Instructions, Numbers, Singles};
 use crate::vector::Number;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -153,6 +152,27 @@ impl<I: Instructions> Lanes<I> {
 }
 
 impl<I: Instructions> Single<I> {
+    /// Rows become columns.
+    #[inline(always)]
+    pub(crate) fn transposed(rows: [Singles; LANES]) -> [Self; LANES] {
+        let columns = I::transpose_singles(rows);
+        let mut lanes = [Self::ZERO; LANES];
+        for (lanes, column) in lanes.iter_mut().zip(columns) {
+            lanes.0 = column;
+        }
+        lanes
+    }
+
+    /// See [`Self::transposed`].
+    #[inline(always)]
+    pub(crate) fn rows(columns: [Self; LANES]) -> [Singles; LANES] {
+        let mut singles = [Singles::ZERO; LANES];
+        for (singles, column) in singles.iter_mut().zip(columns) {
+            *singles = column.0;
+        }
+        I::transpose_singles(singles)
+    }
+
     /// In double precision.
     #[inline(always)]
     pub(crate) fn double(self) -> Lanes<I> {

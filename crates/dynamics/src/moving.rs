@@ -4,26 +4,26 @@ mod drift;
 mod rest;
 mod shared_lines;
 
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, Single, Single3, Symmetric, Three};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, Single, Single3, Singles, Symmetric, Three};
 use crate::rotation::rotation_by;
 use crate::vector::Turn;
 use crate::{Bodies, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
-use rest::{Pace, Rest};
+use rest::Rest;
 pub(crate) use rest::{begins_calm, can_rest};
 use shared_lines::SharedLines;
 
-/// A body, in lines that are loaded for several bodies at once.
-#[derive(Clone, Copy)]
-#[repr(align(128))]
-struct Moving {
-    /// Linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls. All zero for a static or kinematic
-    /// body, whose motion is in the rows' drives.
-    motion: Numbers,
-    /// Inverse of the inertia tensor in the world frame, its diagonal and the entries yz, xz and xy [1/(kg m^2)]. Zero as above.
-    answer: Numbers,
-}
+/// A body's linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls, in double precision: what impulses give to one
+/// body they take from another one. All zero for a static or kinematic body, whose motion is in the rows' drives.
+type Moving = Numbers;
+
+/// The same as contacts see it, in single precision: linear velocity [m/s], angular velocity [rad/s], inverse mass [1/kg], and how fast it is
+/// [m^2/s^2]. All zero as above.
+type Seen = Singles;
+
+/// Inverse of a body's inertia tensor in the world frame, its diagonal and the entries yz, xz and xy [1/(kg m^2)], in single precision. Zero as above.
+type Answer = Singles;
 
 /// How a body has moved since the frame's start: translation [m], rotation as a quaternion, and how far any of its points can have moved,
 /// relative to its size.
@@ -35,6 +35,9 @@ const UNMOVED: Moved = Numbers([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
 /// [1/(kg m^2)]; how far any of its points can have moved since the frame's start [m]; its mass if impulses move it [kg]; 1 if it is driven.
 type Build = Numbers;
 
+/// Place of how fast a body is in what is [seen](Seen) of its motion.
+const PACE: usize = 7;
+
 /// Places in a [`Build`].
 const TRAVEL: usize = 4;
 const MASS: usize = 5;
@@ -45,7 +48,11 @@ pub(crate) struct Movers {
     pub(crate) who: Vec<usize>,
     /// In the same order, and then one that never moves, for the lanes that hold none.
     moving: SharedLines<Moving>,
+    seen: SharedLines<Seen>,
+    answers: Vec<Answer>,
     moved: Vec<Moved>,
+    /// What was seen of their motion after gravity's last kick, before contacts acted.
+    kicked: Vec<Seen>,
     rest: Rest,
     /// Positions and orientations, now and at the frame's start; in the line of the start also the radius of a ball around the centre of
     /// mass that holds the body, 0 if it is infinite [m].
@@ -59,20 +66,19 @@ pub(crate) struct Movers {
     pub(crate) gravity: (DVec3, DVec3),
 }
 
-/// One side of several pairs.
+/// One side of several pairs, as their rows see it, in single precision.
 #[derive(Clone, Copy)]
 pub(crate) struct Side<I> {
-    pub(crate) linear: Lanes3<I>,
-    pub(crate) angular_momentum: Lanes3<I>,
+    pub(crate) linear: Single3<I>,
     /// [rad/s]
-    pub(crate) angular: Lanes3<I>,
-    pub(crate) inverse_mass: Lanes<I>,
-    pub(crate) inverse_tensor: Symmetric<Lanes<I>>,
+    pub(crate) angular: Single3<I>,
+    pub(crate) inverse_mass: Single<I>,
+    pub(crate) inverse_tensor: Symmetric<Single<I>>,
     /// 1 for what falls, else 0.
-    pub(crate) falls: Lanes<I>,
+    pub(crate) falls: Single<I>,
 }
 
-/// Both sides of several pairs as their rows see them, in single precision: velocities that both have in common make no difference there.
+/// Both sides of several pairs: velocities that both have in common make no difference.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<I> {
     /// Velocity of the first centre of mass less that of the second one [m/s].
@@ -82,6 +88,13 @@ pub(crate) struct Sides<I> {
     /// The sum of both [1/kg].
     pub(crate) inverse_mass: Single<I>,
     pub(crate) inverse_tensors: [Symmetric<Single<I>>; 2],
+}
+
+/// What is given to one side of several pairs: an impulse [N s], and its moment about the centre of mass [N m s].
+#[derive(Clone, Copy)]
+pub(crate) struct Push<I: Instructions> {
+    pub(crate) impulse: Lanes3<I>,
+    pub(crate) moment: Lanes3<I>,
 }
 
 /// How some bodies began the frame.
@@ -107,8 +120,11 @@ impl Movers {
         let lines = (who.len() + 1).next_multiple_of(LANES);
         let still = line_of(&Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY });
         let mut movers = Self {
-            moving: SharedLines::new(Moving::NONE, lines),
+            moving: SharedLines::new(Numbers::ZERO, lines),
+            seen: SharedLines::new(Singles::ZERO, lines),
+            answers: vec![Singles::ZERO; lines],
             moved: vec![UNMOVED; lines],
+            kicked: vec![Singles::ZERO; lines],
             rest: Rest::new(bodies, &who, lines),
             poses: vec![still; lines],
             starts: vec![still; lines],
@@ -119,6 +135,7 @@ impl Movers {
             gravity: (DVec3::ZERO, DVec3::ZERO),
         };
         movers.begin::<I>(bodies);
+        movers.note_kicked();
         movers.mass = movers.builds.iter().map(|build| build.0[MASS]).sum();
         movers
     }
@@ -145,24 +162,42 @@ impl Movers {
                 bodies.poses[i] = self.pose(local as u32);
             }
             let moving = self.moving.read(local);
-            if moving.is_mobile() {
-                bodies.velocities[i] = moving.velocity();
+            if is_mobile(&moving) {
+                bodies.velocities[i] = velocity_of(&moving);
             }
         }
+    }
+
+    /// By how much the energy of all that impulses move has changed since the frame's start [J].
+    pub(crate) fn gained(&self, bodies: &Bodies, gravity: DVec3) -> f64 {
+        let of = |(local, &i): (usize, &usize)| {
+            let moving = self.moving.read(local);
+            if !is_mobile(&moving) {
+                return 0.0;
+            }
+            let (start, end) = (bodies.poses[i], self.pose(local as u32));
+            let (before, after) = (bodies.velocities[i], velocity_of(&moving));
+            let turning = |pose: &Pose, velocity: &Velocity| {
+                bodies.inertias[i].rotational_energy(pose.orientation, velocity.angular_momentum)
+            };
+            let flight = 0.5 * (after.linear - before.linear).dot(after.linear + before.linear)
+                - gravity.dot(end.position - start.position);
+            bodies.masses[i] * flight + (turning(&end, &after) - turning(&start, &before))
+        };
+        self.who.iter().enumerate().map(of).sum()
     }
 
     /// Where a body is now, and its velocity.
     pub(crate) fn state(&self, bodies: &Bodies, local: u32) -> (Pose, Velocity) {
         let moving = self.moving.read(local as usize);
         let velocity = bodies.velocities[self.who[local as usize]];
-        (self.pose(local), if moving.is_mobile() { moving.velocity() } else { velocity })
+        (self.pose(local), if is_mobile(&moving) { velocity_of(&moving) } else { velocity })
     }
 
     /// Linear velocity [m/s] and angular velocity [rad/s]; zero of static and kinematic bodies, whose motion is in [`Bodies`].
     pub(crate) fn rates(&self, local: u32) -> (DVec3, DVec3) {
-        let moving = self.moving.read(local as usize);
-        let Velocity { linear, angular_momentum } = moving.velocity();
-        (linear, moving.inverse_tensor() * angular_momentum)
+        let Velocity { linear, angular_momentum } = velocity_of(&self.moving.read(local as usize));
+        (linear, tensor_of(&self.answers[local as usize]) * angular_momentum)
     }
 
     /// Where a body is now.
@@ -172,31 +207,72 @@ impl Movers {
 
     #[inline(always)]
     pub(crate) fn load<I: Instructions>(&self, locals: &[u32; LANES]) -> Side<I> {
-        let (mut motions, mut answers) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
+        let mut seen = [Singles::ZERO; LANES];
         for lane in 0..LANES {
-            let moving = self.moving.read(locals[lane] as usize);
-            (motions[lane], answers[lane]) = (moving.motion, moving.answer);
+            seen[lane] = self.seen.read(locals[lane] as usize);
         }
-        let [x, y, z, lx, ly, lz, inverse_mass, falls] = Lanes::transposed(motions);
-        let [xx, yy, zz, yz, xz, xy, ..] = Lanes::transposed(answers);
-        let angular_momentum = Lanes3 { x: lx, y: ly, z: lz };
-        let inverse_tensor =
-            Symmetric { diagonal: Lanes3 { x: xx, y: yy, z: zz }, off: Lanes3 { x: yz, y: xz, z: xy } };
+        self.side_of(locals, seen)
+    }
+
+    /// The same, as fast as gravity's last kick left them, whatever contacts have done since.
+    #[inline(always)]
+    pub(crate) fn load_kicked<I: Instructions>(&self, locals: &[u32; LANES]) -> Side<I> {
+        let mut seen = [Singles::ZERO; LANES];
+        for lane in 0..LANES {
+            seen[lane] = self.kicked[locals[lane] as usize];
+        }
+        self.side_of(locals, seen)
+    }
+
+    /// Some bodies that are seen to move so.
+    #[inline(always)]
+    fn side_of<I: Instructions>(&self, locals: &[u32; LANES], seen: [Seen; LANES]) -> Side<I> {
+        let mut answers = [Singles::ZERO; LANES];
+        for lane in 0..LANES {
+            answers[lane] = self.answers[locals[lane] as usize];
+        }
+        let [x, y, z, wx, wy, wz, inverse_mass, _] = Single::transposed(seen);
+        let [xx, yy, zz, yz, xz, xy, ..] = Single::transposed(answers);
+        let is_mobile = inverse_mass.above(Single::ZERO);
         Side {
-            linear: Lanes3 { x, y, z },
-            angular: inverse_tensor * angular_momentum,
-            angular_momentum,
+            linear: Three { x, y, z },
+            angular: Three { x: wx, y: wy, z: wz },
             inverse_mass,
-            inverse_tensor,
-            falls,
+            inverse_tensor: Symmetric {
+                diagonal: Three { x: xx, y: yy, z: zz },
+                off: Three { x: yz, y: xz, z: xy },
+            },
+            falls: is_mobile.select(Single::splat(1.0), Single::ZERO),
         }
+    }
+
+    /// Notes how fast all bodies are.
+    fn note_kicked(&mut self) {
+        self.kicked.copy_from_slice(self.seen.as_mut_slice());
     }
 
     /// Asks for some bodies that will be loaded.
     #[inline(always)]
     pub(crate) fn prefetch<I: Instructions>(&self, locals: &[u32]) {
         for &local in locals {
-            I::prefetch(self.moving.at(local as usize));
+            I::prefetch_one(self.seen.all(), local);
+            I::prefetch_one(&self.answers, local);
+        }
+    }
+
+    /// Asks for the exact motion of some bodies.
+    #[inline(always)]
+    pub(crate) fn prefetch_motions<I: Instructions>(&self, locals: &[u32]) {
+        for &local in locals {
+            I::prefetch_one(self.moving.all(), local);
+        }
+    }
+
+    /// Asks for how fast gravity left some bodies.
+    #[inline(always)]
+    pub(crate) fn prefetch_kicked<I: Instructions>(&self, locals: &[u32]) {
+        for &local in locals {
+            I::prefetch_one(&self.kicked, local);
         }
     }
 
@@ -204,7 +280,7 @@ impl Movers {
     #[inline(always)]
     pub(crate) fn prefetch_shifts<I: Instructions>(&self, locals: &[u32]) {
         for &local in locals {
-            I::prefetch(&self.moved[local as usize..][..1]);
+            I::prefetch_one(&self.moved, local);
         }
     }
 
@@ -212,33 +288,55 @@ impl Movers {
     #[inline(always)]
     pub(crate) fn prefetch_starts<I: Instructions>(&self, locals: &[u32]) {
         for &local in locals {
-            I::prefetch(&self.starts[local as usize..][..1]);
+            I::prefetch_one(&self.starts, local);
         }
     }
 
     /// Asks for where the bodies of a pair are, where they began the frame, and how far they have come.
     #[inline(always)]
     pub(crate) fn prefetch_paths<I: Instructions>(&self, locals: [u32; 2]) {
-        for at in locals.map(|local| local as usize) {
-            I::prefetch(&self.builds[at..][..1]);
-            I::prefetch(&self.poses[at..][..1]);
-            I::prefetch(&self.starts[at..][..1]);
+        for local in locals {
+            I::prefetch_one(&self.builds, local);
+            I::prefetch_one(&self.poses, local);
+            I::prefetch_one(&self.starts, local);
         }
     }
 
-    /// Gives some bodies their velocities, by the radii of balls around their centres of mass that hold them [m]. No body that can move is in two lanes, or
-    /// is read or written by another thread.
+    /// Shows some bodies as fast as they are now, by the radii of balls around their centres of mass that hold them [m]. No body that can move is in two lanes,
+    /// or is read or written by another thread.
     #[inline(always)]
-    pub(crate) fn store<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>, size: Lanes<I>) {
-        let Side { linear: v, angular_momentum: l, angular: w, inverse_mass, falls, .. } = *side;
-        let paces = Pace::of_lanes(v.dot(v) + w.dot(w) * (size * size));
-        let motions = Lanes::rows([v.x, v.y, v.z, l.x, l.y, l.z, inverse_mass, falls]);
+    pub(crate) fn show<I: Instructions>(&self, locals: &[u32; LANES], side: &Side<I>, size: Single<I>) {
+        let Side { linear: v, angular: w, inverse_mass, .. } = *side;
+        let pace = v.dot(v) + w.dot(w) * (size * size);
+        let lines = Single::rows([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, pace]);
+        let is_mobile = inverse_mass.above(Single::ZERO);
         for lane in 0..LANES {
-            let at = locals[lane] as usize;
-            let moving = self.moving.read(at);
-            if moving.is_mobile() {
-                self.moving.write(at, Moving { motion: motions[lane], ..moving });
-                self.rest.paces.write(at, paces[lane]);
+            if is_mobile.get(lane) {
+                self.seen.write(locals[lane] as usize, lines[lane]);
+            }
+        }
+    }
+
+    /// Gives some bodies what they were pushed with, by their inverse masses [1/kg]. As above.
+    #[inline(always)]
+    pub(crate) fn push<I: Instructions>(
+        &self,
+        locals: &[u32; LANES],
+        (push, inverse_mass): (&Push<I>, Single<I>),
+    ) {
+        let Push { impulse: j, moment: m } = *push;
+        let pushes = Lanes::rows([j.x, j.y, j.z, m.x, m.y, m.z, Lanes::ZERO, Lanes::ZERO]);
+        let is_mobile = inverse_mass.above(Single::ZERO);
+        for lane in 0..LANES {
+            if is_mobile.get(lane) {
+                let at = locals[lane] as usize;
+                let mut moving = self.moving.read(at);
+                let by = moving.0[6];
+                let answers = [by, by, by, 1.0, 1.0, 1.0, 0.0, 0.0];
+                for number in 0..LANES {
+                    moving.0[number] += answers[number] * pushes[lane].0[number];
+                }
+                self.moving.write(at, moving);
             }
         }
     }
@@ -272,7 +370,7 @@ impl Movers {
 
     /// Whether impulses move a body.
     pub(crate) fn is_mobile(&self, local: u32) -> bool {
-        self.moving.read(local as usize).is_mobile()
+        is_mobile(&self.moving.read(local as usize))
     }
 
     /// `second_from_first` of a pair at the frame's start.
@@ -286,25 +384,20 @@ impl Movers {
     }
 }
 
-impl Moving {
-    const NONE: Self = Self { motion: Numbers::ZERO, answer: Numbers::ZERO };
+/// In the world frame [1/(kg m^2)].
+fn tensor_of(&Singles([xx, yy, zz, yz, xz, xy, ..]): &Answer) -> DMat3 {
+    DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz].map(f64::from))
+}
 
-    /// Whether impulses move it.
-    #[inline(always)]
-    fn is_mobile(&self) -> bool {
-        self.motion.0[7] != 0.0
-    }
+/// Whether impulses move a body.
+#[inline(always)]
+fn is_mobile(moving: &Moving) -> bool {
+    moving.0[7] != 0.0
+}
 
-    /// In the world frame [1/(kg m^2)].
-    fn inverse_tensor(&self) -> DMat3 {
-        let Numbers([xx, yy, zz, yz, xz, xy, ..]) = self.answer;
-        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
-    }
-
-    fn velocity(&self) -> Velocity {
-        let Numbers([x, y, z, lx, ly, lz, ..]) = self.motion;
-        Velocity { linear: DVec3::new(x, y, z), angular_momentum: DVec3::new(lx, ly, lz) }
-    }
+fn velocity_of(moving: &Moving) -> Velocity {
+    let Numbers([x, y, z, lx, ly, lz, ..]) = *moving;
+    Velocity { linear: DVec3::new(x, y, z), angular_momentum: DVec3::new(lx, ly, lz) }
 }
 
 fn line_of(pose: &Pose) -> Numbers {
@@ -327,27 +420,14 @@ impl<I: Instructions> Shift<I> {
     }
 }
 
-impl<I: Instructions> Side<I> {
-    /// After an impulse and an angular impulse about the centre of mass.
-    #[inline(always)]
-    pub(crate) fn pushed(&self, impulse: Lanes3<I>, angular_impulse: Lanes3<I>) -> Self {
-        Self {
-            linear: self.linear + impulse * self.inverse_mass,
-            angular_momentum: self.angular_momentum + angular_impulse,
-            angular: self.angular + self.inverse_tensor * angular_impulse,
-            ..*self
-        }
-    }
-}
-
 impl<I: Instructions> Sides<I> {
     #[inline(always)]
     pub(crate) fn of([first, second]: &[Side<I>; 2]) -> Self {
         Self {
-            apart: (first.linear - second.linear).single(),
-            spins: [first.angular.single(), second.angular.single()],
-            inverse_mass: (first.inverse_mass + second.inverse_mass).single(),
-            inverse_tensors: [first.inverse_tensor.single(), second.inverse_tensor.single()],
+            apart: first.linear - second.linear,
+            spins: [first.angular, second.angular],
+            inverse_mass: first.inverse_mass + second.inverse_mass,
+            inverse_tensors: [first.inverse_tensor, second.inverse_tensor],
         }
     }
 
@@ -377,5 +457,22 @@ pub(crate) fn drive(motion: &Motion, lever: DVec3, chord: Option<f64>) -> DVec3 
             }
             _ => *linear + angular.cross(lever),
         },
+    }
+}
+
+#[cfg(test)]
+impl Movers {
+    /// Gives a body a velocity [m/s, rad/s], as if impulses had: it is where it was at the frame's start.
+    pub(crate) fn set_velocity(&mut self, local: u32, linear: DVec3, angular: DVec3) {
+        let at = local as usize;
+        let momentum = tensor_of(&self.answers[at]).inverse() * angular;
+        let moving = &mut self.moving.as_mut_slice()[at];
+        let (DVec3 { x, y, z }, DVec3 { x: lx, y: ly, z: lz }) = (linear, momentum);
+        *moving = Numbers([x, y, z, lx, ly, lz, moving.0[6], moving.0[7]]);
+        let size = self.starts[at].0[7];
+        let seen = &mut self.seen.as_mut_slice()[at];
+        seen.0[..3].copy_from_slice(&linear.as_vec3().to_array());
+        seen.0[3..6].copy_from_slice(&angular.as_vec3().to_array());
+        seen.0[PACE] = (linear.length_squared() + angular.length_squared() * size * size) as f32;
     }
 }

@@ -58,31 +58,38 @@ impl<I: Instructions> Batch<I> {
     /// Whether any points approach faster, by more than `least` [m/s], than closes their gap in this substep. Those that have not followed
     /// their bodies do so first, if they could.
     #[inline(always)]
-    pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
-        let sides = Sides::of(&self.sides(movers));
+    pub(crate) fn is_squeezed(
+        &mut self,
+        movers: &Movers,
+        sides: &Sides<I>,
+        (beat, least): (&Beat, f64),
+    ) -> bool {
         // Most are slower than that, and their rows need not come from memory.
-        if !self.is_driven && !self.closing_at_most(&sides).above(Single::splat(least * beat.dt)).any() {
+        if !self.is_driven && !self.closing_at_most(sides).above(Single::splat(least * beat.dt)).any() {
             return false;
         }
-        self.wake_rows(movers, &sides);
+        self.wake_rows(movers, sides);
         let (shared, least, per_dt) =
             (self.shared_basis(), Single::splat(least), Single::splat(1.0 / beat.dt));
         let mut any = Mask::NONE;
         for at in 0..self.near_rows {
             let row = &self.rows[at];
             let most = row.gap.max(Single::ZERO) * per_dt + least;
-            any = any.or(row.is_there.and(self.point(at, shared).closing(&sides).above(most)));
+            any = any.or(row.is_there.and(self.point(at, shared).closing(sides).above(most)));
         }
         any.any()
     }
 
     /// Which lanes have a point that met fast and leaves again.
+    #[inline(always)]
     pub(crate) fn rebounding(&self) -> Mask {
         if !self.bounces {
             return Mask::NONE;
         }
-        let met = |at: usize| self.rows[at].bounces.and(self.rest.anchors[at].met_at.above(Single::ZERO));
-        let any = (0..self.rows.len()).fold(Mask::NONE, |any, at| any.or(met(at)));
+        let mut any = Mask::NONE;
+        for (row, anchors) in self.rows.iter().zip(&self.rest.anchors) {
+            any = any.or(row.bounces.and(anchors.met_at.above(Single::ZERO)));
+        }
         any.and(self.rest.restitution.above(Single::ZERO))
     }
 
@@ -135,7 +142,7 @@ impl<I: Instructions> Batch<I> {
             self.give(&mut visit, (at, shared), change);
             self.rows[at].impulses[Stage::BeforeDrift.at()] = back;
         }
-        self.settle(visit, movers, given.1);
+        self.settle(visit, movers, given.1, true);
     }
 
     /// Finds what an impact brings about among the bodies that the one before has reached, and how fast that is: the first is what met, as
@@ -178,6 +185,7 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// Leaves other impacts to the next substep.
+    #[inline(always)]
     pub(crate) fn end_impacts(&mut self) {
         for (row, starts) in self.rows.iter_mut().zip(&self.rest.starts) {
             let impulse = &mut row.impulses[Stage::Bounce.at()];

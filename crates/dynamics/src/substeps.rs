@@ -79,7 +79,7 @@ fn solve_with<I: Instructions>(
                 solver.lie_down(&step);
             }
         }
-        solver.close()
+        solver.close(frame)
     });
 
     // One after the other, so that sums are the same whoever came first.
@@ -197,22 +197,23 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.refresh(rest);
         self.movers.kick(step, Stage::BeforeDrift);
         let threshold = BOUNCE * frame.gravity.length() * frame.dt;
-        self.meet(step, threshold);
-        let rebounds = self.ranks.met().any(|batch| batch.rebounding().any());
         let before = Beat { parting: self.funds.parting, ..Beat::new(Stage::BeforeDrift, step) };
-        self.go_on(&before);
+        self.meet_and_go_on((&before, step), threshold);
+        let rebounds = self.rebounds();
         if rebounds {
             self.expect_rebounds();
         }
         self.contact(&before, threshold);
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step, Stage::AfterDrift);
-        self.follow(Some(step.dt));
-        if rebounds {
-            self.rebound(step, threshold);
-        }
         let after = Beat::new(Stage::AfterDrift, step);
-        self.go_on(&after);
+        if rebounds {
+            self.follow(Some(step.dt));
+            self.rebound(step, threshold);
+            self.go_on(&after);
+        } else {
+            self.follow_and_go_on(&after);
+        }
         self.contact(&after, threshold);
         self.end_meeting();
         self.spend();
@@ -255,18 +256,13 @@ impl<'a, I: Instructions> Solver<'a, I> {
         });
     }
 
-    /// Who meets in this substep.
-    fn meet(&mut self, step: &Frame, threshold: f64) {
+    /// Who meets in this substep, as fast as gravity's kick left them; then what acted in the last one acts again: block by block, as the rows of heaps come from
+    /// memory each time.
+    fn meet_and_go_on(&mut self, (beat, step): (&Beat, &Frame), threshold: f64) {
         let bodies = self.bodies;
-        self.each(|movers, block| {
-            block.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
-            block.visit(
-                #[inline(always)]
-                |next| next.prefetch(movers, next.near_rows),
-                #[inline(always)]
-                |batch, _| batch.meet(movers, threshold, step),
-            );
-            block.bounces = block.batches.iter().any(|batch| batch.bounces);
+        self.each_in_turn(false, |movers, block| {
+            block.meet((bodies, movers), step, threshold);
+            block.go_on(movers, beat);
         });
     }
 
@@ -274,45 +270,28 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn follow(&mut self, drifted: Option<f64>) {
         let bodies = self.bodies;
         self.each(|movers, block| {
-            block.visit(
-                #[inline(always)]
-                |next| next.prefetch_to_follow(movers),
-                #[inline(always)]
-                |batch, _| batch.follow(movers, drifted),
-            );
-            for batch in &mut block.batches {
-                batch.be_driven(bodies, None);
-                if let Some(dt) = drifted {
-                    batch.forget_driven(movers, dt);
-                }
-            }
+            block.follow((bodies, movers), drifted);
             block.find_stale();
         });
     }
 
     /// What acted in the last substep acts again, unless it has come apart.
     fn go_on(&mut self, beat: &Beat) {
+        self.each_in_turn(false, |movers, block| block.go_on(movers, beat));
+    }
+
+    /// All points go with their bodies after a drift; then what acted in the last substep acts again, unless it has come apart: block by block, as above.
+    fn follow_and_go_on(&mut self, beat: &Beat) {
+        let bodies = self.bodies;
         self.each_in_turn(false, |movers, block| {
-            block.visit(
-                #[inline(always)]
-                |next| {
-                    let rows = next.carrying_rows[beat.stage.at()];
-                    if rows > 0 {
-                        next.prefetch(movers, rows);
-                    }
-                },
-                #[inline(always)]
-                |batch, given| {
-                    if batch.carrying_rows[beat.stage.at()] > 0 {
-                        batch.go_on(movers, beat, given);
-                    }
-                },
-            );
+            block.follow((bodies, movers), Some(beat.dt));
+            block.go_on(movers, beat);
+            block.find_stale();
         });
     }
 
     /// At the frame's end.
-    fn close(self) -> Closed {
+    fn close(self, frame: &Frame) -> Closed {
         let Self { bodies, movers, ranks, effort, .. } = self;
         let (mut kept, mut all) = (Vec::new(), Tally::default());
         for (part, tally) in threads::map(ranks.blocks, ranks.pairs, |block| block.close(bodies, &movers)) {
@@ -323,6 +302,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
         all.outside_impulse += held.impulse;
         all.outside_angular_impulse += held.moment;
         all.causes.add(Cause::Contact, held.energy);
+
+        // Contacts have told what they gave in single precision; what is missing is no more than its rounding.
+        let gained = movers.gained(bodies, frame.gravity);
+        all.causes.add(Cause::Contact, gained - all.causes.sum());
         Closed { movers, kept, tally: all, is_heap: effort.is_for_heap() }
     }
 }

@@ -7,7 +7,7 @@ use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::lanes::{Instructions, LANES, Mask};
 use crate::manifold::{ManifoldFinder, ManifoldPoint, Solid};
-use crate::moving::{Movers, Sides};
+use crate::moving::Movers;
 use crate::warm_start::PointImpulse;
 use crate::{Bodies, Frame, Motion, Pose};
 use frangible_geometry::Hull;
@@ -57,7 +57,7 @@ impl<I: Instructions> Batch<I> {
                     rests_for = apart;
                 } else {
                     // Only now do rows that are far need to be where they are.
-                    self.follow_all(movers, &Sides::of(&self.sides(movers)));
+                    self.let_all_follow(movers);
                     let flights = [(pair.first, 0), (pair.second, 1)].map(|(i, side)| {
                         let (pose, velocity) = movers.state(bodies, locals[side]);
                         Flight::from(bodies, i, (pose, &velocity), rest)

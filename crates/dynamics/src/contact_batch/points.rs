@@ -158,6 +158,8 @@ impl<I: Instructions> Batch<I> {
         Self {
             locals,
             offset: Lanes3::ZERO,
+            pending: [Single3::ZERO; 2],
+            is_pending: false,
             given: Lanes::ZERO,
             soft: Softness { rate: Single::ZERO, mass_scale: Single::ZERO, impulse_scale: Single::ZERO },
             friction: Single::ZERO,

@@ -104,9 +104,7 @@ fn what_may_be_struck_has_points_in_time() {
             assert!(is_near || !has_points || done > BLOW, "{gap} m, {struck} m/s, substep {done}: {left} m");
 
             if done == BLOW {
-                let [mut struck_one, other] = batch.sides(&movers);
-                struck_one.linear.y = Lanes::splat(0.9 * struck);
-                batch.store(&movers, &[struck_one, other]);
+                movers.set_velocity(0, 0.9 * struck * DVec3::Y, DVec3::ZERO);
             }
             movers.drift::<Scalar>(&bodies, &step);
             batch.follow(&movers, Some(step.dt));
@@ -167,14 +165,8 @@ impl Stack {
     }
 
     /// Bodies get velocities that their paces follow.
-    fn store(&self, linear: DVec3, angular: DVec3) {
-        for batch in &self.batches {
-            let mut sides = batch.sides(&self.movers);
-            for side in &mut sides {
-                (side.linear, side.angular) = (Lanes3::splat(linear), Lanes3::splat(angular));
-            }
-            batch.store(&self.movers, &sides);
-        }
+    fn store(&mut self, linear: DVec3, angular: DVec3) {
+        (0..3).for_each(|local| self.movers.set_velocity(local, linear, angular));
     }
 
     /// Sums over all bodies: momentum, angular momentum about the world's origin, and energy.
@@ -200,10 +192,8 @@ fn what_hardly_moves_lies_down_until_it_moves() {
     let mut batch = batches.swap_remove(0);
     let mut stack = Stack { movers, batches: vec![], bodies, step };
     let mut lies = |linear: DVec3, angular: DVec3, rests: bool| {
-        let mut sides = batch.sides(&stack.movers);
-        (sides[0].linear, sides[0].angular) = (Lanes3::splat(linear), Lanes3::splat(angular));
-        (sides[1].linear, sides[1].angular) = (Lanes3::ZERO, Lanes3::ZERO);
-        batch.store(&stack.movers, &sides);
+        stack.movers.set_velocity(0, linear, angular);
+        stack.movers.set_velocity(1, DVec3::ZERO, DVec3::ZERO);
         if rests {
             return !batch.is_stirred(&stack.movers);
         }
@@ -239,8 +229,8 @@ fn what_leans_on_nothing_falls() {
     assert!(stack.batches[0].is_stirred(&stack.movers), "it has parted");
 }
 
-/// What rests and what leans on it go on as they move while what acts on them is the same, and the books balance: also where it is another,
-/// and where all gets up in the midst of a substep.
+/// What rests and what leans on it go on as they move while what acts on them is the same, and the books balance, those of energy to single precision: also
+/// where it is another, and where all gets up in the midst of a substep.
 #[test]
 fn what_rests_is_in_balance() {
     let mut stack = Stack::new();
@@ -265,6 +255,7 @@ fn what_rests_is_in_balance() {
             for batch in stack.batches.iter_mut().filter(|batch| !batch.rests) {
                 batch.follow(&stack.movers, None);
                 batch.go_on(&stack.movers, &Beat::new(stage, &stack.step), &mut given);
+                batch.give_exactly(&stack.movers, &batch.sides(&stack.movers), &mut given);
             }
             if number == 3 && stage == Stage::BeforeDrift {
                 stack.batches[0].get_up(&stack.movers);
@@ -280,7 +271,7 @@ fn what_rests_is_in_balance() {
         assert!((totals.1 - before.0.1 - from_gravity.1 - from_rest.1).length() < 1e-15, "{number}");
         let energy = given + held.energy - before.2.energy;
         assert!(
-            (totals.2 - before.0.2 - energy).abs() < 1e-14,
+            (totals.2 - before.0.2 - energy).abs() < 1e-7 * energy.abs().max(1e-4),
             "{number}: {} {energy}",
             totals.2 - before.0.2
         );

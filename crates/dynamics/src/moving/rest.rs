@@ -2,7 +2,7 @@
 //! as it moves, until something moves it. Nothing acts there without passes that settle it, so nothing builds up.
 
 use super::shared_lines::SharedLines;
-use super::{Build, MASS, Movers, Moving, TRAVEL};
+use super::{Answer, Build, MASS, Movers, Moving, PACE, Seen, TRAVEL, is_mobile, tensor_of, velocity_of};
 use crate::contact_rows::Stage;
 use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
@@ -42,8 +42,6 @@ enum Weight {
 
 /// What is at rest among the bodies of a cluster.
 pub(super) struct Rest {
-    /// How fast each was when impulses last acted on it. What has fallen since is fast; what impulses do not move is calm.
-    pub(super) paces: SharedLines<Pace>,
     /// Whether each was calm at the frame's start.
     began_calm: Vec<bool>,
     /// Whether each could come to rest when what is calm did.
@@ -84,31 +82,17 @@ pub(crate) struct Held {
 }
 
 impl Pace {
-    /// By the square of a speed [m^2/s^2].
-    fn of(squared: f64) -> Self {
-        if squared < CALM * CALM {
+    /// By what is seen of a body: how fast it was when impulses last acted on it. What has fallen since is fast; what impulses do not move is calm.
+    #[inline(always)]
+    fn of_seen(seen: &Seen) -> Self {
+        let squared = seen.0[PACE];
+        if squared < (CALM * CALM) as f32 {
             Self::Calm
-        } else if squared < QUIET * QUIET {
+        } else if squared < (QUIET * QUIET) as f32 {
             Self::Quiet
         } else {
             Self::Fast
         }
-    }
-
-    /// By the squares of speeds [m^2/s^2].
-    #[inline(always)]
-    pub(super) fn of_lanes<I: Instructions>(squared: Lanes<I>) -> [Self; LANES] {
-        let is_calm = Lanes::splat(CALM * CALM).above(squared);
-        let is_quiet = Lanes::splat(QUIET * QUIET).above(squared);
-        let mut paces = [Self::Fast; LANES];
-        for (lane, pace) in paces.iter_mut().enumerate() {
-            if is_calm.get(lane) {
-                *pace = Self::Calm;
-            } else if is_quiet.get(lane) {
-                *pace = Self::Quiet;
-            }
-        }
-        paces
     }
 }
 
@@ -118,7 +102,6 @@ impl Rest {
         let mut began_calm = vec![true; lines];
         who.iter().zip(&mut began_calm).for_each(|(&i, calm)| *calm = begins_calm(bodies, i));
         Self {
-            paces: SharedLines::new(Pace::Calm, lines),
             began_calm,
             may_rest: vec![false; lines],
             weights: SharedLines::new(Weight::Falls, lines),
@@ -136,17 +119,16 @@ impl Rest {
         let weights = self.weights.as_mut_slice();
         self.awake.clear();
         self.asleep = Asleep { mass: 0.0, moment: DVec3::ZERO, momentum: DVec3::ZERO };
-        for (local, moving) in moving.iter().enumerate().filter(|(_, moving)| moving.is_mobile()) {
+        for (local, moving) in moving.iter().enumerate().filter(|(_, moving)| is_mobile(moving)) {
             if weights[local] == Weight::Rests {
                 let mass = builds[local].0[MASS];
                 self.asleep.mass += mass;
                 self.asleep.moment += mass * position(&poses[local]);
-                self.asleep.momentum += mass * moving.velocity().linear;
+                self.asleep.momentum += mass * velocity_of(moving).linear;
             } else {
                 self.awake.push(local as u32);
             }
         }
-        self.is_stale = AtomicBool::new(false);
     }
 }
 
@@ -154,20 +136,21 @@ impl Movers {
     /// Half a substep of gravity, with what holds bodies at rest.
     pub(crate) fn kick(&mut self, step: &Frame, stage: Stage) {
         let gain = 0.5 * step.dt * step.gravity;
-        let Self { moving, rest, poses, starts, builds, .. } = self;
-        let moving = moving.as_mut_slice();
-        if *rest.is_stale.get_mut() {
+        let Self { moving, seen, answers, rest, poses, starts, builds, kicked, .. } = self;
+        let (moving, seen) = (moving.as_mut_slice(), seen.as_mut_slice());
+        let is_stale = std::mem::take(rest.is_stale.get_mut());
+        if is_stale {
             rest.look(moving, poses, builds);
         }
 
         // Gravity acts on all, and what holds bodies at rest takes that back where it does not go on to act.
         self.gravity.0 += self.mass * gain;
         self.gravity.1 += self.moment_of_mass.cross(gain);
-        let Rest { paces, weights, held, awake, asleep, given, .. } = rest;
+        let Rest { weights, held, awake, asleep, given, .. } = rest;
         given.impulse -= asleep.mass * gain;
         given.moment -= asleep.moment.cross(gain);
         given.energy -= asleep.momentum.dot(gain);
-        let (paces, weights) = (paces.as_mut_slice(), weights.as_mut_slice());
+        let weights = weights.as_mut_slice();
         let held = held[stage.at()].as_mut_slice();
         for local in awake.iter().map(|&local| local as usize) {
             if weights[local] == Weight::Rises {
@@ -178,13 +161,19 @@ impl Movers {
                 }
             }
             if weights[local] == Weight::Falls {
-                paces[local] = Pace::Fast;
-                let Numbers([x, y, z, ..]) = &mut moving[local].motion;
+                let Numbers([x, y, z, ..]) = &mut moving[local];
                 (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
+                show_linear(&mut seen[local], &moving[local]);
+                seen[local].0[PACE] = f32::INFINITY;
             } else {
-                let body = (&mut moving[local], &poses[local], &starts[local], &builds[local]);
-                paces[local] = hold(body, &held[local], (gain, stage), given);
+                let shown = (&mut seen[local], &answers[local]);
+                let body = ((&mut moving[local], shown), &poses[local], &starts[local], &builds[local]);
+                hold(body, &held[local], (gain, stage), given);
             }
+            kicked[local] = seen[local];
+        }
+        if is_stale {
+            self.note_kicked();
         }
     }
 
@@ -202,10 +191,11 @@ impl Movers {
     /// Finds who may come to rest: which bodies are calm after a frame's first substep, of `dt` [s], have been so in its drift, in which overlaps close, and were so
     /// before it: nothing that falls is, not even at its highest.
     pub(crate) fn find_who_may_rest(&mut self, dt: f64) {
-        let Rest { paces, began_calm, may_rest, .. } = &mut self.rest;
-        let paces = paces.as_mut_slice();
+        let Rest { began_calm, may_rest, .. } = &mut self.rest;
         for (at, may_rest) in may_rest.iter_mut().enumerate() {
-            *may_rest = paces[at] == Pace::Calm && began_calm[at] && self.builds[at].0[TRAVEL] <= CALM * dt;
+            *may_rest = Pace::of_seen(&self.seen.read(at)) == Pace::Calm
+                && began_calm[at]
+                && self.builds[at].0[TRAVEL] <= CALM * dt;
         }
     }
 
@@ -223,7 +213,7 @@ impl Movers {
     /// Whether none of some bodies is fast.
     #[inline(always)]
     pub(crate) fn are_quiet(&self, locals: &[u32; LANES]) -> bool {
-        locals.iter().all(|&local| self.rest.paces.read(local as usize) != Pace::Fast)
+        locals.iter().all(|&local| Pace::of_seen(&self.seen.read(local as usize)) != Pace::Fast)
     }
 
     /// Whether any of some bodies is in a batch at rest.
@@ -237,7 +227,7 @@ impl Movers {
     pub(crate) fn lie_down(&self, locals: &[u32; LANES]) {
         self.rest.is_stale.store(true, Ordering::Relaxed);
         for at in locals.map(|local| local as usize) {
-            if self.moving.read(at).is_mobile() {
+            if is_mobile(&self.moving.read(at)) {
                 self.rest.batches.write(at, self.rest.batches.read(at) + 1);
                 self.rest.weights.write(at, Weight::Rests);
             }
@@ -249,7 +239,7 @@ impl Movers {
     pub(crate) fn get_up(&self, locals: &[u32; LANES]) {
         self.rest.is_stale.store(true, Ordering::Relaxed);
         for at in locals.map(|local| local as usize) {
-            if self.moving.read(at).is_mobile() {
+            if is_mobile(&self.moving.read(at)) {
                 let left = self.rest.batches.read(at) - 1;
                 self.rest.batches.write(at, left);
                 if left == 0 {
@@ -280,24 +270,32 @@ impl Movers {
     }
 }
 
-/// What holds a body that leans acts, instead of gravity's kick. How fast it is then, as what it is in balance with has not acted yet, and may
+/// What holds a body that leans acts, instead of gravity's kick. It is as fast as that makes it, as what it is in balance with has not acted yet, and may
 /// act no more.
 fn hold(
-    (moving, pose, start, build): (&mut Moving, &Numbers, &Numbers, &Build),
+    ((moving, (seen, answer)), pose, start, build): (
+        (&mut Moving, (&mut Seen, &Answer)),
+        &Numbers,
+        &Numbers,
+        &Build,
+    ),
     &Numbers([x, y, z, mx, my, mz, ..]): &Numbers,
     (gain, stage): (DVec3, Stage),
     given: &mut Held,
-) -> Pace {
+) {
     let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
-    let answer = moving.inverse_tensor();
-    let Velocity { linear, angular_momentum } = moving.velocity();
+    let answer = tensor_of(answer);
+    let Velocity { linear, angular_momentum } = velocity_of(moving);
     let position = position(pose);
     let turn = about_start - (position - self::position(start)).cross(impulse);
-    let Numbers([.., inverse_mass, _]) = moving.motion;
+    let Numbers([.., inverse_mass, _]) = *moving;
     let (next, next_momentum) = (linear + inverse_mass * impulse, angular_momentum + turn);
     let DVec3 { x, y, z } = next;
     let DVec3 { x: lx, y: ly, z: lz } = next_momentum;
-    moving.motion = Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]);
+    *moving = Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]);
+    let spin = answer * next_momentum;
+    show_linear(seen, moving);
+    seen.0[3..6].copy_from_slice(&spin.as_vec3().to_array());
 
     // Before the drift its other half is still to come: see `Beat::new`.
     let weight = build.0[MASS] * gain;
@@ -308,8 +306,15 @@ fn hold(
     given.moment += position.cross(impulse - weight) + turn;
 
     let Numbers([.., size]) = *start;
-    let spin = answer * next_momentum;
-    Pace::of(next.length_squared() + spin.length_squared() * size * size)
+    seen.0[PACE] = (next.length_squared() + spin.length_squared() * size * size) as f32;
+}
+
+/// A body is seen as fast as it moves without turning.
+#[inline(always)]
+fn show_linear(seen: &mut Seen, moving: &Moving) {
+    for at in 0..3 {
+        seen.0[at] = moving.0[at] as f32;
+    }
 }
 
 fn position(pose: &Numbers) -> DVec3 {

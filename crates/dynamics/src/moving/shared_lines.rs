@@ -32,10 +32,10 @@ impl<T: Copy> SharedLines<T> {
         unsafe { *self.0[at].get() = line }
     }
 
-    /// A line, to ask for its memory only.
+    /// All lines, to ask for their memory only.
     #[inline(always)]
-    pub(super) fn at(&self, at: usize) -> &[UnsafeCell<T>] {
-        &self.0[at..][..1]
+    pub(super) fn all(&self) -> &[UnsafeCell<T>] {
+        &self.0
     }
 
     /// All lines, for one thread.

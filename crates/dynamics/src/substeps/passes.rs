@@ -37,6 +37,7 @@ impl<I: Instructions> Solver<'_, I> {
                 |next| {
                     if next.has_work(beat.stage) {
                         next.prefetch(movers, next.acting_rows(beat.stage));
+                        next.prefetch_motions(movers);
                     }
                 },
                 #[inline(always)]
@@ -69,10 +70,18 @@ impl<I: Instructions> Solver<'_, I> {
 
     /// What stopped what met fast is no guide to the next substep.
     pub(super) fn end_meeting(&mut self) {
-        self.ranks.met().for_each(|batch| {
-            batch.clear_bouncing();
-            batch.rows.iter_mut().for_each(|row| row.bounces = Mask::NONE);
-            batch.bounces = false;
-        });
+        let Self { ranks, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for batch in ranks.met() {
+                    batch.clear_bouncing();
+                    for row in &mut batch.rows {
+                        row.bounces = Mask::NONE;
+                    }
+                    batch.bounces = false;
+                }
+            },
+        );
     }
 }

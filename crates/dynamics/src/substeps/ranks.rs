@@ -2,10 +2,11 @@
 
 use crate::clusters::Member;
 use crate::contact_batch::{Batch, Touching};
-use crate::contact_sweep::Given;
+use crate::contact_rows::Beat;
+use crate::contact_sweep::{Given, Pass};
 use crate::lanes::{Instructions, LANES};
 use crate::manifold::ManifoldFinder;
-use crate::moving::Movers;
+use crate::moving::{Movers, Sides};
 use crate::regions::halves;
 use crate::threads;
 use crate::warm_start::Part;
@@ -166,6 +167,72 @@ impl<I: Instructions> Way<'_, I> {
 }
 
 impl<I: Instructions> Block<I> {
+    /// Who meets in a substep.
+    pub(super) fn meet(&mut self, (bodies, movers): (&Bodies, &Movers), step: &Frame, threshold: f64) {
+        self.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
+        self.visit(
+            #[inline(always)]
+            |next| next.prefetch_to_meet(movers),
+            #[inline(always)]
+            |batch, _| batch.meet(movers, threshold, step),
+        );
+        self.bounces = self.batches.iter().any(|batch| batch.bounces);
+    }
+
+    /// All points go with their bodies, after a drift if one has taken so long [s].
+    pub(super) fn follow(&mut self, (bodies, movers): (&Bodies, &Movers), drifted: Option<f64>) {
+        self.visit(
+            #[inline(always)]
+            |next| next.prefetch_to_follow(movers),
+            #[inline(always)]
+            |batch, _| batch.follow(movers, drifted),
+        );
+        for batch in &mut self.batches {
+            batch.be_driven(bodies, None);
+            if let Some(dt) = drifted {
+                batch.forget_driven(movers, dt);
+            }
+        }
+    }
+
+    /// What acted in the last substep acts again.
+    pub(super) fn go_on(&mut self, movers: &Movers, beat: &Beat) {
+        self.visit(
+            #[inline(always)]
+            |next| {
+                let rows = next.carrying_rows[beat.stage.at()];
+                if rows > 0 {
+                    next.prefetch(movers, rows);
+                }
+            },
+            #[inline(always)]
+            |batch, given| {
+                if batch.carrying_rows[beat.stage.at()] > 0 {
+                    batch.go_on(movers, beat, given);
+                }
+            },
+        );
+    }
+
+    /// Lets those act that approach faster than `least` [m/s]. Whether any do.
+    pub(super) fn squeeze(&mut self, movers: &Movers, (beat, pass): (&Beat, Pass), least: f64) -> bool {
+        self.wake(movers);
+        let mut any = false;
+        self.visit(
+            #[inline(always)]
+            |next| next.prefetch(movers, 0),
+            #[inline(always)]
+            |batch, given| {
+                let sides = Sides::of(&batch.sides(movers));
+                if batch.is_squeezed(movers, &sides, (beat, least)) {
+                    any = true;
+                    batch.act(movers, beat, pass, given);
+                }
+            },
+        );
+        any
+    }
+
     /// Lets batches get up of which a body is fast.
     pub(super) fn wake(&mut self, movers: &Movers) {
         let Self { batches, stale, .. } = self;

@@ -4,7 +4,6 @@ use super::Solver;
 use super::passes::MEETING_PASSES;
 use super::ranks::Block;
 use crate::Frame;
-use crate::contact_batch::Batch;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
 use crate::lanes::Instructions;
@@ -22,23 +21,31 @@ impl<I: Instructions> Solver<'_, I> {
             let pass = Pass::over_squeezed(number % 2 == 1);
             let any_is = AtomicBool::new(false);
             self.each_in_turn(pass.is_fro, |movers, block| {
-                block.wake(movers);
-                block.visit(
-                    #[inline(always)]
-                    |next| next.prefetch(movers, 0),
-                    #[inline(always)]
-                    |batch, given| {
-                        if batch.is_squeezed(movers, beat, least) {
-                            any_is.store(true, Ordering::Relaxed);
-                            batch.act(movers, beat, pass, given);
-                        }
-                    },
-                );
+                if block.squeeze(movers, (beat, pass), least) {
+                    any_is.store(true, Ordering::Relaxed);
+                }
             });
             if !any_is.into_inner() {
                 return;
             }
         }
+    }
+
+    /// Whether anything that has met fast in this substep leaves again.
+    pub(super) fn rebounds(&self) -> bool {
+        let Self { ranks, .. } = self;
+        let mut any = false;
+        I::run(
+            #[inline(always)]
+            || {
+                for block in ranks.blocks.iter().filter(|block| block.bounces) {
+                    for batch in &block.batches {
+                        any |= batch.rebounding().any();
+                    }
+                }
+            },
+        );
+        any
     }
 
     /// Notes what acts before anything met, so that what stops it can be taken back: where impacts may follow each other, of all, and nothing rests
@@ -92,9 +99,17 @@ impl<I: Instructions> Solver<'_, I> {
                 self.meeting_pass(beat, Pass::MEETING);
             }
         }
-        let impacting = self.ranks.blocks.iter_mut().filter(|block| block.impacts);
-        let batches = impacting.flat_map(|block| &mut block.batches);
-        batches.filter(|batch| batch.impacts).for_each(Batch::end_impacts);
+        let Self { ranks, .. } = self;
+        I::run(
+            #[inline(always)]
+            || {
+                for block in ranks.blocks.iter_mut().filter(|block| block.impacts) {
+                    for batch in block.batches.iter_mut().filter(|batch| batch.impacts) {
+                        batch.end_impacts();
+                    }
+                }
+            },
+        );
     }
 
     /// Takes back what stopped all that the first impact reaches: one batch after the other, as each may reach the next.
