@@ -261,7 +261,7 @@ mod x86 {
 
     macro_rules! instructions {
         ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal,
-         $transpose:ident, $transpose_singles:ident, |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
+         $transpose:ident, $singles:ty, $transpose_singles:ident, |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
             #[doc = $doc]
             #[derive(Clone, Copy, Debug, PartialEq)]
             pub(crate) struct $name;
@@ -319,7 +319,10 @@ mod x86 {
 
                 #[inline(always)]
                 fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES] {
-                    unsafe { transmute::<_, [Singles; LANES]>($transpose_singles(transmute::<[Singles; LANES], _>(rows))) }
+                    unsafe {
+                        let columns = $transpose_singles(transmute::<[Singles; LANES], [$singles; LANES]>(rows));
+                        transmute::<[$singles; LANES], [Singles; LANES]>(columns)
+                    }
                 }
 
                 #[inline(always)]
@@ -355,6 +358,7 @@ mod x86 {
         4,
         "sse2",
         transpose_pairs,
+        [__m128; 2],
         transpose_singles_by_four,
         |single| _mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(single))),
         |double| _mm_cvtsd_f64(_mm_castps_pd(_mm_cvtpd_ps(double))),
@@ -392,6 +396,7 @@ mod x86 {
         2,
         "avx2",
         transpose_fours,
+        __m256,
         transpose_singles_by_eight,
         |single| _mm256_cvtps_pd(single),
         |double| _mm256_cvtpd_ps(double),
@@ -428,6 +433,7 @@ mod x86 {
         1,
         "avx512f,avx512dq,avx512vl",
         transpose_eights,
+        __m256,
         transpose_singles_by_eight,
         |single| _mm512_cvtps_pd(single),
         |double| _mm512_cvtpd_ps(double),

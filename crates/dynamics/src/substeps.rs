@@ -207,12 +207,15 @@ impl<'a, I: Instructions> Solver<'a, I> {
         self.movers.drift::<I>(self.bodies, step);
         self.movers.kick(step, Stage::AfterDrift);
         let after = Beat::new(Stage::AfterDrift, step);
-        if rebounds {
+        if rebounds && self.effort.impacts > 1 {
             self.follow(Some(step.dt));
             self.rebound(step, threshold);
             self.go_on(&after);
         } else {
             self.follow_and_go_on(&after);
+            if rebounds {
+                self.rebound(step, threshold);
+            }
         }
         self.contact(&after, threshold);
         self.end_meeting();

@@ -129,7 +129,7 @@ impl Stretch<'_> {
     /// Moves those of a group that turn slowly, by [`rotate_slow_ones`]; which the others are.
     #[inline(always)]
     fn drift_slowly<I: Instructions>(&mut self, begin: usize, step: &Frame) -> Mask {
-        let [x, y, z, lx, ly, lz, ..] = self.motions::<I>(begin);
+        let [x, y, z, lx, ly, lz, ..] = lanes_of::<I>(self.moving, begin);
         let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
         let [ix, iy, iz, fastest, _, _, is_driven, _] = lanes_of::<I>(self.builds, begin);
         let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar: qw };
@@ -167,7 +167,7 @@ impl Stretch<'_> {
     /// What depends on the poses of a group, `dt` [s] after they were others; its moment of mass.
     #[inline(always)]
     fn follow_poses<I: Instructions>(&mut self, begin: usize, dt: f64) -> Lanes3<I> {
-        let [x, y, z, lx, ly, lz, inverse_mass, _] = self.motions::<I>(begin);
+        let [x, y, z, lx, ly, lz, inverse_mass, _] = lanes_of::<I>(self.moving, begin);
         let [px, py, pz, qx, qy, qz, qw, _] = lanes_of::<I>(self.poses, begin);
         let [sx, sy, sz, rx, ry, rz, rw, size] = lanes_of::<I>(self.starts, begin);
         let [ix, iy, iz, fastest, travel, mass, ..] = lanes_of::<I>(self.builds, begin);
@@ -222,15 +222,6 @@ impl Stretch<'_> {
             paces.set(lane, f64::from(self.seen[begin + lane].0[PACE]));
         }
         paces
-    }
-
-    #[inline(always)]
-    fn motions<I: Instructions>(&self, begin: usize) -> [Lanes<I>; LANES] {
-        let mut motions = [Numbers::ZERO; LANES];
-        for lane in 0..LANES {
-            motions[lane] = self.moving[begin + lane];
-        }
-        Lanes::transposed(motions)
     }
 }
 
