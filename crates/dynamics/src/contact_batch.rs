@@ -63,9 +63,9 @@ pub(crate) struct Batch<I> {
     pub(crate) locals: [[u32; LANES]; 2],
     /// Centres of mass of the first bodies less those of the second ones [m].
     pub(crate) offset: Lanes3<I>,
-    /// What acted in this stage and has yet to be given to the bodies exactly: the sum of the impulses on the first ones [N s], and of their moments about the centres of
-    /// mass [N m s].
-    pub(crate) pending: [Single3<I>; 2],
+    /// What acted in this stage and has yet to be given to the bodies exactly: the sum of the impulses on the first ones [N s], and of their moments about the first and about
+    /// the second centres of mass [N m s].
+    pub(crate) pending: [Single3<I>; 3],
     /// Whether there is any.
     pub(crate) is_pending: bool,
     /// Energy that they have given to their bodies in this frame, beyond a kinematic body's work [J].
@@ -385,6 +385,16 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn show(&self, movers: &Movers, sides: &[Side<I>; 2]) {
         movers.show(&self.locals[0], &sides[0], self.sizes[0]);
         movers.show(&self.locals[1], &sides[1], self.sizes[1]);
+    }
+
+    /// The moments about the first centres of mass of impulses with these sums and these moments about both: exactly those about the smaller bodies, whose levers are short, as single
+    /// precision has lost more of the others.
+    #[inline(always)]
+    pub(crate) fn first_moments(&self, impulse: Lanes3<I>, [first, second]: [Single3<I>; 2]) -> Lanes3<I> {
+        let [size, other_size] = self.sizes;
+        let is_smaller = size.above(other_size).or(size.above(Single::ZERO).not());
+        let by_second = other_size.above(Single::ZERO).and(is_smaller);
+        by_second.select(second.double() - self.offset.cross(impulse), first.double())
     }
 
     /// The directions of all rows, if they have the same ones.

@@ -95,10 +95,10 @@ impl<I: Instructions> Visit<I> {
         ]
     }
 
-    /// What acted: the sum of the impulses on the first bodies [N s], and of their moments about the centres of mass [N m s].
+    /// What acted: see [`Batch::pending`](crate::contact_batch::Batch::pending).
     #[inline(always)]
-    pub(crate) fn acted(&self) -> [Single3<I>; 2] {
-        [self.impulse, self.moments[0]]
+    pub(crate) fn acted(&self) -> [Single3<I>; 3] {
+        [self.impulse, self.moments[0], self.moments[1]]
     }
 
     /// Energy given to the bodies in all, without gravity's and a kinematic body's work [J].

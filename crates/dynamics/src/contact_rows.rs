@@ -105,7 +105,7 @@ pub(crate) struct Basis<I> {
 #[derive(Clone, Copy)]
 pub(crate) struct Point<I> {
     pub(crate) basis: Basis<I>,
-    /// From the centres of mass to the point [m]. It is one point for both bodies; that angular momentum is exact is [`Visit::after`](crate::contact_kernels::Visit::after)'s work.
+    /// From the centres of mass to the point [m]. It is one point for both bodies; that angular momentum is exact is [`Batch::give_exactly`](crate::contact_batch::Batch::give_exactly)'s work.
     pub(crate) levers: [Single3<I>; 2],
     /// What static and kinematic bodies add to the velocity of the first body's material less the second's, if they move [m/s].
     pub(crate) drive: Option<Single3<I>>,

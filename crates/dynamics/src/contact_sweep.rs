@@ -343,8 +343,10 @@ impl<I: Instructions> Batch<I> {
             if self.has_outside {
                 self.rest.work = self.rest.work + visit.work.double();
             }
-            let ([impulse, moment], acted) = (self.pending, visit.acted());
-            self.pending = [impulse + acted[0], moment + acted[1]];
+            let acted = visit.acted();
+            for (pending, acted) in self.pending.iter_mut().zip(acted) {
+                *pending = *pending + acted;
+            }
             self.is_pending = true;
         }
         if ends && self.is_pending {
@@ -364,7 +366,9 @@ impl<I: Instructions> Batch<I> {
     /// offset further from the second centre of mass. What static and kinematic bodies gave is noted.
     #[inline(always)]
     pub(crate) fn give_exactly(&mut self, movers: &Movers, sides: &[Side<I>; 2], given: &mut Given<I>) {
-        let (impulse, moment) = (self.pending[0].double(), self.pending[1].double());
+        let [impulse, first, second] = self.pending;
+        let impulse = impulse.double();
+        let moment = self.first_moments(impulse, [first, second]);
         let pushes = [
             Push { impulse, moment },
             Push { impulse: -impulse, moment: -(moment + self.offset.cross(impulse)) },
@@ -378,7 +382,7 @@ impl<I: Instructions> Batch<I> {
             given.impulse = given.impulse + impulse * sign;
             given.moment = given.moment + (moment + self.rest.centre.cross(impulse)) * sign;
         }
-        self.pending = [Single3::ZERO; 2];
+        self.pending = [Single3::ZERO; 3];
         self.is_pending = false;
     }
 }

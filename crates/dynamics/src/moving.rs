@@ -7,7 +7,7 @@ mod shared_lines;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, Single, Single3, Singles, Symmetric, Three};
 use crate::rotation::rotation_by;
 use crate::vector::Turn;
-use crate::{Bodies, Motion, Pose, Velocity};
+use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 use rest::Rest;
@@ -78,7 +78,7 @@ pub(crate) struct Side<I> {
     pub(crate) falls: Single<I>,
 }
 
-/// Both sides of several pairs: velocities that both have in common make no difference.
+/// Both sides of several pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<I> {
     /// Velocity of the first centre of mass less that of the second one [m/s].
@@ -168,12 +168,14 @@ impl Movers {
         }
     }
 
-    /// By how much the energy of all that impulses move has changed since the frame's start [J].
-    pub(crate) fn gained(&self, bodies: &Bodies, gravity: DVec3) -> f64 {
+    /// By how much the energy of all that impulses move has changed since the frame's start, and that of their motion then, now, and of what gravity gives in
+    /// the frame from rest [J].
+    pub(crate) fn gained(&self, bodies: &Bodies, frame: &Frame) -> [f64; 2] {
+        let (gravity, fall) = (frame.gravity, frame.dt * frame.gravity);
         let of = |(local, &i): (usize, &usize)| {
             let moving = self.moving.read(local);
             if !is_mobile(&moving) {
-                return 0.0;
+                return [0.0; 2];
             }
             let (start, end) = (bodies.poses[i], self.pose(local as u32));
             let (before, after) = (bodies.velocities[i], velocity_of(&moving));
@@ -182,9 +184,14 @@ impl Movers {
             };
             let flight = 0.5 * (after.linear - before.linear).dot(after.linear + before.linear)
                 - gravity.dot(end.position - start.position);
-            bodies.masses[i] * flight + (turning(&end, &after) - turning(&start, &before))
+            let (turned, turns) = (turning(&start, &before), turning(&end, &after));
+            let squares =
+                before.linear.length_squared() + after.linear.length_squared() + fall.length_squared();
+            let mass = bodies.masses[i];
+            [mass * flight + (turns - turned), 0.5 * mass * squares + turned + turns]
         };
-        self.who.iter().enumerate().map(of).sum()
+        let add = |[gain, motion]: [f64; 2], [more, other]: [f64; 2]| [gain + more, motion + other];
+        self.who.iter().enumerate().map(of).fold([0.0; 2], add)
     }
 
     /// Where a body is now, and its velocity.

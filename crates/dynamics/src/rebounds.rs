@@ -184,12 +184,13 @@ impl<I: Instructions> Batch<I> {
         self.impacts
     }
 
-    /// Leaves other impacts to the next substep.
+    /// Leaves other impacts to the next substep. What carried before this one goes on to do so, unless it has done so in this substep already.
     #[inline(always)]
-    pub(crate) fn end_impacts(&mut self) {
+    pub(crate) fn end_impacts(&mut self, has_gone_on: bool) {
         for (row, starts) in self.rows.iter_mut().zip(&self.rest.starts) {
             let impulse = &mut row.impulses[Stage::Bounce.at()];
-            *impulse = impulse.but(row.impacts, starts[Stage::Bounce.at()]);
+            let carries = if has_gone_on { RowImpulse::ZERO } else { starts[Stage::Bounce.at()] };
+            *impulse = impulse.but(row.impacts, carries);
             row.impacts = Mask::NONE;
         }
         self.impacts = false;

@@ -33,6 +33,10 @@ const TURNS: u32 = 8;
 /// Approach speeds below this bounce no more, in units of what gravity gives in a frame: what rests approaches so fast.
 const BOUNCE: f64 = 1.0;
 
+/// What the books of contacts may lose to single precision in a frame, of the energy of all motion [1]: in 200 random scenes it was 3e-5 at most, and more than 1e-6 in
+/// one of two hundred frames. What was lost otherwise shows up as what flight gave, which is none.
+const ROUNDING: f64 = 1e-4;
+
 /// What the substeps did besides moving the bodies.
 pub struct Solved {
     /// What static and kinematic bodies contributed, and where energy went.
@@ -306,9 +310,10 @@ impl<'a, I: Instructions> Solver<'a, I> {
         all.outside_angular_impulse += held.moment;
         all.causes.add(Cause::Contact, held.energy);
 
-        // Contacts have told what they gave in single precision; what is missing is no more than its rounding.
-        let gained = movers.gained(bodies, frame.gravity);
-        all.causes.add(Cause::Contact, gained - all.causes.sum());
+        // Contacts have told what they gave in single precision: what its rounding has lost is told here, and no more than that.
+        let [gained, motion] = movers.gained(bodies, frame);
+        let most = ROUNDING * motion;
+        all.causes.add(Cause::Contact, (gained - all.causes.sum()).max(-most).min(most));
         Closed { movers, kept, tally: all, is_heap: effort.is_for_heap() }
     }
 }

@@ -158,7 +158,7 @@ impl<I: Instructions> Batch<I> {
         Self {
             locals,
             offset: Lanes3::ZERO,
-            pending: [Single3::ZERO; 2],
+            pending: [Single3::ZERO; 3],
             is_pending: false,
             given: Lanes::ZERO,
             soft: Softness { rate: Single::ZERO, mass_scale: Single::ZERO, impulse_scale: Single::ZERO },

@@ -53,18 +53,20 @@ impl<I: Instructions> Batch<I> {
         let shift = movers.shifts::<I>(&self.locals[0]).translation;
         let shared = self.shared_basis();
         // As it is given to the bodies: see `Visit::push`.
-        let (mut sum, mut moment) = (Single3::ZERO, Single3::ZERO);
+        let (mut sum, mut moments) = (Single3::ZERO, [Single3::ZERO; 2]);
         for at in 0..self.carrying_rows[stage] {
             let impulse = &self.rows[at].impulses[stage];
             let point = self.point(at, shared);
             let j = point.impulse(impulse.normal, impulse.tangent);
             sum = sum + j;
-            moment = moment + point.levers[0].cross(j);
-            if self.rolls {
-                moment = moment + self.rest.twists[at][stage];
+            for side in 0..2 {
+                moments[side] = moments[side] + point.levers[side].cross(j);
+                if self.rolls {
+                    moments[side] = moments[side] + self.rest.twists[at][stage];
+                }
             }
         }
         let sum = sum.double();
-        (sum, moment.double() + shift.cross(sum))
+        (sum, self.first_moments(sum, moments) + shift.cross(sum))
     }
 }

@@ -163,7 +163,7 @@ impl Movers {
             if weights[local] == Weight::Falls {
                 let Numbers([x, y, z, ..]) = &mut moving[local];
                 (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
-                show_linear(&mut seen[local], &moving[local]);
+                show_linear(&mut seen[local], velocity_of(&moving[local]).linear);
                 seen[local].0[PACE] = f32::INFINITY;
             } else {
                 let shown = (&mut seen[local], &answers[local]);
@@ -294,7 +294,7 @@ fn hold(
     let DVec3 { x: lx, y: ly, z: lz } = next_momentum;
     *moving = Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]);
     let spin = answer * next_momentum;
-    show_linear(seen, moving);
+    show_linear(seen, next);
     seen.0[3..6].copy_from_slice(&spin.as_vec3().to_array());
 
     // Before the drift its other half is still to come: see `Beat::new`.
@@ -309,12 +309,10 @@ fn hold(
     seen.0[PACE] = (next.length_squared() + spin.length_squared() * size * size) as f32;
 }
 
-/// A body is seen as fast as it moves without turning.
+/// A body is seen as fast as it moves [m/s].
 #[inline(always)]
-fn show_linear(seen: &mut Seen, moving: &Moving) {
-    for at in 0..3 {
-        seen.0[at] = moving.0[at] as f32;
-    }
+fn show_linear(seen: &mut Seen, linear: DVec3) {
+    seen.0[..3].copy_from_slice(&linear.as_vec3().to_array());
 }
 
 fn position(pose: &Numbers) -> DVec3 {

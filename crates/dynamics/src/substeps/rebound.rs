@@ -69,7 +69,7 @@ impl<I: Instructions> Solver<'_, I> {
         });
     }
 
-    /// What met fast leaves again, by impacts that follow each other if there may be more than one.
+    /// What met fast leaves again, by impacts that follow each other if there may be more than one; if not, what carried has gone on.
     pub(super) fn rebound(&mut self, step: &Frame, threshold: f64) {
         let beat = &Beat::new(Stage::Bounce, step);
         let is_only = self.effort.impacts == 1;
@@ -105,7 +105,7 @@ impl<I: Instructions> Solver<'_, I> {
             || {
                 for block in ranks.blocks.iter_mut().filter(|block| block.impacts) {
                     for batch in block.batches.iter_mut().filter(|batch| batch.impacts) {
-                        batch.end_impacts();
+                        batch.end_impacts(is_only);
                     }
                 }
             },
