@@ -58,24 +58,20 @@ impl<I: Instructions> Batch<I> {
     /// Whether any points approach faster, by more than `least` [m/s], than closes their gap in this substep. Those that have not followed
     /// their bodies do so first, if they could.
     #[inline(always)]
-    pub(crate) fn is_squeezed(
-        &mut self,
-        movers: &Movers,
-        sides: &Sides<I>,
-        (beat, least): (&Beat, f64),
-    ) -> bool {
+    pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
+        let sides = Sides::of(&self.sides(movers));
         // Most are slower than that, and their rows need not come from memory.
-        if !self.is_driven && !self.closing_at_most(sides).above(Single::splat(least * beat.dt)).any() {
+        if !self.is_driven && !self.closing_at_most(&sides).above(Single::splat(least * beat.dt)).any() {
             return false;
         }
-        self.wake_rows(movers, sides);
+        self.wake_rows(movers, &sides);
         let (shared, least, per_dt) =
             (self.shared_basis(), Single::splat(least), Single::splat(1.0 / beat.dt));
         let mut any = Mask::NONE;
         for at in 0..self.near_rows {
             let row = &self.rows[at];
             let most = row.gap.max(Single::ZERO) * per_dt + least;
-            any = any.or(row.is_there.and(self.point(at, shared).closing(sides).above(most)));
+            any = any.or(row.is_there.and(self.point(at, shared).closing(&sides).above(most)));
         }
         any.any()
     }

@@ -6,7 +6,7 @@ use crate::contact_rows::Beat;
 use crate::contact_sweep::{Given, Pass};
 use crate::lanes::{Instructions, LANES};
 use crate::manifold::ManifoldFinder;
-use crate::moving::{Movers, Sides};
+use crate::moving::Movers;
 use crate::regions::halves;
 use crate::threads;
 use crate::warm_start::Part;
@@ -223,8 +223,7 @@ impl<I: Instructions> Block<I> {
             |next| next.prefetch(movers, 0),
             #[inline(always)]
             |batch, given| {
-                let sides = Sides::of(&batch.sides(movers));
-                if batch.is_squeezed(movers, &sides, (beat, least)) {
+                if batch.is_squeezed(movers, beat, least) {
                     any = true;
                     batch.act(movers, beat, pass, given);
                 }
