@@ -3,15 +3,17 @@
 mod approach;
 mod axis;
 mod clip;
+mod eight;
 mod nearest;
 mod reduce;
 
+use crate::instructions::with_widest;
+use crate::settings::Width;
 pub(crate) use approach::hull_points;
-use axis::{
-    EdgeAxis, FaceAxis, Placement, Ridge, Spot, View, edge_axis, face_along, face_axis, gather_ridges,
-    least_of,
-};
+use axis::{EdgeAxis, FaceAxis, Placement, Ridge, View, edge_axis, face_axis, gather_ridges};
 use clip::{Corner, face_points};
+pub(crate) use eight::least_height;
+use eight::{RidgeColumns, face_along, inside, lowest_along};
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
 use nearest::{between_edges, nearest_points};
@@ -75,9 +77,10 @@ pub(crate) struct Room {
     pub(crate) spare: Vec<HullPoint>,
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
-    /// Of the vertices of a hull.
-    spots: Vec<Spot>,
+    /// See [`mark_within`](eight::mark_within).
+    sides_within: Vec<u8>,
     ridges: [Vec<Ridge>; 2],
+    ridge_columns: Vec<RidgeColumns>,
 }
 
 /// How much better an axis must be than the one before it in the order of preference, relative to the size of the smaller hull: what
@@ -101,14 +104,25 @@ pub(crate) struct HullPair<'a> {
     size: f64,
     /// Lengths that differ by less are equal [m].
     close: f64,
+    width: Width,
 }
 
 impl<'a> HullPair<'a> {
-    /// The smaller one is of `size` [m].
-    pub(crate) fn new(hulls: [&'a Hull; 2], first_from_second: &RigidTransform, size: f64) -> Self {
+    /// The smaller one is of `size` [m]; their faces and vertices are looked at with instructions of this width.
+    pub(crate) fn new(
+        hulls: [&'a Hull; 2],
+        first_from_second: &RigidTransform,
+        size: f64,
+        width: Width,
+    ) -> Self {
         let first_from_second = Placement::new(first_from_second);
         let second_from_first = first_from_second.inverse();
-        Self { hulls, first_from_second, second_from_first, size, close: PREFERENCE * size }
+        Self { hulls, first_from_second, second_from_first, size, close: PREFERENCE * size, width }
+    }
+
+    /// The frame of one, by its number, from that of the other.
+    fn own_from_other(&self, side: usize) -> &Placement {
+        if side == 0 { &self.first_from_second } else { &self.second_from_first }
     }
 
     /// In the first one's frame.
@@ -122,13 +136,11 @@ impl<'a> HullPair<'a> {
 
     /// The faces of each hull that the other is furthest away from; if that is more than `most` [m], how far they are apart at least.
     fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
-        let ([first, second], to_first, to_second) =
-            (self.hulls, &self.first_from_second, &self.second_from_first);
-        let of_first = face_axis(first, second, to_first, to_second, most);
+        let of_first = face_axis(self, 0);
         if of_first.separation > most {
             return Err(of_first.separation);
         }
-        let of_second = face_axis(second, first, to_second, to_first, most);
+        let of_second = face_axis(self, 1);
         if of_second.separation > most {
             return Err(of_second.separation);
         }
@@ -156,19 +168,22 @@ impl<'a> HullPair<'a> {
     /// How the two meet on the face whose normal is nearly this one, given as in [`HullPoint::normal`], if there is one and they overlap little,
     /// or no axis separates them clearly better. So what keeps its face is spared the search for it.
     fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
-        let [first, second] = self.hulls;
-        let (of_first, of_second) =
-            (face_along(first, -normal), face_along(second, self.second_from_first.direction(normal)));
+        // The face of each that looks most along it, and the better of the two.
+        let along = |side: usize, direction: DVec3| {
+            let hull = self.hulls[side];
+            let face = with_widest!(self.width, face_along(hull.columns(), direction));
+            (face, hull.planes()[face].normal.dot(direction))
+        };
+        let (of_first, of_second) = (along(0, -normal), along(1, self.second_from_first.direction(normal)));
         let is_of_first = of_first.1 >= of_second.1;
         let (face, cosine) = if is_of_first { of_first } else { of_second };
         if cosine < SAME_FACE {
             return None;
         }
-        let axis = if is_of_first {
-            FaceAxis::of_face(face, first, second, &self.first_from_second, &self.second_from_first)
-        } else {
-            FaceAxis::of_face(face, second, first, &self.second_from_first, &self.first_from_second)
-        };
+        let side = usize::from(!is_of_first);
+        let down = self.own_from_other(1 - side).direction(self.hulls[side].planes()[face].normal);
+        let vertex = with_widest!(self.width, lowest_along(self.hulls[1 - side].columns(), down));
+        let axis = FaceAxis::of_face(self, side, face, vertex);
         self.face_points(&[axis, axis], is_of_first, room);
         let normal = room.points.first()?.normal;
         // With its deepest point over the face: beside it they may be apart, and about to meet elsewhere.
@@ -201,7 +216,7 @@ impl<'a> HullPair<'a> {
         // Edges, if they are clearly better than faces.
         let within = self.furthest(axes, most, &room.points);
         gather_ridges(self, axes, within, room);
-        let of_edges = edge_axis(&room.ridges);
+        let of_edges = edge_axis(self, room);
         let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
         let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
         if gap > most {
@@ -276,7 +291,7 @@ impl<'a> HullPair<'a> {
         let center = sum / count;
         let centers = [center, self.second_from_first.point(center)];
         let inside =
-            |side: usize| least_of(self.hulls[side].planes(), |plane| -plane.distance(centers[side]));
+            |side: usize| with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]));
         -2.0 * inside(0).min(inside(1)) <= face + self.close
     }
 

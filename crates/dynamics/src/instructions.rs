@@ -42,6 +42,10 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync 
     fn mul_singles(a: Singles, b: Singles) -> Singles;
     fn div_singles(a: Singles, b: Singles) -> Singles;
     fn sqrt_singles(a: Singles) -> Singles;
+    /// The smaller ones; `b` where one is not a number, or both are equal.
+    fn min_singles(a: Singles, b: Singles) -> Singles;
+    /// The larger ones; `b` where one is not a number, or both are equal.
+    fn max_singles(a: Singles, b: Singles) -> Singles;
     fn above_singles(a: Singles, b: Singles) -> u8;
     fn select_singles(mask: u8, yes: Singles, no: Singles) -> Singles;
     /// To double precision.
@@ -147,6 +151,16 @@ impl Instructions for Scalar {
     one_by_one!(Singles: add_singles sub_singles mul_singles div_singles sqrt_singles above_singles select_singles);
 
     #[inline(always)]
+    fn min_singles(a: Singles, b: Singles) -> Singles {
+        Singles(each(|lane| if a.0[lane] < b.0[lane] { a.0[lane] } else { b.0[lane] }))
+    }
+
+    #[inline(always)]
+    fn max_singles(a: Singles, b: Singles) -> Singles {
+        Singles(each(|lane| if a.0[lane] > b.0[lane] { a.0[lane] } else { b.0[lane] }))
+    }
+
+    #[inline(always)]
     fn widen(a: Singles) -> Numbers {
         Numbers(each(|lane| f64::from(a.0[lane])))
     }
@@ -245,6 +259,8 @@ mod tests {
                 (I::mul_singles(c, d), Scalar::mul_singles(c, d)),
                 (I::div_singles(c, d), Scalar::div_singles(c, d)),
                 (I::sqrt_singles(c), Scalar::sqrt_singles(c)),
+                (I::min_singles(c, d), Scalar::min_singles(c, d)),
+                (I::max_singles(c, d), Scalar::max_singles(c, d)),
                 (I::select_singles(0b0110_1001, c, d), Scalar::select_singles(0b0110_1001, c, d)),
             ] {
                 assert_eq!(of, expected);

@@ -2,6 +2,7 @@
 
 pub(crate) use crate::instructions::{Instructions, Numbers, Singles};
 use crate::vector::Number;
+use frangible_geometry::Column;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -152,6 +153,24 @@ impl<I: Instructions> Lanes<I> {
 }
 
 impl<I: Instructions> Single<I> {
+    /// Eight numbers that lie side by side.
+    #[inline(always)]
+    pub(crate) fn of_column(column: &Column) -> Self {
+        Self(Singles(column.0), PhantomData)
+    }
+
+    /// One number in all lanes.
+    #[inline(always)]
+    pub(crate) fn same(value: f32) -> Self {
+        Self(Singles([value; LANES]), PhantomData)
+    }
+
+    /// In the order of the lanes.
+    #[inline(always)]
+    pub(crate) fn to_array(self) -> [f32; LANES] {
+        self.0.0
+    }
+
     /// Rows become columns.
     #[inline(always)]
     pub(crate) fn transposed(rows: [Singles; LANES]) -> [Self; LANES] {
@@ -188,13 +207,13 @@ impl<I: Instructions> Single<I> {
     /// The larger one; `other` where this is not a number.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        self.above(other).select(self, other)
+        Self(I::max_singles(self.0, other.0), PhantomData)
     }
 
     /// The smaller one; `other` where this is not a number.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        other.above(self).select(self, other)
+        Self(I::min_singles(self.0, other.0), PhantomData)
     }
 
     #[inline(always)]

@@ -6,6 +6,7 @@ use crate::detection::{deepest, radius, second_from_first};
 use crate::hull_contact::{HullPair, Room};
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::{Pair, placed};
+use crate::settings::Width;
 use crate::{Bodies, Pose};
 use frangible_geometry::RigidTransform;
 
@@ -62,7 +63,7 @@ fn separation(
             Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
         }
         [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            Some(HullPair::new([a, b], &first_from_second, size).separation(0.0, room))
+            Some(HullPair::new([a, b], &first_from_second, size, Width::Avx512).separation(0.0, room))
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
             let heights = hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));

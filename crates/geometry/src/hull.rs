@@ -2,6 +2,7 @@
 
 mod carve;
 mod clip;
+mod columns;
 mod distance;
 mod loops;
 mod net;
@@ -12,12 +13,14 @@ mod weld;
 
 pub use carve::Carver;
 pub use clip::Clipper;
+pub use columns::{COLUMN, Column, Columns};
 pub use of_points::HullError;
 pub use samples::hull_samples;
 pub use weld::weld_hulls;
 
 use crate::mesh::Tetrahedra;
 use crate::{HalfSpace, MassProperties, RigidTransform, Surface, TriMesh};
+use columns::LazyColumns;
 use glam::DVec3;
 use loops::Loops;
 use net::Net;
@@ -30,6 +33,7 @@ pub struct Hull {
     /// Of the faces.
     planes: Vec<HalfSpace>,
     net: Arc<Net>,
+    columns: LazyColumns,
 }
 
 /// A polygon of a hull.
@@ -70,7 +74,23 @@ impl Hull {
             face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]);
             face(-DVec3::AXES[axis], [0, v, u + v, u]);
         }
-        Self { vertices, planes, net: Arc::new(Net::of(&loops).unwrap_or_default()) }
+        Self::new(vertices, planes, Net::of(&loops).unwrap_or_default())
+    }
+
+    fn new(vertices: Vec<DVec3>, planes: Vec<HalfSpace>, net: Net) -> Self {
+        Self { vertices, planes, net: Arc::new(net), columns: LazyColumns::default() }
+    }
+
+    /// Its faces and vertices side by side.
+    #[inline]
+    pub fn columns(&self) -> &Columns {
+        self.columns.get_or_find(&self.vertices, &self.planes)
+    }
+
+    /// The same if they have been asked for before, for who asks for memory before it is needed.
+    #[inline]
+    pub fn known_columns(&self) -> Option<&Columns> {
+        self.columns.get()
     }
 
     /// [m]
@@ -143,6 +163,7 @@ impl Hull {
             vertices: self.vertices.iter().map(|&vertex| rotation * vertex + translation).collect(),
             planes: self.planes.iter().map(plane).collect(),
             net: self.net.clone(),
+            columns: LazyColumns::default(),
         }
     }
 
@@ -222,7 +243,7 @@ impl Hull {
         // Euler's formula tells a sphere from anything else that is closed.
         let net = Net::of(&loops)?;
         let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == net.edges().len() + 2;
-        is_sphere.then(|| Self { vertices: corners, planes, net: Arc::new(net) })
+        is_sphere.then(|| Self::new(corners, planes, net))
     }
 }
 

@@ -49,7 +49,7 @@ pub use compound::{Compound, Part};
 pub use grid::Grid;
 pub use grid_solid::{GridSolid, NoMass, Outline, Root};
 pub use half_space::HalfSpace;
-pub use hull::{Carver, Clipper, Hull, HullEdge, HullError, HullFace};
+pub use hull::{COLUMN, Carver, Clipper, Column, Columns, Hull, HullEdge, HullError, HullFace};
 pub use level_set::LevelSet;
 pub use mass_properties::MassProperties;
 pub use material::{Material, Run, Span};

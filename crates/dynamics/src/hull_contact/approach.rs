@@ -78,7 +78,7 @@ impl<'a> Approach<'a> {
             let [world_from_first, world_from_second] =
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
-            let pair = HullPair::new(self.hulls, &first_from_second, size);
+            let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
             let at_start = |apart: f64| (time == 0.0).then_some(apart);
             if time == 0.0
                 && let Some(contact) =

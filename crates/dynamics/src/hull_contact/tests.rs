@@ -34,7 +34,8 @@ struct Met {
 }
 
 fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> Met {
-    let (pair, mut room) = (HullPair::new([first, second], first_from_second, 1.0), Room::default());
+    let (pair, mut room) =
+        (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Room::default());
     let axes = pair.face_axes(10.0).unwrap();
     let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut room).unwrap();
     Met { normal, gap, points: room.points }

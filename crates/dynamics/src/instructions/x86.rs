@@ -173,7 +173,8 @@ instructions!(
         );
         arithmetic!(
             Singles, [__m128; 2],
-            add_singles _mm_add_ps, sub_singles _mm_sub_ps, mul_singles _mm_mul_ps, div_singles _mm_div_ps;
+            add_singles _mm_add_ps, sub_singles _mm_sub_ps, mul_singles _mm_mul_ps, div_singles _mm_div_ps,
+            min_singles _mm_min_ps, max_singles _mm_max_ps;
             sqrt_singles _mm_sqrt_ps,
             above_singles |a, b| _mm_movemask_ps(_mm_cmpgt_ps(a, b)) as u8,
             select_singles |mask, yes, no| {
@@ -212,7 +213,7 @@ instructions!(
         arithmetic!(
             Singles, [__m256; 1],
             add_singles _mm256_add_ps, sub_singles _mm256_sub_ps, mul_singles _mm256_mul_ps,
-            div_singles _mm256_div_ps; sqrt_singles _mm256_sqrt_ps,
+            div_singles _mm256_div_ps, min_singles _mm256_min_ps, max_singles _mm256_max_ps; sqrt_singles _mm256_sqrt_ps,
             above_singles |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a, b)) as u8,
             select_singles |mask, yes, no| {
                 let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
@@ -245,7 +246,7 @@ instructions!(
         arithmetic!(
             Singles, [__m256; 1],
             add_singles _mm256_add_ps, sub_singles _mm256_sub_ps, mul_singles _mm256_mul_ps,
-            div_singles _mm256_div_ps; sqrt_singles _mm256_sqrt_ps,
+            div_singles _mm256_div_ps, min_singles _mm256_min_ps, max_singles _mm256_max_ps; sqrt_singles _mm256_sqrt_ps,
             above_singles |a, b| _mm256_cmp_ps_mask::<_CMP_GT_OQ>(a, b),
             select_singles |mask, yes, no| _mm256_mask_blend_ps(mask, no, yes)
         );

@@ -3,7 +3,7 @@
 use crate::instructions::prefetch;
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::Pair;
-use frangible_geometry::{Hull, Shape};
+use frangible_geometry::{Columns, Hull, Shape};
 use std::slice::from_ref;
 
 /// What a body is to those it meets.
@@ -65,6 +65,7 @@ impl<'a> Ahead<'a> {
             prefetch(hull.vertices());
             prefetch(hull.planes());
             prefetch(hull.net());
+            prefetch(hull.known_columns().map_or(&[], Columns::all));
         }
         for hull in hulls(2 * STEP).into_iter().flatten() {
             prefetch(hull.edges());

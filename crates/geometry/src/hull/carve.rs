@@ -5,7 +5,6 @@ use super::net::{HalfEdges, NetBuilder, Side};
 use super::{Hull, HullEdge};
 use crate::HalfSpace;
 use glam::DVec3;
-use std::sync::Arc;
 
 /// Nothing, in lists of indices.
 const NONE: u32 = u32::MAX;
@@ -253,7 +252,7 @@ impl<'a> Carver<'a> {
             let [a, b] = edge.vertices.map(|vertex| vertices[vertex as usize]);
             a.distance_squared(b) >= least
         };
-        net.edges().iter().all(is_long).then(|| Hull { vertices, planes, net: Arc::new(net) })
+        net.edges().iter().all(is_long).then(|| Hull::new(vertices, planes, net))
     }
 }
 

@@ -62,7 +62,7 @@ impl Hull {
         // A direction that the planes before have nearly used up would carry the vertex far away.
         const LEAST_FREEDOM: f64 = 0.01;
         let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
-        let Self { vertices, planes, net } = &mut self;
+        let Self { vertices, planes, net, .. } = &mut self;
         for (face, plane) in planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3) {
             for &vertex in net.corners(face) {
                 // Along this the vertex leaves none of the planes that it is on already.

@@ -4,7 +4,6 @@ use super::{Clipper, Hull, loops::Loops, net::Net};
 use crate::HalfSpace;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 /// Parts into which a ball's polyhedron divides the edges of an icosahedron. With two there are 42 faces and 80 vertices, all within
 /// 4.4 % of the radius from the sphere; with three 92 and 180 within 1.8 %, which doubles what a break and a contact cost.
@@ -49,17 +48,14 @@ impl Hull {
             let around = (0..CYLINDER_SIDES).map(|side| 2 * side + u32::from(top));
             if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
         }
-        Self { vertices, planes, net: Arc::new(Net::of(&loops).unwrap_or_default()) }
+        Self::new(vertices, planes, Net::of(&loops).unwrap_or_default())
     }
 
     /// Larger by a factor, all faces outer ones.
     fn scaled(self, factor: f64) -> Self {
         let plane = |plane: &HalfSpace| HalfSpace { offset: factor * plane.offset, ..*plane };
-        Self {
-            vertices: self.vertices.iter().map(|&vertex| factor * vertex).collect(),
-            planes: self.planes.iter().map(plane).collect(),
-            net: Arc::new(self.net.all_outer()),
-        }
+        let vertices = self.vertices.iter().map(|&vertex| factor * vertex).collect();
+        Self::new(vertices, self.planes.iter().map(plane).collect(), self.net.all_outer())
     }
 }
 
