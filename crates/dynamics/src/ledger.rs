@@ -11,7 +11,7 @@ use crate::bodies::PerBody;
 use crate::evolve::accelerate;
 use crate::islands::Islands;
 use crate::pair::Pair;
-use crate::payment::pay;
+use crate::payment::{pay, restrain};
 use crate::take_out::take_out;
 use crate::tally::Debt;
 use crate::threads;
@@ -126,6 +126,13 @@ pub(crate) enum Anchor {
     Fixed,
 }
 
+impl Anchor {
+    /// A body that impulses do not move.
+    pub(crate) fn of(bodies: &Bodies, i: usize) -> Self {
+        if matches!(bodies.motions[i], Motion::Kinematic { .. }) { Self::Kinematic(i) } else { Self::Fixed }
+    }
+}
+
 impl Ledger {
     /// All that is in the banks [J].
     pub fn bank(&self) -> f64 {
@@ -168,11 +175,20 @@ impl Ledger {
             };
             balance.islands += 1;
 
-            // The contacts that gave the energy pay first; what they have not, the island pays.
+            // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
+            let work_before = tally.causes.work;
+            let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
+            let is_restrained = frame.settings.ledger && restrain(bodies, &debts, frame, tally);
             let mut after = before;
-            if let Some(excess) = too_much(before, &island) {
+            if is_restrained {
+                island.allowance += tally.causes.work - work_before;
+                after = total(bodies, &island.members);
+            }
+
+            // The contacts that gave the energy pay first; what they have not, the island pays.
+            let excess = too_much(after, &island);
+            if let Some(excess) = excess {
                 let work_before = tally.causes.work;
-                let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
                 pay(bodies, &debts, excess, tally);
                 island.allowance += tally.causes.work - work_before;
                 if let Some(excess) = too_much(total(bodies, &island.members), &island) {
@@ -183,6 +199,8 @@ impl Ledger {
                     balance.paid += 1;
                 }
                 after = total(bodies, &island.members);
+            }
+            if is_restrained || excess.is_some() {
                 let removed = before + (tally.causes.work - work_before) - after;
                 balance.removed += removed;
                 tally.causes.balance -= removed;
@@ -281,10 +299,7 @@ pub(crate) fn work_on(work: &BTreeMap<[BodyId; 2], f64>, ids: &[BodyId]) -> f64 
 fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
     match held {
         Held::ByNothing => Anchor::Free,
-        Held::By(id) => match bodies.index_of(id) {
-            Some(i) if matches!(bodies.motions[i], Motion::Kinematic { .. }) => Anchor::Kinematic(i),
-            _ => Anchor::Fixed,
-        },
+        Held::By(id) => bodies.index_of(id).map_or(Anchor::Fixed, |i| Anchor::of(bodies, i)),
         Held::ByMany => Anchor::Fixed,
     }
 }

@@ -1,9 +1,11 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative velocity, before the island has to.
 
 use crate::detection::ContactPoint;
+use crate::ledger::Anchor;
 use crate::pair::{Approach, Pair, PairImpulse, approach_at, pair_contact_matrix};
+use crate::take_out::{relative_energy, slow_down};
 use crate::tally::{Debt, kinematic_work};
-use crate::{Bodies, Tally};
+use crate::{Bodies, Frame, Motion, Tally};
 use glam::DVec3;
 
 /// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its relative velocity has it. Impulses at the
@@ -18,6 +20,51 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
         let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
         pay_at(bodies, Pair { first, second }, debt.point, part * debt.energy, tally);
     }
+}
+
+/// Lets each debtor pay of which the bodies move so fast against each other that there is more energy in it than the lighter one may bank: no more than its
+/// debt, down to that. A chip that the ground presses against a block would squirt out at 20 m/s, on what the whole heap has banked. Tells whether any did.
+pub(crate) fn restrain(bodies: &mut Bodies, debts: &[Debt], frame: &Frame, tally: &mut Tally) -> bool {
+    let mut any = false;
+    for debt in debts {
+        let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
+        let inverse_mass = |i: usize| bodies.inertias[i].inverse_mass;
+        let most = frame.settings.bank_cap / inverse_mass(first).max(inverse_mass(second));
+        if debt.energy <= most || !may_move_with(bodies, Pair { first, second }, most) {
+            continue;
+        }
+        let is_mobile = |i: &usize| !bodies.inertias[*i].is_infinite();
+        let members: Vec<usize> = [first, second].into_iter().filter(is_mobile).collect();
+        let anchor = match [first, second].into_iter().find(|i| !is_mobile(i)) {
+            None => Anchor::Free,
+            Some(i) => Anchor::of(bodies, i),
+        };
+        let over = relative_energy(bodies, (&members, anchor)) - most;
+        if over > 0.0 {
+            slow_down(bodies, (&members, anchor), over.min(debt.energy), tally);
+            any = true;
+        }
+    }
+    any
+}
+
+/// Whether there may be more than `most` [J] in what a pair moves against each other: not if there is no more in it as seen from the heavier one, with all that it turns.
+fn may_move_with(bodies: &Bodies, Pair { first, second }: Pair, most: f64) -> bool {
+    let linear = |i: usize| match bodies.motions[i] {
+        Motion::Static => DVec3::ZERO,
+        Motion::Kinematic { linear, .. } => linear,
+        Motion::Dynamic => bodies.velocities[i].linear,
+    };
+    let turning = |i: usize| {
+        let inverse = bodies.inertias[i].inverse_moments.max_element();
+        if inverse > 0.0 { inverse * bodies.velocities[i].angular_momentum.length_squared() } else { 0.0 }
+    };
+    let turns = [first, second]
+        .iter()
+        .any(|&i| matches!(bodies.motions[i], Motion::Kinematic { angular, .. } if angular != DVec3::ZERO));
+    let lightest = bodies.inertias[first].inverse_mass.max(bodies.inertias[second].inverse_mass);
+    let squared = (linear(first) - linear(second)).length_squared() / lightest;
+    turns || 0.5 * (squared + turning(first) + turning(second)) > most
 }
 
 /// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
@@ -57,4 +104,105 @@ fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVe
     let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
     let k = pair_contact_matrix(pair, approach.levers, &bodies.poses, &bodies.inertias);
     (approach, -(k.inverse() * approach.relative_velocity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BodyId, Contactant, NewBody, Pose, StepSettings, Velocity};
+    use frangible_geometry::{ClosedForm, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    fn frame() -> Frame {
+        Frame { dt: 1.0 / 30.0, gravity: DVec3::ZERO, settings: StepSettings::default() }
+    }
+
+    /// A fast chip, and a block that moves in some way.
+    fn chip_and_block(motion: Motion) -> Bodies {
+        let mut bodies = Bodies::default();
+        for (half, motion, position, linear, angular_momentum) in [
+            (0.05, Motion::Dynamic, DVec3::ZERO, DVec3::new(11.0, 18.0, 1.0), DVec3::new(0.1, 0.3, -0.2)),
+            (0.5, motion, DVec3::new(0.1, -0.55, 0.0), DVec3::X, DVec3::ZERO),
+        ] {
+            bodies.spawn(NewBody {
+                shape: Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(half) }, 0.1)),
+                density: 2000.0,
+                motion,
+                pose: Pose { position, orientation: DQuat::from_rotation_z(half) },
+                velocity: Velocity { linear, angular_momentum },
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        bodies
+    }
+
+    fn debt(ids: &[BodyId], energy: f64) -> Debt {
+        Debt { ids: [ids[0], ids[1]], point: DVec3::new(0.0, -0.05, 0.0), energy }
+    }
+
+    fn momenta(bodies: &Bodies) -> (DVec3, DVec3) {
+        let of = |i: usize| {
+            let momentum = bodies.masses[i] * bodies.velocities[i].linear;
+            let spin = bodies.velocities[i].angular_momentum;
+            (momentum, bodies.poses[i].position.cross(momentum) + spin)
+        };
+        let mobile = (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite());
+        mobile.map(of).fold((DVec3::ZERO, DVec3::ZERO), |(p, l), (dp, dl)| (p + dp, l + dl))
+    }
+
+    fn kinetic_energy(bodies: &Bodies) -> f64 {
+        let of = |i: usize| {
+            let Velocity { linear, angular_momentum } = bodies.velocities[i];
+            0.5 * bodies.masses[i] * linear.length_squared()
+                + bodies.inertias[i].rotational_energy(bodies.poses[i].orientation, angular_momentum)
+        };
+        (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
+    }
+
+    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken; whatever the block is, what comes from outside is told: momenta and energy
+    /// change by that, and by what was paid.
+    #[test]
+    fn what_a_contact_gave_flings_nothing() {
+        let moving =
+            Motion::Kinematic { linear: DVec3::new(1.0, 0.2, 0.0), angular: DVec3::new(0.0, 0.1, 0.0) };
+        for motion in [Motion::Static, moving, Motion::Dynamic] {
+            for (gave, paid) in [(1e4, None), (5.0, Some(5.0)), (0.1, Some(0.0))] {
+                let mut bodies = chip_and_block(motion);
+                let debt = debt(&bodies.ids, gave);
+                let (before, energy) = (momenta(&bodies), kinetic_energy(&bodies));
+                let mut tally = Tally::default();
+                let has_paid = restrain(&mut bodies, &[debt], &frame(), &mut tally);
+                assert_eq!(has_paid, paid != Some(0.0));
+
+                let after = momenta(&bodies);
+                let [given, turned] = [after.0 - before.0, after.1 - before.1];
+                assert!((given - tally.outside_impulse).length() < 1e-11, "{motion:?} {given}");
+                assert!((turned - tally.outside_angular_impulse).length() < 1e-11, "{motion:?} {turned}");
+                let lost = energy + tally.causes.work - kinetic_energy(&bodies);
+                match paid {
+                    Some(paid) => assert!((lost - paid).abs() < 1e-9, "{motion:?} {lost} {paid}"),
+                    None => {
+                        let (chip, block) = (0, 1);
+                        let anchor =
+                            if motion == Motion::Dynamic { Anchor::Free } else { Anchor::of(&bodies, block) };
+                        let members: &[usize] = if anchor == Anchor::Free { &[chip, block] } else { &[chip] };
+                        let left = relative_energy(&bodies, (members, anchor));
+                        let most = frame().settings.bank_cap * bodies.masses[chip];
+                        assert!((left - most).abs() < 1e-9, "{motion:?} {left} {most}");
+                        assert!(lost > 400.0 && lost < gave);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What moves along with a block is not slowed down, however fast the block is.
+    #[test]
+    fn what_moves_along_goes_on() {
+        let mut bodies = chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
+        bodies.velocities[0] = Velocity { linear: 20.0 * DVec3::X, angular_momentum: DVec3::ZERO };
+        let debt = debt(&bodies.ids, 1e4);
+        assert!(!restrain(&mut bodies, &[debt], &frame(), &mut Tally::default()));
+    }
 }

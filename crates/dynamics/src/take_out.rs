@@ -22,7 +22,7 @@ pub(crate) fn take_out(
 ) -> bool {
     // Scale the relative velocities so that the excess is gone, or stop them and shorten the displacements.
     let before = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
-    let rigid = rigid_part(bodies, island, &bodies.poses, before);
+    let rigid = rigid_part(bodies, (&island.members, island.anchor), &bodies.poses, before);
     let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, &island.members);
     let shortened = excess > relative;
     if shortened {
@@ -32,29 +32,55 @@ pub(crate) fn take_out(
         island.allowance -= undone;
         tally.causes.work -= undone;
         shorten(bodies, island, flight, before, frame);
-    } else {
-        let scale = (1.0 - excess / relative).sqrt();
-        let mut velocities = std::mem::take(&mut bodies.velocities);
-        rigid.scale_relative(bodies, &bodies.poses, &mut velocities, &island.members, scale);
-        bodies.velocities = velocities;
-    }
-
-    // What holds or carries the island gave it the change of its momenta, and did work by it.
-    if island.anchor != Anchor::Free {
-        let after = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
-        let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
-        tally.outside_impulse += impulse;
-        tally.outside_angular_impulse += moment;
-        let work = if shortened {
+        if island.anchor != Anchor::Free {
             let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
-            rigid.work(after.0 - flown.0, after.1 - flown.1)
-        } else {
-            rigid.work(impulse, moment)
-        };
-        tally.causes.work += work;
-        island.allowance += work;
+            island.allowance += book_anchor(bodies, &island.members, (&rigid, before), flown, tally);
+        }
+    } else {
+        island.allowance += slow_down(bodies, (&island.members, island.anchor), excess, tally);
     }
     shortened
+}
+
+/// The energy of some bodies relative to the rigid motion that they keep [J].
+pub(crate) fn relative_energy(bodies: &Bodies, (members, anchor): (&[usize], Anchor)) -> f64 {
+    let momenta = momenta(bodies, &bodies.poses, &bodies.velocities, members);
+    let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, momenta);
+    rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members)
+}
+
+/// Takes `energy` [J], no more than there is, out of the velocities of some bodies relative to the rigid motion that they keep, and books what their anchor
+/// has to do with it. Returns the work that this did [J].
+pub(crate) fn slow_down(
+    bodies: &mut Bodies,
+    (members, anchor): (&[usize], Anchor),
+    energy: f64,
+    tally: &mut Tally,
+) -> f64 {
+    let before = momenta(bodies, &bodies.poses, &bodies.velocities, members);
+    let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, before);
+    let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members);
+    let scale = (1.0 - energy / relative).max(0.0).sqrt();
+    let mut velocities = std::mem::take(&mut bodies.velocities);
+    rigid.scale_relative(bodies, &bodies.poses, &mut velocities, members, scale);
+    bodies.velocities = velocities;
+    if anchor == Anchor::Free { 0.0 } else { book_anchor(bodies, members, (&rigid, before), before, tally) }
+}
+
+/// What holds or carries some bodies gave them the change of their momenta since `before`, and did work by that since `from`. Returns the work [J].
+fn book_anchor(
+    bodies: &Bodies,
+    members: &[usize],
+    (rigid, before): (&Twist, (DVec3, DVec3)),
+    from: (DVec3, DVec3),
+    tally: &mut Tally,
+) -> f64 {
+    let after = momenta(bodies, &bodies.poses, &bodies.velocities, members);
+    tally.outside_impulse += after.0 - before.0;
+    tally.outside_angular_impulse += after.1 - before.1;
+    let work = rigid.work(after.0 - from.0, after.1 - from.1);
+    tally.causes.work += work;
+    work
 }
 
 /// Linear and angular momentum, the latter about the world's origin.
@@ -68,15 +94,15 @@ fn momenta(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], members: &[
     sums
 }
 
-/// The rigid motion that an island keeps, with the bodies at `poses`.
+/// The rigid motion that an island, or some bodies, keep, with the bodies at `poses`.
 fn rigid_part(
     bodies: &Bodies,
-    island: &Island,
+    (members, anchor): (&[usize], Anchor),
     poses: &[Pose],
     (momentum, angular_momentum): (DVec3, DVec3),
 ) -> Twist {
-    match island.anchor {
-        Anchor::Free => Twist::of_momentum(bodies, poses, &island.members, momentum, angular_momentum),
+    match anchor {
+        Anchor::Free => Twist::of_momentum(bodies, poses, members, momentum, angular_momentum),
         Anchor::Fixed => Twist::default(),
         Anchor::Kinematic(i) => match bodies.motions[i] {
             Motion::Kinematic { linear, angular } => Twist { origin: poses[i].position, linear, angular },
@@ -101,7 +127,7 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
     // The energy of the rigid motion, less the work that its anchor does to bring it about.
     let mut velocities = bodies.velocities.clone();
     let mut rigid_energy = |poses: &[Pose]| -> f64 {
-        let rigid = rigid_part(bodies, island, poses, present);
+        let rigid = rigid_part(bodies, (&island.members, island.anchor), poses, present);
         let mut total = 0.0;
         for &i in &island.members {
             velocities[i] = rigid.velocity_of(bodies, poses, i);
@@ -138,7 +164,7 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
         }
     }
     place(&mut poses, low.0);
-    let rigid = rigid_part(bodies, island, &poses, present);
+    let rigid = rigid_part(bodies, (&island.members, island.anchor), &poses, present);
     for &i in &island.members {
         bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);
     }
