@@ -1,4 +1,5 @@
-//! Faces and vertices of hulls, eight at a time in single precision: which of them is the one. How far that is, is then found in double precision.
+//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7 of their size: which of them is the one. How far that is, is
+//! then measured in double precision where it matters.
 
 use super::axis::{PARALLEL, Placement, Ridge};
 use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Three};
@@ -65,7 +66,7 @@ pub(super) fn lowest_along<I: Instructions>(hull: &Columns, up: DVec3) -> usize 
     lowest
 }
 
-/// A lower bound of how far inside of a hull a point is [m].
+/// How far inside of a hull a point is, outside negative [m].
 pub(super) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
     let lever = point - hull.middle;
     let mut highest = f32::NEG_INFINITY;
@@ -181,7 +182,7 @@ fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
     Single::ZERO.above(numbers)
 }
 
-/// A lower bound of how high above a plane through the origin a hull is [m].
+/// How high above the plane through the frame's origin across a unit vector all of a hull is [m].
 pub(crate) fn least_height<I: Instructions>(hull: &Columns, up: DVec3) -> f64 {
     let mut least = f32::INFINITY;
     I::run(

@@ -127,6 +127,49 @@ fn corners_that_face_each_other_are_nearest() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Eight at a time, in every width, the face, the vertex and the depth are those that one after the other finds in double precision: also of balls of 42
+    /// faces, and of hulls far from their frame's origin.
+    #[test]
+    fn eight_at_a_time_finds_what_one_by_one_does(
+        rock in hull(), shift in vector(1.5), turn in vector(3.0), is_ball in any::<bool>(), origin in vector(50.0),
+    ) {
+        const CLOSE: f64 = 1e-5;
+        let hulls = [if is_ball { Hull::ball(0.4) } else { Hull::cuboid(DVec3::new(0.3, 0.4, 0.5)) }, rock];
+        let away = [at(origin, turn), RigidTransform::new(DQuat::IDENTITY, DVec3::ZERO)];
+        let hulls = [hulls[0].transformed(&away[0]), hulls[1].transformed(&away[1])];
+        let first_from_second = at(origin + shift, turn);
+        let height = |plane: &HalfSpace| {
+            let heights = hulls[1].vertices().iter().map(|&vertex| plane.distance(first_from_second.point(vertex)));
+            heights.fold(f64::INFINITY, f64::min)
+        };
+        let furthest = hulls[0].planes().iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        let along = turn.normalize_or(DVec3::X);
+        let least = hulls[1].vertices().iter().map(|vertex| vertex.dot(along)).fold(f64::INFINITY, f64::min);
+        let point = origin + 0.1 * shift;
+        let depth = hulls[0].planes().iter().map(|plane| -plane.distance(point)).fold(f64::INFINITY, f64::min);
+
+        for width in [Width::Scalar, Width::Sse2, Width::Avx2, Width::Avx512] {
+            let pair = HullPair::new([&hulls[0], &hulls[1]], &first_from_second, 0.5, width);
+            let axis = face_axis(&pair, 0);
+            prop_assert!((axis.separation - furthest).abs() < CLOSE, "{} {furthest}", axis.separation);
+            let lowest = first_from_second.point(hulls[1].vertices()[axis.vertex]);
+            prop_assert!((hulls[0].planes()[axis.face].distance(lowest) - axis.separation).abs() < 1e-12);
+
+            let [first, second] = [hulls[0].columns(), hulls[1].columns()];
+            let vertex = with_widest!(width, lowest_along(second, along));
+            prop_assert!(hulls[1].vertices()[vertex].dot(along) - least < CLOSE);
+            prop_assert!((with_widest!(width, least_height(second, along)) - least).abs() < CLOSE);
+            prop_assert!((with_widest!(width, inside(first, point)) - depth).abs() < CLOSE);
+            let face = with_widest!(width, face_along(first, along));
+            let most = hulls[0].planes().iter().map(|plane| plane.normal.dot(along)).fold(-1.0, f64::max);
+            prop_assert!(most - hulls[0].planes()[face].normal.dot(along) < CLOSE);
+        }
+    }
+}
+
+proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     /// Overlapping hulls have points, and moved apart along the normal by their depth they overlap no more. Hulls that are
