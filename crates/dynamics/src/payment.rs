@@ -33,15 +33,19 @@ pub(crate) fn restrain(bodies: &mut Bodies, debts: &[Debt], frame: &Frame, tally
         if debt.energy <= most || !may_move_with(bodies, Pair { first, second }, most) {
             continue;
         }
-        let is_mobile = |i: &usize| !bodies.inertias[*i].is_infinite();
-        let members: Vec<usize> = [first, second].into_iter().filter(is_mobile).collect();
-        let anchor = match [first, second].into_iter().find(|i| !is_mobile(i)) {
-            None => Anchor::Free,
-            Some(i) => Anchor::of(bodies, i),
+        let outside = [first, second].into_iter().find(|&i| bodies.inertias[i].is_infinite());
+        let mobile = if outside == Some(first) { second } else { first };
+        let both = [first, second];
+        let (members, anchor) = match outside {
+            None => (&both[..], Anchor::Free),
+            Some(i) => (std::slice::from_ref(&mobile), Anchor::of(bodies, i)),
         };
-        let over = relative_energy(bodies, (&members, anchor)) - most;
+        let over = relative_energy(bodies, (members, anchor)) - most;
         if over > 0.0 {
-            slow_down(bodies, (&members, anchor), over.min(debt.energy), tally);
+            let (change, work) = slow_down(bodies, (members, anchor), over.min(debt.energy));
+            if let Some(outside) = outside {
+                tally.book_outside(bodies, [mobile, outside], change, work);
+            }
             any = true;
         }
     }

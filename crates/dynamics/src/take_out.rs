@@ -32,12 +32,24 @@ pub(crate) fn take_out(
         island.allowance -= undone;
         tally.causes.work -= undone;
         shorten(bodies, island, flight, before, frame);
-        if island.anchor != Anchor::Free {
-            let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
-            island.allowance += book_anchor(bodies, &island.members, (&rigid, before), flown, tally);
-        }
     } else {
-        island.allowance += slow_down(bodies, (&island.members, island.anchor), excess, tally);
+        slow_down(bodies, (&island.members, island.anchor), excess);
+    }
+
+    // What holds or carries the island gave it the change of its momenta, and did work by it.
+    if island.anchor != Anchor::Free {
+        let after = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
+        let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
+        tally.outside_impulse += impulse;
+        tally.outside_angular_impulse += moment;
+        let work = if shortened {
+            let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+            rigid.work(after.0 - flown.0, after.1 - flown.1)
+        } else {
+            rigid.work(impulse, moment)
+        };
+        tally.causes.work += work;
+        island.allowance += work;
     }
     shortened
 }
@@ -49,14 +61,13 @@ pub(crate) fn relative_energy(bodies: &Bodies, (members, anchor): (&[usize], Anc
     rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members)
 }
 
-/// Takes `energy` [J], no more than there is, out of the velocities of some bodies relative to the rigid motion that they keep, and books what their anchor
-/// has to do with it. Returns the work that this did [J].
+/// Takes `energy` [J], or all there is, out of the velocities of some bodies relative to the rigid motion that they keep. Returns what their momenta change by, linear
+/// and angular about the world's origin, and the work that their anchor does by that, if they have one [J].
 pub(crate) fn slow_down(
     bodies: &mut Bodies,
     (members, anchor): (&[usize], Anchor),
     energy: f64,
-    tally: &mut Tally,
-) -> f64 {
+) -> ((DVec3, DVec3), f64) {
     let before = momenta(bodies, &bodies.poses, &bodies.velocities, members);
     let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, before);
     let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members);
@@ -64,23 +75,9 @@ pub(crate) fn slow_down(
     let mut velocities = std::mem::take(&mut bodies.velocities);
     rigid.scale_relative(bodies, &bodies.poses, &mut velocities, members, scale);
     bodies.velocities = velocities;
-    if anchor == Anchor::Free { 0.0 } else { book_anchor(bodies, members, (&rigid, before), before, tally) }
-}
-
-/// What holds or carries some bodies gave them the change of their momenta since `before`, and did work by that since `from`. Returns the work [J].
-fn book_anchor(
-    bodies: &Bodies,
-    members: &[usize],
-    (rigid, before): (&Twist, (DVec3, DVec3)),
-    from: (DVec3, DVec3),
-    tally: &mut Tally,
-) -> f64 {
     let after = momenta(bodies, &bodies.poses, &bodies.velocities, members);
-    tally.outside_impulse += after.0 - before.0;
-    tally.outside_angular_impulse += after.1 - before.1;
-    let work = rigid.work(after.0 - from.0, after.1 - from.1);
-    tally.causes.work += work;
-    work
+    let change = (after.0 - before.0, after.1 - before.1);
+    (change, rigid.work(change.0, change.1))
 }
 
 /// Linear and angular momentum, the latter about the world's origin.
