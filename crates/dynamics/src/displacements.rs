@@ -57,7 +57,7 @@ impl Displacements {
             let indices = [pair.first, pair.second];
             if gain.energy > 0.0 {
                 let ids = indices.map(|i| bodies.ids[i]);
-                tally.debts.push(Debt { ids, point: gain.point, energy: gain.energy });
+                tally.debts.push(Debt { ids, point: gain.point, energy: gain.energy, net: 0.0 });
             }
             if indices.iter().any(|&i| bodies.inertias[i].is_infinite()) {
                 tally.outside_angular_impulse += gain.angular_momentum;

@@ -78,7 +78,7 @@ pub(crate) struct Room {
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
     /// See [`mark_within`](eight::mark_within).
-    sides_within: Vec<u8>,
+    marks: Vec<u8>,
     ridges: [Vec<Ridge>; 2],
     ridge_columns: Vec<RidgeColumns>,
 }
@@ -181,8 +181,8 @@ impl<'a> HullPair<'a> {
             return None;
         }
         let side = usize::from(!is_of_first);
-        let down = self.own_from_other(1 - side).direction(self.hulls[side].planes()[face].normal);
-        let vertex = with_widest!(self.width, lowest_along(self.hulls[1 - side].columns(), down));
+        let up = self.own_from_other(1 - side).direction(self.hulls[side].planes()[face].normal);
+        let vertex = with_widest!(self.width, lowest_along(self.hulls[1 - side].columns(), up));
         let axis = FaceAxis::of_face(self, side, face, vertex);
         self.face_points(&[axis, axis], is_of_first, room);
         let normal = room.points.first()?.normal;

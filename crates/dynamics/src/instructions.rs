@@ -268,6 +268,13 @@ mod tests {
             assert_eq!(I::above(a, b), Scalar::above(a, b));
             assert_eq!(I::above_singles(c, d), Scalar::above_singles(c, d));
             assert!(![0, u8::MAX].contains(&I::above_singles(c, d)));
+
+            // Also of zeros of both signs, equal numbers and what is none.
+            let odd = Singles([0.0, -0.0, 1.0, f32::NAN, 2.0, f32::INFINITY, -0.0, f32::NAN]);
+            let other = Singles([-0.0, 0.0, 1.0, 3.0, f32::NAN, 4.0, -0.0, f32::NAN]);
+            let bits = |singles: Singles| singles.0.map(f32::to_bits);
+            assert_eq!(bits(I::min_singles(odd, other)), bits(Scalar::min_singles(odd, other)));
+            assert_eq!(bits(I::max_singles(odd, other)), bits(Scalar::max_singles(odd, other)));
         }
         check::<Scalar>();
         #[cfg(target_arch = "x86_64")]

@@ -1,8 +1,8 @@
 //! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus the work done on it.
 //!
 //! Whatever contact, position correction and shock propagation did, the island's energy E' is compared with what it may have: its
-//! energy at the frame's start, the work of kinematic bodies, and what is left in its bank. Contacts that gave too much pay it back
-//! first; what is left is taken from the velocities
+//! energy at the frame's start, the work of kinematic bodies, and what is left in its bank. Contacts whose light bodies would be flung by what they gave are
+//! restrained in any case; those that gave too much pay it back first; what is left is taken from the velocities
 //! relative to the island's rigid part, and, if that is not enough, from the displacements off the ballistic path; at the
 //! end of both lies the flight after collisions, whose energy is no more than it was by construction. The bank holds a little of what
 //! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
@@ -39,7 +39,7 @@ pub struct Balance {
     pub scaled: u64,
     /// Islands whose displacements were shortened.
     pub shortened: u64,
-    /// Energy that was taken out, by payment, scaling or shortening [J].
+    /// Energy that was taken out, by restraint, payment, scaling or shortening [J].
     pub removed: f64,
 }
 
@@ -177,8 +177,9 @@ impl Ledger {
 
             // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
             let work_before = tally.causes.work;
-            let debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
-            let is_restrained = frame.settings.ledger && restrain(bodies, &debts, frame, tally);
+            let mut debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
+            let is_sound = frame.settings.ledger && before.is_finite();
+            let is_restrained = is_sound && restrain(bodies, &mut debts, frame, tally);
             let mut after = before;
             if is_restrained {
                 island.allowance += tally.causes.work - work_before;

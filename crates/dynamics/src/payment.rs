@@ -22,15 +22,17 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
     }
 }
 
-/// Lets each debtor pay of which the bodies move so fast against each other that there is more energy in it than the lighter one may bank: no more than its
-/// debt, down to that. A chip that the ground presses against a block would squirt out at 20 m/s, on what the whole heap has banked. Tells whether any did.
-pub(crate) fn restrain(bodies: &mut Bodies, debts: &[Debt], frame: &Frame, tally: &mut Tally) -> bool {
+/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than that is left in its relative motion, and by no more than the
+/// contact gave, nor than all contacts of the lighter body gave between them. A chip that the ground presses against a block would squirt out at 20 m/s, on
+/// what the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
+pub(crate) fn restrain(bodies: &mut Bodies, debts: &mut [Debt], frame: &Frame, tally: &mut Tally) -> bool {
     let mut any = false;
     for debt in debts {
         let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
         let inverse_mass = |i: usize| bodies.inertias[i].inverse_mass;
         let most = frame.settings.bank_cap / inverse_mass(first).max(inverse_mass(second));
-        if debt.energy <= most || !may_move_with(bodies, Pair { first, second }, most) {
+        let gave = debt.energy.min(debt.net);
+        if gave <= most || !may_move_with(bodies, Pair { first, second }, most) {
             continue;
         }
         let outside = [first, second].into_iter().find(|&i| bodies.inertias[i].is_infinite());
@@ -42,17 +44,19 @@ pub(crate) fn restrain(bodies: &mut Bodies, debts: &[Debt], frame: &Frame, tally
         };
         let over = relative_energy(bodies, (members, anchor)) - most;
         if over > 0.0 {
-            let (change, work) = slow_down(bodies, (members, anchor), over.min(debt.energy));
+            let paid = over.min(gave);
+            let (change, work) = slow_down(bodies, (members, anchor), paid);
             if let Some(outside) = outside {
                 tally.book_outside(bodies, [mobile, outside], change, work);
             }
+            debt.energy -= paid;
             any = true;
         }
     }
     any
 }
 
-/// Whether there may be more than `most` [J] in what a pair moves against each other: not if there is no more in it as seen from the heavier one, with all that it turns.
+/// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the lighter body as seen from the heavier one, and both spins.
 fn may_move_with(bodies: &Bodies, Pair { first, second }: Pair, most: f64) -> bool {
     let linear = |i: usize| match bodies.motions[i] {
         Motion::Static => DVec3::ZERO,
@@ -142,7 +146,7 @@ mod tests {
     }
 
     fn debt(ids: &[BodyId], energy: f64) -> Debt {
-        Debt { ids: [ids[0], ids[1]], point: DVec3::new(0.0, -0.05, 0.0), energy }
+        Debt { ids: [ids[0], ids[1]], point: DVec3::new(0.0, -0.05, 0.0), energy, net: energy }
     }
 
     fn momenta(bodies: &Bodies) -> (DVec3, DVec3) {
@@ -164,19 +168,26 @@ mod tests {
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
 
-    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken; whatever the block is, what comes from outside is told: momenta and energy
-    /// change by that, and by what was paid.
+    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken, nor than all contacts of the chip gave; whatever the block is, what comes from
+    /// outside is told: momenta and energy change by that, and by what was paid, which is owed no more.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
         let moving =
             Motion::Kinematic { linear: DVec3::new(1.0, 0.2, 0.0), angular: DVec3::new(0.0, 0.1, 0.0) };
         for motion in [Motion::Static, moving, Motion::Dynamic] {
-            for (gave, paid) in [(1e4, None), (5.0, Some(5.0)), (0.1, Some(0.0))] {
+            let cases = [
+                (1e4, 1e4, None),
+                (5.0, 1e4, Some(5.0)),
+                (1e4, 3.0, Some(3.0)),
+                (1e4, -2.0, Some(0.0)),
+                (0.1, 1e4, Some(0.0)),
+            ];
+            for (gave, net, paid) in cases {
                 let mut bodies = chip_and_block(motion);
-                let debt = debt(&bodies.ids, gave);
+                let mut debts = [Debt { net, ..debt(&bodies.ids, gave) }];
                 let (before, energy) = (momenta(&bodies), kinetic_energy(&bodies));
                 let mut tally = Tally::default();
-                let has_paid = restrain(&mut bodies, &[debt], &frame(), &mut tally);
+                let has_paid = restrain(&mut bodies, &mut debts, &frame(), &mut tally);
                 assert_eq!(has_paid, paid != Some(0.0));
 
                 let after = momenta(&bodies);
@@ -184,6 +195,7 @@ mod tests {
                 assert!((given - tally.outside_impulse).length() < 1e-11, "{motion:?} {given}");
                 assert!((turned - tally.outside_angular_impulse).length() < 1e-11, "{motion:?} {turned}");
                 let lost = energy + tally.causes.work - kinetic_energy(&bodies);
+                assert!((gave - lost - debts[0].energy).abs() < 1e-9, "{motion:?} {debts:?}");
                 match paid {
                     Some(paid) => assert!((lost - paid).abs() < 1e-9, "{motion:?} {lost} {paid}"),
                     None => {
@@ -207,6 +219,6 @@ mod tests {
         let mut bodies = chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
         bodies.velocities[0] = Velocity { linear: 20.0 * DVec3::X, angular_momentum: DVec3::ZERO };
         let debt = debt(&bodies.ids, 1e4);
-        assert!(!restrain(&mut bodies, &[debt], &frame(), &mut Tally::default()));
+        assert!(!restrain(&mut bodies, &mut [debt], &frame(), &mut Tally::default()));
     }
 }

@@ -104,6 +104,8 @@ fn solve_with<I: Instructions>(
         solved.gravity.1 += movers.gravity.1;
     }
 
+    solved.tally.find_nets(bodies);
+
     // What sleeps stays, with what it carries.
     let are_asleep = plan.sleep.hold(bodies, manifolds, &mut solved.tally);
     for (i, _) in are_asleep.iter().enumerate().filter(|&(_, &is)| is) {

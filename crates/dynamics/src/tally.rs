@@ -19,6 +19,8 @@ pub struct Tally {
     pub work: BTreeMap<[BodyId; 2], f64>,
     /// Contacts that gave energy to their bodies.
     pub debts: Vec<Debt>,
+    /// What the contacts of each pair gave in the substeps, also less than nothing, until [`Self::find_nets`] has seen it [J].
+    pub(crate) given: Vec<(Pair, f64)>,
     /// Pairs that exchanged impulses or pushed each other.
     pub links: Vec<(BodyId, BodyId)>,
     /// Impulses applied to velocities that last.
@@ -100,6 +102,9 @@ pub struct Debt {
     pub point: DVec3,
     /// [J]
     pub energy: f64,
+    /// What all contacts of its lighter body gave between them, if that is known, else 0 [J]: the ground gives, again and again, what holds up a load, and the load
+    /// takes it.
+    pub net: f64,
 }
 
 impl Tally {
@@ -152,6 +157,23 @@ impl Tally {
         }
     }
 
+    /// Finds [`Debt::net`] of all debts by what was given.
+    pub(crate) fn find_nets(&mut self, bodies: &Bodies) {
+        let mut of_bodies = vec![0.0; bodies.len()];
+        for (pair, energy) in self.given.drain(..) {
+            of_bodies[pair.first] += energy;
+            of_bodies[pair.second] += energy;
+        }
+        for debt in &mut self.debts {
+            let lighter = |a: usize, b: usize| {
+                if bodies.inertias[a].inverse_mass >= bodies.inertias[b].inverse_mass { a } else { b }
+            };
+            if let [Some(a), Some(b)] = debt.ids.map(|id| bodies.index_of(id)) {
+                debt.net = of_bodies[lighter(a, b)];
+            }
+        }
+    }
+
     /// Notes that a pair touched.
     pub fn link(&mut self, bodies: &Bodies, pair: Pair) {
         let link = (bodies.ids[pair.first], bodies.ids[pair.second]);
@@ -171,6 +193,7 @@ impl Tally {
             *self.work.entry(id).or_insert(0.0) += work;
         }
         self.links.extend(other.links);
+        self.given.extend(other.given);
         self.impulses += other.impulses;
         self.clamped += other.clamped;
         self.discarded += other.discarded;

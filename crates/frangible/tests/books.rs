@@ -78,3 +78,29 @@ fn the_causes_add_up_to_the_change_of_the_energy() {
         }
     }
 }
+
+/// A sled slides on ice under a load twenty times its mass: all that carries the load passes through it, in every substep, and slows nothing down.
+#[test]
+fn what_a_sled_carries_does_not_brake_it() {
+    let slide = |name: &str, size: [f64; 3], y: f64, density: f64, friction: f64| BodyDesc {
+        position: [0.0, y, 0.0],
+        linear_velocity: [5.0, 0.0, 0.0],
+        density,
+        friction,
+        ..BodyDesc::new(name, ShapeDesc::Box { size, resolution: Resolution::default() })
+    };
+    let mut scene = SceneDesc::new("sled");
+    scene.bodies = vec![
+        BodyDesc { friction: 0.0, ..BodyDesc::ground(0.0) },
+        slide("sled", [1.0, 0.1, 0.6], 0.05, 150.0, 0.0),
+        slide("load", [0.8, 0.5, 0.5], 0.35, 900.0, 0.8),
+    ];
+    let mut world = World::build(&scene).unwrap();
+    for _ in 0..90 {
+        step(&mut world);
+    }
+    for body in [1, 2] {
+        let speed = world.bodies().velocities[body].linear.x;
+        assert!((speed - 5.0).abs() < 1e-6, "{speed} m/s");
+    }
+}

@@ -217,8 +217,7 @@ impl<I: Instructions> Batch<I> {
     }
 }
 
-/// A lower bound of the distance of two hulls [m], along a normal in the world frame; if it is negative, it says nothing.
-#[inline(always)]
+/// A lower bound of the distance of two hulls [m], along a normal in the world frame, to single precision; if it is negative, it says nothing.
 fn apart_along<I: Instructions>(hulls: [&Hull; 2], poses: [&Pose; 2], normal: DVec3) -> f64 {
     let lowest = |side: usize, up: DVec3| {
         least_height::<I>(hulls[side].columns(), poses[side].orientation.conjugate() * up)

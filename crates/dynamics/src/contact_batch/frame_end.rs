@@ -44,9 +44,13 @@ impl<I: Instructions> Batch<I> {
             if patch.touched || touched.get(lane) || owes.get(lane) {
                 tally.link(bodies, patch.pair);
             }
+            let energy = self.given.get(lane);
+            if energy != 0.0 {
+                tally.given.push((patch.pair, energy));
+            }
             if owes.get(lane) {
-                let (point, energy) = (self.last_point(movers, lane), self.given.get(lane));
-                tally.debts.push(Debt { ids: patch.pair.ids(bodies), point, energy });
+                let point = self.last_point(movers, lane);
+                tally.debts.push(Debt { ids: patch.pair.ids(bodies), point, energy, net: 0.0 });
             }
         }
     }

@@ -132,7 +132,7 @@ pub(crate) struct Ridge {
 pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
     // Each hull is below its own face; the other begins at the separation above it. An edge must come into both layers.
     let views = pair.views();
-    let Room { sides_within, ridges, .. } = room;
+    let Room { marks, ridges, .. } = room;
 
     // What is of interest is in a box.
     let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
@@ -144,7 +144,7 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
             HalfSpace { normal: -face.normal, offset: within - axes[side].separation - face.offset },
             HalfSpace { offset: face_of_other.offset + within, ..face_of_other },
         ];
-        with_widest!(pair.width, mark_within(hull.columns(), &layers, sides_within));
+        with_widest!(pair.width, mark_within(hull.columns(), &layers, marks));
         let spot = |vertex: u32| {
             let above = face_of_other.distance(hull.vertices()[vertex as usize]) - within;
             Spot { point: view.vertex(vertex as usize), above }
@@ -155,7 +155,7 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
         ridges.clear();
         for (index, edge) in hull.edges().iter().enumerate() {
             let [first, second] = edge.vertices;
-            if (sides_within[first as usize] | sides_within[second as usize]) != IN_BOTH {
+            if (marks[first as usize] | marks[second as usize]) != IN_BOTH {
                 continue;
             }
             let (a, b) = (spot(first), spot(second));
@@ -186,7 +186,8 @@ struct Spot {
 impl Spot {
     /// It, or the point on the way to another one that is not too high.
     fn lowered_to(&self, other: &Self) -> DVec3 {
-        if self.above > 0.0 {
+        // Both may be too high by rounding.
+        if self.above > 0.0 && other.above < self.above {
             self.point.lerp(other.point, self.above / (self.above - other.above))
         } else {
             self.point

@@ -1,5 +1,5 @@
-//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7 of their size: which of them is the one. How far that is, is
-//! then measured in double precision where it matters.
+//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7 of the larger hull's size, and over the sine between them for edges:
+//! which of them is the one. How far a face or edges are apart is then measured in double precision.
 
 use super::axis::{PARALLEL, Placement, Ridge};
 use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Three};
@@ -22,18 +22,18 @@ pub(super) fn furthest_face<I: Instructions>(
             let (x_axis, y_axis, z_axis) =
                 (Single3::<I>::splat(x_axis), Single3::splat(y_axis), Single3::splat(z_axis));
             let between = Single3::splat(between);
-            let (mut best, mut lowest) = (Best::none(), Single3::ZERO);
+            let (mut best, mut of_best) = (Best::none(), Single3::ZERO);
             for (block, [x, y, z, offset]) in hull.faces().iter().enumerate() {
                 let normal = three([x, y, z]);
-                let down = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
-                let height = lowest_over(other, down);
+                let up = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
+                let height = lowest_over(other, up);
                 let apart = height + between.dot(normal) - Single::of_column(offset);
-                lowest = best.look(block, apart).select(down, lowest);
+                of_best = best.look(block, apart).select(up, of_best);
             }
             let lane = best.lane();
-            let Three { x, y, z } = lowest;
-            let down = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
-            found = [best.at(), lowest_vertex::<I>(other, down)];
+            let Three { x, y, z } = of_best;
+            let up = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
+            found = [best.at(), lowest_vertex::<I>(other, up)];
         },
     );
     found
@@ -78,7 +78,9 @@ pub(super) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
             for [x, y, z, offset] in hull.faces() {
                 heights = heights.max(three([x, y, z]).dot(lever) - Single::of_column(offset));
             }
-            highest = heights.to_array().into_iter().fold(highest, f32::max);
+            for height in heights.to_array() {
+                highest = if height > highest { height } else { highest };
+            }
         },
     );
     f64::from(-highest)
@@ -99,8 +101,8 @@ pub(super) fn mark_within<I: Instructions>(hull: &Columns, spaces: &[HalfSpace; 
             let depths = [Single::splat(depths[0]), Single::splat(depths[1])];
             for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
                 let lever = three([x, y, z]);
-                let is_out = |space: usize| lever.dot(normals[space]).above(depths[space]);
-                let (out_of_first, out_of_second) = (is_out(0), is_out(1));
+                let out_of_first = lever.dot(normals[0]).above(depths[0]);
+                let out_of_second = lever.dot(normals[1]).above(depths[1]);
                 for lane in 0..LANES {
                     let marks = &mut marks[LANES * block + lane];
                     *marks = u8::from(!out_of_first.get(lane)) | u8::from(!out_of_second.get(lane)) << 1;
@@ -114,7 +116,7 @@ pub(super) fn mark_within<I: Instructions>(hull: &Columns, spaces: &[HalfSpace; 
 pub(super) type RidgeColumns = [[Column; 3]; 4];
 
 /// The places of the two ridges, one of each hull, along whose common perpendicular these are furthest apart, of those that make a face of the Minkowski
-/// difference and are not parallel; the first of equals.
+/// difference and are not parallel.
 pub(super) fn furthest_edges<I: Instructions>(
     [first, second]: [&[Ridge]; 2],
     columns: &mut Vec<RidgeColumns>,
@@ -193,7 +195,9 @@ pub(crate) fn least_height<I: Instructions>(hull: &Columns, up: DVec3) -> f64 {
             for [x, y, z] in hull.vertices() {
                 heights = heights.min(three([x, y, z]).dot(up));
             }
-            least = heights.to_array().into_iter().fold(least, f32::min);
+            for height in heights.to_array() {
+                least = if height < least { height } else { least };
+            }
         },
     );
     up.dot(hull.middle) + f64::from(least)

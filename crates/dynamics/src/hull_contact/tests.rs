@@ -133,10 +133,12 @@ proptest! {
     /// faces, and of hulls far from their frame's origin.
     #[test]
     fn eight_at_a_time_finds_what_one_by_one_does(
-        rock in hull(), shift in vector(1.5), turn in vector(3.0), is_ball in any::<bool>(), origin in vector(50.0),
+        rock in hull(), shift in vector(1.5), turn in vector(3.0), is_ball in any::<bool>(), is_first in any::<bool>(),
+        origin in vector(50.0),
     ) {
         const CLOSE: f64 = 1e-5;
-        let hulls = [if is_ball { Hull::ball(0.4) } else { Hull::cuboid(DVec3::new(0.3, 0.4, 0.5)) }, rock];
+        let other = if is_ball { Hull::ball(0.4) } else { Hull::cuboid(DVec3::new(0.3, 0.4, 0.5)) };
+        let hulls = if is_first { [other, rock] } else { [rock, other] };
         let away = [at(origin, turn), RigidTransform::new(DQuat::IDENTITY, DVec3::ZERO)];
         let hulls = [hulls[0].transformed(&away[0]), hulls[1].transformed(&away[1])];
         let first_from_second = at(origin + shift, turn);
@@ -150,6 +152,7 @@ proptest! {
         let point = origin + 0.1 * shift;
         let depth = hulls[0].planes().iter().map(|plane| -plane.distance(point)).fold(f64::INFINITY, f64::min);
 
+        let mut found = BTreeSet::new();
         for width in [Width::Scalar, Width::Sse2, Width::Avx2, Width::Avx512] {
             let pair = HullPair::new([&hulls[0], &hulls[1]], &first_from_second, 0.5, width);
             let axis = face_axis(&pair, 0);
@@ -165,7 +168,17 @@ proptest! {
             let face = with_widest!(width, face_along(first, along));
             let most = hulls[0].planes().iter().map(|plane| plane.normal.dot(along)).fold(-1.0, f64::max);
             prop_assert!(most - hulls[0].planes()[face].normal.dot(along) < CLOSE);
+
+            // Edges across each other, too, to the bit.
+            let mut room = Room::default();
+            let axes = [axis, face_axis(&pair, 1)];
+            gather_ridges(&pair, &axes, 0.5, &mut room);
+            let edges = edge_axis(&pair, &mut room);
+            let numbers = [with_widest!(width, inside(first, point)), edges.map_or(0.0, |axis| axis.separation)];
+            let ridges = room.ridges.each_ref().map(Vec::len);
+            found.insert((axes.map(|axis| [axis.face, axis.vertex]), ridges, numbers.map(f64::to_bits), vertex, face));
         }
+        prop_assert_eq!(found.len(), 1);
     }
 }
 

@@ -17,20 +17,20 @@ pub struct Column(pub [f32; COLUMN]);
 pub struct Columns {
     /// The mean of the vertices, in the hull's frame [m]: all is relative to it, so that single precision is relative to the hull's size.
     pub middle: DVec3,
-    /// A number of faces, full columns of them, then those of vertices.
+    /// Four for each eight faces, then three for each eight vertices.
     columns: Box<[Column]>,
-    /// Of columns that are of faces.
+    /// How many of them are of faces.
     of_faces: usize,
 }
 
 impl Columns {
-    /// Normals and offsets [m], eight faces each; the last column is filled up with the first face.
+    /// Normals and offsets [m], of eight faces each; the last eight are filled up with the first one.
     #[inline]
     pub fn faces(&self) -> &[[Column; 4]] {
         self.columns[..self.of_faces].as_chunks().0
     }
 
-    /// Positions [m], eight vertices each; the last column is filled up with the first vertex.
+    /// Positions [m], of eight vertices each; the last eight are filled up with the first one.
     #[inline]
     pub fn vertices(&self) -> &[[Column; 3]] {
         self.columns[self.of_faces..].as_chunks().0
