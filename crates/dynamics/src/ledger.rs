@@ -177,7 +177,13 @@ impl Ledger {
 
             // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
             let work_before = tally.causes.work;
-            let mut debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
+            let gained = |debt: &Debt| {
+                let lighter = debt.lighter(bodies)?;
+                Some(energies[lighter] - opening.0.get(bodies.ids[lighter])?)
+            };
+            let as_gained = |debt: Debt| Debt { net: debt.net.min(gained(&debt).unwrap_or(0.0)), ..debt };
+            let mut debts: Vec<Debt> =
+                island.debts.iter().map(|&index| as_gained(tally.debts[index])).collect();
             let is_sound = frame.settings.ledger && before.is_finite();
             let is_restrained = is_sound && restrain(bodies, &mut debts, frame, tally);
             let mut after = before;

@@ -23,7 +23,7 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
 }
 
 /// Slows down each pair whose contact gave more than its lighter body may bank, until no more than that is left in its relative motion, and by no more than the
-/// contact gave, nor than all contacts of the lighter body gave between them. A chip that the ground presses against a block would squirt out at 20 m/s, on
+/// contact gave, nor than all contacts of the lighter body gave between them, nor than that has more than at the frame's start, which [`Debt::net`] is to tell. A chip that the ground presses against a block would squirt out at 20 m/s, on
 /// what the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
 pub(crate) fn restrain(bodies: &mut Bodies, debts: &mut [Debt], frame: &Frame, tally: &mut Tally) -> bool {
     let mut any = false;

@@ -107,6 +107,15 @@ pub struct Debt {
     pub net: f64,
 }
 
+impl Debt {
+    /// The lighter one of its bodies, if both live.
+    pub(crate) fn lighter(&self, bodies: &Bodies) -> Option<usize> {
+        let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else { return None };
+        let [a, b] = [first, second].map(|i| bodies.inertias[i].inverse_mass);
+        Some(if a >= b { first } else { second })
+    }
+}
+
 impl Tally {
     /// Books an impulse on a pair whose bodies have `velocities` before it acts, at the poses of `bodies`. `cause` is that of its
     /// normal part.
@@ -165,12 +174,7 @@ impl Tally {
             of_bodies[pair.second] += energy;
         }
         for debt in &mut self.debts {
-            let lighter = |a: usize, b: usize| {
-                if bodies.inertias[a].inverse_mass >= bodies.inertias[b].inverse_mass { a } else { b }
-            };
-            if let [Some(a), Some(b)] = debt.ids.map(|id| bodies.index_of(id)) {
-                debt.net = of_bodies[lighter(a, b)];
-            }
+            debt.net = debt.lighter(bodies).map_or(0.0, |lighter| of_bodies[lighter]);
         }
     }
 

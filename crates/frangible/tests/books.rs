@@ -92,7 +92,7 @@ fn what_a_sled_carries_does_not_brake_it() {
     let mut scene = SceneDesc::new("sled");
     scene.bodies = vec![
         BodyDesc { friction: 0.0, ..BodyDesc::ground(0.0) },
-        slide("sled", [1.0, 0.1, 0.6], 0.05, 150.0, 0.0),
+        slide("sled", [1.0, 0.1, 0.6], 0.05, 150.0, 0.8),
         slide("load", [0.8, 0.5, 0.5], 0.35, 900.0, 0.8),
     ];
     let mut world = World::build(&scene).unwrap();

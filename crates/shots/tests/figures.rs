@@ -45,7 +45,7 @@ fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
 }
 
 /// A chip that a block presses into the ground has much energy passing through it, and keeps none: no piece of the rubble squirts out. Without
-/// what restrains it (docs/adr/009-ledger.md) each of these six threw one up at 9 to 18 m/s; with it 3 of 256 pillars have one that is faster than 8.5, and with a step of 1/240 s
+/// what restrains it (docs/adr/009-ledger.md) each of these six threw one up at 9 to 18 m/s; with it 5 of 256 pillars have one that is faster than 8.5, and with a step of 1/240 s
 /// none of 24 one that is faster than 7.
 #[test]
 fn figure_1_no_chip_squirts_out_of_the_rubble() {
