@@ -31,8 +31,8 @@ struct Lasting {
 /// What lies on an edge sticks out over it by as much before it tips.
 const USUALLY: Lasting = Lasting { steady: 5e-3, deep: 1e-2 };
 
-/// Heaps rock where their points are found anew, and have them found anew where they rock. With a tenth instead of a twentieth deep overlaps grow.
-const IN_HEAPS: Lasting = Lasting { steady: 5e-2, deep: 3e-2 };
+/// Heaps rock where their points are found anew, and have them found anew where they rock. With a fifth instead of a tenth deep overlaps grow by a third.
+const IN_HEAPS: Lasting = Lasting { steady: 0.1, deep: 0.1 };
 
 /// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
 const MARGIN: f64 = 0.2;
