@@ -99,7 +99,7 @@ fn heaps_keep_their_points_for_longer() {
     let before = anchors(&bodies);
     // The cubes' radius is 0.87 m.
     for is_kept in [true, false] {
-        bodies.poses[1].position.x += 0.03;
+        bodies.poses[1].position.x += 0.06;
         assert_eq!(anchors(&bodies) == before, is_kept);
     }
 }
