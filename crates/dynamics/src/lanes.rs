@@ -165,6 +165,19 @@ impl<I: Instructions> Single<I> {
         Self(Singles([value; LANES]), PhantomData)
     }
 
+    /// Of all lanes, by pairs, so that no comparison waits for many others.
+    #[inline(always)]
+    pub(crate) fn largest(self) -> f32 {
+        let mut largest = self.0.0;
+        for half in [4, 2, 1] {
+            for lane in 0..half {
+                let other = largest[lane + half];
+                largest[lane] = if other > largest[lane] { other } else { largest[lane] };
+            }
+        }
+        largest[0]
+    }
+
     /// In the order of the lanes.
     #[inline(always)]
     pub(crate) fn to_array(self) -> [f32; LANES] {

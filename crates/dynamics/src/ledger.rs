@@ -159,6 +159,9 @@ impl Ledger {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
         let energies = energies(bodies, frame);
+        // What was born in this frame has gained nothing that is known.
+        let gained_by = |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
+        let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
         for mut island in self.islands(bodies, opening, tally) {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
                 members.iter().map(|&i| energy_of(bodies, i)).sum()
@@ -177,15 +180,9 @@ impl Ledger {
 
             // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
             let work_before = tally.causes.work;
-            let gained = |debt: &Debt| {
-                let lighter = debt.lighter(bodies)?;
-                Some(energies[lighter] - opening.0.get(bodies.ids[lighter])?)
-            };
-            let as_gained = |debt: Debt| Debt { net: debt.net.min(gained(&debt).unwrap_or(0.0)), ..debt };
-            let mut debts: Vec<Debt> =
-                island.debts.iter().map(|&index| as_gained(tally.debts[index])).collect();
+            let mut debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
             let is_sound = frame.settings.ledger && before.is_finite();
-            let is_restrained = is_sound && restrain(bodies, &mut debts, frame, tally);
+            let is_restrained = is_sound && restrain(bodies, (&mut debts, &gained), frame, tally);
             let mut after = before;
             if is_restrained {
                 island.allowance += tally.causes.work - work_before;

@@ -3,7 +3,7 @@
 use crate::detection::ContactPoint;
 use crate::ledger::Anchor;
 use crate::pair::{Approach, Pair, PairImpulse, approach_at, pair_contact_matrix};
-use crate::take_out::{relative_energy, slow_down};
+use crate::take_out::RelativeMotion;
 use crate::tally::{Debt, kinematic_work};
 use crate::{Bodies, Frame, Motion, Tally};
 use glam::DVec3;
@@ -22,32 +22,36 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
     }
 }
 
-/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than that is left in its relative motion, and by no more than the
-/// contact gave, nor than all contacts of the lighter body gave between them, nor than that has more than at the frame's start, which [`Debt::net`] is to tell. A chip that the ground presses against a block would squirt out at 20 m/s, on
-/// what the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
-pub(crate) fn restrain(bodies: &mut Bodies, debts: &mut [Debt], frame: &Frame, tally: &mut Tally) -> bool {
+/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than that is left in its relative motion; by no more than the
+/// contact gave, than all contacts of the lighter body gave between them, and than that body has `gained` in the frame [J], a number for each body. A chip that the
+/// ground presses against a block would squirt out at 20 m/s, on what the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
+pub(crate) fn restrain(
+    bodies: &mut Bodies,
+    (debts, gained): (&mut [Debt], &[f64]),
+    frame: &Frame,
+    tally: &mut Tally,
+) -> bool {
     let mut any = false;
     for debt in debts {
-        let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
-        let inverse_mass = |i: usize| bodies.inertias[i].inverse_mass;
-        let most = frame.settings.bank_cap / inverse_mass(first).max(inverse_mass(second));
-        let gave = debt.energy.min(debt.net);
-        if gave <= most || !may_move_with(bodies, Pair { first, second }, most) {
+        let Some([lighter, heavier]) = debt.by_weight(bodies) else { continue };
+        let most = frame.settings.bank_cap / bodies.inertias[lighter].inverse_mass;
+        let gave = debt.energy.min(debt.net).min(gained[lighter]);
+        if gave <= most || !may_move_with(bodies, [lighter, heavier], most) {
             continue;
         }
-        let outside = [first, second].into_iter().find(|&i| bodies.inertias[i].is_infinite());
-        let mobile = if outside == Some(first) { second } else { first };
-        let both = [first, second];
-        let (members, anchor) = match outside {
-            None => (&both[..], Anchor::Free),
-            Some(i) => (std::slice::from_ref(&mobile), Anchor::of(bodies, i)),
+        let (both, is_carried) = ([lighter, heavier], bodies.inertias[heavier].is_infinite());
+        let (members, anchor) = match is_carried {
+            false => (&both[..], Anchor::Free),
+            true => (&both[..1], Anchor::of(bodies, heavier)),
         };
-        let over = relative_energy(bodies, (members, anchor)) - most;
+        let motion = RelativeMotion::of(bodies, members, anchor);
+        let over = motion.energy - most;
         if over > 0.0 {
             let paid = over.min(gave);
-            let (change, work) = slow_down(bodies, (members, anchor), paid);
-            if let Some(outside) = outside {
-                tally.book_outside(bodies, [mobile, outside], change, work);
+            motion.lose(bodies, members, paid);
+            if is_carried {
+                let change = motion.change(bodies, members);
+                tally.book_outside(bodies, both, change, motion.work(change));
             }
             debt.energy -= paid;
             any = true;
@@ -57,7 +61,7 @@ pub(crate) fn restrain(bodies: &mut Bodies, debts: &mut [Debt], frame: &Frame, t
 }
 
 /// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the lighter body as seen from the heavier one, and both spins.
-fn may_move_with(bodies: &Bodies, Pair { first, second }: Pair, most: f64) -> bool {
+fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     let linear = |i: usize| match bodies.motions[i] {
         Motion::Static => DVec3::ZERO,
         Motion::Kinematic { linear, .. } => linear,
@@ -67,12 +71,13 @@ fn may_move_with(bodies: &Bodies, Pair { first, second }: Pair, most: f64) -> bo
         let inverse = bodies.inertias[i].inverse_moments.max_element();
         if inverse > 0.0 { inverse * bodies.velocities[i].angular_momentum.length_squared() } else { 0.0 }
     };
-    let turns = [first, second]
+    let turns = both
         .iter()
         .any(|&i| matches!(bodies.motions[i], Motion::Kinematic { angular, .. } if angular != DVec3::ZERO));
-    let lightest = bodies.inertias[first].inverse_mass.max(bodies.inertias[second].inverse_mass);
-    let squared = (linear(first) - linear(second)).length_squared() / lightest;
-    turns || 0.5 * (squared + turning(first) + turning(second)) > most
+    let [lighter, heavier] = both;
+    let apart = linear(lighter) - linear(heavier);
+    let squared = apart.length_squared() / bodies.inertias[lighter].inverse_mass;
+    turns || 0.5 * (squared + turning(lighter) + turning(heavier)) > most
 }
 
 /// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
@@ -168,7 +173,7 @@ mod tests {
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
 
-    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken, nor than all contacts of the chip gave; whatever the block is, what comes from
+    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken, nor than all contacts of the chip gave, nor than it gained; whatever the block is, what comes from
     /// outside is told: momenta and energy change by that, and by what was paid, which is owed no more.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
@@ -176,18 +181,20 @@ mod tests {
             Motion::Kinematic { linear: DVec3::new(1.0, 0.2, 0.0), angular: DVec3::new(0.0, 0.1, 0.0) };
         for motion in [Motion::Static, moving, Motion::Dynamic] {
             let cases = [
-                (1e4, 1e4, None),
-                (5.0, 1e4, Some(5.0)),
-                (1e4, 3.0, Some(3.0)),
-                (1e4, -2.0, Some(0.0)),
-                (0.1, 1e4, Some(0.0)),
+                (1e4, 1e4, 1e4, None),
+                (5.0, 1e4, 1e4, Some(5.0)),
+                (1e4, 3.0, 1e4, Some(3.0)),
+                (1e4, 1e4, 2.0, Some(2.0)),
+                (1e4, -2.0, 1e4, Some(0.0)),
+                (1e4, 1e4, -1.0, Some(0.0)),
+                (0.1, 1e4, 1e4, Some(0.0)),
             ];
-            for (gave, net, paid) in cases {
+            for (gave, net, gained, paid) in cases {
                 let mut bodies = chip_and_block(motion);
                 let mut debts = [Debt { net, ..debt(&bodies.ids, gave) }];
                 let (before, energy) = (momenta(&bodies), kinetic_energy(&bodies));
                 let mut tally = Tally::default();
-                let has_paid = restrain(&mut bodies, &mut debts, &frame(), &mut tally);
+                let has_paid = restrain(&mut bodies, (&mut debts, &[gained, 0.0]), &frame(), &mut tally);
                 assert_eq!(has_paid, paid != Some(0.0));
 
                 let after = momenta(&bodies);
@@ -203,7 +210,7 @@ mod tests {
                         let anchor =
                             if motion == Motion::Dynamic { Anchor::Free } else { Anchor::of(&bodies, block) };
                         let members: &[usize] = if anchor == Anchor::Free { &[chip, block] } else { &[chip] };
-                        let left = relative_energy(&bodies, (members, anchor));
+                        let left = RelativeMotion::of(&bodies, members, anchor).energy;
                         let most = frame().settings.bank_cap * bodies.masses[chip];
                         assert!((left - most).abs() < 1e-9, "{motion:?} {left} {most}");
                         assert!(lost > 400.0 && lost < gave);
@@ -219,6 +226,6 @@ mod tests {
         let mut bodies = chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
         bodies.velocities[0] = Velocity { linear: 20.0 * DVec3::X, angular_momentum: DVec3::ZERO };
         let debt = debt(&bodies.ids, 1e4);
-        assert!(!restrain(&mut bodies, &mut [debt], &frame(), &mut Tally::default()));
+        assert!(!restrain(&mut bodies, (&mut [debt], &[1e4; 2]), &frame(), &mut Tally::default()));
     }
 }

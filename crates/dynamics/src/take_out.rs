@@ -21,32 +21,30 @@ pub(crate) fn take_out(
     tally: &mut Tally,
 ) -> bool {
     // Scale the relative velocities so that the excess is gone, or stop them and shorten the displacements.
-    let before = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
-    let rigid = rigid_part(bodies, (&island.members, island.anchor), &bodies.poses, before);
-    let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, &island.members);
-    let shortened = excess > relative;
+    let motion = RelativeMotion::of(bodies, &island.members, island.anchor);
+    let shortened = excess > motion.energy;
     if shortened {
         // What came after the flight never happened, and the anchor did no work by it.
         let ids: Vec<BodyId> = island.members.iter().map(|&i| bodies.ids[i]).collect();
         let undone = work_on(&tally.work, &ids) - work_on(&flight.work, &ids);
         island.allowance -= undone;
         tally.causes.work -= undone;
-        shorten(bodies, island, flight, before, frame);
+        shorten(bodies, island, flight, motion.momenta, frame);
     } else {
-        slow_down(bodies, (&island.members, island.anchor), excess);
+        motion.lose(bodies, &island.members, excess);
     }
 
     // What holds or carries the island gave it the change of its momenta, and did work by it.
     if island.anchor != Anchor::Free {
-        let after = momenta(bodies, &bodies.poses, &bodies.velocities, &island.members);
-        let (impulse, moment) = (after.0 - before.0, after.1 - before.1);
-        tally.outside_impulse += impulse;
-        tally.outside_angular_impulse += moment;
+        let change = motion.change(bodies, &island.members);
+        tally.outside_impulse += change.0;
+        tally.outside_angular_impulse += change.1;
         let work = if shortened {
             let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
-            rigid.work(after.0 - flown.0, after.1 - flown.1)
+            let since = RelativeMotion { momenta: flown, ..motion };
+            since.work(since.change(bodies, &island.members))
         } else {
-            rigid.work(impulse, moment)
+            motion.work(change)
         };
         tally.causes.work += work;
         island.allowance += work;
@@ -54,30 +52,41 @@ pub(crate) fn take_out(
     shortened
 }
 
-/// The energy of some bodies relative to the rigid motion that they keep [J].
-pub(crate) fn relative_energy(bodies: &Bodies, (members, anchor): (&[usize], Anchor)) -> f64 {
-    let momenta = momenta(bodies, &bodies.poses, &bodies.velocities, members);
-    let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, momenta);
-    rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members)
+/// How some bodies move, and the rigid motion that they keep.
+pub(crate) struct RelativeMotion {
+    rigid: Twist,
+    /// Linear and angular, about the world's origin.
+    momenta: (DVec3, DVec3),
+    /// Of what is relative to the rigid motion [J].
+    pub(crate) energy: f64,
 }
 
-/// Takes `energy` [J], or all there is, out of the velocities of some bodies relative to the rigid motion that they keep. Returns what their momenta change by, linear
-/// and angular about the world's origin, and the work that their anchor does by that, if they have one [J].
-pub(crate) fn slow_down(
-    bodies: &mut Bodies,
-    (members, anchor): (&[usize], Anchor),
-    energy: f64,
-) -> ((DVec3, DVec3), f64) {
-    let before = momenta(bodies, &bodies.poses, &bodies.velocities, members);
-    let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, before);
-    let relative = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members);
-    let scale = (1.0 - energy / relative).max(0.0).sqrt();
-    let mut velocities = std::mem::take(&mut bodies.velocities);
-    rigid.scale_relative(bodies, &bodies.poses, &mut velocities, members, scale);
-    bodies.velocities = velocities;
-    let after = momenta(bodies, &bodies.poses, &bodies.velocities, members);
-    let change = (after.0 - before.0, after.1 - before.1);
-    (change, rigid.work(change.0, change.1))
+impl RelativeMotion {
+    pub(crate) fn of(bodies: &Bodies, members: &[usize], anchor: Anchor) -> Self {
+        let momenta = momenta(bodies, &bodies.poses, &bodies.velocities, members);
+        let rigid = rigid_part(bodies, (members, anchor), &bodies.poses, momenta);
+        let energy = rigid.relative_energy(bodies, &bodies.poses, &bodies.velocities, members);
+        Self { rigid, momenta, energy }
+    }
+
+    /// The bodies lose so much of the energy of what is relative, no more than all.
+    pub(crate) fn lose(&self, bodies: &mut Bodies, members: &[usize], energy: f64) {
+        let scale = (1.0 - energy / self.energy).sqrt();
+        let mut velocities = std::mem::take(&mut bodies.velocities);
+        self.rigid.scale_relative(bodies, &bodies.poses, &mut velocities, members, scale);
+        bodies.velocities = velocities;
+    }
+
+    /// What their momenta have changed by since.
+    pub(crate) fn change(&self, bodies: &Bodies, members: &[usize]) -> (DVec3, DVec3) {
+        let after = momenta(bodies, &bodies.poses, &bodies.velocities, members);
+        (after.0 - self.momenta.0, after.1 - self.momenta.1)
+    }
+
+    /// Work that the rigid motion does by a change of momenta [J].
+    pub(crate) fn work(&self, (impulse, moment): (DVec3, DVec3)) -> f64 {
+        self.rigid.work(impulse, moment)
+    }
 }
 
 /// Linear and angular momentum, the latter about the world's origin.

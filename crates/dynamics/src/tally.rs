@@ -108,11 +108,11 @@ pub struct Debt {
 }
 
 impl Debt {
-    /// The lighter one of its bodies, if both live.
-    pub(crate) fn lighter(&self, bodies: &Bodies) -> Option<usize> {
+    /// Its lighter body, then its heavier one, if both live.
+    pub(crate) fn by_weight(&self, bodies: &Bodies) -> Option<[usize; 2]> {
         let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else { return None };
         let [a, b] = [first, second].map(|i| bodies.inertias[i].inverse_mass);
-        Some(if a >= b { first } else { second })
+        Some(if a >= b { [first, second] } else { [second, first] })
     }
 }
 
@@ -174,7 +174,7 @@ impl Tally {
             of_bodies[pair.second] += energy;
         }
         for debt in &mut self.debts {
-            debt.net = debt.lighter(bodies).map_or(0.0, |lighter| of_bodies[lighter]);
+            debt.net = debt.by_weight(bodies).map_or(0.0, |[lighter, _]| of_bodies[lighter]);
         }
     }
 

@@ -78,9 +78,7 @@ pub(super) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
             for [x, y, z, offset] in hull.faces() {
                 heights = heights.max(three([x, y, z]).dot(lever) - Single::of_column(offset));
             }
-            for height in heights.to_array() {
-                highest = if height > highest { height } else { highest };
-            }
+            highest = heights.largest();
         },
     );
     f64::from(-highest)
@@ -186,21 +184,19 @@ fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
 
 /// How high above the plane through the frame's origin across a unit vector all of a hull is [m].
 pub(crate) fn least_height<I: Instructions>(hull: &Columns, up: DVec3) -> f64 {
-    let mut least = f32::INFINITY;
+    let mut deepest = f32::NEG_INFINITY;
     I::run(
         #[inline(always)]
         || {
-            let up = Single3::<I>::splat(up);
-            let mut heights = Single::same(f32::INFINITY);
+            let down = Single3::<I>::splat(-up);
+            let mut depths = Single::same(f32::NEG_INFINITY);
             for [x, y, z] in hull.vertices() {
-                heights = heights.min(three([x, y, z]).dot(up));
+                depths = depths.max(three([x, y, z]).dot(down));
             }
-            for height in heights.to_array() {
-                least = if height < least { height } else { least };
-            }
+            deepest = depths.largest();
         },
     );
-    up.dot(hull.middle) + f64::from(least)
+    up.dot(hull.middle) - f64::from(deepest)
 }
 
 /// How low a hull goes along eight directions, from its middle [m].
@@ -258,16 +254,10 @@ impl<I: Instructions> Best<I> {
     /// The first lane of those with the largest number and the first block.
     #[inline(always)]
     fn lane(&self) -> usize {
-        let numbers = self.number.to_array();
-        let mut best = numbers;
-        for half in [4, 2, 1] {
-            for lane in 0..half {
-                best[lane] = if best[lane + half] > best[lane] { best[lane + half] } else { best[lane] };
-            }
-        }
+        let (numbers, best) = (self.number.to_array(), self.number.largest());
         let (blocks, mut found) = (self.block.to_array(), (f32::INFINITY, 0));
         for lane in 0..LANES {
-            if numbers[lane] == best[0] && blocks[lane] < found.0 {
+            if numbers[lane] == best && blocks[lane] < found.0 {
                 found = (blocks[lane], lane);
             }
         }
