@@ -1,5 +1,6 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
+use crate::detection::radius;
 use crate::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
@@ -109,6 +110,8 @@ pub struct Bodies {
     pub densities: Vec<f64>,
     /// Geometry, samples, mass properties.
     pub shapes: Vec<Arc<Shape>>,
+    /// Of balls around the centres of mass that hold them [m]; infinite for half-spaces.
+    pub radii: Vec<f64>,
     /// Friction, restitution, strength.
     pub contactants: Vec<Contactant>,
     slots: Slots,
@@ -195,6 +198,7 @@ impl Bodies {
         self.masses.push(mass);
         self.inertias.push(inertia);
         self.densities.push(body.density);
+        self.radii.push(radius(&body.shape));
         self.shapes.push(body.shape);
         self.contactants.push(body.contactant);
         id
@@ -220,6 +224,7 @@ impl Bodies {
         retain(&mut self.inertias, gone);
         retain(&mut self.densities, gone);
         retain(&mut self.shapes, gone);
+        retain(&mut self.radii, gone);
         retain(&mut self.contactants, gone);
         for (dense, id) in self.ids.iter().enumerate() {
             self.slots.dense[id.index as usize] = Some(dense as u32);

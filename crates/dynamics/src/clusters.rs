@@ -4,7 +4,7 @@
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
-use crate::moving::begins_calm;
+use crate::moving::{fastest, is_calm};
 use crate::regions::Regions;
 use crate::sleep::Sleep;
 use crate::threads;
@@ -18,6 +18,9 @@ const CLUSTER_PAIRS: usize = 512;
 /// Frames, one after the other, in which a body could come to rest, after which it probably can in the next one [1]. Eight pairs side by side rest only
 /// together: of those that could in one frame 3 % cannot in the next one in `pile-spread`, 17 % in figure 8's heap.
 const SETTLED_AFTER: u8 = 4;
+
+/// Speed from which on a body may bounce, or what it strikes, in units of what gravity gives in a frame [1].
+const LIVELY: f64 = 0.5;
 
 /// Some islands.
 pub(crate) struct Cluster {
@@ -40,6 +43,8 @@ pub(crate) struct Member {
     pub(crate) locals: [u32; 2],
     /// Of its contact, in units of that of a pair that carries one body.
     pub(crate) stiffness: f64,
+    /// Whether it is in a heap.
+    pub(crate) is_in_heap: bool,
 }
 
 /// Which pairs are solved together.
@@ -57,23 +62,25 @@ pub(crate) struct Plan {
 /// Puts islands together: `warm` knows who has settled.
 pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
     let Touching { manifolds, carried, .. } = touching;
-    let is_settled = |i: usize| match bodies.motions[i] {
+    let speeds = threads::list(bodies.len(), |i| fastest(bodies, i));
+    let settled = threads::list(bodies.len(), |i| match bodies.motions[i] {
         Motion::Static => true,
         Motion::Kinematic { .. } => false,
-        Motion::Dynamic => warm.settled_for(bodies.ids[i]) >= SETTLED_AFTER && begins_calm(bodies, i),
-    };
-    let settled: Vec<bool> = (0..bodies.len()).map(is_settled).collect();
+        Motion::Dynamic => is_calm(speeds[i]) && warm.settled_for(bodies.ids[i]) >= SETTLED_AFTER,
+    });
+    let least = LIVELY * frame.gravity.length() * frame.dt;
     let mut clusters = Vec::new();
     let mut stiffness = vec![1.0; manifolds.len()];
     let mut add = |pairs: Vec<usize>, effort: Effort| clusters.push((pairs, effort));
 
-    // What takes more goes with those that take as much, and what has settled with others that have.
+    // What takes more goes with those that take as much, what has settled with others that have, and what may bounce with others that may: where
+    // anything does, nothing rests.
     let mut careful: BTreeMap<u32, (Vec<usize>, Effort)> = BTreeMap::new();
-    let (mut pairs, mut settled_pairs) = (Vec::new(), Vec::new());
+    let [mut settled_pairs, mut lively_pairs, mut others] = [Vec::new(), Vec::new(), Vec::new()];
     let mut islands = islands(bodies, manifolds);
     let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
-    for (number, (island, effort)) in islands.iter().zip(efforts).enumerate() {
+    for (island, effort) in islands.iter().zip(efforts) {
         if let Some((effort, loads)) = effort {
             for (&at, load) in island.iter().zip(loads) {
                 stiffness[at] = load.clamp(1.0, effort.stiffest);
@@ -85,25 +92,26 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
             }
             continue;
         }
-        let are_settled = island.iter().all(|&at| {
-            let pair = manifolds[at].pair;
-            settled[pair.first] && settled[pair.second]
-        });
-        if are_settled && island.len() < CLUSTER_PAIRS {
-            settled_pairs.extend_from_slice(island);
-            if settled_pairs.len() >= CLUSTER_PAIRS {
-                add(std::mem::take(&mut settled_pairs), Effort::of_size(CLUSTER_PAIRS));
-            }
+        if island.len() >= CLUSTER_PAIRS {
+            add(island.clone(), Effort::of_size(island.len()));
             continue;
         }
-        pairs.extend_from_slice(island);
-        let next = islands.get(number + 1).map_or(usize::MAX, Vec::len);
-        if pairs.len() >= CLUSTER_PAIRS || next >= CLUSTER_PAIRS {
-            let effort = Effort::of_size(pairs.len());
-            add(std::mem::take(&mut pairs), effort);
+        let any = |of: &dyn Fn(usize) -> bool| {
+            island.iter().map(|&at| manifolds[at].pair).any(|pair| of(pair.first) || of(pair.second))
+        };
+        let alike = if !any(&|i| !settled[i]) {
+            &mut settled_pairs
+        } else if any(&|i| speeds[i] > least) {
+            &mut lively_pairs
+        } else {
+            &mut others
+        };
+        alike.extend_from_slice(island);
+        if alike.len() >= CLUSTER_PAIRS {
+            add(std::mem::take(alike), Effort::of_size(CLUSTER_PAIRS));
         }
     }
-    let others = [pairs, settled_pairs].map(|pairs| {
+    let others = [lively_pairs, others, settled_pairs].map(|pairs| {
         let effort = Effort::of_size(pairs.len());
         (pairs, effort)
     });
@@ -156,7 +164,8 @@ impl Cluster {
                 let (manifold, locals) = (pairs[place], locals_of[place]);
                 let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
                 let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
-                let member = Member { manifold, locals, stiffness: stiffness[manifold] };
+                let (stiffness, is_in_heap) = (stiffness[manifold], effort.is_for_heap());
+                let member = Member { manifold, locals, stiffness, is_in_heap };
                 let are_settled = locals.iter().all(|&local| settled[who[local as usize]]);
                 members.push((places.count((rank, are_settled), counts), member));
             }
@@ -199,7 +208,7 @@ struct Ranked {
 }
 
 impl Member {
-    const NOBODY: Self = Self { manifold: 0, locals: [0; 2], stiffness: 0.0 };
+    const NOBODY: Self = Self { manifold: 0, locals: [0; 2], stiffness: 0.0, is_in_heap: false };
 }
 
 /// Which ranks the next pairs of bodies can have.

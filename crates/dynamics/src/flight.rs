@@ -1,6 +1,5 @@
 //! Bodies on their ways through a frame, without contact.
 
-use crate::detection::radius;
 use crate::pair::Pair;
 use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Motion, Pose, Velocity};
@@ -48,7 +47,7 @@ impl Flight {
                 (velocity.linear, angular, frame.gravity)
             }
         };
-        let (spin, radius) = (angular.length(), radius(&bodies.shapes[i]));
+        let (spin, radius) = (angular.length(), bodies.radii[i]);
         // What has no bounds does not spin.
         let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
         Self { start, linear, angular, acceleration, radius, spin_speed }

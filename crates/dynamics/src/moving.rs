@@ -11,7 +11,7 @@ use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use frangible_geometry::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 use rest::Rest;
-pub(crate) use rest::{begins_calm, can_rest};
+pub(crate) use rest::{can_rest, fastest, is_calm};
 use shared_lines::SharedLines;
 
 /// A body's linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls, in double precision: what impulses give to one

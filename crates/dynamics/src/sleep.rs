@@ -1,7 +1,6 @@
 //! Islands that sleep, where the scene lets them: what stands on something that does not move, and has been slow for long enough, stays where it is. It is
 //! still looked whom it may touch; so whatever comes near wakes it before it touches, and whatever goes, as a support that breaks, wakes what it held.
 
-use crate::detection::radius;
 use crate::ledger::energy;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
@@ -148,7 +147,7 @@ fn scattered(BodyId { index, generation }: BodyId) -> u64 {
 fn is_slow(bodies: &Bodies, i: usize) -> bool {
     let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
     // What has no bounds does not turn.
-    let turning = if spin > 0.0 { spin * radius(&bodies.shapes[i]) } else { 0.0 };
+    let turning = if spin > 0.0 { spin * bodies.radii[i] } else { 0.0 };
     bodies.velocities[i].linear.length() + turning < SLOW
 }
 

@@ -3,7 +3,6 @@
 
 mod ways;
 
-use crate::detection::radius;
 use crate::manifold::Manifolds;
 use crate::pair::Pair;
 use crate::{Bodies, Frame, Pose};
@@ -144,7 +143,7 @@ impl Struck<'_> {
     /// See [`Self::stray`].
     fn turning(&self, i: usize) -> f64 {
         let inertia = &self.bodies.inertias[i];
-        let size = radius(&self.bodies.shapes[i]);
+        let size = self.bodies.radii[i];
         if inertia.is_infinite() { 0.0 } else { inertia.inverse_moments.max_element() * size * size }
     }
 
@@ -154,7 +153,7 @@ impl Struck<'_> {
         let turns = |i: usize| {
             let spin = self.bodies.spin(i, &self.bodies.poses[i], &self.bodies.velocities[i]).length();
             // What has no bounds does not turn.
-            if spin > 0.0 { radius(&self.bodies.shapes[i]) * (spin * self.frame.dt).min(2.0) } else { 0.0 }
+            if spin > 0.0 { self.bodies.radii[i] * (spin * self.frame.dt).min(2.0) } else { 0.0 }
         };
         let comes = (way(pair.first) - way(pair.second)).length() + turns(pair.first) + turns(pair.second);
         if comes > self.least { comes } else { 0.0 }

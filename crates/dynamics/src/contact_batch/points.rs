@@ -6,6 +6,7 @@ use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3};
 use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
+use crate::pair::Pair;
 use crate::warm_start::{Carried, PointImpulse};
 use crate::{Bodies, Motion};
 
@@ -19,6 +20,10 @@ const CONTACT_DAMPING: f64 = 10.0;
 /// Of what is thinner of two bodies, so much may get into the other one by a blow before their points are looked for anew [1]: with less, heaps look for
 /// many; a card that is struck at its edge must not get through.
 const THIN: f64 = 0.25;
+
+/// Of what is thinner of two bodies, so far a blow may get into the other one within a substep in a heap, until they are watched for it [1]: what comes half
+/// of the way comes out on the same side again.
+const GETS_THROUGH: f64 = 0.5;
 
 /// What touches at a frame's start.
 #[derive(Clone, Copy)]
@@ -213,10 +218,29 @@ impl<I: Instructions> Batch<I> {
             }
         }
         let manifold = member.manifold;
-        let (struck, near) = (touching.struck, near_if_struck(bodies, touching, near));
+        let (struck, near) = self.watch(bodies, (member, touching), near);
         let patch =
             Patch { pair, manifold, size: 0.0, near, struck, is_watched: false, touched: false, anew: None };
         self.rest.patches.push(patch);
+    }
+
+    /// How much faster a pair may come against each other because it is struck, as far as that matters [m/s]: in a heap nobody sees who strikes whom next, unless it
+    /// gets through. And how far it may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it has none, else
+    /// as far as they were looked for, or by [`THIN`] of what is thinner [m].
+    fn watch(
+        &self,
+        bodies: &Bodies,
+        (member, &Manifold { pair, points, struck }): (&Member, &Manifold),
+        near: f64,
+    ) -> (f64, f64) {
+        if struck == 0.0 {
+            return (0.0, f64::INFINITY);
+        }
+        let thinner = thinner(bodies, pair);
+        if member.is_in_heap && struck * self.rest.dt <= GETS_THROUGH * thinner {
+            return (0.0, f64::INFINITY);
+        }
+        (struck, if points.is_empty() { 0.0 } else { near.max(THIN * thinner) })
     }
 
     /// How its bodies began the frame.
@@ -430,18 +454,13 @@ impl<I: Instructions> Anchors<I> {
     }
 }
 
-/// How far a pair may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it has none, else as
-/// far as they were looked for, or by [`THIN`] of what is thinner [m].
-fn near_if_struck(bodies: &Bodies, Manifold { pair, points, struck }: &Manifold, near: f64) -> f64 {
-    if *struck == 0.0 {
-        return f64::INFINITY;
-    }
+/// Thickness of the thinner one of a pair [m].
+fn thinner(bodies: &Bodies, pair: Pair) -> f64 {
     let thickness = |i: usize| {
         let (low, high) = bodies.shapes[i].bounds;
         (high - low).min_element()
     };
-    let thinner = thickness(pair.first).min(thickness(pair.second));
-    if points.is_empty() { 0.0 } else { near.max(THIN * thinner) }
+    thickness(pair.first).min(thickness(pair.second))
 }
 
 /// The smaller of two sizes, of which one may be 0 and infinite.

@@ -37,7 +37,7 @@ fn cubes(gap: f64, turn: f64, linear: [DVec3; 2], spin: [DVec3; 2]) -> Bodies {
 fn batch_of(bodies: &Bodies, manifold: Manifold, step: &Frame) -> (Movers, Batch<Scalar>) {
     let touching = Touching { manifolds: &[manifold], carried: &[&[]], near: step.sag() };
     let movers = Movers::new::<Scalar>(bodies, vec![0, 1]);
-    let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0 };
+    let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0, is_in_heap: false };
     let mut batch = Batch::new((bodies, &movers), &[member], touching, step.dt);
     batch.follow(&movers, None);
     (movers, batch)
@@ -146,7 +146,7 @@ impl Stack {
         let movers = Movers::new::<Scalar>(&bodies, vec![0, 1, 2]);
         let batch = |manifold: usize| {
             let locals = [manifold as u32, manifold as u32 + 1];
-            let member = Member { manifold, locals, stiffness: 1.0 };
+            let member = Member { manifold, locals, stiffness: 1.0, is_in_heap: false };
             let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
             batch.follow(&movers, None);
             for (at, row) in batch.rows.iter_mut().enumerate() {

@@ -1,7 +1,6 @@
 //! Bodies drift: those that turn slowly side by side, the others one after the other.
 
 use super::{Answer, Build, Moved, Movers, Moving, PACE, Seen, TRAVEL, line_of, pose_of, velocity_of};
-use crate::detection::radius;
 use crate::evolve::evolve;
 use crate::exact_rotation::rotate_slow_ones;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Symmetric};
@@ -85,7 +84,7 @@ impl Stretch<'_> {
     /// Each body is where it is, as fast as it is.
     fn begin(&mut self, bodies: &Bodies) {
         for (local, &i) in self.who.iter().enumerate() {
-            let (inertia, size) = (&bodies.inertias[i], radius(&bodies.shapes[i]));
+            let (inertia, size) = (&bodies.inertias[i], bodies.radii[i]);
             let size = if size.is_finite() { size } else { 0.0 };
             self.poses[local] = line_of(&bodies.poses[i]);
             self.starts[local] = self.poses[local];
@@ -158,7 +157,7 @@ impl Stretch<'_> {
             self.poses[local] = line_of(&pose);
             if let Motion::Kinematic { linear, angular } = bodies.motions[i] {
                 let turning =
-                    if angular == DVec3::ZERO { 0.0 } else { angular.length() * radius(&bodies.shapes[i]) };
+                    if angular == DVec3::ZERO { 0.0 } else { angular.length() * bodies.radii[i] };
                 self.builds[local].0[TRAVEL] += step.dt * (linear.length() + turning);
             }
         }

@@ -4,7 +4,6 @@
 use super::shared_lines::SharedLines;
 use super::{Answer, Build, MASS, Movers, Moving, PACE, Seen, TRAVEL, is_mobile, tensor_of, velocity_of};
 use crate::contact_rows::Stage;
-use crate::detection::radius;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
 use crate::{Bodies, Frame, Velocity};
 use glam::DVec3;
@@ -326,9 +325,21 @@ pub(crate) fn can_rest(step: &Frame) -> bool {
 }
 
 /// Whether a body is calm as the frame begins.
-pub(crate) fn begins_calm(bodies: &Bodies, i: usize) -> bool {
+fn begins_calm(bodies: &Bodies, i: usize) -> bool {
+    is_calm(fastest(bodies, i))
+}
+
+/// Whether a body is calm none of whose points is faster than this [m/s].
+pub(crate) fn is_calm(fastest: f64) -> bool {
+    fastest < CALM
+}
+
+/// As the frame begins no point of a body is faster, as far as impulses move it [m/s].
+pub(crate) fn fastest(bodies: &Bodies, i: usize) -> f64 {
     let inertia = &bodies.inertias[i];
+    if inertia.is_infinite() {
+        return 0.0;
+    }
     let Velocity { linear, angular_momentum } = bodies.velocities[i];
-    let turning = inertia.inverse_moments.max_element() * radius(&bodies.shapes[i]);
-    inertia.is_infinite() || linear.length() + turning * angular_momentum.length() < CALM
+    linear.length() + inertia.inverse_moments.max_element() * bodies.radii[i] * angular_momentum.length()
 }

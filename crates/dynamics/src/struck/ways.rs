@@ -2,7 +2,6 @@
 
 use super::Stray;
 use crate::broad_phase::{is_above, swept_bounds};
-use crate::detection::radius;
 use crate::threads;
 use crate::{Bodies, Frame, Pose};
 use glam::DVec3;
@@ -51,7 +50,7 @@ struct Way {
 impl Way {
     fn of(bodies: &Bodies, i: usize, end: &Pose, frame: &Frame) -> Self {
         let (from, to) = (bodies.poses[i].position, end.position);
-        let radius = radius(&bodies.shapes[i]) + 0.5 * (from.distance(to) + frame.sag());
+        let radius = bodies.radii[i] + 0.5 * (from.distance(to) + frame.sag());
         Self { middle: 0.5 * (from + to), radius, i }
     }
 }
