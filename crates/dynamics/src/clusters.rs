@@ -157,25 +157,35 @@ impl Cluster {
             if acts { &mut pairs_of[regions.of_pair(locals)] } else { &mut watched }.push(place);
         }
         let is_mobile = |&local: &usize| !bodies.inertias[who[local]].is_infinite();
+        let are_settled = |&place: &usize| {
+            effort.rests() && locals_of[place].iter().all(|&local| settled[who[local as usize]])
+        };
         let rank_all = |next_ranks: &mut NextRanks, (of_region, ranked): &mut (Vec<usize>, Ranked)| {
             let mut places = Places::default();
             let mut members = Vec::with_capacity(of_region.len());
-            for &place in of_region.iter() {
-                let (manifold, locals) = (pairs[place], locals_of[place]);
-                let rank = next_ranks.next(locals.map(|local| local as usize).into_iter().filter(is_mobile));
-                let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
-                let (stiffness, is_in_heap) = (stiffness[manifold], effort.is_for_heap());
-                let member = Member { manifold, locals, stiffness, is_in_heap };
-                let are_settled = locals.iter().all(|&local| settled[who[local as usize]]);
-                members.push((places.count((rank, are_settled), counts), member));
+            // What has settled has ranks of its own, as a few that move would keep all awake that lie side by side with them.
+            let (settled, others): (Vec<usize>, Vec<usize>) = of_region.drain(..).partition(are_settled);
+            for alike in [settled, others] {
+                let first_rank = places.ranks();
+                for place in alike {
+                    let (manifold, locals) = (pairs[place], locals_of[place]);
+                    let mobile = locals.map(|local| local as usize).into_iter().filter(is_mobile);
+                    let rank = first_rank + next_ranks.next(mobile);
+                    let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
+                    let (stiffness, is_in_heap) = (stiffness[manifold], effort.is_for_heap());
+                    let member = Member { manifold, locals, stiffness, is_in_heap };
+                    members.push((places.count(rank, counts), member));
+                }
+                for (_, member) in &members {
+                    member.locals.iter().for_each(|&local| next_ranks.clear(local as usize));
+                }
             }
 
-            // Side by side are those whose bodies have settled, and those with about as many points, of which about as many carried in the last frame.
+            // Side by side are those with about as many points, of which about as many carried in the last frame.
             ranked.ends = places.begin();
             ranked.members = vec![Member::NOBODY; members.len()];
             for (place, member) in members {
                 ranked.members[places.next(place)] = member;
-                member.locals.iter().for_each(|&local| next_ranks.clear(local as usize));
             }
         };
         let mut regions: Vec<(Vec<usize>, Ranked)> =
@@ -252,21 +262,23 @@ impl NextRanks {
     }
 }
 
-/// Where the pairs of each rank go: those of settled bodies first, of these those with more points, of these those of which more carried, and the
-/// others in their order.
+/// Where the pairs of each rank go: those with more points first, of these those of which more carried, and the others in their order.
 #[derive(Default)]
 struct Places(Vec<usize>);
 
 impl Places {
-    /// Of each rank: settled ones and others, by points, then by how many of them carried.
-    const EACH: usize = 2 * Self::ALIKE;
-    const ALIKE: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
+    /// Of each rank: by points, then by how many of them carried.
+    const EACH: usize = (MOST_POINTS + 1) * (MOST_POINTS + 1);
 
-    /// Makes room for a pair with some points, of which some carried, and of settled bodies or not.
-    fn count(&mut self, (rank, are_settled): (usize, bool), (points, carried): (usize, usize)) -> usize {
+    /// How many ranks there are.
+    fn ranks(&self) -> usize {
+        self.0.len() / Self::EACH
+    }
+
+    /// Makes room in a rank for a pair with some points, of which some carried.
+    fn count(&mut self, rank: usize, (points, carried): (usize, usize)) -> usize {
         let less = |number: usize| MOST_POINTS - number.min(MOST_POINTS);
-        let alike = less(points) * (MOST_POINTS + 1) + less(carried);
-        let place = rank * Self::EACH + usize::from(!are_settled) * Self::ALIKE + alike;
+        let place = rank * Self::EACH + less(points) * (MOST_POINTS + 1) + less(carried);
         if place >= self.0.len() {
             self.0.resize((rank + 1) * Self::EACH, 0);
         }

@@ -313,17 +313,6 @@ impl<I: Instructions> Lanes3<I> {
         DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
 
-    /// Of unit vectors, others across them [Duf17].
-    #[inline(always)]
-    pub(crate) fn across(self) -> Self {
-        let Self { x, y, z } = self;
-        let one = Lanes::splat(1.0);
-        // Minus zero is negative.
-        let sign = Lanes::ZERO.above(one / z).select(-one, one);
-        let a = -one / (sign + z);
-        Self { x: x * y * a, y: sign + y * y * a, z: -y }
-    }
-
     /// The sum over all lanes, always in the same order.
     pub(crate) fn sum(self) -> DVec3 {
         DVec3::new(self.x.sum(), self.y.sum(), self.z.sum())
@@ -332,6 +321,17 @@ impl<I: Instructions> Lanes3<I> {
 
 impl<I: Instructions> Single3<I> {
     pub(crate) const ZERO: Self = Self { x: Single::ZERO, y: Single::ZERO, z: Single::ZERO };
+
+    /// Of unit vectors, others across them [Duf17].
+    #[inline(always)]
+    pub(crate) fn across(self) -> Self {
+        let Self { x, y, z } = self;
+        let one = Single::splat(1.0);
+        // Minus zero is negative.
+        let sign = Single::ZERO.above(one / z).select(-one, one);
+        let a = -one / (sign + z);
+        Self { x: x * y * a, y: sign + y * y * a, z: -y }
+    }
 
     /// In double precision.
     #[inline(always)]

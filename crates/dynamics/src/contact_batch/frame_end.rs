@@ -3,14 +3,14 @@
 use super::Batch;
 use crate::Bodies;
 use crate::contact_rows::{Basis, RowImpulse};
-use crate::lanes::{Instructions, LANES, Lanes, Mask, Numbers, Single, Single3};
+use crate::lanes::{Instructions, LANES, Lanes, Mask, Single, Single3, Singles};
 use crate::moving::Movers;
 use crate::tally::{Debt, Tally};
 use crate::warm_start::{Carried, Part, PointImpulse};
 use glam::{DVec3, Vec3};
 
 /// What acts at the points of a row, a line for each lane.
-pub(crate) type Lines = [Numbers; LANES];
+pub(crate) type Lines = [Singles; LANES];
 
 impl<I: Instructions> Batch<I> {
     /// What its pairs carried, and their books. `room` is for the lines of its rows.
@@ -67,7 +67,7 @@ impl<I: Instructions> Batch<I> {
         let basis = self.directions.of(at).basis();
         let [before, after] = &self.rows[at].impulses;
         let ([n, x, y, z], [later_n, tx, ty, tz]) = (before.in_world(&basis, by), after.in_world(&basis, by));
-        Lanes::rows([n, x, y, z, later_n, tx, ty, tz])
+        Single::rows([n, x, y, z, later_n, tx, ty, tz])
     }
 
     /// So many times what acts at a point, by the lines of its row, which are as many times that.
@@ -78,15 +78,14 @@ impl<I: Instructions> Batch<I> {
         lane: usize,
         (lines, by): (&Lines, f64),
     ) -> [PointImpulse; 2] {
-        let Numbers([n, x, y, z, later_n, tx, ty, tz]) = lines[lane];
-        let vector = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).as_vec3();
+        let Singles([n, x, y, z, later_n, tx, ty, tz]) = lines[lane];
         let twist = |stage: usize| match self.rest.twists.get(at) {
             Some(twists) => by as f32 * twists[stage].get(lane).as_vec3(),
             None => Vec3::ZERO,
         };
         [
-            PointImpulse { normal: n as f32, tangent: vector(x, y, z), twist: twist(0) },
-            PointImpulse { normal: later_n as f32, tangent: vector(tx, ty, tz), twist: twist(1) },
+            PointImpulse { normal: n, tangent: Vec3::new(x, y, z), twist: twist(0) },
+            PointImpulse { normal: later_n, tangent: Vec3::new(tx, ty, tz), twist: twist(1) },
         ]
     }
 
@@ -105,12 +104,12 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl<I: Instructions> RowImpulse<I> {
-    /// So many times what acts along the normal and, in the world, across it, in single precision.
+    /// So many times what acts along the normal and, in the world, across it.
     #[inline(always)]
-    fn in_world(&self, basis: &Basis<I>, by: f64) -> [Lanes<I>; 4] {
+    fn in_world(&self, basis: &Basis<I>, by: f64) -> [Single<I>; 4] {
         let ([t, b], [along_t, along_b]) = (basis.tangents, self.tangent);
         let Single3 { x, y, z } = t * along_t + b * along_b;
         let by = Single::splat(by);
-        [(self.normal * by).double(), (x * by).double(), (y * by).double(), (z * by).double()]
+        [self.normal * by, x * by, y * by, z * by]
     }
 }

@@ -3,7 +3,7 @@
 use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3};
+use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3, Singles};
 use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
 use crate::moving::{Movers, Start};
 use crate::pair::Pair;
@@ -52,7 +52,7 @@ pub(super) struct NewPoints<'a> {
     lanes: Mask,
     /// On the first and on the second body, each in its own frame and with its rounding [m].
     anchors: [Numbers; LANES],
-    normals: [Numbers; LANES],
+    normals: [Singles; LANES],
     /// What acts there before and after the drift, in units of `by`.
     impulses: [&'a [PointImpulse; 2]; LANES],
     by: f64,
@@ -68,7 +68,7 @@ impl<'a> NewPoints<'a> {
         Self {
             lanes: Mask::NONE,
             anchors: [Numbers::ZERO; LANES],
-            normals: [Numbers::ZERO; LANES],
+            normals: [Singles::ZERO; LANES],
             impulses: [&Self::NOTHING; LANES],
             by,
             is_of_first: Mask::NONE,
@@ -87,7 +87,8 @@ impl<'a> NewPoints<'a> {
         let ManifoldPoint { anchor_first: a, anchor_second: b, rounding, normal: n, sample, .. } = *point;
         self.lanes.set(lane, true);
         self.anchors[lane] = Numbers([a.x, a.y, a.z, rounding[0], b.x, b.y, b.z, rounding[1]]);
-        self.normals[lane] = Numbers([n.x, n.y, n.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let n = n.as_vec3();
+        self.normals[lane] = Singles([n.x, n.y, n.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
         self.impulses[lane] = impulses.unwrap_or(&Self::NOTHING);
         self.is_of_first.set(lane, sample.0);
         self.sample[lane] = sample.1;
@@ -96,16 +97,16 @@ impl<'a> NewPoints<'a> {
     /// What acts in the world along the normals and across them, before and after the drift.
     #[inline(always)]
     fn acting<I: Instructions>(&self) -> [(Single<I>, Single3<I>); 2] {
-        let mut lines = [Numbers::ZERO; LANES];
+        let mut lines = [Singles::ZERO; LANES];
         for (line, [before, after]) in lines.iter_mut().zip(self.impulses) {
-            let (a, b) = (before.tangent.as_dvec3(), after.tangent.as_dvec3());
-            line.0 = [before.normal.into(), a.x, a.y, a.z, after.normal.into(), b.x, b.y, b.z];
+            let (a, b) = (before.tangent, after.tangent);
+            line.0 = [before.normal, a.x, a.y, a.z, after.normal, b.x, b.y, b.z];
         }
         let by = Single::splat(self.by);
-        let [normal, x, y, z, later_normal, tx, ty, tz] = Lanes::transposed(lines);
-        let across = Lanes3 { x, y, z }.single() * by;
-        let later_across = Lanes3 { x: tx, y: ty, z: tz }.single() * by;
-        [(normal.single() * by, across), (later_normal.single() * by, later_across)]
+        let [normal, x, y, z, later_normal, tx, ty, tz] = Single::transposed(lines);
+        let across = Single3 { x, y, z } * by;
+        let later_across = Single3 { x: tx, y: ty, z: tz } * by;
+        [(normal * by, across), (later_normal * by, later_across)]
     }
 }
 
@@ -267,9 +268,9 @@ impl<I: Instructions> Batch<I> {
     pub(super) fn place(&mut self, at: usize, points: &NewPoints, starts: &[Start<I>; 2]) {
         self.make_room(at + 1);
         let lanes = points.lanes;
-        let [x, y, z, ..] = Lanes::transposed(points.normals);
-        let normal = Lanes3 { x, y, z };
-        let directions = Directions { normal: normal.single(), tangent: normal.across().single() };
+        let [x, y, z, ..] = Single::transposed(points.normals);
+        let normal = Single3 { x, y, z };
+        let directions = Directions { normal, tangent: normal.across() };
         self.directions.set((at, self.rows.len()), lanes, directions);
         let basis = self.directions.of(at).basis();
 
@@ -359,23 +360,28 @@ impl Touching<'_> {
         let mut places = [[Place::NONE; LANES]; MOST_POINTS];
         for (lane, member) in group.iter().enumerate() {
             let (points, carried) = (self.manifolds[member.manifold].points, self.carried[member.manifold]);
-            let mut order = [(f64::INFINITY, Place::NONE); MOST_POINTS];
-            for (point, ManifoldPoint { sample, gap, .. }) in points.iter().enumerate().take(MOST_POINTS) {
-                let same = carried.iter().position(|carried| carried.sample == *sample);
-                let presses = |same: usize| carried[same].forces.iter().any(|force| force.normal > 0.0);
-                let nearness = if same.is_some_and(presses) { f64::NEG_INFINITY } else { *gap };
-                let carried = same.map_or(Place::NOWHERE, |same| same as u8);
-
-                // Behind those that are as near.
-                let mut at = point;
-                while at > 0 && nearness.total_cmp(&order[at - 1].0).is_lt() {
-                    order[at] = order[at - 1];
-                    at -= 1;
+            let points = &points[..points.len().min(MOST_POINTS)];
+            let mut found = [(f64::INFINITY, Place::NONE); MOST_POINTS];
+            for (point, found) in found.iter_mut().enumerate().take(points.len()) {
+                let ManifoldPoint { sample, gap, .. } = points[point];
+                let (mut same, mut presses) = (Place::NOWHERE, false);
+                for (place, Carried { sample: other, forces: [before, after] }) in carried.iter().enumerate() {
+                    let is_same = (sample.1 == other.1) & (sample.0 == other.0);
+                    same = if is_same { place as u8 } else { same };
+                    presses |= is_same & ((before.normal > 0.0) | (after.normal > 0.0));
                 }
-                order[at] = (nearness, Place { point: point as u8, carried });
+                let nearness = if presses { f64::NEG_INFINITY } else { gap };
+                *found = (nearness, Place { point: point as u8, carried: same });
             }
-            for (row, (_, place)) in order.into_iter().enumerate() {
-                places[row][lane] = place;
+
+            // Each behind those that are nearer, or as near and before it: counted without branches, as no two pairs are alike.
+            for point in 0..points.len() {
+                let (nearness, place) = found[point];
+                let nearer = |&(other, _): &(f64, Place)| usize::from(other < nearness);
+                let as_near = |&(other, _): &(f64, Place)| usize::from(other <= nearness);
+                let before: usize = found[..point].iter().map(as_near).sum();
+                let behind: usize = found[point + 1..points.len()].iter().map(nearer).sum();
+                places[before + behind][lane] = place;
             }
         }
         places
