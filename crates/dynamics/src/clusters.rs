@@ -171,7 +171,8 @@ impl Cluster {
                     let (manifold, locals) = (pairs[place], locals_of[place]);
                     let mobile = locals.map(|local| local as usize).into_iter().filter(is_mobile);
                     let rank = first_rank + next_ranks.next(mobile);
-                    let counts = (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
+                    let counts =
+                        (touching.manifolds[manifold].points.len(), touching.carried[manifold].len());
                     let (stiffness, is_in_heap) = (stiffness[manifold], effort.is_for_heap());
                     let member = Member { manifold, locals, stiffness, is_in_heap };
                     members.push((places.count(rank, counts), member));

@@ -16,7 +16,7 @@ use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Motion, Pose};
 use ahead::{Ahead, Seen};
 use frangible_geometry::RigidTransform;
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use passing::{NOWHERE, Passing, firsts};
 
 /// For how long a pair keeps its points, relative to the size of the smaller body.
@@ -203,9 +203,8 @@ impl Share<'_> {
             {
                 if !points.is_empty() {
                     let encounter = encounter(pair);
-                    let now = Now::new(&encounter);
                     self.kept.points.extend_from_slice(points);
-                    self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&now)));
+                    self.found.add(pair, points.iter().filter_map(|point| point.within_reach(&encounter)));
                 }
                 self.keep(KeptPair { since, ..*kept }, pair);
                 continue;
@@ -293,8 +292,8 @@ impl Share<'_> {
         // What will meet later will do so elsewhere; what jams is looked at again.
         let is_deep = room.points.iter().any(|point| point.gap < -lasting.deep * size);
         let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
-            let (kept, now) = (&self.kept.points[begin..], Now::new(&encounter));
-            self.found.add(pair, kept.iter().filter_map(|point| point.within_reach(&now)));
+            let kept = &self.kept.points[begin..];
+            self.found.add(pair, kept.iter().filter_map(|point| point.within_reach(&encounter)));
             beyond
         } else {
             self.found.add(pair, points.iter().copied());
@@ -314,41 +313,19 @@ fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
 }
 
-/// The bodies of a pair where they are now, as its points see them.
-struct Now<'a> {
-    encounter: &'a Encounter<'a>,
-    /// To the world frame.
-    rotations: [DMat3; 2],
-    /// Centre of mass of the first one less that of the second one [m], and its velocity less that of the second one [m/s].
-    apart: DVec3,
-    parting: DVec3,
-}
-
-impl<'a> Now<'a> {
-    #[inline]
-    fn new(encounter: &'a Encounter<'a>) -> Self {
-        let [first, second] = encounter.flights;
-        Self {
-            encounter,
-            rotations: [first, second].map(|flight| DMat3::from_quat(flight.start.orientation)),
-            apart: first.start.position - second.start.position,
-            parting: first.linear - second.linear,
-        }
-    }
-}
-
 impl KeptPoint {
     /// The point where its bodies are now; `None` if it is too far to touch within the frame.
     #[inline]
-    fn within_reach(&self, Now { encounter, rotations, apart, parting }: &Now) -> Option<ManifoldPoint> {
+    fn within_reach(&self, encounter: &Encounter) -> Option<ManifoldPoint> {
         let [first, second] = encounter.flights;
-        let normal = rotations[0] * self.normal;
-        let levers = [0, 1].map(|side| rotations[side] * self.anchors[side]);
-        let gap = (apart + levers[0] - levers[1]).dot(normal);
+        let normal = first.start.orientation * self.normal;
+        let on_first = first.start.world_from_body().point(self.anchors[0]);
+        let on_second = second.start.world_from_body().point(self.anchors[1]);
+        let gap = (on_first - on_second).dot(normal);
         if gap > encounter.reach {
             return None;
         }
-        let velocity = parting + first.angular.cross(levers[0]) - second.angular.cross(levers[1]);
+        let velocity = first.velocity(on_first, 0.0) - second.velocity(on_second, 0.0);
         Some(ManifoldPoint {
             anchor_first: self.anchors[0],
             anchor_second: self.anchors[1],

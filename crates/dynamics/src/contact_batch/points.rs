@@ -365,7 +365,8 @@ impl Touching<'_> {
             for (point, found) in found.iter_mut().enumerate().take(points.len()) {
                 let ManifoldPoint { sample, gap, .. } = points[point];
                 let (mut same, mut presses) = (Place::NOWHERE, false);
-                for (place, Carried { sample: other, forces: [before, after] }) in carried.iter().enumerate() {
+                for (place, Carried { sample: other, forces: [before, after] }) in carried.iter().enumerate()
+                {
                     let is_same = (sample.1 == other.1) & (sample.0 == other.0);
                     same = if is_same { place as u8 } else { same };
                     presses |= is_same & ((before.normal > 0.0) | (after.normal > 0.0));

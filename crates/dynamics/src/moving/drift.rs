@@ -156,8 +156,7 @@ impl Stretch<'_> {
             let pose = evolve(bodies, i, &pose_of(&self.poses[local]), &velocity, step);
             self.poses[local] = line_of(&pose);
             if let Motion::Kinematic { linear, angular } = bodies.motions[i] {
-                let turning =
-                    if angular == DVec3::ZERO { 0.0 } else { angular.length() * bodies.radii[i] };
+                let turning = if angular == DVec3::ZERO { 0.0 } else { angular.length() * bodies.radii[i] };
                 self.builds[local].0[TRAVEL] += step.dt * (linear.length() + turning);
             }
         }

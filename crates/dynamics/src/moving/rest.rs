@@ -209,6 +209,12 @@ impl Movers {
         self.who.iter().zip(&self.rest.may_rest).filter(|(_, may_rest)| **may_rest).map(|(&i, _)| i)
     }
 
+    /// Whether all that impulses move rests.
+    pub(crate) fn all_rest(&self) -> bool {
+        (0..self.who.len())
+            .all(|at| self.rest.weights.read(at) == Weight::Rests || !is_mobile(&self.moving.read(at)))
+    }
+
     /// Whether none of some bodies is fast.
     #[inline(always)]
     pub(crate) fn are_quiet(&self, locals: &[u32; LANES]) -> bool {
