@@ -446,6 +446,60 @@ mod tests {
         assert_eq!(nobody, [true, false, false, false, false]);
     }
 
+    /// What moves is solved apart from what has settled, as far as it can be: in other clusters, what may bounce apart from what creeps, and in an island in other ranks.
+    #[test]
+    fn who_moves_keeps_nobody_awake() {
+        const COUNT: usize = 60;
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1));
+        let mut bodies = Bodies::default();
+        for i in 0..COUNT {
+            // Every sixth pair creeps, and every sixth flies.
+            let speed = [0.0, 0.0, 1e-2, 0.0, 0.0, 1.0][i / 2 % 6];
+            bodies.spawn(NewBody {
+                shape: shape.clone(),
+                density: 1.0,
+                motion: Motion::Dynamic,
+                pose: Pose { position: i as f64 * DVec3::X, orientation: DQuat::IDENTITY },
+                velocity: Velocity { linear: speed * DVec3::X, ..Velocity::default() },
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        let pair =
+            |first: usize, second: usize| Manifold { pair: Pair { first, second }, points: &[], struck: 0.0 };
+        let warm = WarmStart::of_parts(&bodies, (0, vec![]), &[u8::MAX; COUNT], &[false; COUNT], &[]);
+        let frame =
+            Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: crate::StepSettings::default() };
+        let kind = |i: usize| (i / 2 % 6 == 2, i / 2 % 6 == 5);
+
+        // As islands of their own they are in clusters of their kind.
+        let manifolds: Vec<Manifold> = (0..COUNT / 2).map(|at| pair(2 * at, 2 * at + 1)).collect();
+        let carried = vec![&[][..]; manifolds.len()];
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: 0.0 };
+        let all = plan(&bodies, touching, &warm, &frame);
+        assert_eq!(all.clusters.len(), 3);
+        for (pairs, _) in &all.clusters {
+            assert!(pairs.iter().all(|&at| kind(2 * at) == kind(2 * pairs[0])), "{pairs:?}");
+        }
+
+        // In one island they have ranks of their own.
+        let every_other = |from: usize| (from..COUNT - 1).step_by(2);
+        let manifolds: Vec<Manifold> =
+            every_other(0).chain(every_other(1)).map(|at| pair(at, at + 1)).collect();
+        let carried = vec![&[][..]; manifolds.len()];
+        let touching = Touching { manifolds: &manifolds, carried: &carried, near: 0.0 };
+        let all = plan(&bodies, touching, &warm, &frame);
+        let cluster = Cluster::new(&bodies, touching, &all, 0, &mut vec![NOWHERE; COUNT]);
+        assert_eq!(cluster.members.len(), COUNT - 1);
+        let mut begin = 0;
+        for &end in cluster.rank_ends.iter().flatten() {
+            let is_settled =
+                |member: &Member| member.locals.iter().all(|&at| all.settled[cluster.bodies[at as usize]]);
+            let settled = cluster.members[begin..end].iter().filter(|member| is_settled(member)).count();
+            assert!(settled == 0 || settled == end - begin, "{settled} of {begin}..{end}");
+            begin = end;
+        }
+    }
+
     /// A body of a hundred pairs has one in each rank, whether ranks are taken in order or wherever they are free; and two that share nothing
     /// are side by side.
     #[test]

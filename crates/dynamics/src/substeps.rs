@@ -341,12 +341,69 @@ impl<'a, I: Instructions> Solver<'a, I> {
 mod tests {
     use super::*;
     use crate::broad_phase::find_swept_pairs;
+    use crate::clusters::Member;
     use crate::collisions::predict;
+    use crate::instructions::Scalar;
     use crate::manifold::find_manifolds;
+    use crate::pair::Pair;
     use crate::{Contactant, NewBody, Pose, StepSettings, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
+
+    /// What all rests ends its frame where it would in substeps, with the same books: a ball on another one, in a first frame in which it has come to rest.
+    #[test]
+    fn what_all_rests_goes_on_in_one_step() {
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1));
+        let mut bodies = Bodies::default();
+        let creeping = Velocity { linear: 5e-5 * DVec3::X, angular_momentum: 1e-6 * DVec3::Y };
+        for (motion, height, velocity) in
+            [(Motion::Static, 0.0, Velocity::default()), (Motion::Dynamic, 1.0, creeping)]
+        {
+            bodies.spawn(NewBody {
+                shape: shape.clone(),
+                density: 1.0,
+                motion,
+                pose: Pose { position: height * DVec3::Y, orientation: DQuat::IDENTITY },
+                velocity,
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+        let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..frame };
+        let found = find_manifolds(&bodies, &[Pair { first: 0, second: 1 }], &WarmStart::default(), &frame);
+        let manifolds: Vec<Manifold> = found.iter().collect();
+        let touching = Touching { manifolds: &manifolds, carried: &[&[]], near: frame.sag() };
+        let at_rest = || {
+            let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0, is_in_heap: false };
+            let (members, rank_ends) = (vec![member], vec![vec![1]]);
+            let cluster = Cluster { bodies: vec![0, 1], members, rank_ends, effort: Effort::of_size(1) };
+            let mut solver = Solver::<Scalar>::new(&bodies, cluster, touching, step.dt);
+            // Nothing has moved it yet, so that it is seen to be calm.
+            solver.lie_down(&step);
+            assert!(solver.all_rests());
+            solver
+        };
+        let (mut in_one, mut in_steps) = (at_rest(), at_rest());
+        in_one.go_on_at_rest(&frame);
+        for done in 0..SUBSTEPS {
+            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..frame };
+            in_steps.substep(&rest, &step, &frame);
+        }
+        let [(one, one_velocity), (steps, steps_velocity)] =
+            [&in_one, &in_steps].map(|solver| solver.movers.state(&bodies, 1));
+        assert!(
+            (one.position - steps.position).length() < 1e-15 && one.position.x > 1.6e-6,
+            "{one:?} {steps:?}"
+        );
+        assert!(one.orientation.dot(steps.orientation) > 1.0 - 1e-15);
+        assert_eq!((one_velocity, steps_velocity), (creeping, creeping));
+        let [a, b] = [&in_one, &in_steps].map(|solver| (solver.movers.gravity, solver.movers.held()));
+        let weight = bodies.masses[1] * frame.dt * frame.gravity;
+        assert!((a.0.0 - weight).length() < 1e-12 && (a.1.impulse + weight).length() < 1e-12);
+        assert!((a.0.1 - b.0.1).length() < 1e-12 && (a.1.moment - b.1.moment).length() < 1e-12);
+        assert!((a.1.energy - b.1.energy).abs() < 1e-12);
+    }
 
     /// Frame by frame it is counted for how long a ball could rest that lies on another one, until it is pushed; one that falls could not.
     #[test]
