@@ -10,6 +10,7 @@ use crate::sleep::Sleep;
 use crate::threads;
 use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame, Motion};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Pairs that are solved together, of small islands: their numbers fit into a core's own cache.
@@ -62,7 +63,13 @@ pub(crate) struct Plan {
 /// Puts islands together: `warm` knows who has settled.
 pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
     let Touching { manifolds, carried, .. } = touching;
-    let speeds = threads::list(bodies.len(), |i| fastest(bodies, i));
+    let speeds = threads::list(bodies.len(), |i| match bodies.motions[i] {
+        Motion::Kinematic { linear, angular } if angular != DVec3::ZERO => {
+            linear.length() + angular.length() * bodies.radii[i]
+        }
+        Motion::Kinematic { linear, .. } => linear.length(),
+        Motion::Static | Motion::Dynamic => fastest(bodies, i),
+    });
     let settled = threads::list(bodies.len(), |i| match bodies.motions[i] {
         Motion::Static => true,
         Motion::Kinematic { .. } => false,
@@ -149,7 +156,7 @@ impl Cluster {
         }
         who.iter().for_each(|&i| local[i] = NOWHERE);
 
-        // Region by region. What has no points is only watched, behind all that has; but where impacts follow each other, they do so in the order of the pairs.
+        // Region by region. What has no points is only watched, behind all that has; but where impacts follow each other, it acts among the others.
         let regions = Regions::new(bodies, &who, pairs.len());
         let (mut pairs_of, mut watched) = (vec![Vec::new(); regions.count()], Vec::new());
         for (place, &locals) in locals_of.iter().enumerate() {
@@ -231,7 +238,7 @@ struct NextRanks {
 }
 
 impl NextRanks {
-    /// In a cluster of one region one rank after the other acts in the order of the manifolds, as far as pairs share a body. In the regions
+    /// In a cluster of one region one rank after the other acts in the order of the manifolds, as far as pairs share a body, of those that have settled and then of the others. In the regions
     /// of heaps, where that would take many ranks with empty lanes, pairs take the first rank that they find free.
     fn new(bodies: usize, is_one_region: bool) -> Self {
         Self { next: vec![0; bodies], taken: (!is_one_region).then(|| vec![0; bodies]) }

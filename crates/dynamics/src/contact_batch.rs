@@ -141,7 +141,7 @@ pub(crate) struct Patch {
     pub(crate) manifold: usize,
     /// Of the smaller body [m].
     size: f64,
-    /// See [`Manifold::struck`](crate::manifold::Manifold::struck) [m/s].
+    /// See [`Manifold::struck`](crate::manifold::Manifold::struck), as far as it is watched for it [m/s].
     struck: f64,
     /// If it may be struck, its bodies may move so far against each other before points are missed that were too far away at the frame's start [m].
     near: f64,

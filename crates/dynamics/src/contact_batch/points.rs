@@ -4,7 +4,7 @@ use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3, Singles};
-use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
+use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint, Solid};
 use crate::moving::{Movers, Start};
 use crate::pair::Pair;
 use crate::warm_start::{Carried, PointImpulse};
@@ -21,8 +21,8 @@ const CONTACT_DAMPING: f64 = 10.0;
 /// many; a card that is struck at its edge must not get through.
 const THIN: f64 = 0.25;
 
-/// Of what is thinner of two bodies, so far a blow may get into the other one within a substep in a heap, until they are watched for it [1]: what comes half
-/// of the way comes out on the same side again.
+/// Of what is thinner of two polyhedra in a heap, so far a blow may drive one into the other until they are looked at anew, the substep included in which they are [1]: what has
+/// come half of the way is pushed back to where it came from.
 const GETS_THROUGH: f64 = 0.5;
 
 /// What touches at a frame's start.
@@ -225,8 +225,8 @@ impl<I: Instructions> Batch<I> {
         self.rest.patches.push(patch);
     }
 
-    /// How much faster a pair may come against each other because it is struck, as far as that matters [m/s]: in a heap nobody sees who strikes whom next, unless it
-    /// gets through. And how far it may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it has none, else
+    /// How much faster a pair may come against each other because it is struck, as far as that matters [m/s]: in a heap nobody sees which polyhedron strikes which next, unless it
+    /// gets through. And how far it may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it is watched and has none, else
     /// as far as they were looked for, or by [`THIN`] of what is thinner [m].
     fn watch(
         &self,
@@ -238,8 +238,10 @@ impl<I: Instructions> Batch<I> {
             return (0.0, f64::INFINITY);
         }
         let thinner = thinner(bodies, pair);
-        if member.is_in_heap && struck * self.rest.dt <= GETS_THROUGH * thinner {
-            return (0.0, f64::INFINITY);
+        let left = GETS_THROUGH * thinner - struck * self.rest.dt;
+        let is_convex = |i: usize| matches!(Solid::of(&bodies.shapes[i]), Solid::Hull(_));
+        if member.is_in_heap && left >= 0.0 && is_convex(pair.first) && is_convex(pair.second) {
+            return (0.0, near.max(left));
         }
         (struck, if points.is_empty() { 0.0 } else { near.max(THIN * thinner) })
     }
@@ -361,7 +363,7 @@ impl Touching<'_> {
         for (lane, member) in group.iter().enumerate() {
             let (points, carried) = (self.manifolds[member.manifold].points, self.carried[member.manifold]);
             let points = &points[..points.len().min(MOST_POINTS)];
-            let mut found = [(f64::INFINITY, Place::NONE); MOST_POINTS];
+            let mut found = [(i64::MAX, Place::NONE); MOST_POINTS];
             for (point, found) in found.iter_mut().enumerate().take(points.len()) {
                 let ManifoldPoint { sample, gap, .. } = points[point];
                 let (mut same, mut presses) = (Place::NOWHERE, false);
@@ -372,14 +374,14 @@ impl Touching<'_> {
                     presses |= is_same & ((before.normal > 0.0) | (after.normal > 0.0));
                 }
                 let nearness = if presses { f64::NEG_INFINITY } else { gap };
-                *found = (nearness, Place { point: point as u8, carried: same });
+                *found = (in_order(nearness), Place { point: point as u8, carried: same });
             }
 
-            // Each behind those that are nearer, or as near and before it: counted without branches, as no two pairs are alike.
+            // Each behind those that are nearer, or as near and before it: counted without branches, which nobody could foresee.
             for point in 0..points.len() {
                 let (nearness, place) = found[point];
-                let nearer = |&(other, _): &(f64, Place)| usize::from(other < nearness);
-                let as_near = |&(other, _): &(f64, Place)| usize::from(other <= nearness);
+                let nearer = |&(other, _): &(i64, Place)| usize::from(other < nearness);
+                let as_near = |&(other, _): &(i64, Place)| usize::from(other <= nearness);
                 let before: usize = found[..point].iter().map(as_near).sum();
                 let behind: usize = found[point + 1..points.len()].iter().map(nearer).sum();
                 places[before + behind][lane] = place;
@@ -459,6 +461,13 @@ impl<I: Instructions> Anchors<I> {
             self.sample[lane] = sample[lane];
         }
     }
+}
+
+/// A whole number in the order of [`f64::total_cmp`].
+#[inline(always)]
+fn in_order(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ ((bits >> 63) as u64 >> 1) as i64
 }
 
 /// Thickness of the thinner one of a pair [m].

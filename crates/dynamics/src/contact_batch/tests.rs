@@ -131,6 +131,11 @@ fn in_heaps_only_what_gets_through_is_watched() {
         let (movers, mut batch) = batch_in(is_in_heap, &bodies, manifold, &step);
         let finds = batch.refresh((&bodies, &movers), &mut ManifoldFinder::default(), &frame);
         assert_eq!((finds, !batch.rows.is_empty()), (is_watched, is_watched), "{is_in_heap}, {struck} m/s");
+
+        // A blow drives it no further than half through the other one before it is looked at.
+        let patch = &batch.rest.patches[0];
+        let unseen = patch.rests_for() + struck * step.dt;
+        assert!(is_watched || unseen <= 0.5 || unseen <= step.sag() + struck * step.dt, "{unseen} m");
     }
 }
 
