@@ -60,6 +60,15 @@ pub(crate) struct Plan {
     pub(crate) sleep: Sleep,
 }
 
+/// Whether a body probably comes to rest in this frame, as it could in some before; what is static does.
+pub(crate) fn has_settled(bodies: &Bodies, i: usize, warm: &WarmStart) -> bool {
+    match bodies.motions[i] {
+        Motion::Static => true,
+        Motion::Kinematic { .. } => false,
+        Motion::Dynamic => warm.settled_for(bodies.ids[i]) >= SETTLED_AFTER && is_calm(fastest(bodies, i)),
+    }
+}
+
 /// Puts islands together: `warm` knows who has settled.
 pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
     let Touching { manifolds, carried, .. } = touching;
@@ -70,11 +79,7 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
         Motion::Kinematic { linear, .. } => linear.length(),
         Motion::Static | Motion::Dynamic => fastest(bodies, i),
     });
-    let settled = threads::list(bodies.len(), |i| match bodies.motions[i] {
-        Motion::Static => true,
-        Motion::Kinematic { .. } => false,
-        Motion::Dynamic => is_calm(speeds[i]) && warm.settled_for(bodies.ids[i]) >= SETTLED_AFTER,
-    });
+    let settled = threads::list(bodies.len(), |i| has_settled(bodies, i, warm));
     let least = LIVELY * frame.gravity.length() * frame.dt;
     let mut clusters = Vec::new();
     let mut stiffness = vec![1.0; manifolds.len()];

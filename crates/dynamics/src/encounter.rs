@@ -8,6 +8,10 @@ use crate::pair::Pair;
 use crate::{Bodies, Frame};
 use glam::DVec3;
 
+/// What closes at so much of what gravity gives in a frame, and what that adds until the two meet, is no more than what falls through all that is [near](Frame::sag) may come to [1]:
+/// the root of the sum of their squares.
+const SLOW: f64 = 0.05;
+
 /// A pair of bodies and how they fly through a frame.
 pub(crate) struct Encounter<'a> {
     pub(crate) bodies: &'a Bodies,
@@ -62,6 +66,12 @@ impl<'a> Encounter<'a> {
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
+    /// Whether any two points of the pair, near as they are, may meet faster than what falls from rest within the frame.
+    #[inline]
+    pub(crate) fn may_strike(&self) -> bool {
+        self.most_speed > (1.0 + SLOW) * self.frame.gravity.length() * self.frame.dt
+    }
+
     /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed, gravity included [m/s].
     #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
@@ -69,5 +79,51 @@ impl<'a> Encounter<'a> {
         let acceleration = -(first.acceleration - second.acceleration).dot(normal);
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
+    use frangible_geometry::{ClosedForm, HalfSpace, Shape};
+    use glam::DQuat;
+    use std::sync::Arc;
+
+    /// A ball above the ground that may not strike it meets it no faster than what falls from as high as is near, however far above it is; one that is some times as fast does.
+    #[test]
+    fn what_is_slow_strikes_nothing() {
+        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+        let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
+        let fastest = |times: f64| {
+            let speed = times * SLOW * 9.81 * frame.dt;
+            let mut bodies = Bodies::default();
+            for (form, motion) in
+                [(ground, Motion::Static), (ClosedForm::Sphere { radius: 0.5 }, Motion::Dynamic)]
+            {
+                bodies.spawn(NewBody {
+                    shape: Arc::new(Shape::closed_form(form, 0.1)),
+                    density: 1.0,
+                    motion,
+                    pose: Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY },
+                    velocity: Velocity { linear: -speed * DVec3::Y, ..Velocity::default() },
+                    contactant: Contactant::new(0.0, 0.5),
+                });
+            }
+            let pair = Pair { first: 0, second: 1 };
+            let [first, second] = Flight::of_pair(&bodies, pair, &frame);
+            let encounter = Encounter::new(&bodies, pair, [&first, &second], &frame);
+            let at = |part: i32| {
+                encounter.surface_speed(-DVec3::Y, speed, 0.01 * f64::from(part) * encounter.reach)
+            };
+            (encounter.may_strike(), (0..=100).map(at).fold(0.0, f64::max) * frame.dt)
+        };
+        let least = 2.0 * frame.sag();
+        for times in [0.0, 0.5, 0.999] {
+            let (may, comes) = fastest(times);
+            assert!(!may && comes <= least, "{times}: {comes} m of {least}");
+        }
+        let (may, comes) = fastest(3.0);
+        assert!(may && comes > least, "{comes} m of {least}");
     }
 }

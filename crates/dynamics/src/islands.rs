@@ -6,13 +6,14 @@ use std::collections::BTreeMap;
 /// Groups of bodies, united link by link. A living body's node is its dense index; those that are gone follow.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Islands {
-    parent: Vec<Option<usize>>,
-    gone: BTreeMap<BodyId, usize>,
-    number: Vec<usize>,
+    /// Of each node, another one of its island; its own if it stands for the island, [`NONE`] if it is in none.
+    parent: Vec<u32>,
+    gone: BTreeMap<BodyId, u32>,
+    number: Vec<u32>,
 }
 
-/// The number of what is in no island.
-const NONE: usize = usize::MAX;
+/// Of what is in no island.
+const NONE: u32 = u32::MAX;
 
 impl Islands {
     /// Unites the islands of two bodies.
@@ -20,7 +21,7 @@ impl Islands {
         let (a, b) = (self.node(bodies, a), self.node(bodies, b));
         let (a, b) = (self.root(a), self.root(b));
         // The smaller node stands for the island, whatever the order of the links.
-        self.parent[a.max(b)] = Some(a.min(b));
+        self.parent[a.max(b) as usize] = a.min(b);
     }
 
     /// Makes a body an island of its own at least.
@@ -28,19 +29,23 @@ impl Islands {
         self.node(bodies, id);
     }
 
-    fn node(&mut self, bodies: &Bodies, id: BodyId) -> usize {
+    fn node(&mut self, bodies: &Bodies, id: BodyId) -> u32 {
         if self.parent.is_empty() {
-            self.parent.resize(bodies.len(), None);
+            self.parent.resize(bodies.len(), NONE);
         }
-        let node = bodies.index_of(id).unwrap_or_else(|| {
-            let next = self.parent.len();
-            let node = *self.gone.entry(id).or_insert(next);
-            if node == next {
-                self.parent.push(None);
+        let node = match bodies.index_of(id) {
+            Some(dense) => dense as u32,
+            None => {
+                let next = self.parent.len() as u32;
+                let node = *self.gone.entry(id).or_insert(next);
+                if node == next {
+                    self.parent.push(NONE);
+                }
+                node
             }
-            node
-        });
-        self.parent[node].get_or_insert(node);
+        };
+        let parent = &mut self.parent[node as usize];
+        *parent = if *parent == NONE { node } else { *parent };
         node
     }
 
@@ -48,37 +53,43 @@ impl Islands {
     pub(crate) fn members(&mut self, bodies: &Bodies) -> Vec<Vec<BodyId>> {
         let mut gone = vec![BodyId { index: 0, generation: 0 }; self.gone.len()];
         for (&id, &node) in &self.gone {
-            gone[node - bodies.len()] = id;
+            gone[node as usize - bodies.len()] = id;
         }
         let mut members: Vec<Vec<BodyId>> = Vec::new();
         self.number = vec![NONE; self.parent.len()];
-        for node in (0..self.parent.len()).filter(|&node| self.parent[node].is_some()).collect::<Vec<_>>() {
-            let root = self.root(node);
+        for node in 0..self.parent.len() {
+            if self.parent[node] == NONE {
+                continue;
+            }
+            let root = self.root(node as u32) as usize;
             if root == node {
-                self.number[node] = members.len();
+                self.number[node] = members.len() as u32;
                 members.push(Vec::new());
             }
             self.number[node] = self.number[root];
             let id = bodies.ids.get(node).copied().unwrap_or_else(|| gone[node - bodies.len()]);
-            members[self.number[node]].push(id);
+            members[self.number[node] as usize].push(id);
         }
         members
     }
 
     /// Which of the [`Self::members`] a body belongs to, if any.
     pub(crate) fn number(&self, bodies: &Bodies, id: BodyId) -> Option<usize> {
-        let node = bodies.index_of(id).or_else(|| self.gone.get(&id).copied())?;
-        self.number.get(node).copied().filter(|&number| number != NONE)
+        let node = bodies.index_of(id).or_else(|| self.gone.get(&id).map(|&node| node as usize))?;
+        self.number.get(node).filter(|&&number| number != NONE).map(|&number| number as usize)
     }
 
-    fn root(&mut self, node: usize) -> usize {
+    fn root(&mut self, node: u32) -> u32 {
         let mut at = node;
-        while let Some(up) = self.parent[at].filter(|&up| up != at) {
+        loop {
+            let up = self.parent[at as usize];
+            if up == at {
+                return at;
+            }
             // Shorten the way for the next time.
-            self.parent[at] = self.parent[up];
+            self.parent[at as usize] = self.parent[up as usize];
             at = up;
         }
-        at
     }
 }
 

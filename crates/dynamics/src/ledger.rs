@@ -15,7 +15,7 @@ use crate::payment::{pay, restrain};
 use crate::take_out::take_out;
 use crate::tally::Debt;
 use crate::threads;
-use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
+use crate::{Bodies, BodyId, Frame, Inertia, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -232,7 +232,8 @@ impl Ledger {
 
     /// The islands of a frame. A body that broke still stands in for its fragments.
     fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
-        let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| bodies.inertias[i].is_infinite());
+        let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
+        let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
         let mut islands = Islands::default();
         let mut held = Vec::new();
         for &(a, b) in &tally.links {

@@ -5,7 +5,7 @@ mod found;
 
 use crate::ball_contact::BallContact;
 use crate::compound_contact::compound_points;
-use crate::detection::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::detection::{ContactPoint, NearSamples, Penetration, Placed, contact_point, radius};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{Room, hull_points};
@@ -31,7 +31,8 @@ pub struct ManifoldPoint {
     pub normal: DVec3,
     /// Which sample or feature this is, and whether of the first body, to find it again in the next frame.
     pub sample: (bool, u64),
-    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate.
+    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate, or cannot come so fast that it is a
+    /// [strike](crate::struck).
     pub approach: f64,
     /// Between the surfaces, where the bodies were when it was found or seen again [m].
     pub gap: f64,
@@ -209,6 +210,9 @@ struct Candidate {
 /// All samples of a pair that may touch within the frame.
 fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
     let (frame, [first, second]) = (encounter.frame, encounter.placed());
+    if is_out_of_reach(first, second, encounter.reach) || is_out_of_reach(second, first, encounter.reach) {
+        return Vec::new();
+    }
     let reach = encounter.reach as f32;
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, reach).find_penetrations(first, second, reach, &mut penetrations);
@@ -224,6 +228,13 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
         touches.then_some(Candidate { sample, contact, phi, approach })
     };
     penetrations.iter().filter_map(candidate).collect()
+}
+
+/// Whether a closed form is further than its reach [m] from a ball around another body.
+fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
+    let Geometry::ClosedForm(form) = &of.shape.geometry else { return false };
+    let grid_from_world = of.pose.world_from_body().after(&of.shape.body_from_grid).inverse();
+    form.distance(grid_from_world.point(other.pose.position)) > radius(other.shape) + reach
 }
 
 /// Indices of the candidates that are kept: the deepest, those that have carried, and then always the one that is

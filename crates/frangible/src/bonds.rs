@@ -151,6 +151,9 @@ struct Broken {
 pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
+        if world.labels[body].bonds.is_none() {
+            continue;
+        }
         let (field, density) = (field_in_pieces(world, body, frame), world.bodies.densities[body]);
         let Some(bonds) = &mut world.labels[body].bonds else { continue };
         let carried = std::mem::take(&mut bonds.carried);

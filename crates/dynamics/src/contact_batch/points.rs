@@ -3,6 +3,7 @@
 use super::{Anchors, Batch, Patch, Rest, Softness};
 use crate::clusters::Member;
 use crate::contact_rows::{Directions, Row, RowDirections, RowImpulse};
+use crate::kept_pairs::CLOSE;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Numbers, Single, Single3, Singles};
 use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint, Solid};
 use crate::moving::{Movers, Start};
@@ -241,7 +242,7 @@ impl<I: Instructions> Batch<I> {
         let left = GETS_THROUGH * thinner - struck * self.rest.dt;
         let is_convex = |i: usize| matches!(Solid::of(&bodies.shapes[i]), Solid::Hull(_));
         if member.is_in_heap && left >= 0.0 && is_convex(pair.first) && is_convex(pair.second) {
-            return (0.0, near.max(left));
+            return (0.0, left.max(if points.is_empty() { CLOSE * near } else { near }));
         }
         (struck, if points.is_empty() { 0.0 } else { near.max(THIN * thinner) })
     }

@@ -104,6 +104,36 @@ fn heaps_keep_their_points_for_longer() {
     }
 }
 
+/// What has settled, or is in a heap, meets less of what is near: two cubes that are 4 mm apart may meet while they fall 6 mm within the frame, but not there, unless they come nearer.
+#[test]
+fn what_lies_meets_only_what_is_close() {
+    for (gap, speed, meets, meets_in_heap) in [
+        (1e-3, 0.0, true, true),
+        (4e-3, 0.0, true, false),
+        (4e-3, 0.1, true, true),
+        (7e-3, 0.0, false, false),
+    ] {
+        let mut bodies = Bodies::default();
+        spawn(&mut bodies, cube(), DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        spawn(&mut bodies, cube(), (1.0 + gap) * DVec3::Y, DVec3::ZERO, -speed * DVec3::Y);
+        let pairs = [Pair { first: 0, second: 1 }];
+        let settled = WarmStart::of_parts(&bodies, (0, vec![]), &[u8::MAX; 2], &[false; 2], &[]);
+        for (warm, meets) in [
+            (WarmStart::default(), meets),
+            (all_in_a_heap(&bodies), meets_in_heap),
+            // What moves has not settled.
+            (settled, if speed > 0.0 { meets } else { meets_in_heap }),
+        ] {
+            let mut kept = KeptPairs::default();
+            // When they are found, and when they are kept.
+            for _ in 0..2 {
+                let found = kept.find_manifolds(&bodies, &pairs, &warm, &frame());
+                assert_eq!(found.len(), usize::from(meets), "{gap} m, {speed} m/s");
+            }
+        }
+    }
+}
+
 /// So does what rests on the ground.
 #[test]
 fn what_rests_on_the_ground_keeps_its_points() {

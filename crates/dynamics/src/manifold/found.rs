@@ -119,12 +119,24 @@ impl Found {
 
     /// Adds the points of a pair, if there are any.
     pub(crate) fn add(&mut self, pair: Pair, points: impl IntoIterator<Item = ManifoldPoint>) {
+        self.add_near(pair, points, f64::INFINITY);
+    }
+
+    /// The same, if any of them is as `near` [m].
+    pub(crate) fn add_near(
+        &mut self,
+        pair: Pair,
+        points: impl IntoIterator<Item = ManifoldPoint>,
+        near: f64,
+    ) {
         let begin = self.points.len();
         self.points.extend(points);
-        let end = self.points.len();
-        if end > begin {
-            let approach = self.points[begin..].iter().map(|point| point.approach).fold(0.0, f64::max);
-            self.pairs.push(FoundPair { pair, end, approach, struck: 0.0 });
+        let of_pair = &self.points[begin..];
+        if of_pair.iter().any(|point| point.gap <= near || point.gap.is_nan()) {
+            let approach = of_pair.iter().map(|point| point.approach).fold(0.0, f64::max);
+            self.pairs.push(FoundPair { pair, end: self.points.len(), approach, struck: 0.0 });
+        } else {
+            self.points.truncate(begin);
         }
     }
 
