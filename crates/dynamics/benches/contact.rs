@@ -69,7 +69,7 @@ fn main() {
     for (count, passes) in [(1000, 101), (9000, 21), (100_000, 5)] {
         let bodies = pile(count, &mut random);
         let ends = predict(&bodies, &frame);
-        let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, DT, frame.sag()));
+        let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, frame.sag(), &frame));
         let (find, manifolds) =
             median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len());
         let each = 1e6 * find / pairs.len() as f64;

@@ -2,12 +2,15 @@
 
 mod strips;
 
-use crate::detection::radius;
+use crate::detection::{moved, radius};
+use crate::hull_contact::extents;
+use crate::instructions::{Instructions, with_widest};
 use crate::pair::Pair;
 use crate::threads;
-use crate::{Bodies, Motion, Pose};
-use frangible_geometry::{ClosedForm, Geometry, RigidTransform, Shape};
+use crate::{Bodies, Frame, Motion, Pose};
+use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, RigidTransform, Shape};
 use glam::DVec3;
+use std::slice::from_ref;
 use strips::overlapping_bounded;
 
 /// An axis-aligned box [m], in the world frame unless told otherwise.
@@ -38,6 +41,14 @@ impl Bounds {
         let reach =
             half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
         Self { low: center - reach, high: center + reach }
+    }
+
+    /// Of a polyhedron at a pose, around its corners.
+    fn of_hull<I: Instructions>(hull: &Hull, pose: &Pose) -> Self {
+        let body_from_world = pose.orientation.conjugate();
+        let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| body_from_world * axis);
+        let (low, high) = extents::<I>(hull.columns(), along);
+        Self { low: pose.position + low, high: pose.position + high }
     }
 
     /// Of a shape at a position, however it is turned.
@@ -86,18 +97,65 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
 /// Turning by less than this [rad] within a frame, a body stays between its bounds at both ends to within 2 % of its size.
 const SMALL_TURN: f64 = 0.2;
 
-/// The same for bounds around all of the bodies' ways through a frame of `dt` [s], from their poses to `ends`.
-pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], dt: f64, margin: f64) -> Vec<Pair> {
-    let bounds = threads::list(bodies.len(), |i| swept_bounds(bodies, i, &ends[i], dt, margin));
+/// Turning by so little within a frame that no point of a body comes further than this [m], in units of the margin, it is looked at only where it starts.
+const HARDLY: f64 = 0.01;
+
+/// The same for bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
+pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Vec<Pair> {
+    let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
     overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
 }
 
+fn all_swept_bounds<I: Instructions>(
+    bodies: &Bodies,
+    ends: &[Pose],
+    margin: f64,
+    frame: &Frame,
+) -> Vec<Bounds> {
+    threads::list(bodies.len(), |i| {
+        // The memory of the next ones is asked for meanwhile: what they are, then what that leads to.
+        if let Some(shape) = bodies.shapes.get(i + 2 * AHEAD) {
+            I::prefetch(from_ref(&**shape));
+        }
+        let soon = bodies.shapes.get(i + AHEAD).and_then(|shape| shape.hull.as_ref()?.known_columns());
+        I::prefetch(soon.map_or(&[], Columns::vertices));
+        swept_bounds_with::<I>(bodies, i, &ends[i], margin, frame)
+    })
+}
+
+/// Bodies between one whose memory is asked for and one that it is needed for.
+const AHEAD: usize = 4;
+
 /// Bounds around a body's way, enlarged by half of `margin` [m].
-pub(crate) fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, dt: f64, margin: f64) -> Bounds {
+pub(crate) fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Frame) -> Bounds {
+    with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
+}
+
+fn swept_bounds_with<I: Instructions>(
+    bodies: &Bodies,
+    i: usize,
+    end: &Pose,
+    margin: f64,
+    frame: &Frame,
+) -> Bounds {
     let (shape, start) = (&bodies.shapes[i], &bodies.poses[i]);
-    let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * dt > SMALL_TURN;
-    let bounds = |pose: &Pose| if turns { Bounds::of_any_turn(shape, pose) } else { Bounds::of(shape, pose) };
-    bounds(start).around(&bounds(end)).grown(0.5 * margin)
+    let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * frame.dt > SMALL_TURN;
+    let swept = match &shape.hull {
+        _ if turns => Bounds::of_any_turn(shape, start).around(&Bounds::of_any_turn(shape, end)),
+        Some(hull) => {
+            let bounds = Bounds::of_hull::<I>(hull, start);
+            let turned = Pose { position: start.position, ..*end };
+            let further = moved(start, &turned, bodies.radii[i]);
+            if further <= HARDLY * margin {
+                let way = end.position - start.position;
+                bounds.around(&Bounds { low: bounds.low + way, high: bounds.high + way }).grown(further)
+            } else {
+                bounds.around(&Bounds::of_hull::<I>(hull, end))
+            }
+        }
+        None => Bounds::of(shape, start).around(&Bounds::of(shape, end)),
+    };
+    swept.grown(0.5 * margin)
 }
 
 /// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.

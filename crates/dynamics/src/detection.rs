@@ -133,6 +133,14 @@ pub(crate) fn moved_between(
     shift + turn * (reach + beyond)
 }
 
+/// No point of a body of this radius [m] has moved further from one pose to the other [m].
+pub(crate) fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
+    // As above.
+    let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
+    let turn = 2.0 * (q - p).length().min((q + p).length());
+    (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
+}
+
 /// The samples that were not further than `reach` [m].
 fn within(sorted: &[(f32, u32)], reach: f32) -> &[(f32, u32)] {
     &sorted[..sorted.partition_point(|&(phi, _)| phi <= reach)]

@@ -5,7 +5,7 @@ mod ahead;
 mod passing;
 
 use crate::clusters::has_settled;
-use crate::detection::{moved_between, second_from_first};
+use crate::detection::{moved, moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{HullPoint, hull_points};
@@ -17,7 +17,7 @@ use crate::warm_start::WarmStart;
 use crate::{Bodies, BodyId, Frame, Motion, Pose};
 use ahead::{Ahead, Seen};
 use frangible_geometry::RigidTransform;
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 use passing::{NOWHERE, Passing, firsts};
 
 /// For how long a pair keeps its points, relative to the size of the smaller body.
@@ -324,14 +324,6 @@ impl Share<'_> {
         let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
         self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
     }
-}
-
-/// No point of a body of this radius [m] has moved further from one pose to the other [m].
-fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
-    // See `moved_between`.
-    let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
-    let turn = 2.0 * (q - p).length().min((q + p).length());
-    (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
 }
 
 impl KeptPoint {

@@ -192,7 +192,7 @@ mod tests {
         let mut run = |bodies: &mut Bodies, frames: usize| {
             for _ in 0..frames {
                 let ends = predict(bodies, &frame);
-                let pairs = find_swept_pairs(bodies, &ends, frame.dt, frame.sag());
+                let pairs = find_swept_pairs(bodies, &ends, frame.sag(), &frame);
                 let found = find_manifolds(bodies, &pairs, &warm, &frame);
                 let manifolds: Vec<Manifold> = found.iter().collect();
                 solve(bodies, &manifolds, &mut warm, &Ledger::default(), &frame);

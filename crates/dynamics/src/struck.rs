@@ -224,7 +224,7 @@ mod tests {
         }
         let frame = Frame { dt: FRAME, gravity: DVec3::ZERO, settings: StepSettings::default() };
         let ends = predict(&bodies, &frame);
-        let pairs = find_swept_pairs(&bodies, &ends, frame.dt, frame.sag());
+        let pairs = find_swept_pairs(&bodies, &ends, frame.sag(), &frame);
         let manifolds = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame);
         let none = Straying { strays: vec![], more: BTreeSet::new() };
         let Straying { strays, more } =

@@ -428,7 +428,7 @@ mod tests {
         let mut warm = WarmStart::default();
         let mut go_on = |bodies: &mut Bodies| {
             let ends = predict(bodies, &frame);
-            let pairs = find_swept_pairs(bodies, &ends, frame.dt, frame.sag());
+            let pairs = find_swept_pairs(bodies, &ends, frame.sag(), &frame);
             let found = find_manifolds(bodies, &pairs, &warm, &frame);
             let manifolds: Vec<Manifold> = found.iter().collect();
             solve(bodies, &manifolds, &mut warm, &Ledger::default(), &frame);

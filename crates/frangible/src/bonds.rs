@@ -254,7 +254,7 @@ fn strikes(world: &mut World, anchored: bool, frame: &Frame) -> Vec<Strike> {
     }
     let predicted = predict(&world.bodies, frame);
     let at_rest = frame.gravity.length() * frame.dt;
-    let pairs = find_swept_pairs(&world.bodies, &predicted, frame.dt, 2.0 * at_rest * frame.dt);
+    let pairs = find_swept_pairs(&world.bodies, &predicted, 2.0 * at_rest * frame.dt, frame);
     let mut taken = vec![false; world.bodies.len()];
     let mut strikes = Vec::new();
     for pair in pairs {

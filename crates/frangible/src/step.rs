@@ -212,7 +212,7 @@ fn strike_and_break(
     let mut passes = 0;
     loop {
         let predicted = predict(&world.bodies, frame);
-        let pairs = find_swept_pairs(&world.bodies, &predicted, frame.dt, frame.sag());
+        let pairs = find_swept_pairs(&world.bodies, &predicted, frame.sag(), frame);
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows =

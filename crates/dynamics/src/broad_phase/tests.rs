@@ -1,5 +1,7 @@
 use super::*;
-use crate::{Contactant, NewBody, Velocity};
+use crate::instructions::Scalar;
+use crate::settings::Width;
+use crate::{Contactant, NewBody, StepSettings, Velocity};
 use frangible_geometry::HalfSpace;
 use glam::DQuat;
 use proptest::prelude::*;
@@ -45,6 +47,69 @@ proptest! {
     }
 }
 
+proptest! {
+    /// Bounds along the way of a polyhedron hold all of its corners wherever it is there, near the origin of its frame or far, and are no larger than that needs; with all
+    /// instructions they are the same.
+    #[test]
+    fn bounds_of_polyhedra_are_tight(
+        corners in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 8..40),
+        away in prop::array::uniform3(-100.0..100.0_f64),
+        turn in prop::array::uniform3(-3.0..3.0_f64),
+        linear in prop::array::uniform3(-1.0..1.0_f64),
+        spin in prop::array::uniform3(-1.0..1.0_f64),
+        slow in any::<bool>(),
+    ) {
+        let corners: Vec<DVec3> = corners.into_iter().map(DVec3::from_array).collect();
+        let Ok(hull) = Hull::of_points(&corners) else { return Ok(()) };
+        let Ok(shape) = Shape::convex(hull, 0.1) else { return Ok(()) };
+        let mut bodies = Bodies::default();
+        let frame = frame();
+        let spin = if slow { 1e-4 } else { 3.0 } * DVec3::from_array(spin);
+        let turn_by = |time: f64| DQuat::from_scaled_axis(time * spin);
+        let orientation = DQuat::from_scaled_axis(DVec3::from_array(turn));
+        let start = Pose { position: DVec3::from_array(away), orientation };
+        let velocity = Velocity::spinning(DVec3::from_array(linear), spin, orientation, &shape, 1.0);
+        let corners = shape.hull.as_ref().unwrap().vertices().to_vec();
+        let motion = Motion::Dynamic;
+        let contactant = Contactant::new(0.0, 0.0);
+        bodies.spawn(NewBody { shape: Arc::new(shape), density: 1.0, motion, pose: start, velocity, contactant });
+        let at = |time: f64| Pose {
+            position: start.position + time * velocity.linear,
+            orientation: turn_by(time) * start.orientation,
+        };
+        let end = at(frame.dt);
+        let bounds = swept_bounds(&bodies, 0, &end, MARGIN, &frame);
+        prop_assert_eq!(bounds, swept_bounds_with::<Scalar>(&bodies, 0, &end, MARGIN, &frame));
+        let bounds = bounds.grown(-0.5 * MARGIN);
+
+        let size = radius(&bodies.shapes[0]);
+        let around = |time: f64| {
+            let pose = at(time).world_from_body();
+            let of = |corner: &DVec3| Bounds { low: pose.point(*corner), high: pose.point(*corner) };
+            corners.iter().map(of).reduce(|a, b| a.around(&b)).unwrap()
+        };
+        for step in 0..=10 {
+            let Bounds { low, high } = around(0.1 * f64::from(step) * frame.dt);
+            // What turns bulges between both ends.
+            let bulge = if step % 10 == 0 { 1e-12 } else { 0.02 * size };
+            let Bounds { low: lowest, high: highest } = bounds.grown(bulge);
+            prop_assert!(lowest.cmple(low).all() && high.cmple(highest).all(), "{step}");
+        }
+        if spin.length() * frame.dt <= SMALL_TURN {
+            let tight = around(0.0).around(&around(frame.dt)).grown(1e-5 * size + HARDLY * MARGIN);
+            prop_assert!(tight.low.cmple(bounds.low).all() && bounds.high.cmple(tight.high).all(), "{tight:?} {bounds:?}");
+        }
+    }
+}
+
+/// [m]
+const MARGIN: f64 = 0.01;
+
+fn frame() -> Frame {
+    let settings = StepSettings { width: Width::Avx512, ..StepSettings::default() };
+    Frame { dt: 0.1, gravity: -9.81 * DVec3::Y, settings }
+}
+
 fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, position: DVec3) {
     let pose = Pose { position, orientation: DQuat::from_rotation_z(0.1) };
     bodies.spawn(NewBody {
@@ -75,5 +140,5 @@ fn ground_meets_what_is_not_above_it() {
     // The second one falls onto it within the frame.
     let mut ends = bodies.poses.clone();
     ends[2].position.y = -0.5;
-    assert_eq!(of(find_swept_pairs(&bodies, &ends, 0.1, 0.0)), [[0, 1], [0, 4], [1, 2], [1, 3]]);
+    assert_eq!(of(find_swept_pairs(&bodies, &ends, 0.0, &frame())), [[0, 1], [0, 4], [1, 2], [1, 3]]);
 }

@@ -199,6 +199,33 @@ pub(crate) fn least_height<I: Instructions>(hull: &Columns, up: DVec3) -> f64 {
     up.dot(hull.middle) - f64::from(deepest)
 }
 
+/// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a vector each [m]: to single precision, outwards.
+pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DVec3, DVec3) {
+    /// Of the largest extent: some times what single precision loses [1].
+    const ROUNDING: f64 = 1e-6;
+    let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
+    I::run(
+        #[inline(always)]
+        || {
+            let axes = along.map(Single3::<I>::splat);
+            let mut most = [Single::same(f32::NEG_INFINITY); 6];
+            for [x, y, z] in hull.vertices() {
+                let vertex = three([x, y, z]);
+                for (axis, along) in axes.into_iter().enumerate() {
+                    let height = vertex.dot(along);
+                    most[axis] = most[axis].max(height);
+                    most[axis + 3] = most[axis + 3].max(-height);
+                }
+            }
+            let [x, y, z, less_x, less_y, less_z] = most.map(|most| f64::from(most.largest()));
+            (low, high) = (-DVec3::new(less_x, less_y, less_z), DVec3::new(x, y, z));
+        },
+    );
+    let (middle, rounding) =
+        (along.map(|along| along.dot(hull.middle)), ROUNDING * (high - low).max_element());
+    (DVec3::from_array(middle) + low - rounding, DVec3::from_array(middle) + high + rounding)
+}
+
 /// How low a hull goes along eight directions, from its middle [m].
 #[inline(always)]
 fn lowest_over<I: Instructions>(hull: &Columns, up: Single3<I>) -> Single<I> {

@@ -93,7 +93,7 @@ impl<'a> Ways<'a> {
         self.furthest = self.furthest.max(strays[i].most.0);
         let Self { bodies, ends, frame, ref strips, furthest, .. } = *self;
         let bounds = |i: usize| {
-            let ballistic = swept_bounds(bodies, i, &ends[i], frame.dt, frame.sag());
+            let ballistic = swept_bounds(bodies, i, &ends[i], frame.sag(), frame);
             ballistic.grown(strays[i].most.0)
         };
         let of_body = bounds(i);
