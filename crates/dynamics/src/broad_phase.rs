@@ -8,7 +8,7 @@ use crate::instructions::{Instructions, with_widest};
 use crate::pair::Pair;
 use crate::threads;
 use crate::{Bodies, Frame, Motion, Pose};
-use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, RigidTransform, Shape};
+use frangible_geometry::{ClosedForm, Columns, Geometry, RigidTransform, Shape};
 use glam::DVec3;
 use std::slice::from_ref;
 use strips::overlapping_bounded;
@@ -43,8 +43,9 @@ impl Bounds {
         Self { low: center - reach, high: center + reach }
     }
 
-    /// Of a polyhedron at a pose, around its corners.
-    fn of_hull<I: Instructions>(hull: &Hull, pose: &Pose) -> Self {
+    /// Of a shape at a pose; of a polyhedron, around its corners.
+    fn of_solid<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
+        let Some(hull) = &shape.hull else { return Self::of(shape, pose) };
         let body_from_world = pose.orientation.conjugate();
         let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| body_from_world * axis);
         let (low, high) = extents::<I>(hull.columns(), along);
@@ -94,8 +95,8 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
     overlapping_pairs(bodies, &bounds, &[poses])
 }
 
-/// Turning by less than this [rad] within a frame, a body stays between its bounds at both ends to within 2 % of its size.
-const SMALL_TURN: f64 = 0.2;
+/// What turns by more than this [rad] within a frame may have any turn in it.
+const LARGE_TURN: f64 = 1.0;
 
 /// Turning by so little within a frame that no point of a body comes further than this [m], in units of the margin, it is looked at only where it starts.
 const HARDLY: f64 = 0.01;
@@ -139,21 +140,20 @@ fn swept_bounds_with<I: Instructions>(
     frame: &Frame,
 ) -> Bounds {
     let (shape, start) = (&bodies.shapes[i], &bodies.poses[i]);
-    let turns = bodies.spin(i, start, &bodies.velocities[i]).length() * frame.dt > SMALL_TURN;
-    let swept = match &shape.hull {
-        _ if turns => Bounds::of_any_turn(shape, start).around(&Bounds::of_any_turn(shape, end)),
-        Some(hull) => {
-            let bounds = Bounds::of_hull::<I>(hull, start);
-            let turned = Pose { position: start.position, ..*end };
-            let further = moved(start, &turned, bodies.radii[i]);
-            if further <= HARDLY * margin {
-                let way = end.position - start.position;
-                bounds.around(&Bounds { low: bounds.low + way, high: bounds.high + way }).grown(further)
-            } else {
-                bounds.around(&Bounds::of_hull::<I>(hull, end))
-            }
-        }
-        None => Bounds::of(shape, start).around(&Bounds::of(shape, end)),
+    let turn = bodies.spin(i, start, &bodies.velocities[i]).length() * frame.dt;
+    if turn > LARGE_TURN {
+        let bounds = |pose: &Pose| Bounds::of_any_turn(shape, pose).grown(0.5 * margin);
+        return bounds(start).around(&bounds(end));
+    }
+    let turned = Pose { position: start.position, ..*end };
+    let further = moved(start, &turned, bodies.radii[i]);
+    let swept = if further <= HARDLY * margin {
+        let (bounds, way) = (Bounds::of_solid::<I>(shape, start), end.position - start.position);
+        bounds.around(&Bounds { low: bounds.low + way, high: bounds.high + way }).grown(further)
+    } else {
+        // Its points go along arcs, beyond their chords by no more than this.
+        let bulge = 0.125 * turn * turn * bodies.radii[i];
+        Bounds::of_solid::<I>(shape, start).around(&Bounds::of_solid::<I>(shape, end)).grown(bulge)
     };
     swept.grown(0.5 * margin)
 }
