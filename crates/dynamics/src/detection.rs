@@ -135,7 +135,7 @@ pub(crate) fn moved_between(
 
 /// No point of a body of this radius [m] has moved further from one pose to the other [m].
 pub(crate) fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
-    // As above.
+    // As above, up to the sign of q; what has no bounds has no far points as long as it does not turn.
     let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }

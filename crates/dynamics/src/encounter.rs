@@ -8,8 +8,8 @@ use crate::pair::Pair;
 use crate::{Bodies, Frame};
 use glam::DVec3;
 
-/// What closes at so much of what gravity gives in a frame, and what that adds until the two meet, is no more than what falls through all that is [near](Frame::sag) may come to [1]:
-/// the root of the sum of their squares.
+/// What comes slower than this, in units of what gravity gives in a frame [1], is no [strike](crate::struck) as far as it is near: it falls through that and through its way, so that
+/// SLOW^2 + 2 SLOW + 1.1 is no more than 1.1^2, with the 1.1 of [`Frame::sag`], of which a strike comes twice as far in a frame.
 const SLOW: f64 = 0.05;
 
 /// A pair of bodies and how they fly through a frame.
@@ -66,7 +66,7 @@ impl<'a> Encounter<'a> {
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
-    /// Whether any two points of the pair, near as they are, may meet faster than what falls from rest within the frame.
+    /// Whether any two points of the pair, near as they are, may meet so fast that it is a [strike](crate::struck).
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
         self.most_speed > (1.0 + SLOW) * self.frame.gravity.length() * self.frame.dt

@@ -51,8 +51,8 @@ pub struct KeptPairs {
     found: Manifolds,
 }
 
-/// Of how near two bodies may be that meet although they rest, so much counts where both have settled or are in a heap [1]: neither falls there unless something else moves it. Without
-/// it a heap has half as many pairs again as touch, and rocks more.
+/// Of how near two bodies may be that meet although they rest, so much counts where both have settled or are in a heap [1]: what lies there does not fall unless something else moves it,
+/// and what does may get as much deeper into the other one until the next frame, 4 mm at 30 Hz. Without it a third of a heap's pairs do not touch, and it rocks more.
 pub(crate) const CLOSE: f64 = 0.25;
 
 /// Pairs that go to a thread together: a tenth of a millisecond of work.
@@ -67,6 +67,7 @@ struct Way {
     length: f64,
     /// Whether it was part of a heap in the last frame, or does not take part in what a heap does.
     is_in_heap: bool,
+    /// See [`has_settled`].
     has_settled: bool,
 }
 
@@ -244,7 +245,8 @@ impl Share<'_> {
     /// How near at least one point of a pair must be for the two to meet [m].
     fn near(&self, encounter: &Encounter) -> f64 {
         let [first, second] = [encounter.pair.first, encounter.pair.second].map(|i| &self.ways[i]);
-        let lie = first.has_settled && second.has_settled || first.is_in_heap && second.is_in_heap;
+        let have_settled = first.has_settled && second.has_settled;
+        let lie = have_settled || (first.is_in_heap && second.is_in_heap);
         if lie { encounter.reach - (1.0 - CLOSE) * encounter.near } else { f64::INFINITY }
     }
 

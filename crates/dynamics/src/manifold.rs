@@ -31,8 +31,8 @@ pub struct ManifoldPoint {
     pub normal: DVec3,
     /// Which sample or feature this is, and whether of the first body, to find it again in the next frame.
     pub sample: (bool, u64),
-    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate, or cannot come so fast that it is a
-    /// [strike](crate::struck).
+    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate, and
+    /// for points that are kept from frame to frame also if it cannot be a [strike](crate::struck).
     pub approach: f64,
     /// Between the surfaces, where the bodies were when it was found or seen again [m].
     pub gap: f64,

@@ -1,8 +1,9 @@
 //! Islands that sleep, where the scene lets them: what stands on something that does not move, and has been slow for long enough, stays where it is. It is
 //! still looked whom it may touch; so whatever comes near wakes it before it touches, and whatever goes, as a support that breaks, wakes what it held.
 
+use crate::kept_pairs::CLOSE;
 use crate::ledger::energy;
-use crate::manifold::Manifold;
+use crate::manifold::{Manifold, ManifoldPoint};
 use crate::pair::Pair;
 use crate::tally::{Cause, Tally};
 use crate::warm_start::{Carried, WarmStart};
@@ -37,7 +38,7 @@ impl Drowsiness {
 pub(crate) struct Sleep {
     /// The manifolds of all islands that sleep.
     pub(crate) manifolds: Vec<usize>,
-    /// Of each body, a number that says with whom it has points, in any order; empty if nothing may sleep.
+    /// Of each body, a number that says with whom it has points that are close, in any order; empty if nothing may sleep.
     touching: Vec<u64>,
     /// Whether each is in an island with something that is driven.
     is_stirred: Vec<bool>,
@@ -61,8 +62,10 @@ impl Sleep {
         sleep.starts = bodies.poses.iter().map(|pose| pose.position).collect();
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
+        // Only what is close: who meets what is further away depends on who has settled.
+        let is_close = |point: &ManifoldPoint| point.gap <= CLOSE * frame.sag();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
-            if !points.is_empty() {
+            if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {
                     sleep.touching[i] = sleep.touching[i].wrapping_add(scattered(bodies.ids[other]));
                 }
@@ -161,6 +164,7 @@ mod tests {
     use super::*;
     use crate::broad_phase::find_swept_pairs;
     use crate::collisions::predict;
+    use crate::kept_pairs::KeptPairs;
     use crate::ledger::Ledger;
     use crate::manifold::find_manifolds;
     use crate::substeps::solve;
@@ -212,5 +216,36 @@ mod tests {
         assert!(!is_asleep);
         assert!(carried.iter().any(|point| point.forces[0].normal > 0.0));
         assert!(run(&mut bodies, 30).0);
+    }
+
+    /// What sleeps goes on to beside what is near but does not touch, though what has settled does not meet that.
+    #[test]
+    fn what_is_near_wakes_nobody() {
+        let mut bodies = Bodies::default();
+        spawn(&mut bodies, Motion::Static, 0.0);
+        let shape = Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(0.2) }, 0.1));
+        let sleepers = [-0.2015, 0.2015].map(|x| {
+            bodies.spawn(NewBody {
+                shape: shape.clone(),
+                density: 1.0,
+                motion: Motion::Dynamic,
+                pose: Pose { position: DVec3::new(x, 0.7, 0.0), orientation: DQuat::IDENTITY },
+                velocity: Velocity::default(),
+                contactant: Contactant::new(0.0, 0.5),
+            })
+        });
+        // Without a ledger there is enough to close overlaps with.
+        let settings = StepSettings { sleep: true, ledger: false, ..StepSettings::default() };
+        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
+        let (mut warm, mut kept) = (WarmStart::default(), KeptPairs::default());
+        for number in 0..120 {
+            let ends = predict(&bodies, &frame);
+            let pairs = find_swept_pairs(&bodies, &ends, frame.sag(), &frame);
+            let found = kept.find_manifolds(&bodies, &pairs, &warm, &frame);
+            let manifolds: Vec<Manifold> = found.iter().collect();
+            solve(&mut bodies, &manifolds, &mut warm, &Ledger::default(), &frame);
+            let are_asleep = sleepers.map(|id| warm.is_asleep(id));
+            assert!(number < 40 || are_asleep == [true; 2], "{number}: {are_asleep:?}");
+        }
     }
 }

@@ -102,6 +102,45 @@ proptest! {
     }
 }
 
+/// Bounds hold what a body is to those that it meets, whatever it breaks as; what has none has none however it moves along.
+#[test]
+fn bounds_hold_all_kinds_of_bodies() {
+    let frame = frame();
+    let around = |shape: Shape, motion: Motion, orientation: DQuat| {
+        let mut bodies = Bodies::default();
+        let (start, velocity) = (Pose { position: DVec3::ZERO, orientation }, Velocity::default());
+        let contactant = Contactant::new(0.0, 0.0);
+        bodies.spawn(NewBody {
+            shape: Arc::new(shape),
+            density: 1.0,
+            motion,
+            pose: start,
+            velocity,
+            contactant,
+        });
+        // Normalised once more, as by every step.
+        let end = Pose { orientation: (orientation * 1.5).normalize(), ..start };
+        swept_bounds(&bodies, 0, &end, 0.0, &frame)
+    };
+    let ball = ClosedForm::Sphere { radius: 0.5 };
+    let cylinder = ClosedForm::Cylinder { radius: 0.5, half_height: 0.5 };
+    for step in 0..20 {
+        let orientation = DQuat::from_scaled_axis(0.3 * f64::from(step) * DVec3::new(0.3, 0.5, 0.8));
+        for form in [ball, cylinder] {
+            let bounds = around(Shape::breakable(form, 0.1).unwrap(), Motion::Dynamic, orientation);
+            // Of a cylinder along its axis, of a ball along all.
+            let half = DVec3::splat(0.5 - 1e-12);
+            let held = if form == ball { half } else { 0.5 * (orientation * DVec3::Y).abs() };
+            assert!(bounds.low.cmple(-held).all() && bounds.high.cmpge(held).all(), "{step}: {bounds:?}");
+        }
+        let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
+        let drifts = Motion::Kinematic { linear: DVec3::X, angular: DVec3::ZERO };
+        for motion in [Motion::Static, drifts] {
+            assert!(around(Shape::closed_form(ground, 0.1), motion, orientation).is_boundless());
+        }
+    }
+}
+
 /// [m]
 const MARGIN: f64 = 0.01;
 

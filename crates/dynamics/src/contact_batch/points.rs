@@ -228,7 +228,8 @@ impl<I: Instructions> Batch<I> {
 
     /// How much faster a pair may come against each other because it is struck, as far as that matters [m/s]: in a heap nobody sees which polyhedron strikes which next, unless it
     /// gets through. And how far it may move, if it may be struck, until points are missed that were too far away at the frame's start: not at all if it is watched and has none, else
-    /// as far as they were looked for, or by [`THIN`] of what is thinner, or if it is not watched by what the blow leaves of [`GETS_THROUGH`] [m].
+    /// as far as they were looked for, which without points in a heap is [`CLOSE`] of that, or by [`THIN`] of what is thinner, or if it is not watched by what the blow leaves of
+    /// [`GETS_THROUGH`] [m].
     fn watch(
         &self,
         bodies: &Bodies,

@@ -122,7 +122,7 @@ impl Found {
         self.add_near(pair, points, f64::INFINITY);
     }
 
-    /// The same, if any of them is as `near` [m].
+    /// All of them, if any is as `near` [m]; what is not a number is.
     pub(crate) fn add_near(
         &mut self,
         pair: Pair,

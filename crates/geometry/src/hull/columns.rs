@@ -65,7 +65,7 @@ impl Columns {
     }
 }
 
-/// Room for [`Columns`], which are found when they are first asked for: cutting makes hulls that never meet another one. They tell nothing new, so all are
+/// Room for [`Columns`], which are found when they are first asked for, as for bounds: cutting makes hulls that never become bodies. They tell nothing new, so all are
 /// equal.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LazyColumns(OnceLock<Columns>);
