@@ -8,7 +8,7 @@ use crate::instructions::{Instructions, with_widest};
 use crate::pair::Pair;
 use crate::threads;
 use crate::{Bodies, Frame, Motion, Pose};
-use frangible_geometry::{ClosedForm, Columns, Geometry, RigidTransform, Shape};
+use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, RigidTransform, Shape};
 use glam::DVec3;
 use std::slice::from_ref;
 use strips::overlapping_bounded;
@@ -116,17 +116,17 @@ fn all_swept_bounds<I: Instructions>(
     frame: &Frame,
 ) -> Vec<Bounds> {
     threads::list(bodies.len(), |i| {
-        // The memory of the next ones is asked for meanwhile: what they are, then what that leads to.
-        if let Some(shape) = bodies.shapes.get(i + 2 * AHEAD) {
-            I::prefetch(from_ref(&**shape));
-        }
-        let soon = bodies.shapes.get(i + AHEAD).and_then(|shape| shape.hull.as_ref()?.known_columns());
-        I::prefetch(soon.map_or(&[], Columns::vertices));
+        // The memory of the next ones is asked for meanwhile: what they are, then what that leads to, and what that does.
+        let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
+        let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
+        later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
+        hull_later(2).into_iter().for_each(|hull| I::prefetch(from_ref(hull)));
+        I::prefetch(hull_later(1).and_then(Hull::known_columns).map_or(&[], Columns::vertices));
         swept_bounds_with::<I>(bodies, i, &ends[i], margin, frame)
     })
 }
 
-/// Bodies between one whose memory is asked for and one that it is needed for.
+/// Bodies between one of which memory is asked for and one of which it leads to more, or is needed.
 const AHEAD: usize = 4;
 
 /// Bounds around a body's way, enlarged by half of `margin` [m].

@@ -2,7 +2,7 @@ use super::*;
 use crate::instructions::Scalar;
 use crate::settings::Width;
 use crate::{Contactant, NewBody, StepSettings, Velocity};
-use frangible_geometry::{HalfSpace, Hull};
+use frangible_geometry::HalfSpace;
 use glam::DQuat;
 use proptest::prelude::*;
 use std::sync::Arc;
