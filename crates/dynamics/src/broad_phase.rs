@@ -147,17 +147,18 @@ fn swept_bounds_with<I: Instructions>(
         let bounds = |pose: &Pose| Bounds::of_any_turn(shape, pose).grown(0.5 * margin);
         return bounds(start).around(&bounds(end));
     }
+    let bounds = Bounds::of_solid::<I>(shape, start);
     let turned = Pose { position: start.position, ..*end };
     let further = moved(start, &turned, bodies.radii[i]);
-    let swept = if further <= HARDLY * margin {
-        let (bounds, way) = (Bounds::of_solid::<I>(shape, start), end.position - start.position);
-        bounds.around(&Bounds { low: bounds.low + way, high: bounds.high + way }).grown(further)
+    let (at_end, beyond) = if further <= HARDLY * margin {
+        let way = end.position - start.position;
+        (Bounds { low: bounds.low + way, high: bounds.high + way }, further)
     } else {
         // Its points go along arcs, beyond their chords by no more than this where the spin keeps its axis; of 6,000 boxes that turn freely by half a radian to one, none needs more.
         let bulge = if turn > 0.0 { 0.125 * turn * turn * bodies.radii[i] } else { 0.0 };
-        Bounds::of_solid::<I>(shape, start).around(&Bounds::of_solid::<I>(shape, end)).grown(bulge)
+        (Bounds::of_solid::<I>(shape, end), bulge)
     };
-    swept.grown(0.5 * margin)
+    bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
 }
 
 /// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.

@@ -151,6 +151,7 @@ struct Broken {
 pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
+        // Few are glued.
         if world.labels[body].bonds.is_none() {
             continue;
         }
