@@ -1,6 +1,7 @@
 //! Who is solved with whom: islands of bodies that may touch do not feel each other, so some of them at a time go through all substeps
 //! while their numbers are at hand; and within them, pairs that share no body act side by side.
 
+use crate::balance::Balance;
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
 use crate::manifold::{MOST_POINTS, Manifold};
@@ -18,7 +19,7 @@ const CLUSTER_PAIRS: usize = 512;
 
 /// Frames, one after the other, in which a body could come to rest, after which it probably can in the next one [1]. Eight pairs side by side rest only
 /// together: of those that could in one frame 3 % cannot in the next one in `pile-spread`, 17 % in figure 8's heap.
-const SETTLED_AFTER: u8 = 4;
+pub(crate) const SETTLED_AFTER: u8 = 4;
 
 /// Speed from which on a body may bounce, or what it strikes, in units of what gravity gives in a frame [1].
 const LIVELY: f64 = 0.5;
@@ -56,8 +57,9 @@ pub(crate) struct Plan {
     pub(crate) stiffness: Vec<f64>,
     /// Whether each body probably comes to rest in this frame; what is static always does.
     pub(crate) settled: Vec<bool>,
-    /// Who is in no cluster, as it sleeps.
+    /// Who is in no cluster, as it sleeps, and as it is in balance.
     pub(crate) sleep: Sleep,
+    pub(crate) balance: Balance,
 }
 
 /// Whether a body probably comes to rest in this frame, as it could in some before; what is static does.
@@ -91,6 +93,7 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
     let [mut settled_pairs, mut lively_pairs, mut others] = [Vec::new(), Vec::new(), Vec::new()];
     let mut islands = islands(bodies, manifolds);
     let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
+    let balance = Balance::take_out(bodies, touching, &mut islands, (&settled, warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
     for (island, effort) in islands.iter().zip(efforts) {
         if let Some((effort, loads)) = effort {
@@ -132,7 +135,7 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
             add(pairs, effort);
         }
     }
-    Plan { clusters, stiffness, settled, sleep }
+    Plan { clusters, stiffness, settled, sleep, balance }
 }
 
 /// Not in the cluster.

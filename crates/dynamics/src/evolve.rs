@@ -6,7 +6,6 @@ use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
 use crate::vector::Turn;
 use crate::{Bodies, Frame, Motion, Pose, Rotation, Velocity, rotation, threads};
 use glam::{DQuat, DVec3};
-use std::ops::Range;
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09 sec. 2].
 pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame: &Frame) -> Pose {
@@ -27,32 +26,40 @@ const SHARE: usize = 256;
 
 /// [`evolve`] for all bodies: `poses` and `velocities` may belong to different time levels.
 pub fn evolve_all(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], frame: &Frame) -> Vec<Pose> {
-    let shares = (0..bodies.len()).step_by(SHARE).collect();
-    let of_share = |begin: usize| {
-        let end = (begin + SHARE).min(bodies.len());
-        with_widest!(frame.settings.width, evolve_some(bodies, begin..end, poses, velocities, frame))
+    let all: Vec<usize> = (0..bodies.len()).collect();
+    evolve_these(bodies, &all, (poses, velocities), frame)
+}
+
+/// [`evolve`] for some bodies.
+pub(crate) fn evolve_these(
+    bodies: &Bodies,
+    who: &[usize],
+    (poses, velocities): (&[Pose], &[Velocity]),
+    frame: &Frame,
+) -> Vec<Pose> {
+    let of_share = |who: &[usize]| {
+        with_widest!(frame.settings.width, evolve_some(bodies, who, (poses, velocities), frame))
     };
-    threads::map(shares, bodies.len(), of_share).concat()
+    threads::map(who.chunks(SHARE).collect(), who.len(), of_share).concat()
 }
 
 /// [`evolve`] for some bodies, those that turn slowly side by side.
 fn evolve_some<I: Instructions>(
     bodies: &Bodies,
-    who: Range<usize>,
-    poses: &[Pose],
-    velocities: &[Velocity],
+    who: &[usize],
+    (poses, velocities): (&[Pose], &[Velocity]),
     frame: &Frame,
 ) -> Vec<Pose> {
-    let mut ends = poses[who.clone()].to_vec();
+    let mut ends: Vec<Pose> = who.iter().map(|&i| poses[i]).collect();
     I::run(
         #[inline(always)]
         || {
-            for (ends, begin) in ends.chunks_mut(LANES).zip(who.step_by(LANES)) {
+            for (ends, who) in ends.chunks_mut(LANES).zip(who.chunks(LANES)) {
                 // Bodies that do not turn, in the lanes that hold none.
                 let (mut motions, mut turns) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
-                for (lane, pose) in ends.iter().enumerate() {
-                    let (l, q) = (velocities[begin + lane].angular_momentum, pose.orientation);
-                    let m = bodies.inertias[begin + lane].inverse_moments;
+                for (lane, (pose, &i)) in ends.iter().zip(who).enumerate() {
+                    let (l, q) = (velocities[i].angular_momentum, pose.orientation);
+                    let m = bodies.inertias[i].inverse_moments;
                     motions[lane] = Numbers([l.x, l.y, l.z, m.x, m.y, m.z, m.max_element(), 0.0]);
                     turns[lane] = Numbers([q.x, q.y, q.z, q.w, 0.0, 0.0, 0.0, 0.0]);
                 }
@@ -65,8 +72,8 @@ fn evolve_some<I: Instructions>(
                 let zero = Lanes::ZERO;
                 let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
                 let is_exact = frame.settings.rotation == Rotation::Exact;
-                for (lane, end) in ends.iter_mut().enumerate() {
-                    let (i, Numbers([x, y, z, w, ..])) = (begin + lane, turned[lane]);
+                for (lane, (end, &i)) in ends.iter_mut().zip(who).enumerate() {
+                    let Numbers([x, y, z, w, ..]) = turned[lane];
                     if is_exact && is_slow.get(lane) && bodies.motions[i] == Motion::Dynamic {
                         let position = end.position + frame.dt * velocities[i].linear;
                         *end = Pose { position, orientation: DQuat::from_xyzw(x, y, z, w) };

@@ -3,6 +3,7 @@
 //! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
 //! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
 
+mod balance;
 mod ball_contact;
 pub mod birth_fits;
 pub mod blows;

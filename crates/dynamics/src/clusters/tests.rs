@@ -49,8 +49,13 @@ fn what_is_watched_has_ranks_of_its_own_in_heaps() {
     for (size, is_heap) in [(pairs.len(), false), (1 << 20, true)] {
         let effort = Effort::of_size(size);
         let (stiffness, settled) = (vec![1.0; manifolds.len()], vec![true; COUNT]);
-        let plan =
-            Plan { clusters: vec![(pairs.clone(), effort)], stiffness, settled, sleep: Sleep::default() };
+        let plan = Plan {
+            clusters: vec![(pairs.clone(), effort)],
+            stiffness,
+            settled,
+            sleep: Sleep::default(),
+            balance: Balance::default(),
+        };
         let cluster = Cluster::new(&bodies, touching, &plan, 0, &mut local);
         let mut all: Vec<usize> = cluster.members.iter().map(|member| member.manifold).collect();
         let touch = all.iter().filter(|&&at| !manifolds[at].points.is_empty()).count();
