@@ -14,7 +14,7 @@ pub(crate) use points::Touching;
 use crate::Bodies;
 use crate::contact_rows::{Basis, Point, Row, RowDirections, RowImpulse, Stage};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Single, Single3};
-use crate::moving::{Movers, Shift, Side, Sides, drive};
+use crate::moving::{Movers, Rates, Shift, Side, Sides, drive};
 use crate::pair::Pair;
 use frangible_geometry::RigidTransform;
 use glam::DVec3;
@@ -170,12 +170,27 @@ const WARY: f64 = 1.5;
 const STIRRED: f64 = 0.02;
 
 impl<I: Instructions> Batch<I> {
-    /// Follows the bodies to where they are now. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
+    /// Follows the bodies to where they are now, and sees how those move that are driven. After a drift, in a substep of `drifted` [s], what has parted is forgotten.
     #[inline(always)]
-    pub(crate) fn follow(&mut self, movers: &Movers, drifted: Option<f64>) {
+    pub(crate) fn follow(&mut self, (bodies, movers): (&Bodies, &Movers), drifted: Option<f64>) {
+        self.follow_points(movers, drifted);
+        if self.is_driven {
+            self.be_driven(bodies, None);
+            if let Some(dt) = drifted {
+                self.forget_driven(movers, dt);
+            }
+        }
+    }
+
+    /// Follows the bodies to where they are now. What has parted after a drift is forgotten if nothing is driven.
+    #[inline(always)]
+    pub(crate) fn follow_points(&mut self, movers: &Movers, drifted: Option<f64>) {
         // After a drift contacts may have acted on some of them again.
-        let both = if drifted.is_some() { self.sides_kicked(movers) } else { self.sides(movers) };
-        let sides = Sides::of(&both);
+        let rates = if drifted.is_some() {
+            movers.kicked_rates_of(&self.locals).0
+        } else {
+            movers.rates_of(&self.locals)
+        };
         let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
         let [first, second] = &shifts;
         self.offset = self.rest.start_offset + (first.translation - second.translation);
@@ -191,18 +206,21 @@ impl<I: Instructions> Batch<I> {
             self.rest.answered_at = stirred;
         }
         let answered_rows = if answers { 0 } else { self.near_rows };
-        self.find_near_rows(&sides, travel.single());
+        self.find_near_rows(&rates, travel.single());
+        let sides = if answered_rows < self.near_rows { Some(Sides::of(&self.sides(movers))) } else { None };
         let shared = self.shared_basis();
         for at in 0..self.near_rows {
             self.follow_row((at, shared), &shifts);
             let point = self.point(at, shared);
-            if at >= answered_rows {
-                self.rows[at].response = point.response(&sides, self.rows[at].is_there);
+            if let Some(sides) = &sides
+                && at >= answered_rows
+            {
+                self.rows[at].response = point.response(sides, self.rows[at].is_there);
             }
             if let Some(dt) = drifted
                 && !self.is_driven
             {
-                self.forget_if_parted(at, Stage::AfterDrift, point.closing(&sides), dt);
+                self.forget_if_parted(at, Stage::AfterDrift, point.closing(&rates), dt);
             }
         }
     }
@@ -229,9 +247,9 @@ impl<I: Instructions> Batch<I> {
     /// Which rows may act in the next substep, after so much `travel` of the bodies [m]: those behind them are too far from touching. A gap
     /// changes by no more than what its bodies travel.
     #[inline(always)]
-    fn find_near_rows(&mut self, sides: &Sides<I>, travel: Single<I>) {
+    fn find_near_rows(&mut self, rates: &Rates<I>, travel: Single<I>) {
         let [before, after] = self.carrying_rows;
-        let wary = Single::splat(WARY) * self.closing_at_most(sides);
+        let wary = Single::splat(WARY) * self.closing_at_most(rates);
         let mut near = self.met_rows.max(before).max(after);
         self.room = Single::splat(f64::INFINITY);
         if self.is_driven {
@@ -251,7 +269,7 @@ impl<I: Instructions> Batch<I> {
 
     /// How far the two sides of the pairs can come nearer in a substep at most, as fast as they are [m].
     #[inline(always)]
-    pub(crate) fn closing_at_most(&self, Sides { apart, spins, .. }: &Sides<I>) -> Single<I> {
+    pub(crate) fn closing_at_most(&self, Rates { apart, spins }: &Rates<I>) -> Single<I> {
         let turning = |side: usize| spins[side].dot(spins[side]) * (self.sizes[side] * self.sizes[side]);
         // No sum of three numbers is larger than the root of three times the sum of their squares.
         let squares = apart.dot(*apart) + turning(0) + turning(1);
@@ -260,34 +278,31 @@ impl<I: Instructions> Batch<I> {
 
     /// Lets all rows follow their bodies, if those behind the near ones could touch within a substep.
     #[inline(always)]
-    pub(crate) fn wake_rows(&mut self, movers: &Movers, sides: &Sides<I>) {
+    pub(crate) fn wake_rows(&mut self, movers: &Movers, rates: &Rates<I>) {
         let all_are_near = self.near_rows == self.rows.len();
-        if !all_are_near && self.room.above(self.closing_at_most(sides)).not().any() {
-            self.follow_all(movers, sides);
+        if !all_are_near && self.room.above(self.closing_at_most(rates)).not().any() {
+            self.follow_all(movers);
         }
     }
 
     /// Lets all rows follow their bodies, if some have not yet.
     pub(crate) fn let_all_follow(&mut self, movers: &Movers) {
         if self.near_rows < self.rows.len() {
-            I::run(
-                #[inline(always)]
-                || self.follow_all(movers, &Sides::of(&self.sides(movers))),
-            );
+            self.follow_all(movers);
         }
     }
 
     /// Lets all rows follow their bodies.
     #[cold]
-    pub(crate) fn follow_all(&mut self, movers: &Movers, sides: &Sides<I>) {
+    pub(crate) fn follow_all(&mut self, movers: &Movers) {
         I::run(
             #[inline(always)]
             || {
                 let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
-                let shared = self.shared_basis();
+                let (sides, shared) = (Sides::of(&self.sides(movers)), self.shared_basis());
                 for at in self.near_rows..self.rows.len() {
                     self.follow_row((at, shared), &shifts);
-                    self.rows[at].response = self.point(at, shared).response(sides, self.rows[at].is_there);
+                    self.rows[at].response = self.point(at, shared).response(&sides, self.rows[at].is_there);
                 }
                 self.near_rows = self.rows.len();
             },
@@ -372,12 +387,6 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn sides(&self, movers: &Movers) -> [Side<I>; 2] {
         [movers.load(&self.locals[0]), movers.load(&self.locals[1])]
-    }
-
-    /// The same, as fast as gravity's last kick left them.
-    #[inline(always)]
-    pub(crate) fn sides_kicked(&self, movers: &Movers) -> [Side<I>; 2] {
-        [movers.load_kicked(&self.locals[0]), movers.load_kicked(&self.locals[1])]
     }
 
     /// Shows the bodies as fast as they are now.

@@ -84,7 +84,7 @@ impl<I: Instructions> Visit<I> {
     #[inline(always)]
     pub(crate) fn after(&self) -> [Side<I>; 2] {
         let [first, second] = &self.before;
-        let [spin, other_spin] = self.now.spins;
+        let [spin, other_spin] = self.now.rates.spins;
         [
             Side { linear: first.linear + self.impulse * first.inverse_mass, angular: spin, ..*first },
             Side {
@@ -105,9 +105,9 @@ impl<I: Instructions> Visit<I> {
     #[inline(always)]
     pub(crate) fn given(&self) -> Single<I> {
         let [first, second] = &self.before;
-        let [spin, other_spin] = self.now.spins;
+        let [spin, other_spin] = self.now.rates.spins;
         let [moment, opposite] = self.moments;
-        let linear = (self.now.apart + (first.linear - second.linear)).dot(self.impulse);
+        let linear = (self.now.rates.apart + (first.linear - second.linear)).dot(self.impulse);
         let turned = (first.angular + spin).dot(moment) - (second.angular + other_spin).dot(opposite);
         (linear + turned) * Single::splat(0.5) - self.kick.dot(self.impulse) - self.work
     }
@@ -126,7 +126,7 @@ pub(crate) fn stop<I: Instructions>(
 ) {
     let at = beat.stage.at();
     let before = row.impulses[at].normal;
-    let velocity = point.relative_velocity(&visit.now);
+    let velocity = point.relative_velocity(&visit.now.rates);
 
     // Along the normal.
     let speed = velocity.dot(point.basis.normal);
@@ -193,7 +193,7 @@ pub(crate) fn stop_roll<I: Instructions>(
     (load, twist, acts): (Single<I>, Single3<I>, Mask),
 ) -> Single3<I> {
     let sides = &visit.now;
-    let spin = sides.spins[0] - sides.spins[1] + driven;
+    let spin = sides.rates.spins[0] - sides.rates.spins[1] + driven;
     let about = normal * spin.dot(normal);
     let twist_about = normal * twist.dot(normal);
     let next = held(sides, about, twist_about, *spinning * load)

@@ -2,7 +2,7 @@
 
 use crate::Frame;
 use crate::lanes::{Instructions, Mask, Single, Single3, Symmetric};
-use crate::moving::Sides;
+use crate::moving::{Rates, Sides};
 use glam::DVec3;
 
 /// Fastest closing of an overlap [m/s]: a tenth of a metre in a frame, so that deep overlaps part gently [Cat24].
@@ -196,9 +196,9 @@ pub(crate) fn closing_speed<I: Instructions>(gap: Single<I>, rate: Single<I>) ->
 
 impl<I: Instructions> Point<I> {
     #[inline(always)]
-    pub(crate) fn relative_velocity(&self, sides: &Sides<I>) -> Single3<I> {
+    pub(crate) fn relative_velocity(&self, rates: &Rates<I>) -> Single3<I> {
         let [lever, other_lever] = self.levers;
-        let velocity = sides.apart + sides.spins[0].cross(lever) - sides.spins[1].cross(other_lever);
+        let velocity = rates.apart + rates.spins[0].cross(lever) - rates.spins[1].cross(other_lever);
         match self.drive {
             Some(drive) => velocity + drive,
             None => velocity,
@@ -206,8 +206,8 @@ impl<I: Instructions> Point<I> {
     }
 
     #[inline(always)]
-    pub(crate) fn closing(&self, sides: &Sides<I>) -> Single<I> {
-        -self.relative_velocity(sides).dot(self.basis.normal)
+    pub(crate) fn closing(&self, rates: &Rates<I>) -> Single<I> {
+        -self.relative_velocity(rates).dot(self.basis.normal)
     }
 
     /// How it answers, where there is a point.

@@ -4,7 +4,7 @@ use crate::contact_batch::{Batch, Hold};
 use crate::contact_kernels::{Visit, stop, stop_roll};
 use crate::contact_rows::{Basis, Beat, RowImpulse, Stage, closing_speed};
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Mask, Single, Single3};
-use crate::moving::{Movers, Push, Side, Sides};
+use crate::moving::{Movers, Push, Side};
 use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
 use std::ops::Range;
@@ -100,17 +100,15 @@ impl<I: Instructions> Batch<I> {
     /// what touches and is struck, but it does not begin to bounce by itself. What meets no faster than `threshold` [m/s] bounces no more.
     #[inline(always)]
     pub(crate) fn meet(&mut self, movers: &Movers, threshold: f64, step: &Frame) {
-        let both = self.sides_kicked(movers);
-        let sides = Sides::of(&both);
+        let (rates, falls) = movers.kicked_rates_of(&self.locals);
         let (dt, threshold) = (Single::splat(step.dt), Single::splat(threshold));
-        let falls = both[0].falls - both[1].falls;
         let shared = self.shared_basis();
         let mut any_bounces = Mask::NONE;
-        self.wake_rows(movers, &sides);
+        self.wake_rows(movers, &rates);
         self.met_rows = 0;
         for at in 0..self.near_rows {
             let point = self.point(at, shared);
-            let closing = point.closing(&sides);
+            let closing = point.closing(&rates);
             let parts = self.forget_if_parted(at, Stage::BeforeDrift, closing, step.dt);
             let row = &mut self.rows[at];
             let gap = row.gap;
@@ -143,19 +141,18 @@ impl<I: Instructions> Batch<I> {
     }
 
     /// What a kinematic body has left, after a drift in a substep of `dt` [s], is forgotten.
+    #[cold]
     pub(crate) fn forget_driven(&mut self, movers: &Movers, dt: f64) {
-        if self.is_driven {
-            I::run(
-                #[inline(always)]
-                || {
-                    let sides = Sides::of(&self.sides_kicked(movers));
-                    for at in 0..self.rows.len() {
-                        let closing = self.point(at, self.shared_basis()).closing(&sides);
-                        self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
-                    }
-                },
-            );
-        }
+        I::run(
+            #[inline(always)]
+            || {
+                let (rates, _) = movers.kicked_rates_of(&self.locals);
+                for at in 0..self.rows.len() {
+                    let closing = self.point(at, self.shared_basis()).closing(&rates);
+                    self.forget_if_parted(at, Stage::AfterDrift, closing, dt);
+                }
+            },
+        );
     }
 
     /// See [`Row::forget_if_parted`].
@@ -169,9 +166,12 @@ impl<I: Instructions> Batch<I> {
         parts
     }
 
-    /// What acted at this stage of the last substep acts again.
+    /// What acted at this stage of the last substep acts again, if anything did.
     #[inline(always)]
     pub(crate) fn go_on(&mut self, movers: &Movers, beat: &Beat, given: &mut Given<I>) {
+        if self.carrying_rows[beat.stage.at()] == 0 {
+            return;
+        }
         let mut visit = Visit::new(self.sides(movers), beat);
         let shared = self.shared_basis();
         for at in 0..self.carrying_rows[beat.stage.at()] {
@@ -197,7 +197,7 @@ impl<I: Instructions> Batch<I> {
         RowImpulse { normal, tangent }: RowImpulse<I>,
     ) {
         let (row, point) = (&self.rows[at], self.point(at, shared));
-        let before = -point.closing(&visit.now);
+        let before = -point.closing(&visit.now.rates);
         let Single3 { x, y, z } = row.response.to_normal;
         let gain = x * normal + y * tangent[0] + z * tangent[1];
         visit.push(&point, point.impulse(normal, tangent));
@@ -215,7 +215,7 @@ impl<I: Instructions> Batch<I> {
             // What is far may wake before it would act: first on the way fro, last on the way to.
             let wakes = !pass.only_meeting && beat.stage == Stage::BeforeDrift;
             if wakes && pass.is_fro {
-                self.wake_rows(movers, &visit.now);
+                self.wake_rows(movers, &visit.now.rates);
             }
             let mut rows = 0..if pass.only_meeting { self.near_rows } else { self.acting_rows(beat.stage) };
             loop {
@@ -223,7 +223,7 @@ impl<I: Instructions> Batch<I> {
                 if !wakes || pass.is_fro {
                     break;
                 }
-                self.wake_rows(movers, &visit.now);
+                self.wake_rows(movers, &visit.now.rates);
                 rows = rows.end..self.near_rows;
                 if rows.is_empty() {
                     break;

@@ -85,9 +85,8 @@ impl Effort {
             return islands.iter().map(|_| None).collect();
         };
         let carriers = threads::list(bodies.len(), |i| Carrier::new(bodies, i, up));
-        let leanings = threads::list(manifolds.len(), |at| Leaning::new(&manifolds[at], up));
         let carries = |places: &mut Vec<u32>, island: &Vec<usize>| {
-            Self::carries_much(&carriers, &leanings, island, places)
+            Self::carries_much(&carriers, (manifolds, up), island, places)
         };
         let room = || vec![NOBODY; bodies.len()];
         let loads: Vec<Option<Loads>> =
@@ -113,15 +112,15 @@ impl Effort {
     /// The loads of an island, if it stands and may get more effort than others.
     fn carries_much(
         carriers: &[Carrier],
-        leanings: &[Leaning],
+        (manifolds, up): (&[Manifold], DVec3),
         island: &[usize],
         places: &mut [u32],
     ) -> Option<Loads> {
-        let stands = |&at: &usize| leanings[at].pair.iter().all(|&i| carriers[i as usize].stands);
+        let stands = |&at: &usize| bodies_of(&manifolds[at]).iter().all(|&i| carriers[i].stands);
         if FEWEST_PASSES * island.len() as f64 > BUDGET || !island.iter().all(stands) {
             return None;
         }
-        loads(carriers, leanings, island, places)
+        loads(carriers, (manifolds, up), island, places)
     }
 
     /// By the largest load, a share of it; those that would get too little get no more than others. Soft contact gives by what it carries, and high stacks buckle by that; stiff contact takes more passes.
@@ -167,18 +166,8 @@ impl Carrier {
     }
 }
 
-/// A pair, as far as loads go.
-struct Leaning {
-    pair: [u32; 2],
-    /// Between the normal of its first point and the vertical; 0 if it has none.
-    cosine: f64,
-}
-
-impl Leaning {
-    fn new(Manifold { pair, points, .. }: &Manifold, up: DVec3) -> Self {
-        let cosine = points.first().map_or(0.0, |point| point.normal.dot(up));
-        Self { pair: [pair.first as u32, pair.second as u32], cosine }
-    }
+fn bodies_of(manifold: &Manifold) -> [usize; 2] {
+    [manifold.pair.first, manifold.pair.second]
 }
 
 /// A body of an island that moves, and what rests on it.
@@ -231,9 +220,14 @@ impl Loads {
 
 /// What an island carries: each body hands its own weight and what rests on it to those that it rests on, in equal parts, from the highest down. None if
 /// no pair can carry more than is [`LIGHT`]. `places` has room for all bodies: all are [`NOBODY`], and are so again at the end.
-fn loads(carriers: &[Carrier], leanings: &[Leaning], island: &[usize], places: &mut [u32]) -> Option<Loads> {
+fn loads(
+    carriers: &[Carrier],
+    (manifolds, up): (&[Manifold], DVec3),
+    island: &[usize],
+    places: &mut [u32],
+) -> Option<Loads> {
     // No pair carries more than all of them weigh: no more than what each weighs as often as it is in a pair.
-    let mobile = island.iter().flat_map(|&at| leanings[at].pair).map(|i| &carriers[i as usize]);
+    let mobile = island.iter().flat_map(|&at| bodies_of(&manifolds[at])).map(|i| &carriers[i]);
     let (weights, lightest) = mobile.fold((0.0, 0.0), |(weights, lightest): (f64, f64), carrier| {
         (weights + carrier.mass, lightest.max(carrier.inverse_mass))
     });
@@ -245,19 +239,21 @@ fn loads(carriers: &[Carrier], leanings: &[Leaning], island: &[usize], places: &
     let mut loaded: Vec<Loaded> = Vec::with_capacity(island.len() + 1);
     let mut supports: Vec<Support> = Vec::with_capacity(island.len());
     for (number, &at) in island.iter().enumerate() {
-        let Leaning { pair, cosine } = leanings[at];
+        let pair = bodies_of(&manifolds[at]);
+        // Between the normal of its first point and the vertical.
+        let cosine = manifolds[at].points.first().map_or(0.0, |point| point.normal.dot(up));
         let [first, second] = pair.map(|i| {
-            let (place, carrier) = (&mut places[i as usize], &carriers[i as usize]);
+            let (place, carrier) = (&mut places[i], &carriers[i]);
             if *place == NOBODY && carrier.is_mobile() {
                 *place = loaded.len() as u32;
                 let Carrier { height, mass, .. } = *carrier;
-                loaded.push(Loaded { body: i, height, mass, supports: 0, begin: 0, high: 1 });
+                loaded.push(Loaded { body: i as u32, height, mass, supports: 0, begin: 0, high: 1 });
             }
             *place
         });
         let (upper, lower) = if cosine > 0.0 { (first, second) } else { (second, first) };
         if cosine.abs() > RESTS && upper != NOBODY {
-            let [a, b] = pair.map(|i| carriers[i as usize].inverse_mass);
+            let [a, b] = pair.map(|i| carriers[i].inverse_mass);
             supports.push(Support { upper, lower, pair: number, lightness: a.max(b) });
             loaded[upper as usize].supports += 1;
         }

@@ -78,13 +78,19 @@ pub(crate) struct Side<I> {
     pub(crate) falls: Single<I>,
 }
 
-/// Both sides of several pairs.
+/// How both sides of several pairs move.
 #[derive(Clone, Copy)]
-pub(crate) struct Sides<I> {
+pub(crate) struct Rates<I> {
     /// Velocity of the first centre of mass less that of the second one [m/s].
     pub(crate) apart: Single3<I>,
     /// [rad/s]
     pub(crate) spins: [Single3<I>; 2],
+}
+
+/// Both sides of several pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct Sides<I> {
+    pub(crate) rates: Rates<I>,
     /// The sum of both [1/kg].
     pub(crate) inverse_mass: Single<I>,
     pub(crate) inverse_tensors: [Symmetric<Single<I>>; 2],
@@ -215,32 +221,13 @@ impl Movers {
     #[inline(always)]
     pub(crate) fn load<I: Instructions>(&self, locals: &[u32; LANES]) -> Side<I> {
         let mut seen = [Singles::ZERO; LANES];
-        for lane in 0..LANES {
-            seen[lane] = self.seen.read(locals[lane] as usize);
-        }
-        self.side_of(locals, seen)
-    }
-
-    /// The same, as fast as gravity's last kick left them, whatever contacts have done since.
-    #[inline(always)]
-    pub(crate) fn load_kicked<I: Instructions>(&self, locals: &[u32; LANES]) -> Side<I> {
-        let mut seen = [Singles::ZERO; LANES];
-        for lane in 0..LANES {
-            seen[lane] = self.kicked[locals[lane] as usize];
-        }
-        self.side_of(locals, seen)
-    }
-
-    /// Some bodies that are seen to move so.
-    #[inline(always)]
-    fn side_of<I: Instructions>(&self, locals: &[u32; LANES], seen: [Seen; LANES]) -> Side<I> {
         let mut answers = [Singles::ZERO; LANES];
         for lane in 0..LANES {
+            seen[lane] = self.seen.read(locals[lane] as usize);
             answers[lane] = self.answers[locals[lane] as usize];
         }
         let [x, y, z, wx, wy, wz, inverse_mass, _] = Single::transposed(seen);
         let [xx, yy, zz, yz, xz, xy, ..] = Single::transposed(answers);
-        let is_mobile = inverse_mass.above(Single::ZERO);
         Side {
             linear: Three { x, y, z },
             angular: Three { x: wx, y: wy, z: wz },
@@ -249,8 +236,35 @@ impl Movers {
                 diagonal: Three { x: xx, y: yy, z: zz },
                 off: Three { x: yz, y: xz, z: xy },
             },
-            falls: is_mobile.select(Single::splat(1.0), Single::ZERO),
+            falls: falls(inverse_mass),
         }
+    }
+
+    /// How the sides of some pairs move.
+    #[inline(always)]
+    pub(crate) fn rates_of<I: Instructions>(&self, locals: &[[u32; LANES]; 2]) -> Rates<I> {
+        let mut seen = [[Singles::ZERO; LANES]; 2];
+        for side in 0..2 {
+            for lane in 0..LANES {
+                seen[side][lane] = self.seen.read(locals[side][lane] as usize);
+            }
+        }
+        rates(seen).0
+    }
+
+    /// The same, as fast as gravity's last kick left them, whatever contacts have done since; and 1 for pairs of which only the first body falls, -1 if only the second does.
+    #[inline(always)]
+    pub(crate) fn kicked_rates_of<I: Instructions>(
+        &self,
+        locals: &[[u32; LANES]; 2],
+    ) -> (Rates<I>, Single<I>) {
+        let mut seen = [[Singles::ZERO; LANES]; 2];
+        for side in 0..2 {
+            for lane in 0..LANES {
+                seen[side][lane] = self.kicked[locals[side][lane] as usize];
+            }
+        }
+        rates(seen)
     }
 
     /// Notes how fast all bodies are.
@@ -391,6 +405,22 @@ impl Movers {
     }
 }
 
+/// How both sides of several pairs are seen to move; and 1 for those of which only the first body falls, -1 if only the second does.
+#[inline(always)]
+fn rates<I: Instructions>([seen, other]: [[Seen; LANES]; 2]) -> (Rates<I>, Single<I>) {
+    let [x, y, z, wx, wy, wz, inverse_mass, _] = Single::transposed(seen);
+    let [ox, oy, oz, owx, owy, owz, other_inverse_mass, _] = Single::transposed(other);
+    let apart = Three { x: x - ox, y: y - oy, z: z - oz };
+    let spins = [Three { x: wx, y: wy, z: wz }, Three { x: owx, y: owy, z: owz }];
+    (Rates { apart, spins }, falls(inverse_mass) - falls(other_inverse_mass))
+}
+
+/// 1 for what falls, else 0.
+#[inline(always)]
+fn falls<I: Instructions>(inverse_mass: Single<I>) -> Single<I> {
+    inverse_mass.above(Single::ZERO).select(Single::splat(1.0), Single::ZERO)
+}
+
 /// In the world frame [1/(kg m^2)].
 fn tensor_of(&Singles([xx, yy, zz, yz, xz, xy, ..]): &Answer) -> DMat3 {
     DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz].map(f64::from))
@@ -431,8 +461,7 @@ impl<I: Instructions> Sides<I> {
     #[inline(always)]
     pub(crate) fn of([first, second]: &[Side<I>; 2]) -> Self {
         Self {
-            apart: first.linear - second.linear,
-            spins: [first.angular, second.angular],
+            rates: Rates { apart: first.linear - second.linear, spins: [first.angular, second.angular] },
             inverse_mass: first.inverse_mass + second.inverse_mass,
             inverse_tensors: [first.inverse_tensor, second.inverse_tensor],
         }
@@ -441,15 +470,15 @@ impl<I: Instructions> Sides<I> {
     /// After an impulse on the first bodies at levers from both centres of mass, and its opposite on the second ones.
     #[inline(always)]
     pub(crate) fn push(&mut self, [angular_impulse, opposite]: [Single3<I>; 2], impulse: Single3<I>) {
-        self.apart = self.apart + impulse * self.inverse_mass;
+        self.rates.apart = self.rates.apart + impulse * self.inverse_mass;
         self.turn([angular_impulse, opposite]);
     }
 
     /// An angular impulse on the first bodies, and the opposite of another one on the second ones.
     #[inline(always)]
     pub(crate) fn turn(&mut self, [on_first, off_second]: [Single3<I>; 2]) {
-        self.spins[0] = self.spins[0] + self.inverse_tensors[0] * on_first;
-        self.spins[1] = self.spins[1] - self.inverse_tensors[1] * off_second;
+        self.rates.spins[0] = self.rates.spins[0] + self.inverse_tensors[0] * on_first;
+        self.rates.spins[1] = self.rates.spins[1] - self.inverse_tensors[1] * off_second;
     }
 }
 

@@ -7,7 +7,7 @@ use crate::contact_kernels::Visit;
 use crate::contact_rows::{Beat, RowImpulse, Stage};
 use crate::contact_sweep::Given;
 use crate::lanes::{Instructions, LANES, Mask, Single};
-use crate::moving::{Movers, Sides};
+use crate::moving::Movers;
 
 /// What changes a speed by less [m/s] is no part of an impact: where nothing falls no speed is too low to bounce, and rounding would go on
 /// bouncing.
@@ -59,19 +59,19 @@ impl<I: Instructions> Batch<I> {
     /// their bodies do so first, if they could.
     #[inline(always)]
     pub(crate) fn is_squeezed(&mut self, movers: &Movers, beat: &Beat, least: f64) -> bool {
-        let sides = Sides::of(&self.sides(movers));
+        let rates = movers.rates_of(&self.locals);
         // Most are slower than that, and their rows need not come from memory.
-        if !self.is_driven && !self.closing_at_most(&sides).above(Single::splat(least * beat.dt)).any() {
+        if !self.is_driven && !self.closing_at_most(&rates).above(Single::splat(least * beat.dt)).any() {
             return false;
         }
-        self.wake_rows(movers, &sides);
+        self.wake_rows(movers, &rates);
         let (shared, least, per_dt) =
             (self.shared_basis(), Single::splat(least), Single::splat(1.0 / beat.dt));
         let mut any = Mask::NONE;
         for at in 0..self.near_rows {
             let row = &self.rows[at];
             let most = row.gap.max(Single::ZERO) * per_dt + least;
-            any = any.or(row.is_there.and(self.point(at, shared).closing(&sides).above(most)));
+            any = any.or(row.is_there.and(self.point(at, shared).closing(&rates).above(most)));
         }
         any.any()
     }
@@ -151,11 +151,11 @@ impl<I: Instructions> Batch<I> {
             return false;
         }
         self.forget_who_acts();
-        let (sides, shared) = (Sides::of(&self.sides(movers)), self.shared_basis());
+        let (rates, shared) = (movers.rates_of(&self.locals), self.shared_basis());
         let least = Single::splat(threshold.max(SLOWEST));
         let mut any = Mask::NONE;
         for at in 0..self.rows.len() {
-            let closing = self.point(at, shared).closing(&sides);
+            let closing = self.point(at, shared).closing(&rates);
             let row = &mut self.rows[at];
             let met_at = &mut self.rest.anchors[at].met_at;
             let as_met = if number == 1 { row.bounces.and(met_at.above(Single::ZERO)) } else { Mask::NONE };

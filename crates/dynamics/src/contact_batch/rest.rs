@@ -35,7 +35,7 @@ impl<I: Instructions> Batch<I> {
         self.rests = false;
         self.locals.iter().for_each(|locals| movers.get_up(locals));
         self.be_in_balance(movers);
-        self.follow(movers, None);
+        self.follow_points(movers, None);
     }
 
     /// What acts here is what its bodies that rest elsewhere are in balance with.

@@ -44,7 +44,7 @@ fn batch_in(is_in_heap: bool, bodies: &Bodies, manifold: Manifold, step: &Frame)
     let movers = Movers::new::<Scalar>(bodies, vec![0, 1]);
     let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0, is_in_heap };
     let mut batch = Batch::new((bodies, &movers), &[member], touching, step.dt);
-    batch.follow(&movers, None);
+    batch.follow_points(&movers, None);
     (movers, batch)
 }
 
@@ -70,14 +70,14 @@ proptest! {
         for _ in 0..4 {
             let near = batch.near_rows;
             let sides = Sides::of(&batch.sides(&movers));
-            batch.follow_all(&movers, &sides);
+            batch.follow_all(&movers);
             for at in 0..batch.rows.len() {
-                let closing = batch.point(at, batch.shared_basis()).closing(&sides).get(0);
+                let closing = batch.point(at, batch.shared_basis()).closing(&sides.rates).get(0);
                 let gap = batch.rows[at].gap.get(0);
                 prop_assert!(at < near || gap > closing * step.dt, "row {at} of {near} near ones: {gap} m, {closing} m/s");
             }
             movers.drift::<Scalar>(&bodies, &step);
-            batch.follow(&movers, Some(step.dt));
+            batch.follow_points(&movers, Some(step.dt));
         }
     }
 }
@@ -101,7 +101,7 @@ fn what_may_be_struck_has_points_in_time() {
         for done in 0..8 {
             let rest = Frame { dt: f64::from(8 - done) * step.dt, ..step };
             if batch.refresh((&bodies, &movers), &mut finder, &rest) {
-                batch.follow(&movers, None);
+                batch.follow_points(&movers, None);
             }
             let left = gap - movers.pose(0).position.y;
             let (has_points, is_near) = (!batch.rows.is_empty(), left <= struck * step.dt);
@@ -112,7 +112,7 @@ fn what_may_be_struck_has_points_in_time() {
                 movers.set_velocity(0, 0.9 * struck * DVec3::Y, DVec3::ZERO);
             }
             movers.drift::<Scalar>(&bodies, &step);
-            batch.follow(&movers, Some(step.dt));
+            batch.follow_points(&movers, Some(step.dt));
         }
     }
 }
@@ -175,7 +175,7 @@ impl Stack {
             let locals = [manifold as u32, manifold as u32 + 1];
             let member = Member { manifold, locals, stiffness: 1.0, is_in_heap: false };
             let mut batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
-            batch.follow(&movers, None);
+            batch.follow_points(&movers, None);
             for (at, row) in batch.rows.iter_mut().enumerate() {
                 for (stage, impulse) in row.impulses.iter_mut().enumerate() {
                     let size = 1e-3 * (1.0 + at as f64 + 0.3 * stage as f64 + manifold as f64);
@@ -280,7 +280,7 @@ fn what_rests_is_in_balance() {
             }
             stack.movers.kick(&stack.step, stage);
             for batch in stack.batches.iter_mut().filter(|batch| !batch.rests) {
-                batch.follow(&stack.movers, None);
+                batch.follow_points(&stack.movers, None);
                 batch.go_on(&stack.movers, &Beat::new(stage, &stack.step), &mut given);
                 batch.give_exactly(&stack.movers, &batch.sides(&stack.movers), &mut given);
             }

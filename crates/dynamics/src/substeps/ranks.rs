@@ -185,14 +185,8 @@ impl<I: Instructions> Block<I> {
             #[inline(always)]
             |next| next.prefetch_to_follow(movers),
             #[inline(always)]
-            |batch, _| batch.follow(movers, drifted),
+            |batch, _| batch.follow((bodies, movers), drifted),
         );
-        for batch in &mut self.batches {
-            batch.be_driven(bodies, None);
-            if let Some(dt) = drifted {
-                batch.forget_driven(movers, dt);
-            }
-        }
     }
 
     /// What acted in the last substep acts again.
@@ -206,11 +200,7 @@ impl<I: Instructions> Block<I> {
                 }
             },
             #[inline(always)]
-            |batch, given| {
-                if batch.carrying_rows[beat.stage.at()] > 0 {
-                    batch.go_on(movers, beat, given);
-                }
-            },
+            |batch, given| batch.go_on(movers, beat, given),
         );
     }
 
@@ -275,7 +265,7 @@ impl<I: Instructions> Block<I> {
                     }
                     let batch = &mut batches[at as usize];
                     if batch.refresh((bodies, movers), finder, rest) {
-                        batch.follow(movers, None);
+                        batch.follow_points(movers, None);
                     }
                 }
             },
