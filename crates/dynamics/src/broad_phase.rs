@@ -103,10 +103,26 @@ const LARGE_TURN: f64 = 1.0;
 /// Turning by so little within a frame that no point of a body comes further than this [m], in units of the margin, it is looked at only where it starts.
 const HARDLY: f64 = 0.01;
 
-/// The same for bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
+/// Where bodies come on their ways through a frame.
+pub struct Swept {
+    /// Around the way of each body, enlarged by half of a margin.
+    pub bounds: Vec<Bounds>,
+    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order.
+    pub pairs: Vec<Pair>,
+}
+
+impl Swept {
+    /// The same as [`find_pairs`] for bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
+    pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
+        let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
+        let pairs = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends]);
+        Self { bounds, pairs }
+    }
+}
+
+/// The pairs of [`Swept`].
 pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Vec<Pair> {
-    let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
-    overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends])
+    Swept::new(bodies, ends, margin, frame).pairs
 }
 
 fn all_swept_bounds<I: Instructions>(
@@ -130,10 +146,6 @@ fn all_swept_bounds<I: Instructions>(
 const AHEAD: usize = 4;
 
 /// Bounds around a body's way, enlarged by half of `margin` [m].
-pub(crate) fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Frame) -> Bounds {
-    with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
-}
-
 fn swept_bounds_with<I: Instructions>(
     bodies: &Bodies,
     i: usize,

@@ -3,6 +3,7 @@
 
 mod ways;
 
+use crate::broad_phase::Swept;
 use crate::manifold::Manifolds;
 use crate::pair::Pair;
 use crate::{Bodies, Frame, Pose};
@@ -48,15 +49,15 @@ impl Stray {
     }
 }
 
-/// Notes in the manifolds of `pairs`, those whose bounds along their ballistic ways to `ends` overlap, how much faster they may come against each other
+/// Notes in the manifolds of pairs that are `swept` along their ballistic ways to `ends`, with a margin of [`Frame::sag`], how much faster they may come against each other
 /// because one of them is struck; pairs that meet by that alone get places among them, as far as [`MOST_MORE`] goes.
-pub fn note_struck(bodies: &Bodies, ends: &[Pose], pairs: &[Pair], manifolds: &mut Manifolds, frame: &Frame) {
-    let Some(Straying { strays, more }) = straying(bodies, ends, pairs, manifolds, frame) else { return };
+pub fn note_struck(bodies: &Bodies, ends: &[Pose], swept: &Swept, manifolds: &mut Manifolds, frame: &Frame) {
+    let Some(Straying { strays, more }) = straying(bodies, ends, swept, manifolds, frame) else { return };
     let faster = |pair: &Pair| {
         let further = strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
         (*pair, further / frame.dt)
     };
-    let all = pairs.iter().chain(&more).map(faster).filter(|&(_, faster)| faster > 0.0);
+    let all = swept.pairs.iter().chain(&more).map(faster).filter(|&(_, faster)| faster > 0.0);
     let mut struck: Vec<(Pair, f64)> = all.collect();
     struck.sort_unstable_by_key(|&(pair, _)| pair);
     manifolds.note_struck(&struck);
@@ -74,7 +75,7 @@ struct Straying {
 fn straying(
     bodies: &Bodies,
     ends: &[Pose],
-    pairs: &[Pair],
+    swept: &Swept,
     manifolds: &Manifolds,
     frame: &Frame,
 ) -> Option<Straying> {
@@ -97,7 +98,7 @@ fn straying(
     }
 
     // Whatever those can reach that stray furthest may be struck by them, the nearest first.
-    let mut ways = Ways::new(bodies, ends, frame);
+    let mut ways = Ways::new(bodies, ends, &swept.bounds, frame);
     let mut looks = 0;
     while let Some((i, stray)) = next.pop() {
         found.strays[i] = stray;
@@ -107,7 +108,7 @@ fn straying(
         looks += 1;
         for other in ways.reached(i, &found.strays) {
             let pair = Pair { first: i.min(other), second: i.max(other) };
-            if found.more.len() < MOST_MORE && pairs.binary_search(&pair).is_err() {
+            if found.more.len() < MOST_MORE && swept.pairs.binary_search(&pair).is_err() {
                 found.more.insert(pair);
             }
             let known = *next.of(other).unwrap_or(&found.strays[other]);
@@ -196,7 +197,6 @@ impl Next {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::broad_phase::find_swept_pairs;
     use crate::collisions::predict;
     use crate::manifold::find_manifolds;
     use crate::warm_start::WarmStart;
@@ -224,12 +224,12 @@ mod tests {
         }
         let frame = Frame { dt: FRAME, gravity: DVec3::ZERO, settings: StepSettings::default() };
         let ends = predict(&bodies, &frame);
-        let pairs = find_swept_pairs(&bodies, &ends, frame.sag(), &frame);
-        let manifolds = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame);
+        let swept = Swept::new(&bodies, &ends, frame.sag(), &frame);
+        let manifolds = find_manifolds(&bodies, &swept.pairs, &WarmStart::default(), &frame);
         let none = Straying { strays: vec![], more: BTreeSet::new() };
         let Straying { strays, more } =
-            super::straying(&bodies, &ends, &pairs, &manifolds, &frame).unwrap_or(none);
-        let all: BTreeSet<Pair> = more.into_iter().chain(pairs).collect();
+            super::straying(&bodies, &ends, &swept, &manifolds, &frame).unwrap_or(none);
+        let all: BTreeSet<Pair> = more.into_iter().chain(swept.pairs).collect();
         (all.iter().map(|pair| [pair.first, pair.second]).collect(), strays)
     }
 

@@ -8,7 +8,7 @@ use crate::desc::Method;
 use crate::quarantine::quarantine_non_finite;
 use crate::report::{Fracture, Impulses, StepReport, id_number};
 use frangible_dynamics::blows::{Blow, strike};
-use frangible_dynamics::broad_phase::{find_pairs, find_swept_pairs};
+use frangible_dynamics::broad_phase::{Swept, find_pairs};
 use frangible_dynamics::collisions::{Collisions, Response, predict};
 use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_forces::contact_forces;
@@ -168,15 +168,15 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
 fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
     // Break what is struck too hard, fragments included, before anything moves.
     let mut tally = Tally::default();
-    let (fractures, predicted, pairs) = strike_and_break(world, &mut tally, frame, clock);
+    let (fractures, predicted, swept) = strike_and_break(world, &mut tally, frame, clock);
 
     // What is near on the way may touch; contact takes it from there.
     let World { bodies, warm, kept, labels, fits, ledger, .. } = world;
-    let found = kept.find_manifolds(bodies, &pairs, warm, frame);
+    let found = kept.find_manifolds(bodies, &swept.pairs, warm, frame);
     clock.lap("find_manifolds");
 
     // What is struck on its way strikes others.
-    note_struck(bodies, &predicted, &pairs, found, frame);
+    note_struck(bodies, &predicted, &swept, found, frame);
     clock.lap("note_struck");
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
@@ -200,26 +200,29 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     Moved { fractures, flight, gravity, tally }
 }
 
-/// Strikes until nothing breaks. Returns what broke, the ballistic poses at the frame's end, and the pairs that come near each
-/// other on the way there.
+/// Strikes until nothing breaks. Returns what broke, the ballistic poses at the frame's end, and who comes near whom
+/// on the way there.
 fn strike_and_break(
     world: &mut World,
     tally: &mut Tally,
     frame: &Frame,
     clock: &mut StageClock,
-) -> (Vec<Fracture>, Vec<Pose>, Vec<Pair>) {
+) -> (Vec<Fracture>, Vec<Pose>, Swept) {
     let mut fractures = Vec::new();
     let mut passes = 0;
     loop {
         let predicted = predict(&world.bodies, frame);
-        let pairs = find_swept_pairs(&world.bodies, &predicted, frame.sag(), frame);
+        let swept = Swept::new(&world.bodies, &predicted, frame.sag(), frame);
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
-        let blows =
-            if may_break { strike(&mut world.bodies, &pairs, &predicted, frame, tally) } else { Vec::new() };
+        let blows = if may_break {
+            strike(&mut world.bodies, &swept.pairs, &predicted, frame, tally)
+        } else {
+            Vec::new()
+        };
         clock.lap("strike");
         if blows.is_empty() {
-            return (fractures, predicted, pairs);
+            return (fractures, predicted, swept);
         }
         fractures.extend(break_and_book(world, &blows, tally, frame).0);
         passes += 1;

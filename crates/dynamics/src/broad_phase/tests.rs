@@ -7,6 +7,11 @@ use glam::DQuat;
 use proptest::prelude::*;
 use std::sync::Arc;
 
+/// Around a body's way.
+fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Frame) -> Bounds {
+    with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
+}
+
 /// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and one far away.
 fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
     let one =

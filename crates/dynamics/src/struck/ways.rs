@@ -1,7 +1,7 @@
 //! Whom a body may reach that strays from its ballistic way.
 
 use super::Stray;
-use crate::broad_phase::{is_above, swept_bounds};
+use crate::broad_phase::{Bounds, is_above};
 use crate::threads;
 use crate::{Bodies, Frame, Pose};
 use glam::DVec3;
@@ -13,6 +13,7 @@ const WIDE: f64 = 2.0;
 pub(super) struct Ways<'a> {
     bodies: &'a Bodies,
     ends: &'a [Pose],
+    bounds: &'a [Bounds],
     frame: &'a Frame,
     /// Those that are not wide, strip by strip across an axis, and where each strip begins among them.
     ways: Vec<Way>,
@@ -56,7 +57,7 @@ impl Way {
 }
 
 impl<'a> Ways<'a> {
-    pub(super) fn new(bodies: &'a Bodies, ends: &'a [Pose], frame: &'a Frame) -> Self {
+    pub(super) fn new(bodies: &'a Bodies, ends: &'a [Pose], bounds: &'a [Bounds], frame: &'a Frame) -> Self {
         let all = threads::list(bodies.len(), |i| Way::of(bodies, i, &ends[i], frame));
         let bounded = all.iter().filter(|way| way.radius.is_finite());
         let count = bounded.clone().count().max(1);
@@ -85,17 +86,14 @@ impl<'a> Ways<'a> {
             *next += 1;
         }
         let wide = all.iter().copied().filter(|way| !is_narrow(way) && !way.radius.is_nan()).collect();
-        Self { bodies, ends, frame, ways, begins, strips, wide, furthest: 0.0 }
+        Self { bodies, ends, bounds, frame, ways, begins, strips, wide, furthest: 0.0 }
     }
 
     /// What a body may reach, as far as bodies stray, the nearest first.
     pub(super) fn reached(&mut self, i: usize, strays: &[Stray]) -> Vec<usize> {
         self.furthest = self.furthest.max(strays[i].most.0);
-        let Self { bodies, ends, frame, ref strips, furthest, .. } = *self;
-        let bounds = |i: usize| {
-            let ballistic = swept_bounds(bodies, i, &ends[i], frame.sag(), frame);
-            ballistic.grown(strays[i].most.0)
-        };
+        let Self { bodies, ends, bounds, frame, ref strips, furthest, .. } = *self;
+        let bounds = |i: usize| bounds[i].grown(strays[i].most.0);
         let of_body = bounds(i);
         let poses: &[&[Pose]] = &[&bodies.poses, ends];
         let is_reached = |way: &&Way| {
