@@ -36,8 +36,8 @@ pub(crate) struct Load {
 }
 
 impl Balance {
-    /// Takes those islands out that are in balance in this frame: all of their bodies have `settled`, the contacts that carried in the last frame are still there, and
-    /// what they gave holds each body against gravity.
+    /// Takes those islands out that are in balance in this frame: all of their bodies have `settled`, and what the contacts that
+    /// carried in the last frame gave then holds each body against gravity.
     pub(crate) fn take_out(
         bodies: &Bodies,
         touching: Touching,
@@ -127,14 +127,14 @@ struct Island<'a> {
 impl Island<'_> {
     /// Whether what acted in the last frame holds all bodies of some pairs. `loads` are nothing, and are so again at the end.
     fn is_in_balance(self, pairs: &[usize], loads: &mut [Load]) -> bool {
-        let mut holds = true;
         for (turn, &at) in pairs.iter().enumerate() {
             if let Some(&next) = pairs.get(turn + AHEAD) {
                 prefetch(self.touching.manifolds[next].points);
                 prefetch(self.touching.carried[next]);
             }
-            holds &= self.add_loads(at, loads);
+            self.add_loads(at, loads);
         }
+        let mut holds = true;
         for &at in pairs {
             let Pair { first, second } = self.touching.manifolds[at].pair;
             for i in [first, second] {
@@ -145,8 +145,8 @@ impl Island<'_> {
         holds
     }
 
-    /// What the points of a pair gave acts on its bodies. Whether all of them are still there.
-    fn add_loads(self, at: usize, loads: &mut [Load]) -> bool {
+    /// What the points of a pair gave, as far as they are still there, acts on its bodies.
+    fn add_loads(self, at: usize, loads: &mut [Load]) {
         let Manifold { pair, points, .. } = self.touching.manifolds[at];
         let Pair { first, second } = pair;
         let poses = [first, second].map(|i| &self.bodies.poses[i]);
@@ -155,7 +155,7 @@ impl Island<'_> {
         for Carried { sample, forces: [before, after] } in self.touching.carried[at] {
             // Edges that cross can have two points; the nearer one carries.
             let same = points.iter().filter(|point| point.sample == *sample);
-            let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { return false };
+            let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { continue };
             let force = f64::from(before.normal + after.normal) * point.normal
                 + (before.tangent + after.tangent).as_dvec3();
             let twist = (before.twist + after.twist).as_dvec3();
@@ -163,7 +163,6 @@ impl Island<'_> {
             loads[first].add(force, lever.cross(force) + twist);
             loads[second].add(-force, -(other_lever.cross(force) + twist));
         }
-        true
     }
 
     /// Whether what its load and gravity leave of each other keeps a body calm.
@@ -339,6 +338,15 @@ mod tests {
         assert!(!stack.is_in_balance(|_| {}));
         stack.frame.gravity = gravity;
         assert!(stack.is_in_balance(|_| {}));
+        let beside = |point: &ManifoldPoint| ManifoldPoint {
+            anchor_first: point.anchor_first + 1e-3 * DVec3::X,
+            anchor_second: point.anchor_second + 1e-3 * DVec3::X,
+            ..*point
+        };
+        let turns = stack.is_in_balance(|manifolds| {
+            manifolds[1].points = manifolds[1].points.iter().map(beside).collect::<Vec<_>>().leak();
+        });
+        assert!(!turns, "forces balance, torques do not");
         stack.bodies.velocities[2].linear.x = 1e-3;
         assert!(!stack.is_in_balance(|_| {}));
         assert!((0..8).map(Stack::after).all(|stack| !stack.is_in_balance(|_| {})));
