@@ -7,6 +7,7 @@ use crate::instructions::prefetch;
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{can_rest, is_calm};
 use crate::pair::Pair;
+use crate::sleep::scattered;
 use crate::tally::{Cause, Tally};
 use crate::threads;
 use crate::warm_start::{Carried, WarmStart};
@@ -14,12 +15,18 @@ use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
 /// An island is solved in one of so many frames even if it is in balance: what creeps is stopped, and what overlaps parts.
-const SOLVED_EVERY: u64 = 8;
+const SOLVED_EVERY: u8 = 8;
 
 /// Pairs of whose memory one is asked for before it is looked at.
 const AHEAD: usize = 3;
 
-/// The islands that are in balance.
+/// In how many frames, one after the other, a body could come to rest that could in so many before, and can in this one: a multiple of [`SOLVED_EVERY`] takes the place of the first number
+/// that has no room, and is enough to have [settled](crate::clusters::has_settled).
+pub(crate) fn settled_for(before: u8) -> u8 {
+    before.checked_add(1).unwrap_or(SOLVED_EVERY)
+}
+
+/// The islands that are in balance, which is another thing than [balanced books](crate::ledger).
 #[derive(Default)]
 pub(crate) struct Balance {
     /// Their manifolds.
@@ -28,7 +35,7 @@ pub(crate) struct Balance {
 
 /// What acts on a body: forces [N], and their torque about its centre of mass [N m].
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Load {
+struct Load {
     force: DVec3,
     torque: DVec3,
     /// Whether it has yet to be looked at.
@@ -36,47 +43,42 @@ pub(crate) struct Load {
 }
 
 impl Balance {
-    /// Takes those islands out that are in balance in this frame: all of their bodies have `settled`, and what the contacts that
+    /// Which islands are in balance in this frame, of those that take no more effort than others: all of their bodies have `settled`, and what the contacts that
     /// carried in the last frame gave then holds each body against gravity.
-    pub(crate) fn take_out(
+    pub(crate) fn look(
         bodies: &Bodies,
         touching: Touching,
-        islands: &mut Vec<Vec<usize>>,
+        (islands, takes_more): (&[Vec<usize>], impl Fn(usize) -> bool),
         (settled, warm, frame): (&[bool], &WarmStart, &Frame),
-    ) -> Self {
+    ) -> Vec<bool> {
+        let mut are_in_balance = vec![false; islands.len()];
         if !can_rest(frame) {
-            return Self::default();
+            return are_in_balance;
         }
-        let island = Island { bodies, touching, frame };
-        let may_be = |at: &usize| {
-            let Manifold { pair: Pair { first, second }, struck, .. } = touching.manifolds[*at];
+        let is_calm = |&at: &usize| {
+            let Manifold { pair: Pair { first, second }, struck, .. } = touching.manifolds[at];
             settled[first] && settled[second] && struck == 0.0
         };
-        let is_solved = |i: usize| {
-            let turn = u64::from(warm.settled_for(bodies.ids[i])) + u64::from(bodies.ids[i].index);
-            turn % SOLVED_EVERY == 0
-        };
-        let first_mobile = |island: &[usize]| {
+        // Each island at its own time.
+        let is_solved = |island: &[usize]| {
             let Pair { first, second } = touching.manifolds[island[0]].pair;
-            if bodies.motions[first] == Motion::Dynamic { first } else { second }
+            let id = bodies.ids[if bodies.motions[first] == Motion::Dynamic { first } else { second }];
+            let turn = scattered(id).wrapping_add(warm.settled_for(id).into());
+            turn.is_multiple_of(SOLVED_EVERY.into())
         };
-        let may_balance = |island: &Vec<usize>| island.iter().all(may_be) && !is_solved(first_mobile(island));
-        let (candidates, mut others): (Vec<_>, Vec<_>) =
-            std::mem::take(islands).into_iter().partition(may_balance);
-        let pairs = candidates.iter().map(Vec::len).sum();
+        let may_be = |&number: &usize| {
+            let island = &islands[number];
+            !takes_more(number) && !is_solved(island) && island.iter().all(is_calm)
+        };
+        let candidates: Vec<usize> = (0..islands.len()).filter(may_be).collect();
+        let pairs = candidates.iter().map(|&number| islands[number].len()).sum();
+        let look = Look { bodies, touching, frame };
         let room = || vec![Load::default(); bodies.len()];
-        let balances =
-            |loads: &mut Vec<Load>, pairs: Vec<usize>| (island.is_in_balance(&pairs, loads), pairs);
-        let mut balance = Self::default();
-        for (is_in_balance, pairs) in threads::map_with(candidates, pairs, room, balances) {
-            if is_in_balance {
-                balance.manifolds.extend(pairs);
-            } else {
-                others.push(pairs);
-            }
+        let of = |loads: &mut Vec<Load>, number: usize| (number, look.is_in_balance(&islands[number], loads));
+        for (number, is_in_balance) in threads::map_with(candidates, pairs, room, of) {
+            are_in_balance[number] = is_in_balance;
         }
-        *islands = others;
-        balance
+        are_in_balance
     }
 
     /// Their bodies go on as they move. What gravity gives them is taken by what they stand on. Says who they are.
@@ -86,18 +88,17 @@ impl Balance {
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
         (tally, gravity): (&mut Tally, &mut (DVec3, DVec3)),
         frame: &Frame,
-    ) -> Vec<bool> {
-        let (mut who, mut are_balanced) = (Vec::new(), vec![false; bodies.len()]);
+    ) -> Vec<usize> {
+        let (mut who, mut is_known) = (Vec::new(), vec![false; bodies.len()]);
         let gain = frame.dt * frame.gravity;
         for (pair, carried) in self.manifolds.iter().map(|&at| (manifolds[at].pair, carried[at])) {
             if !carried.is_empty() {
                 tally.link(bodies, pair);
             }
             for i in [pair.first, pair.second] {
-                if bodies.motions[i] != Motion::Dynamic || std::mem::replace(&mut are_balanced[i], true) {
-                    continue;
+                if bodies.motions[i] == Motion::Dynamic && !std::mem::replace(&mut is_known[i], true) {
+                    who.push(i);
                 }
-                who.push(i);
             }
         }
         for (&i, end) in
@@ -112,19 +113,19 @@ impl Balance {
             tally.outside_angular_impulse -= moment;
             tally.causes.add(Cause::Contact, -bodies.velocities[i].linear.dot(weight));
         }
-        are_balanced
+        who
     }
 }
 
-/// What an island is looked at with.
+/// What islands are looked at with.
 #[derive(Clone, Copy)]
-struct Island<'a> {
+struct Look<'a> {
     bodies: &'a Bodies,
     touching: Touching<'a>,
     frame: &'a Frame,
 }
 
-impl Island<'_> {
+impl Look<'_> {
     /// Whether what acted in the last frame holds all bodies of some pairs. `loads` are nothing, and are so again at the end.
     fn is_in_balance(self, pairs: &[usize], loads: &mut [Load]) -> bool {
         for (turn, &at) in pairs.iter().enumerate() {
@@ -204,7 +205,7 @@ fn levers(point: &ManifoldPoint, [first, second]: [&Pose; 2]) -> [DVec3; 2] {
 mod tests {
     use super::*;
     use crate::broad_phase::find_swept_pairs;
-    use crate::clusters::has_settled;
+    use crate::clusters::{SETTLED_AFTER, has_settled};
     use crate::collisions::predict;
     use crate::ledger::{Ledger, energy};
     use crate::manifold::{Manifolds, find_manifolds};
@@ -264,10 +265,12 @@ mod tests {
             let carried = warm.of_manifolds(bodies, &manifolds);
             let touching = Touching { manifolds: &manifolds, carried: &carried, near: frame.sag() };
             let settled: Vec<bool> = (0..bodies.len()).map(|i| has_settled(bodies, i, warm)).collect();
-            let mut islands = vec![(0..manifolds.len()).collect()];
-            let balance = Balance::take_out(bodies, touching, &mut islands, (&settled, warm, frame));
-            assert_eq!(islands.is_empty(), !balance.manifolds.is_empty());
-            islands.is_empty()
+            let islands = [(0..manifolds.len()).collect()];
+            let look = |takes_more: bool| {
+                Balance::look(bodies, touching, (&islands, |_| takes_more), (&settled, warm, frame))
+            };
+            assert_eq!(look(true), [false]);
+            look(false) == [true]
         }
 
         fn energy(&self) -> f64 {
@@ -316,6 +319,17 @@ mod tests {
             assert_eq!(tally.links.len(), 2);
         }
         assert!((CREEPS..=21).contains(&balanced), "{balanced}");
+    }
+
+    /// In the frames that follow each other, one of eight comes when it is time to solve an island, however long it has settled for.
+    #[test]
+    fn the_time_to_be_solved_comes_regularly() {
+        let mut settled = 0;
+        for frame in 0..1000_u32 {
+            assert_eq!(u32::from(settled % SOLVED_EVERY), frame % 8);
+            assert!(frame < 4 || settled >= SETTLED_AFTER);
+            settled = settled_for(settled);
+        }
     }
 
     /// What its contacts do not hold, or is about to be struck, is not in balance; nor is anything before it has settled.

@@ -57,7 +57,7 @@ pub(crate) struct Plan {
     pub(crate) stiffness: Vec<f64>,
     /// Whether each body probably comes to rest in this frame; what is static always does.
     pub(crate) settled: Vec<bool>,
-    /// Who is in no cluster, as it sleeps, and as it is in balance.
+    /// Who is in no cluster, as it sleeps or is in balance.
     pub(crate) sleep: Sleep,
     pub(crate) balance: Balance,
 }
@@ -93,9 +93,19 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
     let [mut settled_pairs, mut lively_pairs, mut others] = [Vec::new(), Vec::new(), Vec::new()];
     let mut islands = islands(bodies, manifolds);
     let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
-    let balance = Balance::take_out(bodies, touching, &mut islands, (&settled, warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
-    for (island, effort) in islands.iter().zip(efforts) {
+    let are_in_balance = Balance::look(
+        bodies,
+        touching,
+        (&islands, |number| efforts[number].is_some()),
+        (&settled, warm, frame),
+    );
+    let mut balance = Balance::default();
+    for ((island, effort), is_in_balance) in islands.iter().zip(efforts).zip(are_in_balance) {
+        if is_in_balance {
+            balance.manifolds.extend_from_slice(island);
+            continue;
+        }
         if let Some((effort, loads)) = effort {
             for (&at, load) in island.iter().zip(loads) {
                 stiffness[at] = load.clamp(1.0, effort.stiffest);

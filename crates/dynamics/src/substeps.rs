@@ -5,7 +5,8 @@ mod passes;
 mod ranks;
 mod rebound;
 
-use crate::clusters::{Cluster, NOWHERE, SETTLED_AFTER, plan};
+use crate::balance::settled_for;
+use crate::clusters::{Cluster, NOWHERE, plan};
 use crate::contact_batch::Touching;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
@@ -19,7 +20,7 @@ use crate::moving::{Movers, can_rest};
 use crate::tally::Cause;
 use crate::threads;
 use crate::warm_start::{Part, WarmStart};
-use crate::{Bodies, BodyId, Frame, Motion, Tally};
+use crate::{Bodies, Frame, Motion, Tally};
 use funds::Funds;
 use glam::DVec3;
 use ranks::{Block, Ranks};
@@ -101,7 +102,7 @@ fn solve_with<I: Instructions>(
             is_in_one[i] = true;
             is_in_heap[i] |= is_heap;
         }
-        movers.who_may_rest().for_each(|i| settled[i] = settles(warm, bodies.ids[i]));
+        movers.who_may_rest().for_each(|i| settled[i] = settled_for(warm.settled_for(bodies.ids[i])));
         parts.extend(kept);
         solved.tally.add(tally);
         solved.gravity.0 += movers.gravity.0;
@@ -118,10 +119,11 @@ fn solve_with<I: Instructions>(
     }
     // What is in balance goes on.
     let Solved { tally, gravity } = &mut solved;
-    let are_balanced = plan.balance.go_on(bodies, (manifolds, &carried), (tally, gravity), frame);
-    for (i, _) in are_balanced.iter().enumerate().filter(|&(_, &is)| is) {
+    for i in plan.balance.go_on(bodies, (manifolds, &carried), (tally, gravity), frame) {
         let id = bodies.ids[i];
-        (is_in_one[i], is_in_heap[i], settled[i]) = (true, warm.is_in_heap(id), settles(warm, id));
+        is_in_one[i] = true;
+        is_in_heap[i] = warm.is_in_heap(id);
+        settled[i] = settled_for(warm.settled_for(id));
     }
     let mut kept = Part::default();
     let stay = plan.sleep.manifolds.iter().chain(&plan.balance.manifolds);
@@ -132,11 +134,6 @@ fn solve_with<I: Instructions>(
     let drowsiness = plan.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
     *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &is_in_heap, &drowsiness);
     solved
-}
-
-/// In how many frames a body could come to rest that can in this one, too.
-fn settles(warm: &WarmStart, id: BodyId) -> u8 {
-    warm.settled_for(id).checked_add(1).unwrap_or(SETTLED_AFTER)
 }
 
 /// Bodies that may touch nothing, and kinematic ones, for which nothing is in the way.
