@@ -4,6 +4,7 @@
 use crate::contact_batch::Touching;
 use crate::evolve::evolve_these;
 use crate::instructions::prefetch;
+use crate::ledger::Ledger;
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{can_rest, is_calm};
 use crate::pair::Pair;
@@ -49,7 +50,8 @@ impl Balance {
         bodies: &Bodies,
         touching: Touching,
         (islands, takes_more): (&[Vec<usize>], impl Fn(usize) -> bool),
-        (settled, warm, frame): (&[bool], &WarmStart, &Frame),
+        settled: &[bool],
+        (warm, ledger, frame): (&WarmStart, &Ledger, &Frame),
     ) -> Vec<bool> {
         let mut are_in_balance = vec![false; islands.len()];
         if !can_rest(frame) {
@@ -72,7 +74,7 @@ impl Balance {
         };
         let candidates: Vec<usize> = (0..islands.len()).filter(may_be).collect();
         let pairs = candidates.iter().map(|&number| islands[number].len()).sum();
-        let look = Look { bodies, touching, frame };
+        let look = Look { bodies, touching, ledger, frame };
         let room = || vec![Load::default(); bodies.len()];
         let of = |loads: &mut Vec<Load>, number: usize| (number, look.is_in_balance(&islands[number], loads));
         for (number, is_in_balance) in threads::map_with(candidates, pairs, room, of) {
@@ -122,11 +124,12 @@ impl Balance {
 struct Look<'a> {
     bodies: &'a Bodies,
     touching: Touching<'a>,
+    ledger: &'a Ledger,
     frame: &'a Frame,
 }
 
 impl Look<'_> {
-    /// Whether what acted in the last frame holds all bodies of some pairs. `loads` are nothing, and are so again at the end.
+    /// Whether what acted in the last frame holds all bodies of some pairs, and what they gain by creeping upwards is paid for. `loads` are nothing, and are so again at the end.
     fn is_in_balance(self, pairs: &[usize], loads: &mut [Load]) -> bool {
         for (turn, &at) in pairs.iter().enumerate() {
             if let Some(&next) = pairs.get(turn + AHEAD) {
@@ -135,15 +138,20 @@ impl Look<'_> {
             }
             self.add_loads(at, loads);
         }
-        let mut holds = true;
+        let Self { bodies, ledger, frame, .. } = self;
+        let (mut holds, mut gained, mut bank) = (true, 0.0, 0.0);
         for &at in pairs {
             let Pair { first, second } = self.touching.manifolds[at].pair;
             for i in [first, second] {
                 let load = std::mem::take(&mut loads[i]);
-                holds &= !load.is_open || self.is_held(i, load);
+                if load.is_open && bodies.motions[i] == Motion::Dynamic {
+                    holds &= self.is_held(i, load);
+                    gained -= frame.dt * bodies.masses[i] * bodies.velocities[i].linear.dot(frame.gravity);
+                    bank += ledger.bank_of(bodies, &[i]);
+                }
             }
         }
-        holds
+        holds && (!frame.settings.ledger || gained <= bank)
     }
 
     /// What the points of a pair gave, as far as they are still there, acts on its bodies.
@@ -169,9 +177,6 @@ impl Look<'_> {
     /// Whether what its load and gravity leave of each other keeps a body calm.
     fn is_held(self, i: usize, Load { force, torque, .. }: Load) -> bool {
         let Self { bodies, frame, .. } = self;
-        if bodies.motions[i] != Motion::Dynamic {
-            return true;
-        }
         let gained = Velocity {
             linear: frame.dt * (bodies.inertias[i].inverse_mass * force + frame.gravity),
             angular_momentum: frame.dt * torque,
@@ -207,7 +212,7 @@ mod tests {
     use crate::broad_phase::find_swept_pairs;
     use crate::clusters::{SETTLED_AFTER, has_settled};
     use crate::collisions::predict;
-    use crate::ledger::{Ledger, energy};
+    use crate::ledger::energy;
     use crate::manifold::{Manifolds, find_manifolds};
     use crate::substeps::{Solved, solve};
     use crate::{Contactant, NewBody, StepSettings};
@@ -267,7 +272,8 @@ mod tests {
             let settled: Vec<bool> = (0..bodies.len()).map(|i| has_settled(bodies, i, warm)).collect();
             let islands = [(0..manifolds.len()).collect()];
             let look = |takes_more: bool| {
-                Balance::look(bodies, touching, (&islands, |_| takes_more), (&settled, warm, frame))
+                let known = (warm, &Ledger::default(), frame);
+                Balance::look(bodies, touching, (&islands, |_| takes_more), &settled, known)
             };
             assert_eq!(look(true), [false]);
             look(false) == [true]
@@ -361,6 +367,14 @@ mod tests {
             manifolds[1].points = manifolds[1].points.iter().map(beside).collect::<Vec<_>>().leak();
         });
         assert!(!turns, "forces balance, torques do not");
+        // What creeps upwards with nothing to pay for it.
+        stack.frame.settings.ledger = true;
+        for (creeps, is) in [(0.0, true), (-1e-5, true), (1e-5, false)] {
+            stack.bodies.velocities[1] = Velocity::default();
+            stack.bodies.velocities[2] = Velocity { linear: creeps * DVec3::Y, ..Velocity::default() };
+            assert_eq!(stack.is_in_balance(|_| {}), is, "{creeps} m/s");
+        }
+        stack.frame.settings.ledger = false;
         stack.bodies.velocities[2].linear.x = 1e-3;
         assert!(!stack.is_in_balance(|_| {}));
         assert!((0..8).map(Stack::after).all(|stack| !stack.is_in_balance(|_| {})));

@@ -4,6 +4,7 @@
 use crate::balance::Balance;
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
+use crate::ledger::Ledger;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::{fastest, is_calm};
 use crate::regions::Regions;
@@ -71,8 +72,13 @@ pub(crate) fn has_settled(bodies: &Bodies, i: usize, warm: &WarmStart) -> bool {
     }
 }
 
-/// Puts islands together: `warm` knows who has settled.
-pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
+/// Puts islands together: `warm` knows who has settled, and the `ledger` what they have in their banks.
+pub(crate) fn plan(
+    bodies: &Bodies,
+    touching: Touching,
+    (warm, ledger): (&WarmStart, &Ledger),
+    frame: &Frame,
+) -> Plan {
     let Touching { manifolds, carried, .. } = touching;
     let speeds = threads::list(bodies.len(), |i| match bodies.motions[i] {
         Motion::Kinematic { linear, angular } if angular != DVec3::ZERO => {
@@ -98,7 +104,8 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
         bodies,
         touching,
         (&islands, |number| efforts[number].is_some()),
-        (&settled, warm, frame),
+        &settled,
+        (warm, ledger, frame),
     );
     let mut balance = Balance::default();
     for ((island, effort), is_in_balance) in islands.iter().zip(efforts).zip(are_in_balance) {

@@ -69,7 +69,7 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
     let bodies_now = &*bodies;
-    let plan = plan(bodies, touching, warm, frame);
+    let plan = plan(bodies, touching, (warm, ledger), frame);
     let numbers: Vec<usize> = (0..plan.clusters.len()).collect();
     let room = || vec![NOWHERE; bodies_now.len()];
     let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
