@@ -4,11 +4,9 @@
 use crate::contact_batch::Touching;
 use crate::evolve::evolve_these;
 use crate::instructions::prefetch;
-use crate::ledger::Ledger;
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::moving::{can_rest, is_calm};
 use crate::pair::Pair;
-use crate::sleep::scattered;
 use crate::tally::{Cause, Tally};
 use crate::threads;
 use crate::warm_start::{Carried, WarmStart};
@@ -16,18 +14,12 @@ use crate::{Bodies, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
 /// An island is solved in one of so many frames even if it is in balance: what creeps is stopped, and what overlaps parts.
-const SOLVED_EVERY: u8 = 8;
+const SOLVED_EVERY: u64 = 8;
 
 /// Pairs of whose memory one is asked for before it is looked at.
 const AHEAD: usize = 3;
 
-/// In how many frames, one after the other, a body could come to rest that could in so many before, and can in this one: a multiple of [`SOLVED_EVERY`] takes the place of the first number
-/// that has no room, and is enough to have [settled](crate::clusters::has_settled).
-pub(crate) fn settled_for(before: u8) -> u8 {
-    before.checked_add(1).unwrap_or(SOLVED_EVERY)
-}
-
-/// The islands that are in balance, which is another thing than [balanced books](crate::ledger).
+/// The islands that are in balance.
 #[derive(Default)]
 pub(crate) struct Balance {
     /// Their manifolds.
@@ -36,7 +28,7 @@ pub(crate) struct Balance {
 
 /// What acts on a body: forces [N], and their torque about its centre of mass [N m].
 #[derive(Clone, Copy, Default)]
-struct Load {
+pub(crate) struct Load {
     force: DVec3,
     torque: DVec3,
     /// Whether it has yet to be looked at.
@@ -44,43 +36,47 @@ struct Load {
 }
 
 impl Balance {
-    /// Which islands are in balance in this frame, of those that take no more effort than others: all of their bodies have `settled`, and what the contacts that
-    /// carried in the last frame gave then holds each body against gravity.
-    pub(crate) fn look(
+    /// Takes those islands out that are in balance in this frame: all of their bodies have `settled`, the contacts that carried in the last frame are still there, and
+    /// what they gave holds each body against gravity.
+    pub(crate) fn take_out(
         bodies: &Bodies,
         touching: Touching,
-        (islands, takes_more): (&[Vec<usize>], impl Fn(usize) -> bool),
-        settled: &[bool],
-        (warm, ledger, frame): (&WarmStart, &Ledger, &Frame),
-    ) -> Vec<bool> {
-        let mut are_in_balance = vec![false; islands.len()];
+        islands: &mut Vec<Vec<usize>>,
+        (settled, warm, frame): (&[bool], &WarmStart, &Frame),
+    ) -> Self {
         if !can_rest(frame) {
-            return are_in_balance;
+            return Self::default();
         }
-        let is_calm = |&at: &usize| {
-            let Manifold { pair: Pair { first, second }, struck, .. } = touching.manifolds[at];
+        let island = Island { bodies, touching, frame };
+        let may_be = |at: &usize| {
+            let Manifold { pair: Pair { first, second }, struck, .. } = touching.manifolds[*at];
             settled[first] && settled[second] && struck == 0.0
         };
-        // Each island at its own time.
-        let is_solved = |island: &[usize]| {
+        let is_solved = |i: usize| {
+            let turn = u64::from(warm.settled_for(bodies.ids[i])) + u64::from(bodies.ids[i].index);
+            turn % SOLVED_EVERY == 0
+        };
+        let first_mobile = |island: &[usize]| {
             let Pair { first, second } = touching.manifolds[island[0]].pair;
-            let id = bodies.ids[if bodies.motions[first] == Motion::Dynamic { first } else { second }];
-            let turn = scattered(id).wrapping_add(warm.settled_for(id).into());
-            turn.is_multiple_of(SOLVED_EVERY.into())
+            if bodies.motions[first] == Motion::Dynamic { first } else { second }
         };
-        let may_be = |&number: &usize| {
-            let island = &islands[number];
-            !takes_more(number) && !is_solved(island) && island.iter().all(is_calm)
-        };
-        let candidates: Vec<usize> = (0..islands.len()).filter(may_be).collect();
-        let pairs = candidates.iter().map(|&number| islands[number].len()).sum();
-        let look = Look { bodies, touching, ledger, frame };
+        let may_balance = |island: &Vec<usize>| island.iter().all(may_be) && !is_solved(first_mobile(island));
+        let (candidates, mut others): (Vec<_>, Vec<_>) =
+            std::mem::take(islands).into_iter().partition(may_balance);
+        let pairs = candidates.iter().map(Vec::len).sum();
         let room = || vec![Load::default(); bodies.len()];
-        let of = |loads: &mut Vec<Load>, number: usize| (number, look.is_in_balance(&islands[number], loads));
-        for (number, is_in_balance) in threads::map_with(candidates, pairs, room, of) {
-            are_in_balance[number] = is_in_balance;
+        let balances =
+            |loads: &mut Vec<Load>, pairs: Vec<usize>| (island.is_in_balance(&pairs, loads), pairs);
+        let mut balance = Self::default();
+        for (is_in_balance, pairs) in threads::map_with(candidates, pairs, room, balances) {
+            if is_in_balance {
+                balance.manifolds.extend(pairs);
+            } else {
+                others.push(pairs);
+            }
         }
-        are_in_balance
+        *islands = others;
+        balance
     }
 
     /// Their bodies go on as they move. What gravity gives them is taken by what they stand on. Says who they are.
@@ -90,17 +86,18 @@ impl Balance {
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
         (tally, gravity): (&mut Tally, &mut (DVec3, DVec3)),
         frame: &Frame,
-    ) -> Vec<usize> {
-        let (mut who, mut is_known) = (Vec::new(), vec![false; bodies.len()]);
+    ) -> Vec<bool> {
+        let (mut who, mut are_balanced) = (Vec::new(), vec![false; bodies.len()]);
         let gain = frame.dt * frame.gravity;
         for (pair, carried) in self.manifolds.iter().map(|&at| (manifolds[at].pair, carried[at])) {
             if !carried.is_empty() {
                 tally.link(bodies, pair);
             }
             for i in [pair.first, pair.second] {
-                if bodies.motions[i] == Motion::Dynamic && !std::mem::replace(&mut is_known[i], true) {
-                    who.push(i);
+                if bodies.motions[i] != Motion::Dynamic || std::mem::replace(&mut are_balanced[i], true) {
+                    continue;
                 }
+                who.push(i);
             }
         }
         for (&i, end) in
@@ -115,47 +112,41 @@ impl Balance {
             tally.outside_angular_impulse -= moment;
             tally.causes.add(Cause::Contact, -bodies.velocities[i].linear.dot(weight));
         }
-        who
+        are_balanced
     }
 }
 
-/// What islands are looked at with.
+/// What an island is looked at with.
 #[derive(Clone, Copy)]
-struct Look<'a> {
+struct Island<'a> {
     bodies: &'a Bodies,
     touching: Touching<'a>,
-    ledger: &'a Ledger,
     frame: &'a Frame,
 }
 
-impl Look<'_> {
-    /// Whether what acted in the last frame holds all bodies of some pairs, and what they gain by creeping upwards is paid for. `loads` are nothing, and are so again at the end.
+impl Island<'_> {
+    /// Whether what acted in the last frame holds all bodies of some pairs. `loads` are nothing, and are so again at the end.
     fn is_in_balance(self, pairs: &[usize], loads: &mut [Load]) -> bool {
+        let mut holds = true;
         for (turn, &at) in pairs.iter().enumerate() {
             if let Some(&next) = pairs.get(turn + AHEAD) {
                 prefetch(self.touching.manifolds[next].points);
                 prefetch(self.touching.carried[next]);
             }
-            self.add_loads(at, loads);
+            holds &= self.add_loads(at, loads);
         }
-        let Self { bodies, ledger, frame, .. } = self;
-        let (mut holds, mut gained, mut bank) = (true, 0.0, 0.0);
         for &at in pairs {
             let Pair { first, second } = self.touching.manifolds[at].pair;
             for i in [first, second] {
                 let load = std::mem::take(&mut loads[i]);
-                if load.is_open && bodies.motions[i] == Motion::Dynamic {
-                    holds &= self.is_held(i, load);
-                    gained -= frame.dt * bodies.masses[i] * bodies.velocities[i].linear.dot(frame.gravity);
-                    bank += ledger.bank_of(bodies, &[i]);
-                }
+                holds &= !load.is_open || self.is_held(i, load);
             }
         }
-        holds && (!frame.settings.ledger || gained <= bank)
+        holds
     }
 
-    /// What the points of a pair gave, as far as they are still there, acts on its bodies.
-    fn add_loads(self, at: usize, loads: &mut [Load]) {
+    /// What the points of a pair gave acts on its bodies. Whether all of them are still there.
+    fn add_loads(self, at: usize, loads: &mut [Load]) -> bool {
         let Manifold { pair, points, .. } = self.touching.manifolds[at];
         let Pair { first, second } = pair;
         let poses = [first, second].map(|i| &self.bodies.poses[i]);
@@ -164,7 +155,7 @@ impl Look<'_> {
         for Carried { sample, forces: [before, after] } in self.touching.carried[at] {
             // Edges that cross can have two points; the nearer one carries.
             let same = points.iter().filter(|point| point.sample == *sample);
-            let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { continue };
+            let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { return false };
             let force = f64::from(before.normal + after.normal) * point.normal
                 + (before.tangent + after.tangent).as_dvec3();
             let twist = (before.twist + after.twist).as_dvec3();
@@ -172,11 +163,15 @@ impl Look<'_> {
             loads[first].add(force, lever.cross(force) + twist);
             loads[second].add(-force, -(other_lever.cross(force) + twist));
         }
+        true
     }
 
     /// Whether what its load and gravity leave of each other keeps a body calm.
     fn is_held(self, i: usize, Load { force, torque, .. }: Load) -> bool {
         let Self { bodies, frame, .. } = self;
+        if bodies.motions[i] != Motion::Dynamic {
+            return true;
+        }
         let gained = Velocity {
             linear: frame.dt * (bodies.inertias[i].inverse_mass * force + frame.gravity),
             angular_momentum: frame.dt * torque,
@@ -210,9 +205,9 @@ fn levers(point: &ManifoldPoint, [first, second]: [&Pose; 2]) -> [DVec3; 2] {
 mod tests {
     use super::*;
     use crate::broad_phase::find_swept_pairs;
-    use crate::clusters::{SETTLED_AFTER, has_settled};
+    use crate::clusters::has_settled;
     use crate::collisions::predict;
-    use crate::ledger::energy;
+    use crate::ledger::{Ledger, energy};
     use crate::manifold::{Manifolds, find_manifolds};
     use crate::substeps::{Solved, solve};
     use crate::{Contactant, NewBody, StepSettings};
@@ -270,13 +265,10 @@ mod tests {
             let carried = warm.of_manifolds(bodies, &manifolds);
             let touching = Touching { manifolds: &manifolds, carried: &carried, near: frame.sag() };
             let settled: Vec<bool> = (0..bodies.len()).map(|i| has_settled(bodies, i, warm)).collect();
-            let islands = [(0..manifolds.len()).collect()];
-            let look = |takes_more: bool| {
-                let known = (warm, &Ledger::default(), frame);
-                Balance::look(bodies, touching, (&islands, |_| takes_more), &settled, known)
-            };
-            assert_eq!(look(true), [false]);
-            look(false) == [true]
+            let mut islands = vec![(0..manifolds.len()).collect()];
+            let balance = Balance::take_out(bodies, touching, &mut islands, (&settled, warm, frame));
+            assert_eq!(islands.is_empty(), !balance.manifolds.is_empty());
+            islands.is_empty()
         }
 
         fn energy(&self) -> f64 {
@@ -327,17 +319,6 @@ mod tests {
         assert!((CREEPS..=21).contains(&balanced), "{balanced}");
     }
 
-    /// In the frames that follow each other, one of eight comes when it is time to solve an island, however long it has settled for.
-    #[test]
-    fn the_time_to_be_solved_comes_regularly() {
-        let mut settled = 0;
-        for frame in 0..1000_u32 {
-            assert_eq!(u32::from(settled % SOLVED_EVERY), frame % 8);
-            assert!(frame < 4 || settled >= SETTLED_AFTER);
-            settled = settled_for(settled);
-        }
-    }
-
     /// What its contacts do not hold, or is about to be struck, is not in balance; nor is anything before it has settled.
     #[test]
     fn what_nothing_holds_is_not_in_balance() {
@@ -358,23 +339,6 @@ mod tests {
         assert!(!stack.is_in_balance(|_| {}));
         stack.frame.gravity = gravity;
         assert!(stack.is_in_balance(|_| {}));
-        let beside = |point: &ManifoldPoint| ManifoldPoint {
-            anchor_first: point.anchor_first + 1e-3 * DVec3::X,
-            anchor_second: point.anchor_second + 1e-3 * DVec3::X,
-            ..*point
-        };
-        let turns = stack.is_in_balance(|manifolds| {
-            manifolds[1].points = manifolds[1].points.iter().map(beside).collect::<Vec<_>>().leak();
-        });
-        assert!(!turns, "forces balance, torques do not");
-        // What creeps upwards with nothing to pay for it.
-        stack.frame.settings.ledger = true;
-        for (creeps, is) in [(0.0, true), (-1e-5, true), (1e-5, false)] {
-            stack.bodies.velocities[1] = Velocity::default();
-            stack.bodies.velocities[2] = Velocity { linear: creeps * DVec3::Y, ..Velocity::default() };
-            assert_eq!(stack.is_in_balance(|_| {}), is, "{creeps} m/s");
-        }
-        stack.frame.settings.ledger = false;
         stack.bodies.velocities[2].linear.x = 1e-3;
         assert!(!stack.is_in_balance(|_| {}));
         assert!((0..8).map(Stack::after).all(|stack| !stack.is_in_balance(|_| {})));

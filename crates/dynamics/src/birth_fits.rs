@@ -48,9 +48,7 @@ impl BirthFits {
             }
             still.insert(ids, deepest);
             for (point, gap) in points.iter_mut().zip(gaps) {
-                let forgiven = (-gap).clamp(0.0, deepest);
-                point.rounding[0] -= forgiven;
-                point.gap += forgiven;
+                point.rounding[0] -= (-gap).clamp(0.0, deepest);
             }
         }
         self.overlaps = still;

@@ -4,7 +4,6 @@
 use crate::balance::Balance;
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
-use crate::ledger::Ledger;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::{fastest, is_calm};
 use crate::regions::Regions;
@@ -58,7 +57,7 @@ pub(crate) struct Plan {
     pub(crate) stiffness: Vec<f64>,
     /// Whether each body probably comes to rest in this frame; what is static always does.
     pub(crate) settled: Vec<bool>,
-    /// Who is in no cluster, as it sleeps or is in balance.
+    /// Who is in no cluster, as it sleeps, and as it is in balance.
     pub(crate) sleep: Sleep,
     pub(crate) balance: Balance,
 }
@@ -72,13 +71,8 @@ pub(crate) fn has_settled(bodies: &Bodies, i: usize, warm: &WarmStart) -> bool {
     }
 }
 
-/// Puts islands together: `warm` knows who has settled, and the `ledger` what they have in their banks.
-pub(crate) fn plan(
-    bodies: &Bodies,
-    touching: Touching,
-    (warm, ledger): (&WarmStart, &Ledger),
-    frame: &Frame,
-) -> Plan {
+/// Puts islands together: `warm` knows who has settled.
+pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame: &Frame) -> Plan {
     let Touching { manifolds, carried, .. } = touching;
     let speeds = threads::list(bodies.len(), |i| match bodies.motions[i] {
         Motion::Kinematic { linear, angular } if angular != DVec3::ZERO => {
@@ -99,20 +93,9 @@ pub(crate) fn plan(
     let [mut settled_pairs, mut lively_pairs, mut others] = [Vec::new(), Vec::new(), Vec::new()];
     let mut islands = islands(bodies, manifolds);
     let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
+    let balance = Balance::take_out(bodies, touching, &mut islands, (&settled, warm, frame));
     let efforts = Effort::of_islands(bodies, manifolds, &islands, frame);
-    let are_in_balance = Balance::look(
-        bodies,
-        touching,
-        (&islands, |number| efforts[number].is_some()),
-        &settled,
-        (warm, ledger, frame),
-    );
-    let mut balance = Balance::default();
-    for ((island, effort), is_in_balance) in islands.iter().zip(efforts).zip(are_in_balance) {
-        if is_in_balance {
-            balance.manifolds.extend_from_slice(island);
-            continue;
-        }
+    for (island, effort) in islands.iter().zip(efforts) {
         if let Some((effort, loads)) = effort {
             for (&at, load) in island.iter().zip(loads) {
                 stiffness[at] = load.clamp(1.0, effort.stiffest);

@@ -140,7 +140,7 @@ impl Sleep {
 }
 
 /// A number for a body, of which sums tell one set of bodies from another: its id through SplitMix64.
-pub(crate) fn scattered(BodyId { index, generation }: BodyId) -> u64 {
+fn scattered(BodyId { index, generation }: BodyId) -> u64 {
     let mut number = (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
     number = (number ^ number >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     number = (number ^ number >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

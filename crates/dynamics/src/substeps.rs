@@ -5,8 +5,7 @@ mod passes;
 mod ranks;
 mod rebound;
 
-use crate::balance::settled_for;
-use crate::clusters::{Cluster, NOWHERE, plan};
+use crate::clusters::{Cluster, NOWHERE, SETTLED_AFTER, plan};
 use crate::contact_batch::Touching;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
@@ -20,7 +19,7 @@ use crate::moving::{Movers, can_rest};
 use crate::tally::Cause;
 use crate::threads;
 use crate::warm_start::{Part, WarmStart};
-use crate::{Bodies, Frame, Motion, Tally};
+use crate::{Bodies, BodyId, Frame, Motion, Tally};
 use funds::Funds;
 use glam::DVec3;
 use ranks::{Block, Ranks};
@@ -69,7 +68,7 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let touching = Touching { manifolds, carried: &carried, near: frame.sag() };
     let bodies_now = &*bodies;
-    let plan = plan(bodies, touching, (warm, ledger), frame);
+    let plan = plan(bodies, touching, warm, frame);
     let numbers: Vec<usize> = (0..plan.clusters.len()).collect();
     let room = || vec![NOWHERE; bodies_now.len()];
     let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
@@ -102,7 +101,7 @@ fn solve_with<I: Instructions>(
             is_in_one[i] = true;
             is_in_heap[i] |= is_heap;
         }
-        movers.who_may_rest().for_each(|i| settled[i] = settled_for(warm.settled_for(bodies.ids[i])));
+        movers.who_may_rest().for_each(|i| settled[i] = settles(warm, bodies.ids[i]));
         parts.extend(kept);
         solved.tally.add(tally);
         solved.gravity.0 += movers.gravity.0;
@@ -119,11 +118,10 @@ fn solve_with<I: Instructions>(
     }
     // What is in balance goes on.
     let Solved { tally, gravity } = &mut solved;
-    for i in plan.balance.go_on(bodies, (manifolds, &carried), (tally, gravity), frame) {
+    let are_balanced = plan.balance.go_on(bodies, (manifolds, &carried), (tally, gravity), frame);
+    for (i, _) in are_balanced.iter().enumerate().filter(|&(_, &is)| is) {
         let id = bodies.ids[i];
-        is_in_one[i] = true;
-        is_in_heap[i] = warm.is_in_heap(id);
-        settled[i] = settled_for(warm.settled_for(id));
+        (is_in_one[i], is_in_heap[i], settled[i]) = (true, warm.is_in_heap(id), settles(warm, id));
     }
     let mut kept = Part::default();
     let stay = plan.sleep.manifolds.iter().chain(&plan.balance.manifolds);
@@ -134,6 +132,11 @@ fn solve_with<I: Instructions>(
     let drowsiness = plan.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
     *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &is_in_heap, &drowsiness);
     solved
+}
+
+/// In how many frames a body could come to rest that can in this one, too.
+fn settles(warm: &WarmStart, id: BodyId) -> u8 {
+    warm.settled_for(id).checked_add(1).unwrap_or(SETTLED_AFTER)
 }
 
 /// Bodies that may touch nothing, and kinematic ones, for which nothing is in the way.

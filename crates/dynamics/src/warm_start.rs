@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Pairs that a thread looks up together: some ten microseconds of work.
 const SHARE: usize = 1024;
 
-/// What acted in a frame's last substep, or in that of the last frame in which a pair was solved, at each contact point, before and after its drift, and for how long each body has been able to rest.
+/// What acted in a frame's last substep at each contact point, before and after its drift, and for how long each body has been able to rest.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     /// Of some pairs each.

@@ -1,5 +1,4 @@
 use super::*;
-use crate::ledger::Ledger;
 use crate::manifold::ManifoldPoint;
 use crate::pair::Pair;
 use crate::{Contactant, NewBody, Pose, Velocity};
@@ -104,11 +103,8 @@ fn who_could_rest_for_some_frames_has_settled() {
     let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
     bodies.velocities[3].linear = DVec3::X;
     let nothing = Touching { manifolds: &[], carried: &[], near: 0.0 };
-    assert_eq!(
-        plan(&bodies, nothing, (&warm, &Ledger::default()), &frame).settled,
-        [true, false, true, false, false]
-    );
-    let nobody = plan(&bodies, nothing, (&WarmStart::default(), &Ledger::default()), &frame).settled;
+    assert_eq!(plan(&bodies, nothing, &warm, &frame).settled, [true, false, true, false, false]);
+    let nobody = plan(&bodies, nothing, &WarmStart::default(), &frame).settled;
     assert_eq!(nobody, [true, false, false, false, false]);
 }
 
@@ -140,7 +136,7 @@ fn who_moves_keeps_nobody_awake() {
     let manifolds: Vec<Manifold> = (0..COUNT / 2).map(|at| pair(2 * at, 2 * at + 1)).collect();
     let carried = vec![&[][..]; manifolds.len()];
     let touching = Touching { manifolds: &manifolds, carried: &carried, near: 0.0 };
-    let all = plan(&bodies, touching, (&warm, &Ledger::default()), &frame);
+    let all = plan(&bodies, touching, &warm, &frame);
     assert_eq!(all.clusters.len(), 3);
     for (pairs, _) in &all.clusters {
         assert!(pairs.iter().all(|&at| kind(2 * at) == kind(2 * pairs[0])), "{pairs:?}");
@@ -151,7 +147,7 @@ fn who_moves_keeps_nobody_awake() {
     let manifolds: Vec<Manifold> = every_other(0).chain(every_other(1)).map(|at| pair(at, at + 1)).collect();
     let carried = vec![&[][..]; manifolds.len()];
     let touching = Touching { manifolds: &manifolds, carried: &carried, near: 0.0 };
-    let all = plan(&bodies, touching, (&warm, &Ledger::default()), &frame);
+    let all = plan(&bodies, touching, &warm, &frame);
     let cluster = Cluster::new(&bodies, touching, &all, 0, &mut vec![NOWHERE; COUNT]);
     assert_eq!(cluster.members.len(), COUNT - 1);
     let mut begin = 0;
