@@ -19,7 +19,7 @@ const SOLVED_EVERY: u64 = 8;
 /// Pairs of whose memory one is asked for before it is looked at.
 const AHEAD: usize = 3;
 
-/// The islands that are in balance.
+/// The islands whose forces are in balance; the ledger balances books.
 #[derive(Default)]
 pub(crate) struct Balance {
     /// Their manifolds.
@@ -28,7 +28,7 @@ pub(crate) struct Balance {
 
 /// What acts on a body: forces [N], and their torque about its centre of mass [N m].
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Load {
+struct Load {
     force: DVec3,
     torque: DVec3,
     /// Whether it has yet to be looked at.

@@ -112,7 +112,7 @@ pub struct Swept {
 }
 
 impl Swept {
-    /// The same as [`find_pairs`] for bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
+    /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
         let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
         let pairs = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends]);

@@ -57,7 +57,7 @@ pub(crate) struct Plan {
     pub(crate) stiffness: Vec<f64>,
     /// Whether each body probably comes to rest in this frame; what is static always does.
     pub(crate) settled: Vec<bool>,
-    /// Who is in no cluster, as it sleeps, and as it is in balance.
+    /// Who is in no cluster, as it sleeps or is in balance.
     pub(crate) sleep: Sleep,
     pub(crate) balance: Balance,
 }

@@ -17,7 +17,7 @@ pub struct ContactForce {
     pub force: DVec3,
 }
 
-/// The forces of the frame's last substep at the points that some manifolds had at its start, in order. What bounced has left none.
+/// The forces of the last substep in which each pair was solved, of this frame or of one before it, at the points that some manifolds had at its start, in order. What bounced has left none.
 pub fn contact_forces<'a>(
     bodies: &Bodies,
     manifolds: impl Iterator<Item = Manifold<'a>>,

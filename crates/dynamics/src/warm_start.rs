@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Pairs that a thread looks up together: some ten microseconds of work.
 const SHARE: usize = 1024;
 
-/// What acted in a frame's last substep at each contact point, before and after its drift, and for how long each body has been able to rest.
+/// What acted in the last substep in which a pair was solved, of the last frame or of one before it, at each contact point, before and after its drift, and for how long each body has been able to rest.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     /// Of some pairs each.
