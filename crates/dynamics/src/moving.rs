@@ -3,6 +3,7 @@
 mod drift;
 mod rest;
 mod shared_lines;
+mod sides;
 
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers, Single, Single3, Singles, Symmetric, Three};
 use crate::rotation::rotation_by;
@@ -13,6 +14,7 @@ use glam::{DMat3, DQuat, DVec3};
 use rest::Rest;
 pub(crate) use rest::{can_rest, fastest, is_calm};
 use shared_lines::SharedLines;
+pub(crate) use sides::{Rates, Sides};
 
 /// A body's linear velocity [m/s], angular momentum [kg m^2/s], inverse mass [1/kg], and 1 if it falls, in double precision: what impulses give to one
 /// body they take from another one. All zero for a static or kinematic body, whose motion is in the rows' drives.
@@ -76,24 +78,6 @@ pub(crate) struct Side<I> {
     pub(crate) inverse_tensor: Symmetric<Single<I>>,
     /// 1 for what falls, else 0.
     pub(crate) falls: Single<I>,
-}
-
-/// How both sides of several pairs move.
-#[derive(Clone, Copy)]
-pub(crate) struct Rates<I> {
-    /// Velocity of the first centre of mass less that of the second one [m/s].
-    pub(crate) apart: Single3<I>,
-    /// [rad/s]
-    pub(crate) spins: [Single3<I>; 2],
-}
-
-/// Both sides of several pairs.
-#[derive(Clone, Copy)]
-pub(crate) struct Sides<I> {
-    pub(crate) rates: Rates<I>,
-    /// The sum of both [1/kg].
-    pub(crate) inverse_mass: Single<I>,
-    pub(crate) inverse_tensors: [Symmetric<Single<I>>; 2],
 }
 
 /// What is given to one side of several pairs: an impulse [N s], and its moment about the centre of mass [N m s].
@@ -454,31 +438,6 @@ impl<I: Instructions> Shift<I> {
         let Turn { vector: axis, scalar: w } = self.rotation;
         let twice = axis.cross(lever) * Single::splat(2.0);
         twice * w + axis.cross(twice)
-    }
-}
-
-impl<I: Instructions> Sides<I> {
-    #[inline(always)]
-    pub(crate) fn of([first, second]: &[Side<I>; 2]) -> Self {
-        Self {
-            rates: Rates { apart: first.linear - second.linear, spins: [first.angular, second.angular] },
-            inverse_mass: first.inverse_mass + second.inverse_mass,
-            inverse_tensors: [first.inverse_tensor, second.inverse_tensor],
-        }
-    }
-
-    /// After an impulse on the first bodies at levers from both centres of mass, and its opposite on the second ones.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, [angular_impulse, opposite]: [Single3<I>; 2], impulse: Single3<I>) {
-        self.rates.apart = self.rates.apart + impulse * self.inverse_mass;
-        self.turn([angular_impulse, opposite]);
-    }
-
-    /// An angular impulse on the first bodies, and the opposite of another one on the second ones.
-    #[inline(always)]
-    pub(crate) fn turn(&mut self, [on_first, off_second]: [Single3<I>; 2]) {
-        self.rates.spins[0] = self.rates.spins[0] + self.inverse_tensors[0] * on_first;
-        self.rates.spins[1] = self.rates.spins[1] - self.inverse_tensors[1] * off_second;
     }
 }
 
