@@ -156,8 +156,7 @@ impl Island<'_> {
             // Edges that cross can have two points; the nearer one carries.
             let same = points.iter().filter(|point| point.sample == *sample);
             let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { return false };
-            let force = f64::from(before.normal + after.normal) * point.normal
-                + (before.tangent + after.tangent).as_dvec3();
+            let force = (before.force + after.force).as_dvec3();
             let twist = (before.twist + after.twist).as_dvec3();
             let [lever, other_lever] = levers(point, poses);
             loads[first].add(force, lever.cross(force) + twist);

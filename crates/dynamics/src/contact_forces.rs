@@ -27,8 +27,7 @@ pub fn contact_forces<'a>(
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
             let forces = &carried.get(bodies, pair, point.sample)?.forces;
-            let force =
-                |at: usize| f64::from(forces[at].normal) * point.normal + forces[at].tangent.as_dvec3();
+            let force = |at: usize| forces[at].force.as_dvec3();
             let towards =
                 |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);
             let points = [

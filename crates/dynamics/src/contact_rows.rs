@@ -255,7 +255,15 @@ impl<I: Instructions> Point<I> {
     /// An impulse along the normal and the two tangents, in the world.
     #[inline(always)]
     pub(crate) fn impulse(&self, normal: Single<I>, tangent: [Single<I>; 2]) -> Single3<I> {
-        let Basis { normal: n, tangents: [t, b] } = self.basis;
+        self.basis.in_world(normal, tangent)
+    }
+}
+
+impl<I: Instructions> Basis<I> {
+    /// What is so much along the normal and the two tangents.
+    #[inline(always)]
+    pub(crate) fn in_world(&self, normal: Single<I>, tangent: [Single<I>; 2]) -> Single3<I> {
+        let Self { normal: n, tangents: [t, b] } = *self;
         n * normal + t * tangent[0] + b * tangent[1]
     }
 }
@@ -330,11 +338,11 @@ impl<I: Instructions> Response<I> {
 impl<I: Instructions> RowImpulse<I> {
     pub(crate) const ZERO: Self = Self { normal: Single::ZERO, tangent: [Single::ZERO; 2] };
 
-    /// What acts along the normal and, in the world, across it.
+    /// What acts in the world, as far as it presses.
     #[inline(always)]
-    pub(crate) fn new(normal: Single<I>, across: Single3<I>, basis: &Basis<I>) -> Self {
+    pub(crate) fn new(force: Single3<I>, basis: &Basis<I>) -> Self {
         let [t, b] = basis.tangents;
-        Self { normal, tangent: [across.dot(t), across.dot(b)] }
+        Self { normal: force.dot(basis.normal).max(Single::ZERO), tangent: [force.dot(t), force.dot(b)] }
     }
 
     /// Whether anything acts.

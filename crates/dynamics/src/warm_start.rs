@@ -65,20 +65,20 @@ pub struct Carried {
 pub struct PointImpulse {
     /// Along the normal, not negative [N s].
     pub normal: f32,
-    /// Across it, world frame [N s].
-    pub tangent: Vec3,
+    /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as it is.
+    pub force: Vec3,
     /// Of rolling and spinning friction, world frame [N m s].
     pub twist: Vec3,
 }
 
 impl PointImpulse {
-    pub(crate) const ZERO: Self = Self { normal: 0.0, tangent: Vec3::ZERO, twist: Vec3::ZERO };
+    pub(crate) const ZERO: Self = Self { normal: 0.0, force: Vec3::ZERO, twist: Vec3::ZERO };
 
     /// So many times as much.
     #[inline(always)]
     pub(crate) fn scaled(&self, by: f64) -> Self {
         let by = by as f32;
-        Self { normal: by * self.normal, tangent: by * self.tangent, twist: by * self.twist }
+        Self { normal: by * self.normal, force: by * self.force, twist: by * self.twist }
     }
 }
 

@@ -60,7 +60,7 @@ impl<I: Instructions> Batch<I> {
         self.rows.iter().map(|row| row.is_there.and(row.touched).count() as usize).sum()
     }
 
-    /// So many times what acts at the points of a row, a line for each lane: along the normal and, in the world, across it, before and after
+    /// So many times what acts at the points of a row, a line for each lane: along the normal and, in the world, in all, before and after
     /// the drift.
     #[inline(always)]
     pub(super) fn lines(&self, at: usize, by: f64) -> Lines {
@@ -84,8 +84,8 @@ impl<I: Instructions> Batch<I> {
             None => Vec3::ZERO,
         };
         [
-            PointImpulse { normal: n, tangent: Vec3::new(x, y, z), twist: twist(0) },
-            PointImpulse { normal: later_n, tangent: Vec3::new(tx, ty, tz), twist: twist(1) },
+            PointImpulse { normal: n, force: Vec3::new(x, y, z), twist: twist(0) },
+            PointImpulse { normal: later_n, force: Vec3::new(tx, ty, tz), twist: twist(1) },
         ]
     }
 
@@ -104,12 +104,11 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl<I: Instructions> RowImpulse<I> {
-    /// So many times what acts along the normal and, in the world, across it.
+    /// So many times what acts along the normal and, in the world, in all.
     #[inline(always)]
     fn in_world(&self, basis: &Basis<I>, by: f64) -> [Single<I>; 4] {
-        let ([t, b], [along_t, along_b]) = (basis.tangents, self.tangent);
-        let Single3 { x, y, z } = t * along_t + b * along_b;
         let by = Single::splat(by);
+        let Single3 { x, y, z } = basis.in_world(self.normal, self.tangent);
         [self.normal * by, x * by, y * by, z * by]
     }
 }

@@ -95,19 +95,17 @@ impl<'a> NewPoints<'a> {
         self.sample[lane] = sample.1;
     }
 
-    /// What acts in the world along the normals and across them, before and after the drift.
+    /// What acts in the world, before and after the drift.
     #[inline(always)]
-    fn acting<I: Instructions>(&self) -> [(Single<I>, Single3<I>); 2] {
+    fn acting<I: Instructions>(&self) -> [Single3<I>; 2] {
         let mut lines = [Singles::ZERO; LANES];
         for (line, [before, after]) in lines.iter_mut().zip(self.impulses) {
-            let (a, b) = (before.tangent, after.tangent);
-            line.0 = [before.normal, a.x, a.y, a.z, after.normal, b.x, b.y, b.z];
+            let (a, b) = (before.force, after.force);
+            line.0 = [a.x, a.y, a.z, 0.0, b.x, b.y, b.z, 0.0];
         }
         let by = Single::splat(self.by);
-        let [normal, x, y, z, later_normal, tx, ty, tz] = Single::transposed(lines);
-        let across = Single3 { x, y, z } * by;
-        let later_across = Single3 { x: tx, y: ty, z: tz } * by;
-        [(normal * by, across), (later_normal * by, later_across)]
+        let [x, y, z, _, tx, ty, tz, _] = Single::transposed(lines);
+        [Single3 { x, y, z } * by, Single3 { x: tx, y: ty, z: tz } * by]
     }
 }
 
@@ -288,9 +286,8 @@ impl<I: Instructions> Batch<I> {
         self.rest.anchors[at].name(lanes, points.is_of_first, &points.sample);
 
         // What acts there.
-        let [(normal, across), (later_normal, later_across)] = points.acting();
-        let before = RowImpulse::new(normal, across, &basis);
-        let after = RowImpulse::new(later_normal, later_across, &basis);
+        let [before, after] = points.acting();
+        let (before, after) = (RowImpulse::new(before, &basis), RowImpulse::new(after, &basis));
         let row = &mut self.rows[at];
         row.is_there = row.is_there.or(lanes);
         row.impulses = [row.impulses[0].but(lanes, before), row.impulses[1].but(lanes, after)];

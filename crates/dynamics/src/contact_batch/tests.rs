@@ -1,14 +1,14 @@
 use super::points::Touching;
 use super::*;
 use crate::clusters::Member;
-use crate::contact_rows::{Beat, Stage};
+use crate::contact_rows::{Beat, RowImpulse, Stage};
 use crate::contact_sweep::Given;
 use crate::instructions::Scalar;
-use crate::manifold::{Manifold, ManifoldFinder, find_manifolds};
-use crate::warm_start::{Carried, WarmStart};
+use crate::manifold::{Manifold, ManifoldFinder, ManifoldPoint, find_manifolds};
+use crate::warm_start::{Carried, PointImpulse, WarmStart};
 use crate::{Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, Shape};
-use glam::DQuat;
+use glam::{DQuat, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -236,6 +236,41 @@ fn what_hardly_moves_lies_down_until_it_moves() {
     assert!(stack.movers.any_rests(&[0; LANES]));
     batch.get_up(&stack.movers);
     assert!(!stack.movers.any_rests(&[0; LANES]));
+}
+
+/// What a point carried goes on as it was in the world, wherever its normal points by now; but nothing pulls.
+#[test]
+fn forces_go_on_where_normals_have_turned() {
+    let bodies = cubes(0.0, 0.0, [DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+    let step = Frame { dt: 1.0 / 240.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+    let point = ManifoldPoint {
+        anchor_first: DVec3::new(0.1, 0.5, 0.2),
+        anchor_second: DVec3::new(0.1, -0.5, 0.2),
+        rounding: [0.0; 2],
+        normal: DVec3::new(0.6, -0.8, 0.0),
+        sample: (true, 7),
+        approach: 0.0,
+        gap: 0.0,
+    };
+    let pair = Pair { first: 0, second: 1 };
+    let (presses, pulls) = (DVec3::new(1.0, -5.0, 0.5), DVec3::new(-4.0, -1.0, 3.0));
+    let forces =
+        [presses, pulls].map(|force| PointImpulse { normal: 5.0, force: force.as_vec3(), twist: Vec3::ZERO });
+    let touching = Touching {
+        manifolds: &[Manifold { pair, points: &[point], struck: 0.0 }],
+        carried: &[&[Carried { sample: point.sample, forces }]],
+        near: step.sag(),
+    };
+    let movers = Movers::new::<Scalar>(&bodies, vec![0, 1]);
+    let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0, is_in_heap: false };
+    let batch = Batch::<Scalar>::new((&bodies, &movers), &[member], touching, step.dt);
+    let across = pulls - pulls.dot(point.normal) * point.normal;
+    for (stage, force) in [presses, across].into_iter().enumerate() {
+        let RowImpulse { normal, tangent } = batch.rows[0].impulses[stage];
+        let impulse = batch.directions.of(0).basis().in_world(normal, tangent).get(0);
+        assert!((impulse - step.dt * force).length() < 1e-8, "{impulse}");
+        assert!(normal.get(0) >= 0.0);
+    }
 }
 
 /// What leans is fast, and what holds it gets up, once what it was in balance with gives it nothing any more.
