@@ -212,7 +212,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// Visits all batches in the order of their ranks, or backwards.
     fn each_in_turn(&mut self, is_fro: bool, visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync) {
         let Self { movers, ranks, .. } = self;
-        ranks.for_each_in_turn(is_fro, None, |block| visit(movers, block));
+        ranks.for_each_in_turn(is_fro, None, &|block| visit(movers, block));
     }
 
     /// Half kick, impulses, drift, half kick, bounce, relax, of all that does not rest. `rest` is what is left of the frame.

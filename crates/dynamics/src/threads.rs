@@ -1,7 +1,11 @@
 //! Work on the threads of the pool that this is called in. What comes out is the same, to the bit, on any number of them: each item is
 //! worked on by one thread, and results are put together in the order of the items.
+//!
+//! The pool sees numbers of items and one kind of call. If it saw the kernels themselves, each would be compiled three times for each place
+//! that shares out its work, and that was most of what there was to compile.
 
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Things, pairs or bodies, of which fewer than this are not worth sharing out.
 const FEW: usize = 256;
@@ -12,24 +16,36 @@ pub(crate) fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
+/// Calls something with each number up to a count.
+fn share(count: usize, call: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(call);
+}
+
+/// Something that one thread has at a time. A panic goes on in the thread that waits for all of them, and nobody sees what it left behind.
+fn with<T, R>(locked: &Mutex<T>, call: impl FnOnce(&mut T) -> R) -> R {
+    call(&mut locked.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
 /// Does something with each item, that hold so many things between them.
 pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&mut T) + Send + Sync) {
-    if items.len() > 1 && is_shared(things) {
-        items.par_iter_mut().for_each(visit);
-    } else {
-        items.iter_mut().for_each(visit);
-    }
+    for_each_with(items, things, || (), |(), item| visit(item));
 }
 
 /// As [`for_each`], with room that is used again from item to item.
-pub(crate) fn for_each_with<T: Send, R>(
+pub(crate) fn for_each_with<T: Send, R: Send>(
     items: &mut [T],
     things: usize,
     room: impl Fn() -> R + Send + Sync,
     visit: impl Fn(&mut R, &mut T) + Send + Sync,
 ) {
     if items.len() > 1 && is_shared(things) {
-        items.par_iter_mut().for_each_init(room, visit);
+        let items: Vec<Mutex<&mut T>> = items.iter_mut().map(Mutex::new).collect();
+        let rooms = Mutex::new(Vec::new());
+        share(items.len(), &|i| {
+            let mut own = with(&rooms, Vec::pop).unwrap_or_else(&room);
+            with(&items[i], |item| visit(&mut own, item));
+            with(&rooms, |rooms| rooms.push(own));
+        });
     } else {
         let mut room = room();
         items.iter_mut().for_each(|item| visit(&mut room, item));
@@ -43,31 +59,31 @@ pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
 
 /// What each item gives.
 pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
-    if items.len() > 1 && is_shared(things) {
-        items.into_par_iter().map(of).collect()
-    } else {
-        items.into_iter().map(of).collect()
-    }
+    map_with(items, things, || (), |(), item| of(item))
 }
 
 /// As [`map`], with room that is used again for the next items of a thread.
-pub(crate) fn map_with<T: Send, R: Send, O>(
+pub(crate) fn map_with<T: Send, R: Send, O: Send>(
     items: Vec<T>,
     things: usize,
     room: impl Fn() -> O + Send + Sync,
     of: impl Fn(&mut O, T) -> R + Send + Sync,
 ) -> Vec<R> {
-    if items.len() > 1 && is_shared(things) {
-        items.into_par_iter().map_init(room, of).collect()
-    } else {
+    if items.len() <= 1 || !is_shared(things) {
         let mut room = room();
-        items.into_iter().map(|item| of(&mut room, item)).collect()
+        return items.into_iter().map(|item| of(&mut room, item)).collect();
     }
+    let mut slots: Vec<(Option<T>, Option<R>)> = items.into_iter().map(|item| (Some(item), None)).collect();
+    for_each_with(&mut slots, things, room, |room, (item, result)| {
+        *result = item.take().map(|item| of(room, item));
+    });
+    slots.into_iter().filter_map(|(_, result)| result).collect()
 }
 
 /// A list of so many things, each by its number.
 pub(crate) fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     if is_shared(count) {
+        let of: &(dyn Fn(usize) -> R + Sync) = &of;
         (0..count).into_par_iter().with_min_len(FEW).map(of).collect()
     } else {
         (0..count).map(of).collect()

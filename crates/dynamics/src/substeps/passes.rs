@@ -55,7 +55,7 @@ impl<I: Instructions> Solver<'_, I> {
         let is_wanted: fn(&Block<I>) -> bool =
             if beat.stage == Stage::Bounce { |block| block.impacts } else { |block| block.bounces };
         let Self { movers, ranks, .. } = self;
-        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), |block| {
+        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), &|block| {
             let Block { batches, given, .. } = block;
             I::run(
                 #[inline(always)]

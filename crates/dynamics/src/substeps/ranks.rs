@@ -94,15 +94,15 @@ impl<I: Instructions> Ranks<I> {
         &mut self,
         is_fro: bool,
         wanted: Option<fn(&Block<I>) -> bool>,
-        visit: impl Fn(&mut Block<I>) + Send + Sync,
+        visit: Visit<I>,
     ) {
         let Self { blocks, rank_ends, region_ends, pairs } = self;
         let way = Way { ends: region_ends, is_fro, wanted };
         if !threads::is_shared(*pairs) {
-            return way.one_by_one(blocks, &visit);
+            return way.one_by_one(blocks, visit);
         }
         if region_ends.len() > 1 {
-            return way.visit(blocks, 0, &visit);
+            return way.visit(blocks, 0, visit);
         }
 
         // The blocks of a rank side by side.
@@ -111,7 +111,7 @@ impl<I: Instructions> Ranks<I> {
             let begin = if at == 0 { 0 } else { rank_ends[at - 1] };
             let rank = &mut blocks[begin..rank_ends[at]];
             match wanted {
-                None => threads::for_each(rank, *pairs, &visit),
+                None => threads::for_each(rank, *pairs, visit),
                 Some(is_wanted) => {
                     let mut some: Vec<&mut Block<I>> =
                         rank.iter_mut().filter(|block| is_wanted(block)).collect();
@@ -128,6 +128,9 @@ impl<I: Instructions> Ranks<I> {
     }
 }
 
+/// What is done with each block. Known by its address only, or the ways through regions would be compiled for each of them.
+type Visit<'a, I> = &'a (dyn Fn(&mut Block<I>) + Send + Sync);
+
 /// A way through regions that follow each other, each after its two halves.
 #[derive(Clone, Copy)]
 struct Way<'a, I> {
@@ -140,7 +143,7 @@ struct Way<'a, I> {
 impl<I: Instructions> Way<'_, I> {
     /// Visits their blocks, of which the first one is the `begin`th of all: the halves side by side, as no pair of one shares a body that can move
     /// with the other, and those between them block by block.
-    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
+    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: Visit<I>) {
         let Some([low, high]) = halves(self.ends.len()) else { return self.one_by_one(blocks, visit) };
         let (of_low, of_high) =
             (Self { ends: &self.ends[low], ..self }, Self { ends: &self.ends[high], ..self });
@@ -156,7 +159,7 @@ impl<I: Instructions> Way<'_, I> {
         }
     }
 
-    fn one_by_one(self, blocks: &mut [Block<I>], visit: &(impl Fn(&mut Block<I>) + Send + Sync)) {
+    fn one_by_one(self, blocks: &mut [Block<I>], visit: Visit<I>) {
         let is_wanted = |block: &&mut Block<I>| self.wanted.is_none_or(|is_wanted| is_wanted(block));
         if self.is_fro {
             blocks.iter_mut().rev().filter(is_wanted).for_each(visit);
