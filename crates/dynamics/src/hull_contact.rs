@@ -226,8 +226,8 @@ impl<'a> HullPair<'a> {
         if let Some(point) = on_edges
             && point.gap > face + self.close
         {
-            // What is over a face meets it when they turn about the edges.
-            room.points.retain(|point| is_preferred && point.gap > 0.0);
+            // What is over a face meets it when they turn about the edges; where these cross, there is one point.
+            room.points.retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
             room.points.push(point);
             return Some(HullContact { normal: point.normal, gap });
         }

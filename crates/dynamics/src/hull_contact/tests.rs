@@ -185,7 +185,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Overlapping hulls have points, and moved apart along the normal by their depth they overlap no more. Hulls that are
+    /// Overlapping hulls have points, each with a name of its own, and moved apart along the normal by their depth they overlap no more. Hulls that are
     /// apart are at least as far as the gap says.
     #[test]
     fn the_normal_separates(
@@ -195,6 +195,7 @@ proptest! {
         let met = contact(&first, &second, &first_from_second);
         prop_assert!((met.normal.length() - 1.0).abs() < 1e-12);
         prop_assert!(!met.points.is_empty());
+        prop_assert_eq!(names(&met).len(), met.points.len(), "each has a name of its own");
         for point in &met.points {
             prop_assert!((point.normal.dot(point.on[0] - point.on[1]) - point.gap).abs() < 1e-9);
             // Beyond an acute corner, what is close to both of its sides is further from the corner.
