@@ -16,8 +16,12 @@ pub(super) const HEAP: Claim = Claim {
 /// Pieces along, up and across: of more pairs than are solved with care, and of less.
 const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
 
-/// Heaps over which the largest rise is averaged: what still topples in one of them is chance, 0.03 to 0.11 mm in single ones.
-const SEEDS: u64 = 5;
+/// Heaps over which the largest rise is averaged: what still topples in one of them is chance, 0.06 to 0.28 mm in single ones of 576 pieces, and
+/// 0.12 mm in the mean over sixteen.
+const SEEDS: u64 = 8;
+
+/// Their mean is no more than this [m]: passes that take back what carries have made heaps rise by 0.4 mm in a frame.
+const MOST_RISE: f64 = 1.5e-4;
 
 /// Until they lie [s].
 const FALL: f64 = 3.0;
@@ -68,7 +72,7 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
         findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.9, 1.05));
         let quantity = format!("largest rise of {of} in a frame when they lie, mean of {SEEDS} heaps");
         let rise = heaps.iter().map(|heap| heap.rise).sum::<f64>() / SEEDS as f64;
-        findings.push(Finding::at_most(quantity, "m", rise, 1e-4));
+        findings.push(Finding::at_most(quantity, "m", rise, MOST_RISE));
         let quantity = format!("share of islands whose motion was scaled down, {of}");
         let scaled = heaps.iter().map(|heap| heap.scaled).fold(0.0, f64::max);
         findings.push(Finding::at_most(quantity, "1", scaled, 1e-2));
