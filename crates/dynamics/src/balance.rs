@@ -145,7 +145,7 @@ impl Island<'_> {
         holds
     }
 
-    /// What the points of a pair gave acts on its bodies. Whether all of them are still there.
+    /// What the points of a pair gave acts on its bodies. Whether all of them are still there, and would press.
     fn add_loads(self, at: usize, loads: &mut [Load]) -> bool {
         let Manifold { pair, points, .. } = self.touching.manifolds[at];
         let Pair { first, second } = pair;
@@ -153,10 +153,11 @@ impl Island<'_> {
         loads[first].is_open = true;
         loads[second].is_open = true;
         for Carried { sample, forces: [before, after] } in self.touching.carried[at] {
-            // Edges that cross can have two points; the nearer one carries.
-            let same = points.iter().filter(|point| point.sample == *sample);
-            let Some(point) = same.min_by(|a, b| a.gap.total_cmp(&b.gap)) else { return false };
+            let Some(point) = points.iter().find(|point| point.sample == *sample) else { return false };
             let force = (before.force + after.force).as_dvec3();
+            if force.dot(point.normal) < 0.0 {
+                return false;
+            }
             let twist = (before.twist + after.twist).as_dvec3();
             let [lever, other_lever] = levers(point, poses);
             loads[first].add(force, lever.cross(force) + twist);
@@ -331,6 +332,12 @@ mod tests {
             let points = manifolds[0].points;
             manifolds[0].points = &points[1..];
         }));
+        let found = stack.manifolds();
+        let turned = |point: &ManifoldPoint| ManifoldPoint { normal: -point.normal, ..*point };
+        let turned: Vec<ManifoldPoint> =
+            found.iter().take(1).flat_map(|manifold| manifold.points).map(turned).collect();
+        let turned: &[ManifoldPoint] = turned.leak();
+        assert!(!turned.is_empty() && !stack.is_in_balance(|manifolds| manifolds[0].points = turned));
         let gravity = stack.frame.gravity;
         stack.frame.gravity = 1.001 * gravity;
         assert!(!stack.is_in_balance(|_| {}));

@@ -338,7 +338,7 @@ impl<I: Instructions> Response<I> {
 impl<I: Instructions> RowImpulse<I> {
     pub(crate) const ZERO: Self = Self { normal: Single::ZERO, tangent: [Single::ZERO; 2] };
 
-    /// What acts in the world, as far as it presses.
+    /// What acts in the world; what would pull does not, along the normal.
     #[inline(always)]
     pub(crate) fn new(force: Single3<I>, basis: &Basis<I>) -> Self {
         let [t, b] = basis.tangents;

@@ -2,7 +2,7 @@
 //! worked on by one thread, and results are put together in the order of the items.
 //!
 //! The pool sees numbers of items and one kind of call. If it saw the kernels themselves, each would be compiled three times for each place
-//! that shares out its work, and that was most of what there was to compile.
+//! that shares out its work, and that was two fifths of what there was to compile.
 
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};

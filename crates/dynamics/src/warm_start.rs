@@ -63,7 +63,7 @@ pub struct Carried {
 /// What acts at one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointImpulse {
-    /// Along the normal, not negative [N s].
+    /// The part along the normal, not negative [N s]: what presses comes first among the rows.
     pub normal: f32,
     /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as it is.
     pub force: Vec3,

@@ -60,7 +60,7 @@ impl<I: Instructions> Batch<I> {
         self.rows.iter().map(|row| row.is_there.and(row.touched).count() as usize).sum()
     }
 
-    /// So many times what acts at the points of a row, a line for each lane: along the normal and, in the world, in all, before and after
+    /// So many times what acts at the points of a row, a line for each lane: the part along the normal, and all of it as a vector in the world, before and after
     /// the drift.
     #[inline(always)]
     pub(super) fn lines(&self, at: usize, by: f64) -> Lines {
@@ -104,7 +104,7 @@ impl<I: Instructions> Batch<I> {
 }
 
 impl<I: Instructions> RowImpulse<I> {
-    /// So many times what acts along the normal and, in the world, in all.
+    /// So many times what acts: the part along the normal, and all of it as a vector in the world.
     #[inline(always)]
     fn in_world(&self, basis: &Basis<I>, by: f64) -> [Single<I>; 4] {
         let by = Single::splat(by);

@@ -94,7 +94,7 @@ impl<I: Instructions> Ranks<I> {
         &mut self,
         is_fro: bool,
         wanted: Option<fn(&Block<I>) -> bool>,
-        visit: Visit<I>,
+        visit: BlockVisit<I>,
     ) {
         let Self { blocks, rank_ends, region_ends, pairs } = self;
         let way = Way { ends: region_ends, is_fro, wanted };
@@ -129,7 +129,7 @@ impl<I: Instructions> Ranks<I> {
 }
 
 /// What is done with each block. Known by its address only, or the ways through regions would be compiled for each of them.
-type Visit<'a, I> = &'a (dyn Fn(&mut Block<I>) + Send + Sync);
+type BlockVisit<'a, I> = &'a (dyn Fn(&mut Block<I>) + Send + Sync);
 
 /// A way through regions that follow each other, each after its two halves.
 #[derive(Clone, Copy)]
@@ -143,7 +143,7 @@ struct Way<'a, I> {
 impl<I: Instructions> Way<'_, I> {
     /// Visits their blocks, of which the first one is the `begin`th of all: the halves side by side, as no pair of one shares a body that can move
     /// with the other, and those between them block by block.
-    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: Visit<I>) {
+    fn visit(self, blocks: &mut [Block<I>], begin: usize, visit: BlockVisit<I>) {
         let Some([low, high]) = halves(self.ends.len()) else { return self.one_by_one(blocks, visit) };
         let (of_low, of_high) =
             (Self { ends: &self.ends[low], ..self }, Self { ends: &self.ends[high], ..self });
@@ -159,7 +159,7 @@ impl<I: Instructions> Way<'_, I> {
         }
     }
 
-    fn one_by_one(self, blocks: &mut [Block<I>], visit: Visit<I>) {
+    fn one_by_one(self, blocks: &mut [Block<I>], visit: BlockVisit<I>) {
         let is_wanted = |block: &&mut Block<I>| self.wanted.is_none_or(|is_wanted| is_wanted(block));
         if self.is_fro {
             blocks.iter_mut().rev().filter(is_wanted).for_each(visit);
