@@ -4,8 +4,10 @@
 use crate::balance::Balance;
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
+use crate::kept_pairs::creeping_below;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::{fastest, is_calm};
+use crate::pair::Pair;
 use crate::regions::Regions;
 use crate::sleep::Sleep;
 use crate::threads;
@@ -82,6 +84,7 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
         Motion::Static | Motion::Dynamic => fastest(bodies, i),
     });
     let settled = threads::list(bodies.len(), |i| has_settled(bodies, i, warm));
+    let creeping = creeping_below(frame);
     let least = LIVELY * frame.gravity.length() * frame.dt;
     let mut clusters = Vec::new();
     let mut stiffness = vec![1.0; manifolds.len()];
@@ -108,7 +111,9 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
             continue;
         }
         if island.len() >= CLUSTER_PAIRS {
-            add(island.clone(), Effort::of_size(island.len()));
+            let is_restless = |pair: Pair| speeds[pair.first] > creeping || speeds[pair.second] > creeping;
+            let restless = island.iter().filter(|&&at| is_restless(manifolds[at].pair)).count();
+            add(island.clone(), Effort::of_island(island.len(), restless));
             continue;
         }
         let any = |of: &dyn Fn(usize) -> bool| {

@@ -87,6 +87,10 @@ pub(crate) struct Room {
 /// rests does not change its features for less.
 pub(crate) const PREFERENCE: f64 = 5e-4;
 
+/// How much better edges must be than a face where two hulls overlap, of how much they do [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one pair of
+/// edges, about which it turns, it would never come to rest.
+const DEEP_PREFERENCE: f64 = 0.3;
+
 /// Cosine of the angle by which a face may have turned since it was found.
 const SAME_FACE: f64 = 0.99;
 
@@ -191,7 +195,8 @@ impl<'a> HullPair<'a> {
         let is_shallow = axis.separation <= 0.0
             && axis.separation >= -SHALLOW * self.size
             && room.points.iter().any(is_deepest);
-        let holds = is_shallow || self.is_least(axis.separation, &room.points);
+        let holds =
+            is_shallow || self.is_least((axis.separation, self.clearly(axis.separation)), &room.points);
         holds.then_some(HullContact { normal, gap: axis.separation })
     }
 
@@ -208,7 +213,7 @@ impl<'a> HullPair<'a> {
         }
         if is_preferred
             && let Some(point) = room.points.first()
-            && self.is_least(face, &room.points)
+            && self.is_least((face, self.close), &room.points)
         {
             return Some(HullContact { normal: point.normal, gap: face });
         }
@@ -224,7 +229,7 @@ impl<'a> HullPair<'a> {
         }
         let on_edges = of_edges.and_then(|axis| self.on_edges(&axis));
         if let Some(point) = on_edges
-            && point.gap > face + self.close
+            && point.gap > face + self.clearly(face)
         {
             // What is over a face meets it when they turn about the edges; where these cross, there is one point.
             room.points.retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
@@ -273,11 +278,11 @@ impl<'a> HullPair<'a> {
         }
     }
 
-    /// Whether points over a face show that no axis separates the hulls clearly better than the faces, which do by `face` [m].
-    fn is_least(&self, face: f64, points: &[HullPoint]) -> bool {
+    /// Whether points over a face show that no axis separates the hulls clearly better than the faces, which do by `face`, that is by more than `clearly` [m].
+    fn is_least(&self, (face, clearly): (f64, f64), points: &[HullPoint]) -> bool {
         // Nothing is further apart than two of its points.
         if face >= -self.close {
-            return points.iter().any(|point| point.gap <= face + self.close);
+            return points.iter().any(|point| point.gap <= face + clearly);
         }
         // What overlaps by less than the width of a ball that is inside of both overlaps by no less along any axis.
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
@@ -292,7 +297,12 @@ impl<'a> HullPair<'a> {
         let centers = [center, self.second_from_first.point(center)];
         let inside =
             |side: usize| with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]));
-        -2.0 * inside(0).min(inside(1)) <= face + self.close
+        -2.0 * inside(0).min(inside(1)) <= face + clearly
+    }
+
+    /// By how much edges must be further apart than faces are, to be where the two meet [m].
+    fn clearly(&self, separation: f64) -> f64 {
+        self.close + DEEP_PREFERENCE * (-separation).max(0.0)
     }
 
     /// A distance that edges must come within if they are nearest, or overlap less than the faces do [m].

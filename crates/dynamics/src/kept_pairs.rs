@@ -42,6 +42,11 @@ const CREEPING: Lasting = Lasting { steady: 0.5, deep: 0.2 };
 /// Speed of the fastest point up to which a body creeps, in units of what gravity gives in a frame [1]. At 30 Hz that is 0.1 m/s. With a tenth instead, and points kept for 0.3 of a size, half as much is gained.
 const CREEPS: f64 = 0.3;
 
+/// See [`CREEPS`] [m/s].
+pub(crate) fn creeping_below(frame: &Frame) -> f64 {
+    CREEPS * frame.gravity.length() * frame.dt
+}
+
 /// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
 const MARGIN: f64 = 0.2;
 
@@ -153,7 +158,7 @@ impl KeptPairs {
         flights: &[Flight],
         (warm, frame): (&WarmStart, &Frame),
     ) -> Vec<u32> {
-        let creeps = CREEPS * frame.gravity.length() * frame.dt;
+        let creeps = creeping_below(frame);
         let at_rest = |i: usize| {
             let id = bodies.ids[i];
             let is_in_heap = bodies.motions[i] != Motion::Dynamic || warm.is_in_heap(id);

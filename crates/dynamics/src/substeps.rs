@@ -24,9 +24,6 @@ use funds::Funds;
 use glam::DVec3;
 use ranks::{Block, Ranks};
 
-/// Small steps of a frame. With four of them stacks of ten drift by centimetres, and what falls in a heap is pressed into it.
-const SUBSTEPS: u32 = 8;
-
 /// Steps in which kinematic bodies turn through a frame.
 const TURNS: u32 = 8;
 
@@ -73,11 +70,12 @@ fn solve_with<I: Instructions>(
     let room = || vec![NOWHERE; bodies_now.len()];
     let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
         let cluster = Cluster::new(bodies_now, touching, &plan, number, local);
-        let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..*frame };
+        let substeps = cluster.effort.substeps;
+        let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
         let mut solver = Solver::<I>::new(bodies_now, cluster, touching, step.dt);
         solver.open(ledger, frame);
-        for done in 0..SUBSTEPS {
-            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..step };
+        for done in 0..substeps {
+            let rest = Frame { dt: f64::from(substeps - done) * step.dt, ..step };
             solver.substep(&rest, &step, frame);
             if done == 0 {
                 solver.lie_down(&step);
@@ -123,8 +121,9 @@ fn solve_with<I: Instructions>(
         let id = bodies.ids[i];
         (is_in_one[i], is_in_heap[i], settled[i]) = (true, warm.is_in_heap(id), settles(warm, id));
     }
-    let mut kept = Part::default();
     let stay = plan.sleep.manifolds.iter().chain(&plan.balance.manifolds);
+    let points = stay.clone().map(|&at| carried[at].len()).sum();
+    let mut kept = Part::with_room(stay.clone().count(), points);
     stay.for_each(|&at| kept.keep(at, manifolds[at].pair, carried[at]));
     parts.push(kept);
 
@@ -383,14 +382,16 @@ mod tests {
             });
         }
         let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
-        let step = Frame { dt: frame.dt / f64::from(SUBSTEPS), ..frame };
+        let effort = Effort::of_size(1);
+        let substeps = effort.substeps;
+        let step = Frame { dt: frame.dt / f64::from(substeps), ..frame };
         let found = find_manifolds(&bodies, &[Pair { first: 0, second: 1 }], &WarmStart::default(), &frame);
         let manifolds: Vec<Manifold> = found.iter().collect();
         let touching = Touching { manifolds: &manifolds, carried: &[&[]], near: frame.sag() };
         let at_rest = || {
             let member = Member { manifold: 0, locals: [0, 1], stiffness: 1.0, is_in_heap: false };
             let (members, rank_ends) = (vec![member], vec![vec![1]]);
-            let cluster = Cluster { bodies: vec![0, 1], members, rank_ends, effort: Effort::of_size(1) };
+            let cluster = Cluster { bodies: vec![0, 1], members, rank_ends, effort };
             let mut solver = Solver::<Scalar>::new(&bodies, cluster, touching, step.dt);
             // Nothing has moved it yet, so that it is seen to be calm.
             solver.lie_down(&step);
@@ -399,8 +400,8 @@ mod tests {
         };
         let (mut in_one, mut in_steps) = (at_rest(), at_rest());
         in_one.go_on_at_rest(&frame);
-        for done in 0..SUBSTEPS {
-            let rest = Frame { dt: f64::from(SUBSTEPS - done) * step.dt, ..frame };
+        for done in 0..substeps {
+            let rest = Frame { dt: f64::from(substeps - done) * step.dt, ..frame };
             in_steps.substep(&rest, &step, &frame);
         }
         let [(one, one_velocity), (steps, steps_velocity)] =

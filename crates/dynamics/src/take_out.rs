@@ -120,10 +120,12 @@ fn rigid_part(
 /// Leaves the island its rigid motion only, and as much of its displacements off the flight as its energy allows.
 fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (DVec3, DVec3), frame: &Frame) {
     let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
-    let mut poses = bodies.poses.clone();
+    let ends: Vec<Pose> = island.members.iter().map(|&i| bodies.poses[i]).collect();
+    let (mut poses, mut velocities) =
+        (std::mem::take(&mut bodies.poses), std::mem::take(&mut bodies.velocities));
     let place = |poses: &mut [Pose], part: f64| {
-        for &i in &island.members {
-            let (from, to) = (&flight.poses[i], &bodies.poses[i]);
+        for (&i, to) in island.members.iter().zip(&ends) {
+            let from = &flight.poses[i];
             poses[i] = Pose {
                 position: from.position.lerp(to.position, part),
                 orientation: from.orientation.slerp(to.orientation, part),
@@ -131,7 +133,6 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
         }
     };
     // The energy of the rigid motion, less the work that its anchor does to bring it about.
-    let mut velocities = bodies.velocities.clone();
     let mut rigid_energy = |poses: &[Pose]| -> f64 {
         let rigid = rigid_part(bodies, (&island.members, island.anchor), poses, present);
         let mut total = 0.0;
@@ -172,7 +173,7 @@ fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (D
     place(&mut poses, low.0);
     let rigid = rigid_part(bodies, (&island.members, island.anchor), &poses, present);
     for &i in &island.members {
-        bodies.velocities[i] = rigid.velocity_of(bodies, &poses, i);
+        velocities[i] = rigid.velocity_of(bodies, &poses, i);
     }
-    bodies.poses = poses;
+    (bodies.poses, bodies.velocities) = (poses, velocities);
 }

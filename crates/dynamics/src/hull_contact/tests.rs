@@ -203,8 +203,8 @@ proptest! {
             prop_assert!(first.distance_and_gradient(point.on[0]).0 < 20.0 * PREFERENCE);
             prop_assert!(second.distance_and_gradient(on_second).0 < 20.0 * PREFERENCE);
         }
-        // What is chosen is within the preference of the best.
-        let out = (PREFERENCE - met.gap).max(0.0) + 1e-9;
+        // What is chosen is within the preferences of the best.
+        let out = (PREFERENCE - met.gap).max(0.0) / (1.0 - DEEP_PREFERENCE) + 1e-9;
         let apart = RigidTransform { translation: shift - out * met.normal, ..first_from_second };
         prop_assert!(distance(&first, &second, &apart) > 0.0 || contact(&first, &second, &apart).gap > -1e-9);
         if met.gap > 0.0 {
