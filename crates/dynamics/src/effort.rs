@@ -28,7 +28,7 @@ const SUBSTEPS: u32 = 8;
 const SUBSTEPS_OF_CREEPING_HEAPS: u32 = 6;
 
 /// A heap creeps if no more than so much of its pairs do not [1].
-const RESTLESS: f64 = 0.1;
+const RESTLESS: f64 = 0.3;
 
 /// Islands of more pairs than this are heaps: each piece leans on many, and none of them has to balance.
 const HEAP_PAIRS: usize = 2048;
