@@ -385,6 +385,17 @@ mod tests {
         assert!(all[1].carries_much && all[1].rests() && all[1].passes == 2, "{:?}", all[1]);
     }
 
+    /// Only heaps take fewer substeps, while most of their pairs creep.
+    #[test]
+    fn heaps_that_creep_take_fewer_substeps() {
+        let of = |pairs: usize, restless: usize| Effort::of_island(pairs, restless).substeps;
+        let heap = 10 * HEAP_PAIRS;
+        let some = (RESTLESS * heap as f64) as usize;
+        assert_eq!([of(heap, 0), of(heap, some)], [SUBSTEPS_OF_CREEPING_HEAPS; 2]);
+        assert_eq!([of(heap, some + 1), of(heap, heap), of(HEAP_PAIRS, 0)], [SUBSTEPS; 3]);
+        assert_eq!(Effort::of_island(heap, 0), Effort { substeps: of(heap, 0), ..Effort::of_size(heap) });
+    }
+
     /// What is large gets no more than its size says, and neither does what carries little.
     #[test]
     fn effort_follows_the_load_within_the_budget() {

@@ -219,6 +219,28 @@ proptest! {
         }
     }
 
+    /// Where a face of one lies over the other, they meet where edges cross only if they overlap clearly less there.
+    #[test]
+    fn deep_overlaps_stay_on_faces(first in hull(), second in hull(), shift in vector(0.4), turn in vector(3.0)) {
+        let first_from_second = at(shift, turn);
+        let pair = HullPair::new([&first, &second], &first_from_second, 1.0, Width::Avx512);
+        let (axes, mut room) = (pair.face_axes(10.0).unwrap(), Room::default());
+        let is_over = |of_first: bool, room: &mut Room| {
+            pair.face_points(&axes, of_first, room);
+            !room.points.is_empty()
+        };
+        prop_assume!(is_over(true, &mut room) || is_over(false, &mut room));
+        let met = contact(&first, &second, &first_from_second);
+        let of_faces = [
+            -first.planes()[axes[0].face].normal,
+            first_from_second.direction(second.planes()[axes[1].face].normal),
+        ];
+        if met.gap < 0.0 && of_faces.iter().all(|normal| normal.dot(met.normal) < 1.0 - 1e-9) {
+            let face = axes[0].separation.max(axes[1].separation);
+            prop_assert!(met.gap > (1.0 - DEEP_PREFERENCE) * face, "{} {face}", met.gap);
+        }
+    }
+
     /// Swapping the bodies turns the normal round and keeps the gap.
     #[test]
     fn who_is_first_does_not_matter(first in hull(), second in hull(), shift in vector(0.8), turn in vector(3.0)) {
