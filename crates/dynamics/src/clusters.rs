@@ -111,7 +111,7 @@ pub(crate) fn plan(bodies: &Bodies, touching: Touching, warm: &WarmStart, frame:
             continue;
         }
         if island.len() >= CLUSTER_PAIRS {
-            let is_restless = |pair: Pair| speeds[pair.first] > creeping || speeds[pair.second] > creeping;
+            let is_restless = |pair: Pair| speeds[pair.first] >= creeping || speeds[pair.second] >= creeping;
             let restless = island.iter().filter(|&&at| is_restless(manifolds[at].pair)).count();
             add(island.clone(), Effort::of_island(island.len(), restless));
             continue;

@@ -63,9 +63,9 @@ pub(crate) struct HullPoint {
 /// How two hulls meet, in the first one's frame; their points are in a [`Room`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
-    /// Unit, from the second to the first: they are apart by at least `gap` along it.
+    /// Unit, from the second to the first: that of their points. If they are apart, they are by at least `gap` along it.
     pub(crate) normal: DVec3,
-    /// [m]; negative if they overlap.
+    /// Along the best axis [m]; negative if they overlap.
     pub(crate) gap: f64,
 }
 
@@ -87,8 +87,8 @@ pub(crate) struct Room {
 /// rests does not change its features for less.
 pub(crate) const PREFERENCE: f64 = 5e-4;
 
-/// How much better edges must be than a face where two hulls overlap, of how much they do [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one pair of
-/// edges, about which it turns, it would never come to rest.
+/// Where two hulls overlap, by so much of that edges must overlap less than the face that they lie on [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one
+/// pair of edges, about which it turns, it would never come to rest.
 const DEEP_PREFERENCE: f64 = 0.3;
 
 /// Cosine of the angle by which a face may have turned since it was found.
@@ -218,7 +218,7 @@ impl<'a> HullPair<'a> {
             return Some(HullContact { normal: point.normal, gap: face });
         }
 
-        // Edges, if they are clearly better than faces.
+        // Edges, if they are better than faces, and clearly better than one that lies over the other hull.
         let within = self.furthest(axes, most, &room.points);
         gather_ridges(self, axes, within, room);
         let of_edges = edge_axis(self, room);
@@ -229,7 +229,7 @@ impl<'a> HullPair<'a> {
         }
         let on_edges = of_edges.and_then(|axis| self.on_edges(&axis));
         if let Some(point) = on_edges
-            && point.gap > face + self.clearly(face)
+            && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
         {
             // What is over a face meets it when they turn about the edges; where these cross, there is one point.
             room.points.retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
@@ -300,7 +300,7 @@ impl<'a> HullPair<'a> {
         -2.0 * inside(0).min(inside(1)) <= face + clearly
     }
 
-    /// By how much edges must be further apart than faces are, to be where the two meet [m].
+    /// By how much two hulls must be further apart along another axis, to leave a face on which they are so far apart [m].
     fn clearly(&self, separation: f64) -> f64 {
         self.close + DEEP_PREFERENCE * (-separation).max(0.0)
     }

@@ -36,7 +36,7 @@ const USUALLY: Lasting = Lasting { steady: 5e-3, deep: 1e-2 };
 /// Heaps rock where their points are found anew, and have them found anew where they rock. With a fifth instead of a tenth deep overlaps grow by a third.
 const IN_HEAPS: Lasting = Lasting { steady: 0.1, deep: 0.1 };
 
-/// What creeps there is left alone: most of its motion is what points give that are found anew because of it. A calm heap moves at a fifth of the speed then, and its deepest overlaps (99th percentile) are 6.5 instead of 4.9 mm.
+/// What creeps there is left alone: most of its motion is what points give that are found anew because of it. A calm heap moves at a fifth of the speed then; before jams stayed on a face its deepest overlaps (99th percentile) were 6.5 instead of 4.9 mm.
 const CREEPING: Lasting = Lasting { steady: 0.5, deep: 0.2 };
 
 /// Speed of the fastest point up to which a body creeps, in units of what gravity gives in a frame [1]. At 30 Hz that is 0.1 m/s. With a tenth instead, and points kept for 0.3 of a size, half as much is gained.
