@@ -16,12 +16,12 @@ pub(super) const HEAP: Claim = Claim {
 /// Pieces along, up and across: of more pairs than are solved with care, and of less.
 const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
 
-/// Heaps over which the largest rise is averaged: what still topples in one of them is chance, 0.06 to 0.28 mm in single ones of 576 pieces, and
-/// 0.12 mm in the mean over sixteen.
+/// Heaps over which the largest rise is averaged: what still topples in one of them is chance.
 const SEEDS: u64 = 8;
 
-/// Their mean is no more than this [m]: with one stage of impulses between two drifts, instead of two, heaps rose by 0.4 mm in a frame.
-const MOST_RISE: f64 = 1.5e-4;
+/// Their mean is no more than this [m]. It is 0.02 mm; where what is jammed was parted by turns along a face and across edges, it was 0.13, and with one stage of impulses between two drifts,
+/// instead of two, heaps rose by 0.4.
+const MOST_RISE: f64 = 6e-5;
 
 /// Until they lie [s].
 const FALL: f64 = 3.0;
@@ -69,7 +69,7 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
         let (heap, fine) = (&heaps[0], fallen(counts, 0, 300.0)?);
         let of = format!("{} pieces", counts.iter().product::<usize>());
         let quantity = format!("height of {of} per that at 300 frames per second");
-        findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.9, 1.05));
+        findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.95, 1.05));
         let quantity = format!("largest rise of {of} in a frame when they lie, mean of {SEEDS} heaps");
         let rise = heaps.iter().map(|heap| heap.rise).sum::<f64>() / SEEDS as f64;
         findings.push(Finding::at_most(quantity, "m", rise, MOST_RISE));
