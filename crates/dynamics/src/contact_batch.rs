@@ -73,6 +73,7 @@ pub(crate) struct Batch<I> {
     pub(crate) soft: Softness<I>,
     pub(crate) friction: Single<I>,
     pub(crate) rows: Vec<Row<I>>,
+    pub(crate) anchors: Vec<Anchors<I>>,
     directions: RowDirections<I>,
     /// Whether there is rolling or spinning friction.
     pub(crate) rolls: bool,
@@ -95,22 +96,24 @@ pub(crate) struct Batch<I> {
     room: Single<I>,
     /// Radii of balls around the centres of mass that hold the bodies [m], 0 of infinite ones.
     sizes: [Single<I>; 2],
-    /// Which pairs have come so far that their points have to be looked at.
-    looks: Mask,
-    pub(crate) rest: Box<Rest<I>>,
-}
-
-/// What not every pass needs to know of a batch.
-pub(crate) struct Rest<I> {
     /// Centres of mass of the first bodies less those of the second ones, at the frame's start [m].
     start_offset: Lanes3<I>,
-    /// Centres of mass of the first bodies at the frame's start, and now if there is something outside [m].
-    start: Lanes3<I>,
-    pub(crate) centre: Lanes3<I>,
     /// How much [`Movers`] had been stirred when the rows' responses were found.
     answered_at: Lanes<I>,
     /// Up to which travel of the two bodies their points need no look [m].
     look_at: Lanes<I>,
+    /// Which pairs have come so far that their points have to be looked at.
+    looks: Mask,
+    /// Of a substep [s].
+    dt: f64,
+    pub(crate) rest: Box<Rest<I>>,
+}
+
+/// What few visits need to know of a batch: nobody asks memory for it before, so each of them waits for that.
+pub(crate) struct Rest<I> {
+    /// Centres of mass of the first bodies at the frame's start, and now if there is something outside [m].
+    start: Lanes3<I>,
+    pub(crate) centre: Lanes3<I>,
     pub(crate) restitution: Single<I>,
     /// Of the contacts, in units of that of one that carries itself.
     stiffness: Single<I>,
@@ -127,11 +130,8 @@ pub(crate) struct Rest<I> {
     /// What kinematic bodies add to the velocity of the first bodies' material less that of the second ones', for each row if they are
     /// there [m/s].
     drives: Vec<Single3<I>>,
-    pub(crate) anchors: Vec<Anchors<I>>,
     /// One for each lane that is used.
     pub(crate) patches: Vec<Patch>,
-    /// Of a substep [s].
-    dt: f64,
 }
 
 /// What is known of one pair.
@@ -193,17 +193,17 @@ impl<I: Instructions> Batch<I> {
         };
         let shifts = [movers.shifts(&self.locals[0]), movers.shifts(&self.locals[1])];
         let [first, second] = &shifts;
-        self.offset = self.rest.start_offset + (first.translation - second.translation);
+        self.offset = self.start_offset + (first.translation - second.translation);
         if self.has_outside {
             self.rest.centre = self.rest.start + first.translation;
         }
         let stirred = first.stirred + second.stirred;
         let travel = first.stirred * self.sizes[0].double() + second.stirred * self.sizes[1].double();
-        self.looks = travel.above(self.rest.look_at);
+        self.looks = travel.above(self.look_at);
         let answers =
-            drifted.is_none() || (stirred - self.rest.answered_at).above(Lanes::splat(STIRRED)).any();
+            drifted.is_none() || (stirred - self.answered_at).above(Lanes::splat(STIRRED)).any();
         if answers {
-            self.rest.answered_at = stirred;
+            self.answered_at = stirred;
         }
         let answered_rows = if answers { 0 } else { self.near_rows };
         self.find_near_rows(&rates, travel.single());
@@ -229,7 +229,7 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     fn follow_row(&mut self, (at, shared): (usize, Option<Basis<I>>), [first, second]: &[Shift<I>; 2]) {
         let normal = self.basis(at, shared).normal;
-        let anchors = &self.rest.anchors[at];
+        let anchors = &self.anchors[at];
         let [lever, other_lever] = anchors.levers;
         let (turn, other_turn) = (first.turn(lever), second.turn(other_lever));
         let shift = (first.translation - second.translation).single() + turn - other_turn;
@@ -256,7 +256,7 @@ impl<I: Instructions> Batch<I> {
             near = self.rows.len();
         }
         while near < self.rows.len() {
-            let room = self.rest.anchors[near].reach - travel;
+            let room = self.anchors[near].reach - travel;
             if room.above(wary).not().any() {
                 near += 1;
             } else {
@@ -273,7 +273,7 @@ impl<I: Instructions> Batch<I> {
         let turning = |side: usize| spins[side].dot(spins[side]) * (self.sizes[side] * self.sizes[side]);
         // No sum of three numbers is larger than the root of three times the sum of their squares.
         let squares = apart.dot(*apart) + turning(0) + turning(1);
-        (Single::splat(3.0 * self.rest.dt * self.rest.dt) * squares).sqrt()
+        (Single::splat(3.0 * self.dt * self.dt) * squares).sqrt()
     }
 
     /// Lets all rows follow their bodies, if those behind the near ones could touch within a substep.
@@ -355,7 +355,7 @@ impl<I: Instructions> Batch<I> {
         self.prefetch_to_meet(movers);
         movers.prefetch_shifts::<I>(&self.locals[0]);
         movers.prefetch_shifts::<I>(&self.locals[1]);
-        I::prefetch(&self.rest.anchors[..self.near_rows]);
+        I::prefetch(&self.anchors[..self.near_rows]);
     }
 
     /// Asks for all that is known of the pairs.
@@ -363,7 +363,7 @@ impl<I: Instructions> Batch<I> {
     pub(crate) fn prefetch_all(&self) {
         I::prefetch(&self.rows);
         self.directions.prefetch();
-        I::prefetch(&self.rest.anchors);
+        I::prefetch(&self.anchors);
         I::prefetch(&self.rest.patches);
     }
 

@@ -131,7 +131,7 @@ impl<I: Instructions> Batch<I> {
             let squared = start * start + Single::splat(2.0) * acceleration * gap.max(Single::ZERO);
             let approaches = closing.above(Single::ZERO);
             let speed = approaches.select(squared.max(Single::ZERO).sqrt(), Single::ZERO);
-            let met_at = &mut self.rest.anchors[at].met_at;
+            let met_at = &mut self.anchors[at].met_at;
             *met_at = meets.select(touched.select(Single::ZERO, speed), *met_at);
             let bounces = meets.and(speed.above(threshold));
             row.bounces = bounces.or(row.bounces.and(meets.not()));
@@ -288,7 +288,7 @@ impl<I: Instructions> Batch<I> {
     /// Speed at which a row that bounces leaves [m/s].
     #[inline(always)]
     fn leaving(&self, at: usize) -> Single<I> {
-        self.rest.restitution * self.rows[at].has_met.select(self.rest.anchors[at].met_at, Single::ZERO)
+        self.rest.restitution * self.rows[at].has_met.select(self.anchors[at].met_at, Single::ZERO)
     }
 
     /// The impulses of what bounces begin, and end, at nothing.

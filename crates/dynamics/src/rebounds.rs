@@ -83,7 +83,7 @@ impl<I: Instructions> Batch<I> {
             return Mask::NONE;
         }
         let mut any = Mask::NONE;
-        for (row, anchors) in self.rows.iter().zip(&self.rest.anchors) {
+        for (row, anchors) in self.rows.iter().zip(&self.anchors) {
             any = any.or(row.bounces.and(anchors.met_at.above(Single::ZERO)));
         }
         any.and(self.rest.restitution.above(Single::ZERO))
@@ -157,7 +157,7 @@ impl<I: Instructions> Batch<I> {
         for at in 0..self.rows.len() {
             let closing = self.point(at, shared).closing(&rates);
             let row = &mut self.rows[at];
-            let met_at = &mut self.rest.anchors[at].met_at;
+            let met_at = &mut self.anchors[at].met_at;
             let as_met = if number == 1 { row.bounces.and(met_at.above(Single::ZERO)) } else { Mask::NONE };
             let touches = row.is_there.and(row.has_met.or(row.gap.above(Single::ZERO).not()));
             let approaches = as_met.and(closing.above(Single::ZERO)).or(touches.and(closing.above(least)));

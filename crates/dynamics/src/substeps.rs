@@ -262,6 +262,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
                 #[inline(always)]
                 || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers)),
             );
+            block.rests = block.batches.iter().any(|batch| batch.rests);
         });
         self.each_in_turn(false, |movers, block| {
             block.visit(

@@ -40,7 +40,7 @@ impl<I: Instructions> Batch<I> {
         for lane in (0..lanes).filter(|&lane| looks.get(lane)) {
             let locals = [self.locals[0][lane], self.locals[1][lane]];
             let (travel, patch) = (movers.travel(locals), &self.rest.patches[lane]);
-            if travel <= self.rest.look_at.get(lane) {
+            if travel <= self.look_at.get(lane) {
                 continue;
             }
             let (pair, struck) = (patch.pair, patch.struck);
@@ -70,7 +70,7 @@ impl<I: Instructions> Batch<I> {
                     is_changed = true;
                 }
             }
-            self.rest.look_at.set(lane, travel + rests_for);
+            self.look_at.set(lane, travel + rests_for);
         }
         is_changed
     }
@@ -108,7 +108,7 @@ impl<I: Instructions> Batch<I> {
             }
         }
         // Rows behind those have not followed: their gaps have changed by no more than their bodies have travelled.
-        if let Some(far) = self.rest.anchors.get(self.near_rows) {
+        if let Some(far) = self.anchors.get(self.near_rows) {
             nearest = nearest.min(far.reach.get(lane) - travel);
         }
         if nearest <= 0.0 {
@@ -144,7 +144,7 @@ impl<I: Instructions> Batch<I> {
                 closing_along(between.normalize_or_zero()),
             ),
         };
-        apart - (WARY * closing.max(0.0) + self.rest.patches[lane].struck) * self.rest.dt
+        apart - (WARY * closing.max(0.0) + self.rest.patches[lane].struck) * self.dt
     }
 
     fn find_anew(
@@ -183,7 +183,7 @@ impl<I: Instructions> Batch<I> {
                 continue;
             }
             let impulses = self.impulses_of(at, lane, (&self.lines(at, 1.0), 1.0));
-            let (row, anchors) = (&mut self.rows[at], &self.rest.anchors[at]);
+            let (row, anchors) = (&mut self.rows[at], &self.anchors[at]);
             let met_at = row.has_met.get(lane).then_some(anchors.met_at.get(lane));
             let touched = row.touched.get(lane);
             taken.push(Taken { sample: anchors.sample(lane), impulses, met_at, touched });
@@ -208,7 +208,7 @@ impl<I: Instructions> Batch<I> {
                 let row = &mut self.rows[at];
                 row.has_met.set(lane, same.met_at.is_some());
                 row.touched.set(lane, same.touched);
-                self.rest.anchors[at].met_at.set(lane, same.met_at.unwrap_or(0.0));
+                self.anchors[at].met_at.set(lane, same.met_at.unwrap_or(0.0));
             }
         }
         self.soften();

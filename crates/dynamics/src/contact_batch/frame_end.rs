@@ -22,7 +22,7 @@ impl<I: Instructions> Batch<I> {
         (kept, tally): (&mut Part, &mut Tally),
     ) {
         self.book_work(bodies, tally);
-        let by = 1.0 / self.rest.dt;
+        let by = 1.0 / self.dt;
         let mut touched = Mask::NONE;
         room.clear();
         for at in 0..self.rows.len() {
@@ -35,7 +35,7 @@ impl<I: Instructions> Batch<I> {
             for (at, row) in self.rows.iter().enumerate() {
                 if row.is_there.get(lane) && row.touched.get(lane) {
                     let forces = self.impulses_of(at, lane, (&room[at], by));
-                    kept.points.push(Carried { sample: self.rest.anchors[at].sample(lane), forces });
+                    kept.points.push(Carried { sample: self.anchors[at].sample(lane), forces });
                 }
             }
             kept.end_pair(patch.manifold, patch.pair);

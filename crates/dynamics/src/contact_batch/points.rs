@@ -143,11 +143,8 @@ impl<I: Instructions> Batch<I> {
     /// Without pairs, but with memory for so many rows.
     fn empty(locals: [[u32; LANES]; 2], rows: usize, dt: f64) -> Self {
         let rest = Rest {
-            start_offset: Lanes3::ZERO,
             start: Lanes3::ZERO,
             centre: Lanes3::ZERO,
-            answered_at: Lanes::ZERO,
-            look_at: Lanes::splat(f64::INFINITY),
             restitution: Single::ZERO,
             stiffness: Single::ZERO,
             roll_lengths: [Single::ZERO; 2],
@@ -156,9 +153,7 @@ impl<I: Instructions> Batch<I> {
             starts: Vec::new(),
             twists: Vec::new(),
             drives: Vec::new(),
-            anchors: Vec::with_capacity(rows),
             patches: Vec::with_capacity(LANES),
-            dt,
         };
         Self {
             locals,
@@ -169,6 +164,7 @@ impl<I: Instructions> Batch<I> {
             soft: Softness { rate: Single::ZERO, mass_scale: Single::ZERO, impulse_scale: Single::ZERO },
             friction: Single::ZERO,
             rows: Vec::with_capacity(rows),
+            anchors: Vec::with_capacity(rows),
             directions: RowDirections::Shared(Directions::NONE),
             rolls: false,
             is_driven: false,
@@ -181,7 +177,11 @@ impl<I: Instructions> Batch<I> {
             near_rows: 0,
             room: Single::ZERO,
             sizes: [Single::ZERO; 2],
+            start_offset: Lanes3::ZERO,
+            answered_at: Lanes::ZERO,
+            look_at: Lanes::splat(f64::INFINITY),
             looks: Mask::NONE,
+            dt,
             rest: Box::new(rest),
         }
     }
@@ -238,7 +238,7 @@ impl<I: Instructions> Batch<I> {
             return (0.0, f64::INFINITY);
         }
         let thinner = thinner(bodies, pair);
-        let left = GETS_THROUGH * thinner - struck * self.rest.dt;
+        let left = GETS_THROUGH * thinner - struck * self.dt;
         let is_convex = |i: usize| matches!(Solid::of(&bodies.shapes[i]), Solid::Hull(_));
         if member.is_in_heap && left >= 0.0 && is_convex(pair.first) && is_convex(pair.second) {
             return (0.0, left.max(if points.is_empty() { CLOSE * near } else { near }));
@@ -255,13 +255,13 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     fn begin(&mut self, [first, second]: &[Start<I>; 2]) {
         self.rest.start = first.centre;
-        self.rest.start_offset = first.centre - second.centre;
+        self.start_offset = first.centre - second.centre;
         self.sizes = [first.size.single(), second.size.single()];
         for (lane, patch) in self.rest.patches.iter_mut().enumerate() {
             patch.size = smaller(first.size.get(lane), second.size.get(lane));
             // What may be struck and has no points, or may need others at once, is looked at first.
-            patch.is_watched = patch.struck * self.rest.dt > patch.rests_for();
-            self.rest.look_at.set(lane, if patch.is_watched { -1.0 } else { patch.rests_for() });
+            patch.is_watched = patch.struck * self.dt > patch.rests_for();
+            self.look_at.set(lane, if patch.is_watched { -1.0 } else { patch.rests_for() });
         }
     }
 
@@ -280,10 +280,10 @@ impl<I: Instructions> Batch<I> {
         let [x, y, z, rounding, bx, by, bz, other_rounding] = Lanes::transposed(points.anchors);
         let lever = starts[0].orientation.turn(Lanes3 { x, y, z });
         let other_lever = starts[1].orientation.turn(Lanes3 { x: bx, y: by, z: bz });
-        let apart = (self.rest.start_offset + lever - other_lever).dot(basis.normal.double());
+        let apart = (self.start_offset + lever - other_lever).dot(basis.normal.double());
         let gap = apart - rounding - other_rounding;
-        self.rest.anchors[at].put(lanes, [lever, other_lever], [rounding, other_rounding], gap);
-        self.rest.anchors[at].name(lanes, points.is_of_first, &points.sample);
+        self.anchors[at].put(lanes, [lever, other_lever], [rounding, other_rounding], gap);
+        self.anchors[at].name(lanes, points.is_of_first, &points.sample);
 
         // What acts there.
         let [before, after] = points.acting();
@@ -310,10 +310,10 @@ impl<I: Instructions> Batch<I> {
     pub(super) fn make_room(&mut self, rows: usize) {
         let more = rows.saturating_sub(self.rows.len());
         self.rows.reserve_exact(more);
-        self.rest.anchors.reserve_exact(more);
+        self.anchors.reserve_exact(more);
         while self.rows.len() < rows {
             self.rows.push(Row::empty());
-            self.rest.anchors.push(Anchors::empty());
+            self.anchors.push(Anchors::empty());
             if self.rolls {
                 self.rest.twists.push([Single3::ZERO; 2]);
             }
@@ -327,7 +327,7 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(super) fn find_reach(&mut self) {
         let mut nearest = Single::splat(f64::INFINITY);
-        for (row, anchors) in self.rows.iter().zip(&mut self.rest.anchors).rev() {
+        for (row, anchors) in self.rows.iter().zip(&mut self.anchors).rev() {
             nearest = row.is_there.select(nearest.min(anchors.gap), nearest);
             anchors.reach = nearest;
         }
@@ -337,14 +337,14 @@ impl<I: Instructions> Batch<I> {
     /// unstable [Cat24].
     #[inline(always)]
     pub(super) fn soften(&mut self) {
-        let (one, dt) = (Single::splat(1.0), Single::splat(self.rest.dt));
+        let (one, dt) = (Single::splat(1.0), Single::splat(self.dt));
         let mut points = Single::ZERO;
         for row in &self.rows {
             points = points + row.is_there.select(one, Single::ZERO);
         }
         let share = (Single::splat(4.0) / points).min(one);
         let hertz = share.sqrt() * Single::splat(CONTACT_HERTZ);
-        let most = Single::splat(0.25 / self.rest.dt);
+        let most = Single::splat(0.25 / self.dt);
         let omega = Single::splat(std::f64::consts::TAU) * hertz.min(most) * self.rest.stiffness.sqrt();
         let a = Single::splat(2.0 * CONTACT_DAMPING) + dt * omega;
         let b = dt * omega * a;

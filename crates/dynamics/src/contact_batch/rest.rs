@@ -43,7 +43,7 @@ impl<I: Instructions> Batch<I> {
     fn be_in_balance(&self, movers: &Movers) {
         let given = [self.carried(movers, 0), self.carried(movers, 1)];
         movers.lean(&self.locals[0], given);
-        let opposite = given.map(|(j, moment)| (-j, -(moment + self.rest.start_offset.cross(j))));
+        let opposite = given.map(|(j, moment)| (-j, -(moment + self.start_offset.cross(j))));
         movers.lean(&self.locals[1], opposite);
     }
 

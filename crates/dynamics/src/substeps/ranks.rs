@@ -28,6 +28,9 @@ pub(super) struct Block<I> {
     pub(super) impacts: bool,
     /// Batches of which pairs may have moved too far since their points were found, by their places.
     stale: Vec<u32>,
+    /// Whether anything in it has come to rest in this frame, and whether anything is driven.
+    pub(super) rests: bool,
+    is_driven: bool,
     /// Whether the memory of the next batches has to be asked for.
     is_far: bool,
 }
@@ -72,12 +75,15 @@ impl<I: Instructions> Ranks<I> {
                 touching.prefetch_points::<I>((bodies, movers), group(at + 1));
                 Batch::new((bodies, movers), group(at), touching, dt)
             };
+            let batches: Vec<Batch<I>> = (0..groups.len()).map(batch).collect();
             Block {
-                batches: (0..groups.len()).map(batch).collect(),
+                is_driven: batches.iter().any(|batch| batch.is_driven),
+                batches,
                 given: Given::ZERO,
                 bounces: false,
                 impacts: false,
                 stale: Vec::new(),
+                rests: false,
                 is_far,
             }
         };
@@ -172,7 +178,9 @@ impl<I: Instructions> Way<'_, I> {
 impl<I: Instructions> Block<I> {
     /// Who meets in a substep.
     pub(super) fn meet(&mut self, (bodies, movers): (&Bodies, &Movers), step: &Frame, threshold: f64) {
-        self.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
+        if self.is_driven {
+            self.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
+        }
         self.visit(
             #[inline(always)]
             |next| next.prefetch_to_meet(movers),
@@ -227,7 +235,10 @@ impl<I: Instructions> Block<I> {
 
     /// Lets batches get up of which a body is fast.
     pub(super) fn wake(&mut self, movers: &Movers) {
-        let Self { batches, stale, .. } = self;
+        let Self { batches, stale, rests, .. } = self;
+        if !*rests {
+            return;
+        }
         I::run(
             #[inline(always)]
             || {
