@@ -9,9 +9,6 @@ use crate::settings::Frame;
 use crate::tally::{Cause, Tally};
 use std::ops::Range;
 
-/// Passes to and fro over the points of one pair that meet fast: a cube that lands flat keeps 1e-3 of the turn that one pass gives it.
-const TOGETHER_PASSES: u32 = 8;
-
 /// Of impulses on what is squeezed [1]. Below 2 none of them makes energy. A ball at 60 m/s that is nine times as heavy as the cube between it
 /// and a plate of 1 cm has pressed it through in 2 of 40 cases with 1, and in none with 1.5; with 1.7 in one.
 const OVER_RELAXATION: f64 = 1.5;
@@ -35,8 +32,8 @@ pub(crate) struct Given<I> {
 pub(crate) struct Pass {
     /// Last row first.
     pub(crate) is_fro: bool,
-    /// The points of each pair that meet fast act together, before all else.
-    together: bool,
+    /// The points of each pair that meet fast act together, before all else, in so many passes to and fro.
+    together: u32,
     /// All points act: normal, friction, rolling.
     sweeps: bool,
     /// Only those act that meet fast.
@@ -48,16 +45,19 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    /// Stops what meets fast.
-    pub(crate) const TOGETHER: Self =
-        Self { together: true, sweeps: false, only_meeting: true, ..Self::over_all(false, false) };
+    /// Stops what meets fast, the points of each pair together in so many passes to and fro.
+    pub(crate) fn over_meeting(together: u32) -> Self {
+        Self { together, sweeps: false, only_meeting: true, ..Self::over_all(false, false) }
+    }
 
-    /// Another one over what meets fast: it has no impulses to start from.
-    pub(crate) const MEETING: Self = Self { sweeps: true, ..Self::TOGETHER };
+    /// The same, and then all that it has no impulses to start from.
+    pub(crate) fn sweeping(self) -> Self {
+        Self { sweeps: true, ..self }
+    }
 
     /// Over all rows, to or fro.
     pub(crate) const fn over_all(is_fro: bool, is_last: bool) -> Self {
-        Self { is_fro, together: false, sweeps: true, only_meeting: false, is_last, relaxation: 1.0 }
+        Self { is_fro, together: 0, sweeps: true, only_meeting: false, is_last, relaxation: 1.0 }
     }
 
     /// Over what is squeezed.
@@ -208,8 +208,8 @@ impl<I: Instructions> Batch<I> {
     #[inline(always)]
     pub(crate) fn act(&mut self, movers: &Movers, beat: &Beat, pass: Pass, given: &mut Given<I>) {
         let mut visit = Visit::new(self.sides(movers), beat);
-        if pass.together {
-            self.act_together(&mut visit, beat);
+        if pass.together > 0 {
+            self.act_together(&mut visit, beat, pass.together);
         }
         if pass.sweeps {
             // What is far may wake before it would act: first on the way fro, last on the way to.
@@ -265,7 +265,7 @@ impl<I: Instructions> Batch<I> {
     /// Lets the points of each pair that meet fast act together: to and fro until what one does to the others has settled. A face that
     /// lands flat must not turn by the order of its corners. Normals come first: it does not slip.
     #[inline(always)]
-    fn act_together(&mut self, visit: &mut Visit<I>, beat: &Beat) {
+    fn act_together(&mut self, visit: &mut Visit<I>, beat: &Beat, passes: u32) {
         let of_lane = |lane: usize| self.rows.iter().filter(|row| row.meets(beat).get(lane)).count();
         let together = Mask::of(|lane| of_lane(lane) > 1);
         if !together.any() {
@@ -273,7 +273,7 @@ impl<I: Instructions> Batch<I> {
         }
         let (shared, hold) = (self.shared_basis(), self.hold());
         let count = self.near_rows;
-        for pass in 0..2 * TOGETHER_PASSES {
+        for pass in 0..2 * passes {
             for step in 0..count {
                 let at = if pass % 2 == 0 { step } else { count - 1 - step };
                 let point = self.point(at, shared);

@@ -14,12 +14,29 @@ pub(crate) struct Effort {
     pub(crate) passes: u32,
     /// How much stiffer its contacts may be than those that carry one body.
     pub(crate) stiffest: f64,
+    /// How what meets fast is stopped, and bounces.
+    pub(crate) meeting: Meeting,
     /// The most impacts that follow each other; others follow in the next substep. With one, what is struck passes nothing on. And the most
     /// passes over what they squeeze.
     pub(crate) impacts: u32,
     /// Whether it stands and carries much through few. Then overlaps close in full, or it sinks: with less a load of 1000 on ten cubes falls.
     pub(crate) carries_much: bool,
 }
+
+/// How what meets fast in a substep acts, before all else does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Meeting {
+    /// Passes over all that does.
+    pub(crate) passes: u32,
+    /// Passes to and fro over the points of one pair within each of them.
+    pub(crate) together: u32,
+}
+
+/// A cube that lands flat keeps 1e-3 of the turn that one pass over its points gives it.
+const MEETING: Meeting = Meeting { passes: 4, together: 8 };
+
+/// In heaps nobody sees that: while `pile-deep` falls together half of the time went into it. With this it takes 0.8 of the time, its overlaps are as deep, and it is calm as soon.
+const MEETING_IN_HEAPS: Meeting = Meeting { passes: 2, together: 2 };
 
 /// Small steps of a frame. With four of them stacks of ten drift by centimetres, and what falls in a heap is pressed into it.
 const SUBSTEPS: u32 = 8;
@@ -71,8 +88,9 @@ impl Effort {
     /// What a cluster of some pairs takes that carry little. With one pass, to before the drift and fro after it, turned stacks drift by
     /// centimetres; heaps bear it. In a heap nobody sees who strikes whom next.
     pub(crate) fn of_size(pairs: usize) -> Self {
-        let (passes, impacts) = if pairs > HEAP_PAIRS { (1, 1) } else { (2, 32) };
-        Self { substeps: SUBSTEPS, passes, stiffest: 1.0, impacts, carries_much: false }
+        let (passes, meeting, impacts) =
+            if pairs > HEAP_PAIRS { (1, MEETING_IN_HEAPS, 1) } else { (2, MEETING, 32) };
+        Self { substeps: SUBSTEPS, passes, meeting, stiffest: 1.0, impacts, carries_much: false }
     }
 
     /// The same of an island, of whose pairs some have a body that does not creep.

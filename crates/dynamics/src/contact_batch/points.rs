@@ -219,8 +219,17 @@ impl<I: Instructions> Batch<I> {
         }
         let manifold = member.manifold;
         let (struck, near) = self.watch(bodies, (member, touching), near);
-        let patch =
-            Patch { pair, manifold, size: 0.0, near, struck, is_watched: false, touched: false, anew: None };
+        let patch = Patch {
+            pair,
+            manifold,
+            size: 0.0,
+            near,
+            struck,
+            is_in_heap: member.is_in_heap,
+            is_watched: false,
+            touched: false,
+            anew: None,
+        };
         self.rest.patches.push(patch);
     }
 

@@ -4,19 +4,19 @@ use super::Solver;
 use super::ranks::Block;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
+use crate::effort::Meeting;
 use crate::lanes::{Instructions, Mask};
-
-/// Passes over the points that meet fast in a substep, to stop them and to let them bounce.
-pub(super) const MEETING_PASSES: u32 = 4;
 
 impl<I: Instructions> Solver<'_, I> {
     /// Contact at one stage of a substep, after what acted at this stage of the last one: what meets now, which has no impulses to start
     /// from, its normals first, and what it presses against others; then passes over all rows, to and fro, so that none always has the last
     /// word and stacks do not lean. They come last, or what is struck would be pressed through what it touches.
     pub(super) fn contact(&mut self, beat: &Beat, threshold: f64) {
-        self.meeting_pass(beat, Pass::TOGETHER);
-        for _ in 1..MEETING_PASSES {
-            self.meeting_pass(beat, Pass::MEETING);
+        let Meeting { passes, together } = self.effort.meeting;
+        let over_meeting = Pass::over_meeting(together);
+        self.meeting_pass(beat, over_meeting);
+        for _ in 1..passes {
+            self.meeting_pass(beat, over_meeting.sweeping());
         }
         if beat.stage == Stage::BeforeDrift {
             self.squeeze(beat, threshold);

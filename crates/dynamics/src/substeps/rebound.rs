@@ -1,11 +1,11 @@
 //! Impacts that follow each other within a substep.
 
 use super::Solver;
-use super::passes::MEETING_PASSES;
 use super::ranks::Block;
 use crate::Frame;
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Pass;
+use crate::effort::Meeting;
 use crate::lanes::Instructions;
 use crate::rebounds::{Impact, Reached, SLOWEST};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -94,9 +94,11 @@ impl<I: Instructions> Solver<'_, I> {
             if !self.ranks.blocks.iter().any(|block| block.impacts) {
                 return;
             }
-            self.meeting_pass(beat, Pass::TOGETHER);
-            for _ in 0..MEETING_PASSES {
-                self.meeting_pass(beat, Pass::MEETING);
+            let Meeting { passes, together } = self.effort.meeting;
+            let over_meeting = Pass::over_meeting(together);
+            self.meeting_pass(beat, over_meeting);
+            for _ in 0..passes {
+                self.meeting_pass(beat, over_meeting.sweeping());
             }
         }
         let Self { ranks, .. } = self;
