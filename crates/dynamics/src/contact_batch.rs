@@ -358,6 +358,9 @@ impl<I: Instructions> Batch<I> {
         movers.prefetch_shifts::<I>(&self.locals[0]);
         movers.prefetch_shifts::<I>(&self.locals[1]);
         I::prefetch(&self.anchors[..self.near_rows]);
+        if let Some(far) = self.anchors.get(self.near_rows) {
+            I::prefetch(std::slice::from_ref(&far.reach));
+        }
     }
 
     /// Asks for all that is known of the pairs.

@@ -6,7 +6,7 @@ mod ranks;
 mod rebound;
 
 use crate::clusters::{Cluster, NOWHERE, SETTLED_AFTER, plan};
-use crate::contact_batch::Touching;
+use crate::contact_batch::{Batch, Touching};
 use crate::contact_rows::{Beat, Stage};
 use crate::contact_sweep::Given;
 use crate::effort::Effort;
@@ -209,9 +209,13 @@ impl<'a, I: Instructions> Solver<'a, I> {
     }
 
     /// Visits all batches in the order of their ranks, or backwards.
-    fn each_in_turn(&mut self, is_fro: bool, visit: impl Fn(&Movers, &mut Block<I>) + Send + Sync) {
+    fn each_in_turn(
+        &mut self,
+        is_fro: bool,
+        visit: impl Fn(&Movers, &mut Block<I>, &[Batch<I>]) + Send + Sync,
+    ) {
         let Self { movers, ranks, .. } = self;
-        ranks.for_each_in_turn(is_fro, None, &|block| visit(movers, block));
+        ranks.for_each_in_turn(is_fro, None, &|block, next| visit(movers, block, next));
     }
 
     /// Half kick, impulses, drift, half kick, bounce, relax, of all that does not rest. `rest` is what is left of the frame.
@@ -257,15 +261,16 @@ impl<'a, I: Instructions> Solver<'a, I> {
             return;
         }
         self.movers.find_who_may_rest(step.dt);
-        self.each_in_turn(false, |movers, block| {
+        self.each_in_turn(false, |movers, block, _| {
             I::run(
                 #[inline(always)]
                 || block.batches.iter_mut().for_each(|batch| batch.lie_down(movers)),
             );
             block.rests = block.batches.iter().any(|batch| batch.rests);
         });
-        self.each_in_turn(false, |movers, block| {
+        self.each_in_turn(false, |movers, block, next| {
             block.visit(
+                next,
                 #[inline(always)]
                 |next| next.prefetch(movers, next.near_rows),
                 #[inline(always)]
@@ -299,9 +304,9 @@ impl<'a, I: Instructions> Solver<'a, I> {
     /// memory each time.
     fn meet_and_go_on(&mut self, (beat, step): (&Beat, &Frame), threshold: f64) {
         let bodies = self.bodies;
-        self.each_in_turn(false, |movers, block| {
+        self.each_in_turn(false, |movers, block, next| {
             block.meet((bodies, movers), step, threshold);
-            block.go_on(movers, beat);
+            block.go_on(movers, beat, next);
         });
     }
 
@@ -316,15 +321,15 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// What acted in the last substep acts again, unless it has come apart.
     fn go_on(&mut self, beat: &Beat) {
-        self.each_in_turn(false, |movers, block| block.go_on(movers, beat));
+        self.each_in_turn(false, |movers, block, next| block.go_on(movers, beat, next));
     }
 
     /// All points go with their bodies after a drift; then what acted in the last substep acts again, unless it has come apart: block by block, as above.
     fn follow_and_go_on(&mut self, beat: &Beat) {
         let bodies = self.bodies;
-        self.each_in_turn(false, |movers, block| {
+        self.each_in_turn(false, |movers, block, next| {
             block.follow((bodies, movers), Some(beat.dt));
-            block.go_on(movers, beat);
+            block.go_on(movers, beat, next);
             block.find_stale();
         });
     }

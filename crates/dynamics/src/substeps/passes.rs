@@ -30,9 +30,10 @@ impl<I: Instructions> Solver<'_, I> {
 
     /// One pass over all rows.
     fn pass(&mut self, beat: &Beat, pass: Pass) {
-        self.each_in_turn(pass.is_fro, |movers, block| {
+        self.each_in_turn(pass.is_fro, |movers, block, next| {
             block.wake(movers);
             block.visit(
+                next,
                 #[inline(always)]
                 |next| {
                     if next.has_work(beat.stage) {
@@ -55,7 +56,7 @@ impl<I: Instructions> Solver<'_, I> {
         let is_wanted: fn(&Block<I>) -> bool =
             if beat.stage == Stage::Bounce { |block| block.impacts } else { |block| block.bounces };
         let Self { movers, ranks, .. } = self;
-        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), &|block| {
+        ranks.for_each_in_turn(pass.is_fro, Some(is_wanted), &|block, _| {
             let Block { batches, given, .. } = block;
             I::run(
                 #[inline(always)]

@@ -117,11 +117,11 @@ impl<I: Instructions> Ranks<I> {
             let begin = if at == 0 { 0 } else { rank_ends[at - 1] };
             let rank = &mut blocks[begin..rank_ends[at]];
             match wanted {
-                None => threads::for_each(rank, *pairs, visit),
+                None => threads::for_each(rank, *pairs, |block| visit(block, &[])),
                 Some(is_wanted) => {
                     let mut some: Vec<&mut Block<I>> =
                         rank.iter_mut().filter(|block| is_wanted(block)).collect();
-                    threads::for_each(&mut some, *pairs, |block| visit(block));
+                    threads::for_each(&mut some, *pairs, |block| visit(block, &[]));
                 }
             }
         }
@@ -134,8 +134,9 @@ impl<I: Instructions> Ranks<I> {
     }
 }
 
-/// What is done with each block. Known by its address only, or the ways through regions would be compiled for each of them.
-type BlockVisit<'a, I> = &'a (dyn Fn(&mut Block<I>) + Send + Sync);
+/// What is done with each block, and the batches that this thread comes to next, if any. Known by its address only, or the ways through regions would be compiled for each of
+/// them.
+type BlockVisit<'a, I> = &'a (dyn Fn(&mut Block<I>, &[Batch<I>]) + Send + Sync);
 
 /// A way through regions that follow each other, each after its two halves.
 #[derive(Clone, Copy)]
@@ -166,11 +167,16 @@ impl<I: Instructions> Way<'_, I> {
     }
 
     fn one_by_one(self, blocks: &mut [Block<I>], visit: BlockVisit<I>) {
-        let is_wanted = |block: &&mut Block<I>| self.wanted.is_none_or(|is_wanted| is_wanted(block));
-        if self.is_fro {
-            blocks.iter_mut().rev().filter(is_wanted).for_each(visit);
-        } else {
-            blocks.iter_mut().filter(is_wanted).for_each(visit);
+        let count = blocks.len();
+        for step in 0..count {
+            let at = if self.is_fro { count - 1 - step } else { step };
+            if self.wanted.is_some_and(|is_wanted| !is_wanted(&blocks[at])) {
+                continue;
+            }
+            let (before, rest) = blocks.split_at_mut(at);
+            let (here, after) = rest.split_at_mut(1);
+            let next = if self.is_fro { before.last() } else { after.first() };
+            visit(&mut here[0], next.map_or(&[], |block| &block.batches));
         }
     }
 }
@@ -182,6 +188,7 @@ impl<I: Instructions> Block<I> {
             self.batches.iter_mut().for_each(|batch| batch.be_driven(bodies, Some(step.dt)));
         }
         self.visit(
+            &[],
             #[inline(always)]
             |next| next.prefetch_to_meet(movers),
             #[inline(always)]
@@ -193,6 +200,7 @@ impl<I: Instructions> Block<I> {
     /// All points go with their bodies, after a drift if one has taken so long [s].
     pub(super) fn follow(&mut self, (bodies, movers): (&Bodies, &Movers), drifted: Option<f64>) {
         self.visit(
+            &[],
             #[inline(always)]
             |next| next.prefetch_to_follow(movers),
             #[inline(always)]
@@ -201,8 +209,9 @@ impl<I: Instructions> Block<I> {
     }
 
     /// What acted in the last substep acts again.
-    pub(super) fn go_on(&mut self, movers: &Movers, beat: &Beat) {
+    pub(super) fn go_on(&mut self, movers: &Movers, beat: &Beat, next: &[Batch<I>]) {
         self.visit(
+            next,
             #[inline(always)]
             |next| {
                 let rows = next.carrying_rows[beat.stage.at()];
@@ -216,10 +225,17 @@ impl<I: Instructions> Block<I> {
     }
 
     /// Lets those act that approach faster than `least` [m/s]. Whether any do.
-    pub(super) fn squeeze(&mut self, movers: &Movers, (beat, pass): (&Beat, Pass), least: f64) -> bool {
+    pub(super) fn squeeze(
+        &mut self,
+        movers: &Movers,
+        (beat, pass): (&Beat, Pass),
+        least: f64,
+        next: &[Batch<I>],
+    ) -> bool {
         self.wake(movers);
         let mut any = false;
         self.visit(
+            next,
             #[inline(always)]
             |next| next.prefetch(movers, 0),
             #[inline(always)]
@@ -286,10 +302,12 @@ impl<I: Instructions> Block<I> {
         );
     }
 
-    /// Visits all batches that do not rest, and asks memory for the one after the next: one visit is too short for it to arrive.
+    /// Visits all batches that do not rest, and asks memory for the one after the next, which may be among those that are `next` to these: one visit is too short for it to
+    /// arrive.
     #[inline(always)]
     pub(super) fn visit(
         &mut self,
+        next: &[Batch<I>],
         ask: impl Fn(&Batch<I>),
         mut visit: impl FnMut(&mut Batch<I>, &mut Given<I>),
     ) {
@@ -297,13 +315,15 @@ impl<I: Instructions> Block<I> {
         I::run(
             #[inline(always)]
             || {
-                let last = batches.len() - 1;
-                for at in 0..batches.len() {
+                let count = batches.len();
+                for at in 0..count {
                     if *is_far {
-                        I::prefetch(&batches[(at + 3).min(last)..][..1]);
-                        let next = &batches[(at + 2).min(last)];
-                        if !next.rests {
-                            ask(next);
+                        let ahead = |by: usize| batches.get(at + by).or_else(|| next.get(at + by - count));
+                        if let Some(batch) = ahead(3) {
+                            I::prefetch(std::slice::from_ref(batch));
+                        }
+                        if let Some(batch) = ahead(2).filter(|batch| !batch.rests) {
+                            ask(batch);
                         }
                     }
                     if !batches[at].rests {

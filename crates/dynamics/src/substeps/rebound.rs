@@ -20,8 +20,8 @@ impl<I: Instructions> Solver<'_, I> {
         for number in 0..self.effort.impacts {
             let pass = Pass::over_squeezed(number % 2 == 1);
             let any_is = AtomicBool::new(false);
-            self.each_in_turn(pass.is_fro, |movers, block| {
-                if block.squeeze(movers, (beat, pass), least) {
+            self.each_in_turn(pass.is_fro, |movers, block, next| {
+                if block.squeeze(movers, (beat, pass), least, next) {
                     any_is.store(true, Ordering::Relaxed);
                 }
             });
@@ -52,7 +52,7 @@ impl<I: Instructions> Solver<'_, I> {
     /// there any more.
     pub(super) fn expect_rebounds(&mut self) {
         let is_only = self.effort.impacts == 1;
-        self.each_in_turn(false, |movers, block| {
+        self.each_in_turn(false, |movers, block, _| {
             I::run(
                 #[inline(always)]
                 || {
