@@ -202,8 +202,7 @@ impl<I: Instructions> Batch<I> {
         let stirred = first.stirred + second.stirred;
         let travel = first.stirred * self.sizes[0].double() + second.stirred * self.sizes[1].double();
         self.looks = travel.above(self.look_at);
-        let answers =
-            drifted.is_none() || (stirred - self.answered_at).above(Lanes::splat(STIRRED)).any();
+        let answers = drifted.is_none() || (stirred - self.answered_at).above(Lanes::splat(STIRRED)).any();
         if answers {
             self.answered_at = stirred;
         }
