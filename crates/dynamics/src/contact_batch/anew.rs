@@ -174,6 +174,7 @@ impl<I: Instructions> Batch<I> {
         let has_carried = |sample| taken.iter().any(|taken| taken.touched && taken.sample == sample);
         let manifold = finder.of_encounter(encounter, has_carried);
         let points = manifold.map(|manifold| manifold.points).unwrap_or_default();
+        self.rest.patches[lane].has_one = points.len() == 1;
         I::run(
             #[inline(always)]
             || self.put_back(lane, movers, points, &taken),

@@ -226,6 +226,7 @@ impl<I: Instructions> Batch<I> {
             near,
             struck,
             is_in_heap: member.is_in_heap,
+            has_one: touching.points.len() == 1,
             is_watched: false,
             touched: false,
             anew: None,
