@@ -8,7 +8,8 @@ mod rest;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use anew::{STALE, STALE_IN_HEAPS};
+pub(crate) use anew::STALE;
+use anew::STALE_IN_HEAPS;
 pub(crate) use points::Touching;
 
 use crate::Bodies;
@@ -145,9 +146,10 @@ pub(crate) struct Patch {
     struck: f64,
     /// If it may be struck, its bodies may move so far against each other before points are missed that were too far away at the frame's start [m].
     near: f64,
-    /// Whether it is in a heap, and whether it has one point, as what only passes does: that is not to be pushed further than it was apart.
-    is_in_heap: bool,
-    has_one: bool,
+    /// Whether they are polyhedra in a heap.
+    are_in_heap: bool,
+    /// Whether it has one point, or none. What only [passes](crate::hull_contact::approach) has one, as long as it stays [`STALE`] apart, so it is looked at before it is pushed that far.
+    has_few: bool,
     /// Whether its points have yet to be looked for, as far as a blow may bring them together: at the frame's start they were not.
     is_watched: bool,
     /// Whether points acted that have been replaced since.
@@ -456,7 +458,7 @@ impl<I: Instructions> Batch<I> {
 impl Patch {
     /// By how much its bodies may move against each other since its points were found, until these have to be looked for anew [m].
     fn rests_for(&self) -> f64 {
-        let stale = if self.is_in_heap && !self.has_one { STALE_IN_HEAPS } else { STALE } * self.size;
+        let stale = if self.are_in_heap && !self.has_few { STALE_IN_HEAPS } else { STALE } * self.size;
         if self.anew.is_none() { stale.min(self.near) } else { stale }
     }
 }

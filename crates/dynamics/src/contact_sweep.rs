@@ -50,7 +50,7 @@ impl Pass {
         Self { together, sweeps: false, only_meeting: true, ..Self::over_all(false, false) }
     }
 
-    /// The same, and then all that it has no impulses to start from.
+    /// The same, and then normals, friction and rolling of each point: what meets has no impulses to start from.
     pub(crate) fn sweeping(self) -> Self {
         Self { sweeps: true, ..self }
     }

@@ -26,7 +26,7 @@ pub(crate) struct Effort {
 /// How what meets fast in a substep acts, before all else does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Meeting {
-    /// Passes over all that does.
+    /// Passes over all that does; one more where it bounces.
     pub(crate) passes: u32,
     /// Passes to and fro over the points of one pair within each of them.
     pub(crate) together: u32,
@@ -35,7 +35,7 @@ pub(crate) struct Meeting {
 /// A cube that lands flat keeps 1e-3 of the turn that one pass over its points gives it.
 const MEETING: Meeting = Meeting { passes: 4, together: 8 };
 
-/// In heaps nobody sees that: while `pile-deep` falls together half of the time went into it. With this it takes 0.8 of the time, its overlaps are as deep, and it is calm as soon.
+/// In heaps nobody sees that. While `pile-deep` falls together a fifth of the time and more went into it: with this it takes 0.88 of the time, in the mean, its overlaps are as deep, and it is calm as soon.
 const MEETING_IN_HEAPS: Meeting = Meeting { passes: 2, together: 2 };
 
 /// Small steps of a frame. With four of them stacks of ten drift by centimetres, and what falls in a heap is pressed into it.
@@ -412,6 +412,10 @@ mod tests {
         let some = (RESTLESS * heap as f64) as usize;
         assert_eq!([of(heap, 0), of(heap, some)], [SUBSTEPS_OF_CREEPING_HEAPS; 2]);
         assert_eq!([of(heap, some + 1), of(heap, heap), of(HEAP_PAIRS, 0)], [SUBSTEPS; 3]);
+        assert_eq!(
+            [heap, HEAP_PAIRS].map(|pairs| Effort::of_size(pairs).meeting),
+            [MEETING_IN_HEAPS, MEETING]
+        );
         assert_eq!(Effort::of_island(heap, 0), Effort { substeps: of(heap, 0), ..Effort::of_size(heap) });
     }
 

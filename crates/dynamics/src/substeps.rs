@@ -58,7 +58,7 @@ pub fn solve(
     {
         with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, ledger, frame))
     }
-    // Each width takes as long to compile as the rest of these tests: that all of them give the same bits, tests of whole scenes say.
+    // Unit tests have one width, whatever is asked for, as each takes as long to compile as the rest of them: tests of whole scenes say that all of them give the same bits.
     #[cfg(test)]
     {
         solve_with::<Scalar>(bodies, manifolds, warm, ledger, frame)
@@ -292,8 +292,7 @@ impl<'a, I: Instructions> Solver<'a, I> {
 
     /// Whether everything has come to rest, and nothing that is driven is near.
     fn all_rests(&self) -> bool {
-        let is_driven = |block: &Block<I>| block.batches.iter().any(|batch| batch.is_driven);
-        self.movers.all_rest() && !self.ranks.blocks.iter().any(is_driven)
+        self.movers.all_rest() && !self.ranks.blocks.iter().any(|block| block.is_driven)
     }
 
     /// What all rests goes on as it moves, in one go.

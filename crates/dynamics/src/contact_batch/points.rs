@@ -225,8 +225,8 @@ impl<I: Instructions> Batch<I> {
             size: 0.0,
             near,
             struck,
-            is_in_heap: member.is_in_heap,
-            has_one: touching.points.len() == 1,
+            are_in_heap: member.is_in_heap && are_hulls(bodies, pair),
+            has_few: touching.points.len() <= 1,
             is_watched: false,
             touched: false,
             anew: None,
@@ -249,8 +249,7 @@ impl<I: Instructions> Batch<I> {
         }
         let thinner = thinner(bodies, pair);
         let left = GETS_THROUGH * thinner - struck * self.dt;
-        let is_convex = |i: usize| matches!(Solid::of(&bodies.shapes[i]), Solid::Hull(_));
-        if member.is_in_heap && left >= 0.0 && is_convex(pair.first) && is_convex(pair.second) {
+        if member.is_in_heap && left >= 0.0 && are_hulls(bodies, pair) {
             return (0.0, left.max(if points.is_empty() { CLOSE * near } else { near }));
         }
         (struck, if points.is_empty() { 0.0 } else { near.max(THIN * thinner) })
@@ -477,6 +476,11 @@ impl<I: Instructions> Anchors<I> {
 fn in_order(x: f64) -> i64 {
     let bits = x.to_bits() as i64;
     bits ^ ((bits >> 63) as u64 >> 1) as i64
+}
+
+/// Whether both of a pair are polyhedra.
+fn are_hulls(bodies: &Bodies, pair: Pair) -> bool {
+    [pair.first, pair.second].iter().all(|&i| matches!(Solid::of(&bodies.shapes[i]), Solid::Hull(_)))
 }
 
 /// Thickness of the thinner one of a pair [m].

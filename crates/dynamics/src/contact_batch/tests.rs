@@ -345,3 +345,40 @@ fn what_rests_is_in_balance() {
         assert!(moved(2) > 1e-3, "{number}");
     }
 }
+
+/// Polyhedra in a heap keep their points for longer, unless they have few: these may only pass each other, and are looked at before they could touch.
+#[test]
+fn in_heaps_points_last_longer() {
+    let cubes = cubes(0.0, 0.0, [DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+    let balls = {
+        let mut balls = Bodies::default();
+        for height in [0.0, 1.0] {
+            balls.spawn(NewBody {
+                shape: Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1)),
+                density: 1.0,
+                motion: Motion::Dynamic,
+                pose: Pose { position: height * DVec3::Y, orientation: DQuat::IDENTITY },
+                velocity: Velocity::default(),
+                contactant: Contactant::new(0.0, 0.5),
+            });
+        }
+        balls
+    };
+    let step = Frame { dt: 1.0 / 240.0, gravity: DVec3::ZERO, settings: StepSettings::default() };
+    let found = find_manifolds(&cubes, &[Pair { first: 0, second: 1 }], &WarmStart::default(), &step);
+    let points = found.iter().next().map(|manifold| manifold.points.to_vec()).unwrap_or_default();
+    assert_eq!(points.len(), 4);
+    for (bodies, is_in_heap, count, stale) in [
+        (&cubes, false, 4, STALE),
+        (&cubes, true, 4, STALE_IN_HEAPS),
+        (&cubes, true, 1, STALE),
+        (&cubes, true, 0, STALE),
+        (&balls, true, 4, STALE),
+    ] {
+        let pair = Pair { first: 0, second: 1 };
+        let manifold = Manifold { pair, points: &points[..count], struck: 0.0 };
+        let (_, batch) = batch_in(is_in_heap, bodies, manifold, &step);
+        let patch = &batch.rest.patches[0];
+        assert_eq!(patch.rests_for(), stale * patch.size, "{count} points, in a heap: {is_in_heap}");
+    }
+}

@@ -30,7 +30,7 @@ pub(super) struct Block<I> {
     stale: Vec<u32>,
     /// Whether anything in it has come to rest in this frame, and whether anything is driven.
     pub(super) rests: bool,
-    is_driven: bool,
+    pub(super) is_driven: bool,
     /// Whether the memory of the next batches has to be asked for.
     is_far: bool,
 }
