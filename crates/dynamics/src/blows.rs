@@ -86,6 +86,9 @@ pub fn strike(
     tally: &mut Tally,
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
+    if (0..bodies.len()).all(|i| strength(bodies, i).is_infinite()) {
+        return blows;
+    }
     let mut broken = vec![false; bodies.len()];
     let mut finder = ManifoldFinder::default();
     for &pair in pairs {

@@ -181,9 +181,11 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
     // What is boundless meets everything, but for what is above ground.
     let mut with_boundless = Vec::new();
     for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
+        let ground = Ground::of(bodies, a, poses);
+        let is_above = |b: usize| ground.as_ref().is_some_and(|ground| ground.is_below(&bounds[b]));
         for b in (0..bodies.len()).filter(|&b| (moves[a] || moves[b]) && a != b) {
             let is_second = bounds[b].is_boundless() && b < a;
-            if !is_second && !bounds[b].is_nan() && !is_above(bodies, a, &bounds[b], poses) {
+            if !is_second && !bounds[b].is_nan() && !is_above(b) {
                 with_boundless.push(Pair { first: a.min(b), second: a.max(b) });
             }
         }
@@ -192,18 +194,33 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
     sorted(&pairs, bodies.len())
 }
 
-/// Whether a box lies outside of a half-space that does not move.
-pub(crate) fn is_above(bodies: &Bodies, ground: usize, bounds: &Bounds, poses: &[&[Pose]]) -> bool {
-    let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[ground].geometry else {
-        return false;
-    };
-    bodies.motions[ground] == Motion::Static
-        && poses.iter().all(|poses| {
-            let pose = &poses[ground];
-            let normal = pose.orientation * half_space.normal;
+/// A half-space that does not move, at some poses that are all its own.
+pub(crate) struct Ground {
+    /// Its normal, out of it, where it is, and how far from there it reaches along it [m].
+    planes: Vec<(DVec3, DVec3, f64)>,
+}
+
+impl Ground {
+    /// Of a body, if it is one.
+    pub(crate) fn of(bodies: &Bodies, i: usize, poses: &[&[Pose]]) -> Option<Self> {
+        let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[i].geometry else {
+            return None;
+        };
+        let plane = |poses: &&[Pose]| {
+            let pose = &poses[i];
+            (pose.orientation * half_space.normal, pose.position, half_space.offset)
+        };
+        let does_not_move = bodies.motions[i] == Motion::Static;
+        does_not_move.then(|| Self { planes: poses.iter().map(plane).collect() })
+    }
+
+    /// Whether a box lies above it.
+    pub(crate) fn is_below(&self, bounds: &Bounds) -> bool {
+        self.planes.iter().all(|&(normal, position, offset)| {
             let lowest = DVec3::select(normal.cmpgt(DVec3::ZERO), bounds.low, bounds.high);
-            normal.dot(lowest - pose.position) > half_space.offset
+            normal.dot(lowest - position) > offset
         })
+    }
 }
 
 /// Bodies whose pairs a thread sorts together.

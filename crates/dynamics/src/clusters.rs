@@ -12,7 +12,7 @@ use crate::regions::Regions;
 use crate::sleep::Sleep;
 use crate::threads;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame, Motion};
+use crate::{Bodies, Frame, Inertia, Motion};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -327,36 +327,45 @@ impl Places {
 
 /// The manifolds of each island, both in the order of the manifolds.
 fn islands(bodies: &Bodies, manifolds: &[Manifold]) -> Vec<Vec<usize>> {
-    let is_fixed = |i: usize| bodies.inertias[i].is_infinite();
-    let mut parent: Vec<usize> = (0..bodies.len()).collect();
+    let are_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
+    let is_fixed = |i: usize| are_fixed[i];
+    let mut parent: Vec<u32> = (0..bodies.len() as u32).collect();
     for manifold in manifolds {
         let pair = manifold.pair;
         if !is_fixed(pair.first) && !is_fixed(pair.second) {
             let (a, b) = (root(&mut parent, pair.first), root(&mut parent, pair.second));
-            parent[a.max(b)] = a.min(b);
+            parent[a.max(b)] = a.min(b) as u32;
         }
     }
-    let mut islands: Vec<Vec<usize>> = Vec::new();
-    let mut island_of = vec![usize::MAX; bodies.len()];
-    for (index, manifold) in manifolds.iter().enumerate() {
-        let pair = manifold.pair;
-        let root = root(&mut parent, if is_fixed(pair.first) { pair.second } else { pair.first });
-        if island_of[root] == usize::MAX {
-            island_of[root] = islands.len();
-            islands.push(Vec::new());
+    // Most are small, and lists that grow cost more than counting first.
+    let (mut number_of, mut sizes) = (vec![usize::MAX; bodies.len()], Vec::new());
+    let mut number = |manifold: &Manifold| {
+        let Pair { first, second } = manifold.pair;
+        let number = &mut number_of[root(&mut parent, if is_fixed(first) { second } else { first })];
+        if *number == usize::MAX {
+            *number = sizes.len();
+            sizes.push(0);
         }
-        islands[island_of[root]].push(index);
-    }
+        sizes[*number] += 1;
+        *number
+    };
+    let numbers: Vec<usize> = manifolds.iter().map(&mut number).collect();
+    let mut islands: Vec<Vec<usize>> = sizes.into_iter().map(Vec::with_capacity).collect();
+    numbers.into_iter().enumerate().for_each(|(at, number)| islands[number].push(at));
     islands
 }
 
 /// Who stands for a body's island: its smallest index.
-fn root(parent: &mut [usize], mut of: usize) -> usize {
-    while parent[of] != of {
-        parent[of] = parent[parent[of]];
-        of = parent[of];
+fn root(parent: &mut [u32], mut of: usize) -> usize {
+    loop {
+        let up = parent[of] as usize;
+        if up == of {
+            return of;
+        }
+        // Shorten the way for the next time.
+        parent[of] = parent[up];
+        of = parent[of] as usize;
     }
-    of
 }
 
 #[cfg(test)]

@@ -16,37 +16,37 @@ pub(crate) struct Islands {
 const NONE: u32 = u32::MAX;
 
 impl Islands {
-    /// Unites the islands of two bodies.
-    pub(crate) fn link(&mut self, bodies: &Bodies, a: BodyId, b: BodyId) {
-        let (a, b) = (self.node(bodies, a), self.node(bodies, b));
+    /// With none of some bodies in any.
+    pub(crate) fn new(bodies: &Bodies) -> Self {
+        Self { parent: vec![NONE; bodies.len()], ..Self::default() }
+    }
+
+    /// The node of a body.
+    pub(crate) fn node(&mut self, bodies: &Bodies, id: BodyId) -> u32 {
+        if let Some(dense) = bodies.index_of(id) {
+            return dense as u32;
+        }
+        let next = self.parent.len() as u32;
+        let node = *self.gone.entry(id).or_insert(next);
+        if node == next {
+            self.parent.push(NONE);
+        }
+        node
+    }
+
+    /// Unites the islands of two nodes.
+    pub(crate) fn link(&mut self, a: u32, b: u32) {
+        self.join(a);
+        self.join(b);
         let (a, b) = (self.root(a), self.root(b));
         // The smaller node stands for the island, whatever the order of the links.
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
-    /// Makes a body an island of its own at least.
-    pub(crate) fn join(&mut self, bodies: &Bodies, id: BodyId) {
-        self.node(bodies, id);
-    }
-
-    fn node(&mut self, bodies: &Bodies, id: BodyId) -> u32 {
-        if self.parent.is_empty() {
-            self.parent.resize(bodies.len(), NONE);
-        }
-        let node = match bodies.index_of(id) {
-            Some(dense) => dense as u32,
-            None => {
-                let next = self.parent.len() as u32;
-                let node = *self.gone.entry(id).or_insert(next);
-                if node == next {
-                    self.parent.push(NONE);
-                }
-                node
-            }
-        };
+    /// Makes a node an island of its own at least.
+    pub(crate) fn join(&mut self, node: u32) {
         let parent = &mut self.parent[node as usize];
         *parent = if *parent == NONE { node } else { *parent };
-        node
     }
 
     /// The members of each island, in order of their smallest node; bodies that were never linked are not listed.
@@ -55,7 +55,8 @@ impl Islands {
         for (&id, &node) in &self.gone {
             gone[node as usize - bodies.len()] = id;
         }
-        let mut members: Vec<Vec<BodyId>> = Vec::new();
+        // Most are small, and lists that grow cost more than counting first.
+        let mut sizes = Vec::new();
         self.number = vec![NONE; self.parent.len()];
         for node in 0..self.parent.len() {
             if self.parent[node] == NONE {
@@ -63,20 +64,23 @@ impl Islands {
             }
             let root = self.root(node as u32) as usize;
             if root == node {
-                self.number[node] = members.len() as u32;
-                members.push(Vec::new());
+                self.number[node] = sizes.len() as u32;
+                sizes.push(0);
             }
             self.number[node] = self.number[root];
+            sizes[self.number[node] as usize] += 1;
+        }
+        let mut members: Vec<Vec<BodyId>> = sizes.into_iter().map(Vec::with_capacity).collect();
+        for (node, &number) in self.number.iter().enumerate().filter(|&(_, &number)| number != NONE) {
             let id = bodies.ids.get(node).copied().unwrap_or_else(|| gone[node - bodies.len()]);
-            members[self.number[node] as usize].push(id);
+            members[number as usize].push(id);
         }
         members
     }
 
-    /// Which of the [`Self::members`] a body belongs to, if any.
-    pub(crate) fn number(&self, bodies: &Bodies, id: BodyId) -> Option<usize> {
-        let node = bodies.index_of(id).or_else(|| self.gone.get(&id).map(|&node| node as usize))?;
-        self.number.get(node).filter(|&&number| number != NONE).map(|&number| number as usize)
+    /// Which of the [`Self::members`] a node belongs to, if any.
+    pub(crate) fn number(&self, node: u32) -> Option<usize> {
+        self.number.get(node as usize).filter(|&&number| number != NONE).map(|&number| number as usize)
     }
 
     fn root(&mut self, node: u32) -> u32 {
@@ -118,14 +122,19 @@ mod tests {
         bodies.remove(&gone);
         let links = [(5, 3), (1, 2), (3, 9), (7, 7), (2, 4)];
         let islands = |links: &[(usize, usize)]| {
-            let mut islands = Islands::default();
-            links.iter().for_each(|&(a, b)| islands.link(&bodies, ids[a], ids[b]));
+            let mut islands = Islands::new(&bodies);
+            let nodes: Vec<u32> = ids.iter().map(|&id| islands.node(&bodies, id)).collect();
+            links.iter().for_each(|&(a, b)| islands.link(nodes[a], nodes[b]));
             let members = islands.members(&bodies);
             for (number, island) in members.iter().enumerate() {
-                assert!(island.iter().all(|&id| islands.number(&bodies, id) == Some(number)));
+                let mut numbers = island.iter().map(|&id| {
+                    let node = islands.node(&bodies, id);
+                    islands.number(node)
+                });
+                assert!(numbers.all(|found| found == Some(number)));
             }
-            assert_eq!(islands.number(&bodies, ids[0]), None);
-            assert_eq!(islands.number(&bodies, ids[8]), None);
+            assert_eq!(islands.number(nodes[0]), None);
+            assert_eq!(islands.number(nodes[8]), None);
             members.iter().map(|m| m.iter().map(|id| id.index).collect()).collect::<Vec<Vec<u32>>>()
         };
         let expected = vec![vec![1, 2, 4], vec![5, 9, 3], vec![7]];

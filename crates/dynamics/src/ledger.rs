@@ -158,11 +158,13 @@ impl Ledger {
         let energy_of = |bodies: &Bodies, i: usize| {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
-        let energies = energies(bodies, frame);
+        let now = &*bodies;
+        let (energies, islands) =
+            threads::join(now.len(), || energies(now, frame), || self.islands(now, opening, tally));
         // What was born in this frame has gained nothing that is known.
         let gained_by = |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
-        for mut island in self.islands(bodies, opening, tally) {
+        for mut island in islands {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
                 members.iter().map(|&i| energy_of(bodies, i)).sum()
             };
@@ -233,24 +235,25 @@ impl Ledger {
     /// The islands of a frame. A body that broke still stands in for its fragments.
     fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
-        let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
-        let mut islands = Islands::default();
+        let is_immobile = |node: u32| are_immobile.get(node as usize) == Some(&true);
+        let mut islands = Islands::new(bodies);
         let mut held = Vec::new();
         for &(a, b) in &tally.links {
+            let (a, b) = (islands.node(bodies, a), islands.node(bodies, b));
             match (is_immobile(a), is_immobile(b)) {
-                (false, false) => islands.link(bodies, a, b),
+                (false, false) => islands.link(a, b),
                 (false, true) => held.push((a, b)),
                 (true, false) => held.push((b, a)),
                 (true, true) => {}
             }
         }
-        held.iter().for_each(|&(id, _)| islands.join(bodies, id));
+        held.iter().for_each(|&(node, _)| islands.join(node));
         let members = islands.members(bodies);
 
         // What holds each of them, and what its mobile bodies owe.
         let mut anchors = vec![Held::ByNothing; members.len()];
-        for (id, by) in held {
-            let Some(number) = islands.number(bodies, id) else { continue };
+        for (node, by) in held {
+            let Some(number) = islands.number(node) else { continue };
             let anchor = &mut anchors[number];
             *anchor = match *anchor {
                 Held::ByNothing => Held::By(by),
@@ -260,8 +263,9 @@ impl Ledger {
         }
         let mut debts = vec![Vec::new(); members.len()];
         for (index, debt) in tally.debts.iter().enumerate() {
-            let mobile = debt.ids.iter().find(|&&id| !is_immobile(id));
-            if let Some(number) = mobile.and_then(|&id| islands.number(bodies, id)) {
+            let mobile =
+                debt.ids.map(|id| islands.node(bodies, id)).into_iter().find(|&node| !is_immobile(node));
+            if let Some(number) = mobile.and_then(|node| islands.number(node)) {
                 debts[number].push(index);
             }
         }
@@ -282,7 +286,8 @@ impl Ledger {
 #[derive(Clone, Copy)]
 enum Held {
     ByNothing,
-    By(BodyId),
+    /// One body, by its dense index.
+    By(u32),
     ByMany,
 }
 
@@ -304,7 +309,7 @@ pub(crate) fn work_on(work: &BTreeMap<[BodyId; 2], f64>, ids: &[BodyId]) -> f64 
 fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
     match held {
         Held::ByNothing => Anchor::Free,
-        Held::By(id) => bodies.index_of(id).map_or(Anchor::Fixed, |i| Anchor::of(bodies, i)),
+        Held::By(i) => Anchor::of(bodies, i as usize),
         Held::ByMany => Anchor::Fixed,
     }
 }

@@ -2,6 +2,7 @@
 //! that can move with a pair of the other, so threads take a half each: nested dissection [Geo73].
 
 use crate::Bodies;
+use crate::threads;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -23,9 +24,10 @@ impl Regions {
         let depth = (pairs / REGION_PAIRS).checked_ilog2().unwrap_or(0);
         let mut of_body = vec![0; who.len()];
         let moves = |&local: &usize| !bodies.inertias[who[local]].is_infinite();
-        let place = |local: usize| Place { local, position: bodies.poses[who[local]].position };
+        let place = |local: usize| Place { local, position: bodies.poses[who[local]].position, region: 0 };
         let mut places: Vec<Place> = (0..who.len()).filter(moves).map(place).collect();
-        halve(&mut places, (1, depth), &mut of_body);
+        halve(&mut places, 1, depth);
+        places.iter().for_each(|place| of_body[place.local] = place.region);
         Self { depth, of_body }
     }
 
@@ -65,12 +67,14 @@ pub(crate) fn halves(regions: usize) -> Option<[Range<usize>; 2]> {
 struct Place {
     local: usize,
     position: DVec3,
+    /// The smallest region that it is in.
+    region: u32,
 }
 
-/// Halves a region so often, and says where each body is then.
-fn halve(places: &mut [Place], (region, depth): (u32, u32), of_body: &mut [u32]) {
+/// Halves a region so often.
+fn halve(places: &mut [Place], region: u32, depth: u32) {
     if depth == 0 {
-        places.iter().for_each(|place| of_body[place.local] = region);
+        places.iter_mut().for_each(|place| place.region = region);
         return;
     }
     let (least, most) = places
@@ -87,8 +91,7 @@ fn halve(places: &mut [Place], (region, depth): (u32, u32), of_body: &mut [u32])
         places.select_nth_unstable_by(half, along);
     }
     let (low, high) = places.split_at_mut(half);
-    halve(low, (2 * region, depth - 1), of_body);
-    halve(high, (2 * region + 1, depth - 1), of_body);
+    threads::join(half, || halve(low, 2 * region, depth - 1), || halve(high, 2 * region + 1, depth - 1));
 }
 
 #[cfg(test)]

@@ -117,8 +117,6 @@ fn solve_with<I: Instructions>(
         solved.gravity.1 += movers.gravity.1;
     }
 
-    solved.tally.find_nets(bodies);
-
     // What sleeps stays, with what it carries.
     let are_asleep = plan.sleep.hold(bodies, manifolds, &mut solved.tally);
     for (i, _) in are_asleep.iter().enumerate().filter(|&(_, &is)| is) {
@@ -140,7 +138,11 @@ fn solve_with<I: Instructions>(
 
     fly(bodies, &is_in_one, frame, &mut solved);
     let drowsiness = plan.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
-    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &is_in_heap, &drowsiness);
+    (*warm, ()) = threads::join(
+        manifolds.len(),
+        || WarmStart::of_parts(bodies, (manifolds.len(), parts), &settled, &is_in_heap, &drowsiness),
+        || solved.tally.find_nets(bodies),
+    );
     solved
 }
 
@@ -348,6 +350,8 @@ impl<'a, I: Instructions> Solver<'a, I> {
     fn close(self, frame: &Frame) -> Closed {
         let Self { bodies, movers, ranks, effort, .. } = self;
         let (mut kept, mut all) = (Vec::new(), Tally::default());
+        all.links.reserve(ranks.pairs);
+        all.given.reserve(ranks.pairs);
         for (part, tally) in threads::map(ranks.blocks, ranks.pairs, |block| block.close(bodies, &movers)) {
             kept.push(part);
             all.add(tally);

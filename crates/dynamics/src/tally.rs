@@ -192,16 +192,25 @@ impl Tally {
         self.outside_impulse += other.outside_impulse;
         self.outside_angular_impulse += other.outside_angular_impulse;
         self.causes.add_all(&other.causes);
-        self.debts.extend(other.debts);
+        append(&mut self.debts, other.debts);
         for (id, work) in other.work {
             *self.work.entry(id).or_insert(0.0) += work;
         }
-        self.links.extend(other.links);
-        self.given.extend(other.given);
+        append(&mut self.links, other.links);
+        append(&mut self.given, other.given);
         self.impulses += other.impulses;
         self.clamped += other.clamped;
         self.discarded += other.discarded;
         self.withheld += other.withheld;
+    }
+}
+
+/// Puts a list behind another one.
+fn append<T>(list: &mut Vec<T>, mut other: Vec<T>) {
+    if list.capacity() == 0 {
+        *list = other;
+    } else {
+        list.append(&mut other);
     }
 }
 

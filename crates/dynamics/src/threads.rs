@@ -52,9 +52,13 @@ pub(crate) fn for_each_with<T: Send, R: Send>(
     }
 }
 
-/// Does two things at a time, if somebody is there for the second one.
-pub(crate) fn join(one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
-    rayon::join(one, other);
+/// Does two things at a time, that hold so many things between them, if somebody is there for the second one.
+pub(crate) fn join<A: Send, B: Send>(
+    things: usize,
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if is_shared(things) { rayon::join(one, other) } else { (one(), other()) }
 }
 
 /// What each item gives.

@@ -369,7 +369,8 @@ fn island_body(world: &World, parent: usize, index: usize, glued: Glued) -> Opti
     };
     let shape = shape.ok()?;
     let is_anchored = glued.is_anchored();
-    let bonds = (!glued.bonds().is_empty()).then(|| Bonds { glued, carried: Vec::new(), sample_spacing });
+    let holds = !glued.bonds().is_empty();
+    let bonds = holds.then(|| Box::new(Bonds { glued, carried: Vec::new(), sample_spacing }));
     let label = Label {
         name: format!("{}.{index}", world.labels[parent].name),
         parent: Some(world.bodies.ids[parent]),

@@ -79,7 +79,7 @@ pub(crate) fn break_bodies(
 
 /// Lays prescored space over a body and cuts it: as finely as the blow has energy for cracks. `None` if that is not at all.
 fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Option<Break> {
-    let breaking = world.labels[parent].breaking.clone()?;
+    let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
     let striker = world.bodies.index_of(blow.striker)?;
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
     let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
@@ -129,10 +129,9 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
         name: format!("{}.{index}", parent_label.name),
         parent: Some(world.bodies.ids[*parent]),
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
-        breaking: breaks.then(|| Breaking {
-            generations: breaking.generations - 1,
-            strength: strength(),
-            ..breaking.clone()
+        breaking: breaks.then(|| {
+            let generations = breaking.generations - 1;
+            Box::new(Breaking { generations, strength: strength(), ..breaking.clone() })
         }),
         bonds: None,
     }

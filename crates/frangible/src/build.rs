@@ -117,6 +117,7 @@ fn build_body(
         None => None,
     };
     let is_anchored = bonds.as_ref().is_some_and(Bonds::is_anchored);
+    let (breaking, bonds) = (breaking.map(Box::new), bonds.map(Box::new));
     let (motion, velocity) = match desc.motion {
         _ if is_anchored => (Motion::Static, Velocity::default()),
         MotionDesc::Dynamic => {

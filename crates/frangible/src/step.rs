@@ -16,7 +16,6 @@ use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::evolve::accelerate;
 use frangible_dynamics::ledger::{Ballistic, Opening};
 use frangible_dynamics::manifold::Manifold;
-use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
 use frangible_dynamics::struck::note_struck;
@@ -191,11 +190,13 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, ledger, frame);
     tally.add(solved_tally);
-    let is_glued = |&Manifold { pair: Pair { first, second }, .. }: &Manifold| {
-        labels[first].bonds.is_some() || labels[second].bonds.is_some()
-    };
-    let forces = contact_forces(bodies, manifolds.into_iter().filter(is_glued), warm);
-    note_carried(world, &forces);
+    // Glued bodies, if there are any, give way to what they carry in the next one.
+    let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
+    if are_glued.contains(&true) {
+        let is_of_one = |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
+        let forces = contact_forces(bodies, manifolds.into_iter().filter(is_of_one), warm);
+        note_carried(world, &forces);
+    }
     clock.lap("solve");
     Moved { fractures, flight, gravity, tally }
 }

@@ -49,10 +49,10 @@ pub struct Label {
     pub parent: Option<BodyId>,
     /// What it looks like; physics does not see it.
     pub look: Option<LookDesc>,
-    /// How it breaks, if it can.
-    pub breaking: Option<Breaking>,
+    /// How it breaks, if it can. Few can, and all labels are read in each frame.
+    pub breaking: Option<Box<Breaking>>,
     /// The pieces that it is glued together of, if it is.
-    pub bonds: Option<Bonds>,
+    pub bonds: Option<Box<Bonds>>,
 }
 
 /// How a body breaks.

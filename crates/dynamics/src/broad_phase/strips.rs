@@ -50,9 +50,14 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<
     order.sort_unstable();
 
     // Into each strip that they come into, in that order.
+    let placed = threads::list(order.len(), |at| {
+        let index = order[at] as u32;
+        let bounds = &bounds[index as usize];
+        let [first, last] = layout.strips_of(bounds);
+        (first, last, layout.entry(bounds, index, first as u32, moves[index as usize]))
+    });
     let mut begin = vec![0; layout.strips + 1];
-    for &index in &bounded {
-        let [first, last] = layout.strips_of(&bounds[index]);
+    for &(first, last, _) in &placed {
         begin[first..=last].iter_mut().for_each(|count| *count += 1);
     }
     let mut total = 0;
@@ -61,11 +66,7 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<
     }
     let mut next = begin.clone();
     let mut entries = vec![Entry::default(); total];
-    for key in order {
-        let index = key as u32;
-        let bounds = &bounds[index as usize];
-        let [first, last] = layout.strips_of(bounds);
-        let entry = layout.entry(bounds, index, first as u32, moves[index as usize]);
+    for (first, last, entry) in placed {
         for next in &mut next[first..=last] {
             entries[*next] = entry;
             *next += 1;

@@ -2,9 +2,10 @@
 //! as it moves, until something moves it. Nothing acts there without passes that settle it, so nothing builds up.
 
 use super::shared_lines::SharedLines;
-use super::{Answer, Build, MASS, Movers, Moving, PACE, Seen, TRAVEL, is_mobile, tensor_of, velocity_of};
+use super::{Build, MASS, Movers, Moving, PACE, Seen, TRAVEL, is_mobile, tensor_of, velocity_of};
 use crate::contact_rows::Stage;
 use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
+use crate::threads;
 use crate::{Bodies, Frame, Velocity};
 use glam::DVec3;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,6 +16,9 @@ const CALM: f64 = 1e-4;
 
 /// Speed [m/s] from which on what holds a body at rest has to act again: in what is left of a frame it comes some hundredths of a millimetre far at it.
 const QUIET: f64 = 1e-3;
+
+/// Bodies that a thread lets fall together: some microseconds of work.
+const SHARE: usize = 1024;
 
 /// How fast a body is.
 #[derive(Clone, Copy, PartialEq)]
@@ -51,7 +55,8 @@ pub(super) struct Rest {
     /// What gravity and contacts at rest give to those that lean, before and after the drift: an impulse, and its moment about where the centre of
     /// mass was at the frame's start [N s, N m s].
     held: [SharedLines<Numbers>; 2],
-    /// Those that do not rest, the sums over those that do, and whether they are others by now.
+    /// Those that fall and nothing else, others that do not rest, the sums over those that do, and whether they are others by now.
+    falling: Vec<u32>,
     awake: Vec<u32>,
     asleep: Asleep,
     is_stale: AtomicBool,
@@ -106,6 +111,7 @@ impl Rest {
             weights: SharedLines::new(Weight::Falls, lines),
             batches: SharedLines::new(0, lines),
             held: [0, 1].map(|_| SharedLines::new(Numbers::ZERO, lines)),
+            falling: Vec::new(),
             awake: Vec::new(),
             asleep: Asleep { mass: 0.0, moment: DVec3::ZERO, momentum: DVec3::ZERO },
             is_stale: AtomicBool::new(true),
@@ -116,16 +122,19 @@ impl Rest {
     /// Who rests now.
     fn look(&mut self, moving: &[Moving], poses: &[Numbers], builds: &[Build]) {
         let weights = self.weights.as_mut_slice();
+        self.falling.clear();
         self.awake.clear();
         self.asleep = Asleep { mass: 0.0, moment: DVec3::ZERO, momentum: DVec3::ZERO };
         for (local, moving) in moving.iter().enumerate().filter(|(_, moving)| is_mobile(moving)) {
-            if weights[local] == Weight::Rests {
-                let mass = builds[local].0[MASS];
-                self.asleep.mass += mass;
-                self.asleep.moment += mass * position(&poses[local]);
-                self.asleep.momentum += mass * velocity_of(moving).linear;
-            } else {
-                self.awake.push(local as u32);
+            match weights[local] {
+                Weight::Rests => {
+                    let mass = builds[local].0[MASS];
+                    self.asleep.mass += mass;
+                    self.asleep.moment += mass * position(&poses[local]);
+                    self.asleep.momentum += mass * velocity_of(moving).linear;
+                }
+                Weight::Falls => self.falling.push(local as u32),
+                Weight::Leans | Weight::Rises => self.awake.push(local as u32),
             }
         }
     }
@@ -135,45 +144,88 @@ impl Movers {
     /// Half a substep of gravity, with what holds bodies at rest.
     pub(crate) fn kick(&mut self, step: &Frame, stage: Stage) {
         let gain = 0.5 * step.dt * step.gravity;
-        let Self { moving, seen, answers, rest, poses, starts, builds, kicked, .. } = self;
-        let (moving, seen) = (moving.as_mut_slice(), seen.as_mut_slice());
-        let is_stale = std::mem::take(rest.is_stale.get_mut());
+        let is_stale = std::mem::take(self.rest.is_stale.get_mut());
         if is_stale {
-            rest.look(moving, poses, builds);
+            let Self { moving, rest, poses, builds, .. } = self;
+            rest.look(moving.as_mut_slice(), poses, builds);
         }
 
         // Gravity acts on all, and what holds bodies at rest takes that back where it does not go on to act.
         self.gravity.0 += self.mass * gain;
         self.gravity.1 += self.moment_of_mass.cross(gain);
-        let Rest { weights, held, awake, asleep, given, .. } = rest;
+        let Rest { asleep, given, .. } = &mut self.rest;
         given.impulse -= asleep.mass * gain;
         given.moment -= asleep.moment.cross(gain);
         given.energy -= asleep.momentum.dot(gain);
-        let weights = weights.as_mut_slice();
-        let held = held[stage.at()].as_mut_slice();
-        for local in awake.iter().map(|&local| local as usize) {
-            if weights[local] == Weight::Rises {
-                weights[local] = Weight::Falls;
+        let mut falling: Vec<&[u32]> = self.rest.falling.chunks(SHARE).collect();
+        threads::for_each(&mut falling, self.rest.falling.len(), |locals| {
+            locals.iter().for_each(|&local| self.fall(local as usize, gain));
+        });
+        let mut given = self.rest.given;
+        for local in self.rest.awake.iter().map(|&local| local as usize) {
+            let weight = self.rest.weights.read(local);
+            if weight == Weight::Rises {
+                self.rest.weights.write(local, Weight::Falls);
                 // What has got up since the kick before the drift has not had that one, whose energy this one's is to be taken from.
                 if stage == Stage::AfterDrift {
-                    given.energy += 0.5 * builds[local].0[MASS] * gain.length_squared();
+                    given.energy += 0.5 * self.builds[local].0[MASS] * gain.length_squared();
                 }
             }
-            if weights[local] == Weight::Falls {
-                let Numbers([x, y, z, ..]) = &mut moving[local];
-                (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
-                show_linear(&mut seen[local], velocity_of(&moving[local]).linear);
-                seen[local].0[PACE] = f32::INFINITY;
+            if weight == Weight::Leans {
+                self.hold(local, (gain, stage), &mut given);
             } else {
-                let shown = (&mut seen[local], &answers[local]);
-                let body = ((&mut moving[local], shown), &poses[local], &starts[local], &builds[local]);
-                hold(body, &held[local], (gain, stage), given);
+                self.fall(local, gain);
             }
-            kicked[local] = seen[local];
         }
+        self.rest.given = given;
         if is_stale {
             self.note_kicked();
         }
+    }
+
+    /// Gravity's kick makes one body so much faster [m/s].
+    fn fall(&self, local: usize, gain: DVec3) {
+        let mut moving = self.moving.read(local);
+        let Numbers([x, y, z, ..]) = &mut moving;
+        (*x, *y, *z) = (*x + gain.x, *y + gain.y, *z + gain.z);
+        self.moving.write(local, moving);
+        let mut seen = self.seen.read(local);
+        show_linear(&mut seen, velocity_of(&moving).linear);
+        seen.0[PACE] = f32::INFINITY;
+        self.seen.write(local, seen);
+        self.kicked.write(local, seen);
+    }
+
+    /// What holds a body that leans acts, instead of gravity's kick. It is as fast as that makes it, as what it is in balance with has not acted yet, and may
+    /// act no more.
+    fn hold(&self, local: usize, (gain, stage): (DVec3, Stage), given: &mut Held) {
+        let Numbers([x, y, z, mx, my, mz, ..]) = self.rest.held[stage.at()].read(local);
+        let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
+        let (answer, moving) = (tensor_of(&self.answers[local]), self.moving.read(local));
+        let Velocity { linear, angular_momentum } = velocity_of(&moving);
+        let position = position(&self.poses[local]);
+        let turn = about_start - (position - self::position(&self.starts[local])).cross(impulse);
+        let Numbers([.., inverse_mass, _]) = moving;
+        let (next, next_momentum) = (linear + inverse_mass * impulse, angular_momentum + turn);
+        let DVec3 { x, y, z } = next;
+        let DVec3 { x: lx, y: ly, z: lz } = next_momentum;
+        self.moving.write(local, Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]));
+        let (spin, mut seen) = (answer * next_momentum, self.seen.read(local));
+        show_linear(&mut seen, next);
+        seen.0[3..6].copy_from_slice(&spin.as_vec3().to_array());
+
+        // Before the drift its other half is still to come: see `Beat::new`.
+        let weight = self.builds[local].0[MASS] * gain;
+        let ahead = if stage == Stage::BeforeDrift { gain } else { DVec3::ZERO };
+        let turned = 0.5 * (answer * (angular_momentum + next_momentum)).dot(turn);
+        given.energy += (0.5 * (linear + next) - ahead).dot(impulse) + turned - weight.dot(linear);
+        given.impulse += impulse - weight;
+        given.moment += position.cross(impulse - weight) + turn;
+
+        let Numbers([.., size]) = self.starts[local];
+        seen.0[PACE] = (next.length_squared() + spin.length_squared() * size * size) as f32;
+        self.seen.write(local, seen);
+        self.kicked.write(local, seen);
     }
 
     /// What rests has drifted for some time [s].
@@ -273,45 +325,6 @@ impl Movers {
             }
         }
     }
-}
-
-/// What holds a body that leans acts, instead of gravity's kick. It is as fast as that makes it, as what it is in balance with has not acted yet, and may
-/// act no more.
-fn hold(
-    ((moving, (seen, answer)), pose, start, build): (
-        (&mut Moving, (&mut Seen, &Answer)),
-        &Numbers,
-        &Numbers,
-        &Build,
-    ),
-    &Numbers([x, y, z, mx, my, mz, ..]): &Numbers,
-    (gain, stage): (DVec3, Stage),
-    given: &mut Held,
-) {
-    let (impulse, about_start) = (DVec3::new(x, y, z), DVec3::new(mx, my, mz));
-    let answer = tensor_of(answer);
-    let Velocity { linear, angular_momentum } = velocity_of(moving);
-    let position = position(pose);
-    let turn = about_start - (position - self::position(start)).cross(impulse);
-    let Numbers([.., inverse_mass, _]) = *moving;
-    let (next, next_momentum) = (linear + inverse_mass * impulse, angular_momentum + turn);
-    let DVec3 { x, y, z } = next;
-    let DVec3 { x: lx, y: ly, z: lz } = next_momentum;
-    *moving = Numbers([x, y, z, lx, ly, lz, inverse_mass, 1.0]);
-    let spin = answer * next_momentum;
-    show_linear(seen, next);
-    seen.0[3..6].copy_from_slice(&spin.as_vec3().to_array());
-
-    // Before the drift its other half is still to come: see `Beat::new`.
-    let weight = build.0[MASS] * gain;
-    let ahead = if stage == Stage::BeforeDrift { gain } else { DVec3::ZERO };
-    let turned = 0.5 * (answer * (angular_momentum + next_momentum)).dot(turn);
-    given.energy += (0.5 * (linear + next) - ahead).dot(impulse) + turned - weight.dot(linear);
-    given.impulse += impulse - weight;
-    given.moment += position.cross(impulse - weight) + turn;
-
-    let Numbers([.., size]) = *start;
-    seen.0[PACE] = (next.length_squared() + spin.length_squared() * size * size) as f32;
 }
 
 /// A body is seen as fast as it moves [m/s].

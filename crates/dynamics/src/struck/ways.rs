@@ -1,7 +1,7 @@
 //! Whom a body may reach that strays from its ballistic way.
 
 use super::Stray;
-use crate::broad_phase::{Bounds, is_above};
+use crate::broad_phase::{Bounds, Ground};
 use crate::threads;
 use crate::{Bodies, Frame, Pose};
 use glam::DVec3;
@@ -96,12 +96,12 @@ impl<'a> Ways<'a> {
         let bounds = |i: usize| bounds[i].grown(strays[i].most.0);
         let of_body = bounds(i);
         let poses: &[&[Pose]] = &[&bodies.poses, ends];
+        let is_above =
+            |ground: usize| Ground::of(bodies, ground, poses).is_some_and(|ground| ground.is_below(&of_body));
         let is_reached = |way: &&Way| {
             let other = way.i;
             let of_other = bounds(other);
-            other != i
-                && of_body.overlaps(&of_other)
-                && !(of_other.is_boundless() && is_above(bodies, other, &of_body, poses))
+            other != i && of_body.overlaps(&of_other) && !(of_other.is_boundless() && is_above(other))
         };
 
         // Nothing whose ball is further away, as far as any strays.

@@ -103,7 +103,7 @@ impl<I: Instructions> Ranks<I> {
         visit: BlockVisit<I>,
     ) {
         let Self { blocks, rank_ends, region_ends, pairs } = self;
-        let way = Way { ends: region_ends, is_fro, wanted };
+        let way = Way { ends: region_ends, pairs: *pairs, is_fro, wanted };
         if !threads::is_shared(*pairs) {
             return way.one_by_one(blocks, visit);
         }
@@ -143,6 +143,8 @@ type BlockVisit<'a, I> = &'a (dyn Fn(&mut Block<I>, &[Batch<I>]) + Send + Sync);
 struct Way<'a, I> {
     /// Where each of them ends among all blocks.
     ends: &'a [usize],
+    /// See [`Ranks`].
+    pairs: usize,
     is_fro: bool,
     wanted: Option<fn(&Block<I>) -> bool>,
 }
@@ -160,7 +162,7 @@ impl<I: Instructions> Way<'_, I> {
         if self.is_fro {
             self.one_by_one(between, visit);
         }
-        threads::join(|| of_low.visit(low, begin, visit), || of_high.visit(high, middle, visit));
+        threads::join(self.pairs, || of_low.visit(low, begin, visit), || of_high.visit(high, middle, visit));
         if !self.is_fro {
             self.one_by_one(between, visit);
         }
