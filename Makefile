@@ -43,7 +43,10 @@ test: test-rust test-python ## Check everything, as continuous integration does
 test-rust: tests/tools/node_modules/.package-lock.json
 	cargo fmt --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo test --workspace --locked
+	cargo test --workspace --locked --test '*'
+	cargo test --workspace --locked --doc
+	cargo test --workspace --locked --lib --exclude frangible-dynamics
+	cargo test --package frangible-dynamics --locked --lib --profile unit
 
 test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/mypy
