@@ -45,7 +45,7 @@ test-rust: tests/tools/node_modules/.package-lock.json
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	cargo test --workspace --locked --test '*'
 	cargo test --workspace --locked --doc
-	cargo test --workspace --locked --lib --exclude frangible-dynamics
+	cargo test --workspace --locked --lib --exclude frangible-dynamics --exclude frangible-python
 	cargo test --package frangible-dynamics --locked --lib --profile unit
 
 test-python: build tests/tools/node_modules/.package-lock.json

@@ -86,6 +86,7 @@ pub fn strike(
     tally: &mut Tally,
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
+    // Most heaps are of what bears all, and have ten thousands of pairs.
     if (0..bodies.len()).all(|i| strength(bodies, i).is_infinite()) {
         return blows;
     }

@@ -194,9 +194,9 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
     sorted(&pairs, bodies.len())
 }
 
-/// A half-space that does not move, at some poses that are all its own.
+/// A half-space that does not move.
 pub(crate) struct Ground {
-    /// Its normal, out of it, where it is, and how far from there it reaches along it [m].
+    /// In each of some lists of all bodies' poses: its normal, where it is [m], and how far from there it reaches along the normal [m].
     planes: Vec<(DVec3, DVec3, f64)>,
 }
 

@@ -235,19 +235,26 @@ impl Ledger {
     /// The islands of a frame. A body that broke still stands in for its fragments.
     fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
-        let is_immobile = |node: u32| are_immobile.get(node as usize) == Some(&true);
+        let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
         let mut islands = Islands::new(bodies);
         let mut held = Vec::new();
         for &(a, b) in &tally.links {
-            let (a, b) = (islands.node(bodies, a), islands.node(bodies, b));
             match (is_immobile(a), is_immobile(b)) {
-                (false, false) => islands.link(a, b),
+                (false, false) => {
+                    let [a, b] = [a, b].map(|id| islands.node(bodies, id));
+                    islands.link(a, b);
+                }
                 (false, true) => held.push((a, b)),
                 (true, false) => held.push((b, a)),
                 (true, true) => {}
             }
         }
-        held.iter().for_each(|&(node, _)| islands.join(node));
+        let mut nodes = |(id, by)| {
+            let [node, by] = [id, by].map(|id| islands.node(bodies, id));
+            islands.join(node);
+            (node, by)
+        };
+        let held: Vec<(u32, u32)> = held.into_iter().map(&mut nodes).collect();
         let members = islands.members(bodies);
 
         // What holds each of them, and what its mobile bodies owe.
@@ -263,9 +270,9 @@ impl Ledger {
         }
         let mut debts = vec![Vec::new(); members.len()];
         for (index, debt) in tally.debts.iter().enumerate() {
-            let mobile =
-                debt.ids.map(|id| islands.node(bodies, id)).into_iter().find(|&node| !is_immobile(node));
-            if let Some(number) = mobile.and_then(|node| islands.number(node)) {
+            let Some(&mobile) = debt.ids.iter().find(|&&id| !is_immobile(id)) else { continue };
+            let node = islands.node(bodies, mobile);
+            if let Some(number) = islands.number(node) {
                 debts[number].push(index);
             }
         }

@@ -110,7 +110,7 @@ impl Movers {
     pub(crate) fn new<I: Instructions>(bodies: &Bodies, who: Vec<usize>) -> Self {
         let lines = (who.len() + 1).next_multiple_of(LANES);
         let still = line_of(&Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY });
-        // Before anything is known of them all memory is written once, which takes a third of it all.
+        // All memory is written once before anything is known of them, which takes as long as what follows.
         let ((rest, moving, [seen, kicked]), (answers, moved, [poses, starts], builds)) = threads::join(
             who.len(),
             || {

@@ -63,7 +63,7 @@ pub(crate) fn halves(regions: usize) -> Option<[Range<usize>; 2]> {
     (half > 0).then(|| [0..half, half..2 * half])
 }
 
-/// Where a body is [m].
+/// A body, where it is [m], and in which region.
 struct Place {
     local: usize,
     position: DVec3,
@@ -86,12 +86,12 @@ fn halve(places: &mut [Place], region: u32, depth: u32) {
     let along = |a: &Place, b: &Place| -> Ordering {
         a.position[axis].total_cmp(&b.position[axis]).then(a.local.cmp(&b.local))
     };
-    let half = places.len() / 2;
+    let (count, half) = (places.len(), places.len() / 2);
     if half > 0 {
         places.select_nth_unstable_by(half, along);
     }
     let (low, high) = places.split_at_mut(half);
-    threads::join(half, || halve(low, 2 * region, depth - 1), || halve(high, 2 * region + 1, depth - 1));
+    threads::join(count, || halve(low, 2 * region, depth - 1), || halve(high, 2 * region + 1, depth - 1));
 }
 
 #[cfg(test)]

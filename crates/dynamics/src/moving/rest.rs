@@ -157,6 +157,7 @@ impl Movers {
         given.impulse -= asleep.mass * gain;
         given.moment -= asleep.moment.cross(gain);
         given.energy -= asleep.momentum.dot(gain);
+        // Each body is in the list once.
         let mut falling: Vec<&[u32]> = self.rest.falling.chunks(SHARE).collect();
         threads::for_each(&mut falling, self.rest.falling.len(), |locals| {
             locals.iter().for_each(|&local| self.fall(local as usize, gain));

@@ -3,14 +3,14 @@
 use std::cell::UnsafeCell;
 
 /// Lines of which no two threads use the same one at a time if either writes it: whoever shares work out sees to that, and only the bodies of
-/// a cluster are kept so.
+/// a cluster are kept so. Threads have ranks or regions, whose groups share no body, or stretches of lists in which each body is once.
 #[repr(transparent)]
 pub(super) struct SharedLines<T>(Vec<UnsafeCell<T>>);
 
 // The promise above.
 #[allow(
     unsafe_code,
-    reason = "only the ranks and regions of a cluster know that the bodies of their groups differ"
+    reason = "only ranks, regions and lists of a cluster's bodies know that the bodies of their parts differ"
 )]
 unsafe impl<T: Send + Sync> Sync for SharedLines<T> {}
 
