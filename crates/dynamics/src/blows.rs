@@ -86,7 +86,7 @@ pub fn strike(
     tally: &mut Tally,
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
-    // Most heaps are of what bears all, and have ten thousands of pairs.
+    // Where all bear everything no pair has to be looked at, and a heap has tens of thousands.
     if (0..bodies.len()).all(|i| strength(bodies, i).is_infinite()) {
         return blows;
     }
