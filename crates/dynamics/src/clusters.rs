@@ -4,6 +4,7 @@
 use crate::balance::Balance;
 use crate::contact_batch::Touching;
 use crate::effort::Effort;
+use crate::islands::root;
 use crate::kept_pairs::creeping_below;
 use crate::manifold::{MOST_POINTS, Manifold};
 use crate::moving::{fastest, is_calm};
@@ -333,15 +334,16 @@ fn islands(bodies: &Bodies, manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     for manifold in manifolds {
         let pair = manifold.pair;
         if !is_fixed(pair.first) && !is_fixed(pair.second) {
-            let (a, b) = (root(&mut parent, pair.first), root(&mut parent, pair.second));
-            parent[a.max(b)] = a.min(b) as u32;
+            let [a, b] = [pair.first, pair.second].map(|i| root(&mut parent, i as u32));
+            parent[a.max(b) as usize] = a.min(b);
         }
     }
     // Most are small, and lists that grow cost more than counting first.
     let (mut number_of, mut sizes) = (vec![usize::MAX; bodies.len()], Vec::new());
     let mut number = |manifold: &Manifold| {
         let Pair { first, second } = manifold.pair;
-        let number = &mut number_of[root(&mut parent, if is_fixed(first) { second } else { first })];
+        let mobile = if is_fixed(first) { second } else { first };
+        let number = &mut number_of[root(&mut parent, mobile as u32) as usize];
         if *number == usize::MAX {
             *number = sizes.len();
             sizes.push(0);
@@ -353,19 +355,6 @@ fn islands(bodies: &Bodies, manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     let mut islands: Vec<Vec<usize>> = sizes.into_iter().map(Vec::with_capacity).collect();
     numbers.into_iter().enumerate().for_each(|(at, number)| islands[number].push(at));
     islands
-}
-
-/// Who stands for a body's island: its smallest index.
-fn root(parent: &mut [u32], mut of: usize) -> usize {
-    loop {
-        let up = parent[of] as usize;
-        if up == of {
-            return of;
-        }
-        // Shorten the way for the next time.
-        parent[of] = parent[up];
-        of = parent[of] as usize;
-    }
 }
 
 #[cfg(test)]

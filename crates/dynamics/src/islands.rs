@@ -38,7 +38,7 @@ impl Islands {
     pub(crate) fn link(&mut self, a: u32, b: u32) {
         self.join(a);
         self.join(b);
-        let (a, b) = (self.root(a), self.root(b));
+        let (a, b) = (root(&mut self.parent, a), root(&mut self.parent, b));
         // The smaller node stands for the island, whatever the order of the links.
         self.parent[a.max(b) as usize] = a.min(b);
     }
@@ -62,7 +62,7 @@ impl Islands {
             if self.parent[node] == NONE {
                 continue;
             }
-            let root = self.root(node as u32) as usize;
+            let root = root(&mut self.parent, node as u32) as usize;
             if root == node {
                 self.number[node] = sizes.len() as u32;
                 sizes.push(0);
@@ -82,18 +82,19 @@ impl Islands {
     pub(crate) fn number(&self, node: u32) -> Option<usize> {
         self.number.get(node as usize).filter(|&&number| number != NONE).map(|&number| number as usize)
     }
+}
 
-    fn root(&mut self, node: u32) -> u32 {
-        let mut at = node;
-        loop {
-            let up = self.parent[at as usize];
-            if up == at {
-                return at;
-            }
-            // Shorten the way for the next time.
-            self.parent[at as usize] = self.parent[up as usize];
-            at = up;
+/// Who stands for a node's island.
+pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
+    let mut at = node;
+    loop {
+        let up = parent[at as usize];
+        if up == at {
+            return at;
         }
+        // Shorten the way for the next time.
+        parent[at as usize] = parent[up as usize];
+        at = up;
     }
 }
 
