@@ -10,7 +10,7 @@ use crate::pair::Pair;
 use crate::tally::{Cause, Tally};
 use crate::threads;
 use crate::warm_start::{Carried, WarmStart};
-use crate::{Bodies, Frame, Motion, Pose, Velocity};
+use crate::{Bodies, BodyId, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
 /// An island is solved in one of so many frames even if it is in balance: what creeps is stopped, and what overlaps parts.
@@ -79,30 +79,50 @@ impl Balance {
         balance
     }
 
-    /// Their bodies go on as they move. What gravity gives them is taken by what they stand on. Says who they are.
-    pub(crate) fn go_on(
+    /// Their bodies go on as they move: who they are, and where they get to.
+    pub(crate) fn onward(
         &self,
-        bodies: &mut Bodies,
+        bodies: &Bodies,
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
-        (tally, gravity): (&mut Tally, &mut (DVec3, DVec3)),
         frame: &Frame,
-    ) -> Vec<bool> {
-        let (mut who, mut are_balanced) = (Vec::new(), vec![false; bodies.len()]);
-        let gain = frame.dt * frame.gravity;
+    ) -> Onward {
+        let (mut who, mut links) = (Vec::new(), Vec::with_capacity(self.manifolds.len()));
+        let mut are_balanced = vec![false; bodies.len()];
         for (pair, carried) in self.manifolds.iter().map(|&at| (manifolds[at].pair, carried[at])) {
             if !carried.is_empty() {
-                tally.link(bodies, pair);
+                links.push((bodies.ids[pair.first], bodies.ids[pair.second]));
             }
             for i in [pair.first, pair.second] {
-                if bodies.motions[i] != Motion::Dynamic || std::mem::replace(&mut are_balanced[i], true) {
-                    continue;
+                if bodies.motions[i] == Motion::Dynamic && !std::mem::replace(&mut are_balanced[i], true) {
+                    who.push(i);
                 }
-                who.push(i);
             }
         }
-        for (&i, end) in
-            who.iter().zip(evolve_these(bodies, &who, (&bodies.poses, &bodies.velocities), frame))
-        {
+        let ends = evolve_these(bodies, &who, (&bodies.poses, &bodies.velocities), frame);
+        Onward { who, ends, links }
+    }
+}
+
+/// Bodies in balance in a frame.
+pub(crate) struct Onward {
+    pub(crate) who: Vec<usize>,
+    /// Where each of them gets to.
+    ends: Vec<Pose>,
+    /// Those that touch, and what they stand on.
+    links: Vec<(BodyId, BodyId)>,
+}
+
+impl Onward {
+    /// The bodies go where they get to. What gravity gives them is taken by what they stand on.
+    pub(crate) fn go(
+        &self,
+        bodies: &mut Bodies,
+        (tally, gravity): (&mut Tally, &mut (DVec3, DVec3)),
+        frame: &Frame,
+    ) {
+        let gain = frame.dt * frame.gravity;
+        tally.links.extend(&self.links);
+        for (&i, &end) in self.who.iter().zip(&self.ends) {
             let start = std::mem::replace(&mut bodies.poses[i], end);
             let weight = bodies.masses[i] * gain;
             let moment = (0.5 * (start.position + end.position)).cross(weight);
@@ -112,7 +132,6 @@ impl Balance {
             tally.outside_angular_impulse -= moment;
             tally.causes.add(Cause::Contact, -bodies.velocities[i].linear.dot(weight));
         }
-        are_balanced
     }
 }
 

@@ -277,15 +277,19 @@ impl Ledger {
             }
         }
 
-        let island = |((ids, held), debts): ((Vec<BodyId>, Held), Vec<usize>)| Island {
-            members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
-            anchor: anchor_of(bodies, held),
-            allowance: sum(&opening.0, &ids) + work_on(&tally.work, &ids),
-            bank: sum(&self.bank, &ids),
-            debts,
+        let island = |number: usize| {
+            let ids = &members[number];
+            Island {
+                members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
+                anchor: anchor_of(bodies, anchors[number]),
+                allowance: sum(&opening.0, ids) + work_on(&tally.work, ids),
+                bank: sum(&self.bank, ids),
+                debts: debts[number].clone(),
+            }
         };
-        let all = members.into_iter().zip(anchors).zip(debts).map(island);
-        all.filter(|island| !island.members.is_empty()).collect()
+        let mut all = threads::list(members.len(), island);
+        all.retain(|island| !island.members.is_empty());
+        all
     }
 }
 

@@ -79,7 +79,7 @@ fn solve_with<I: Instructions>(
     let plan = plan(bodies, touching, warm, frame);
     let numbers: Vec<usize> = (0..plan.clusters.len()).collect();
     let room = || vec![NOWHERE; bodies_now.len()];
-    let closed = threads::map_with(numbers, manifolds.len(), room, |local, number| {
+    let solve_cluster = |local: &mut Vec<u32>, number| {
         let cluster = Cluster::new(bodies_now, touching, &plan, number, local);
         let substeps = cluster.effort.substeps;
         let step = Frame { dt: frame.dt / f64::from(substeps), ..*frame };
@@ -97,7 +97,20 @@ fn solve_with<I: Instructions>(
             }
         }
         solver.close(frame)
-    });
+    };
+    // Beside them, who sleeps keeps what it carries, and so does who is in balance, which goes on.
+    let stay = || plan.sleep.manifolds.iter().chain(&plan.balance.manifolds);
+    let keep = || {
+        let points = stay().map(|&at| carried[at].len()).sum();
+        let mut kept = Part::with_room(stay().count(), points);
+        stay().for_each(|&at| kept.keep(at, manifolds[at].pair, carried[at]));
+        (kept, plan.balance.onward(bodies_now, (manifolds, &carried), frame))
+    };
+    let (closed, (kept, onward)) = threads::join(
+        manifolds.len(),
+        || threads::map_with(numbers, manifolds.len(), room, solve_cluster),
+        keep,
+    );
 
     // One after the other, so that sums are the same whoever came first.
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
@@ -125,15 +138,11 @@ fn solve_with<I: Instructions>(
     }
     // What is in balance goes on.
     let Solved { tally, gravity } = &mut solved;
-    let are_balanced = plan.balance.go_on(bodies, (manifolds, &carried), (tally, gravity), frame);
-    for (i, _) in are_balanced.iter().enumerate().filter(|&(_, &is)| is) {
+    onward.go(bodies, (tally, gravity), frame);
+    for &i in &onward.who {
         let id = bodies.ids[i];
         (is_in_one[i], is_in_heap[i], settled[i]) = (true, warm.is_in_heap(id), settles(warm, id));
     }
-    let stay = plan.sleep.manifolds.iter().chain(&plan.balance.manifolds);
-    let points = stay.clone().map(|&at| carried[at].len()).sum();
-    let mut kept = Part::with_room(stay.clone().count(), points);
-    stay.for_each(|&at| kept.keep(at, manifolds[at].pair, carried[at]));
     parts.push(kept);
 
     fly(bodies, &is_in_one, frame, &mut solved);

@@ -5,6 +5,7 @@
 //! that shares out its work, and that was two fifths of what there was to compile.
 
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Things, pairs or bodies, of which fewer than this are not worth sharing out.
@@ -16,9 +17,24 @@ pub(crate) fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
-/// Calls something with each number up to a count.
-fn share(count: usize, call: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().for_each(call);
+/// Calls something on each thread, with the numbers up to a count that are this thread's. Each begins with a stretch of its own, which is the same one
+/// for as many things the next time, so that it finds much of what it had there in its caches; who is done goes on with what others have not begun.
+fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) {
+    let stretches = rayon::current_num_threads().min(count);
+    let end = |stretch: usize| (stretch + 1) * count / stretches;
+    let next: Vec<AtomicUsize> =
+        (0..stretches).map(|stretch| AtomicUsize::new(stretch * count / stretches)).collect();
+    let of_thread = |_| {
+        let own = rayon::current_thread_index().unwrap_or(0);
+        let mut numbers = (own..own + stretches).map(|turn| turn % stretches).flat_map(|stretch| {
+            let next = &next[stretch];
+            std::iter::from_fn(move || {
+                Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < end(stretch))
+            })
+        });
+        call(&mut numbers);
+    };
+    (0..stretches).into_par_iter().with_max_len(1).for_each(of_thread);
 }
 
 /// Something that one thread has at a time. A panic goes on in the thread that waits for all of them, and nobody sees what it left behind.
@@ -32,7 +48,7 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&
 }
 
 /// As [`for_each`], with room that is used again from item to item.
-pub(crate) fn for_each_with<T: Send, R: Send>(
+pub(crate) fn for_each_with<T: Send, R>(
     items: &mut [T],
     things: usize,
     room: impl Fn() -> R + Send + Sync,
@@ -40,11 +56,11 @@ pub(crate) fn for_each_with<T: Send, R: Send>(
 ) {
     if items.len() > 1 && is_shared(things) {
         let items: Vec<Mutex<&mut T>> = items.iter_mut().map(Mutex::new).collect();
-        let rooms = Mutex::new(Vec::new());
-        share(items.len(), &|i| {
-            let mut own = with(&rooms, Vec::pop).unwrap_or_else(&room);
-            with(&items[i], |item| visit(&mut own, item));
-            with(&rooms, |rooms| rooms.push(own));
+        share(items.len(), &|numbers| {
+            let mut own = None;
+            for i in numbers {
+                with(&items[i], |item| visit(own.get_or_insert_with(&room), item));
+            }
         });
     } else {
         let mut room = room();
