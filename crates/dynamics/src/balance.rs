@@ -108,7 +108,7 @@ pub(crate) struct Onward {
     pub(crate) who: Vec<usize>,
     /// Where each of them gets to.
     ends: Vec<Pose>,
-    /// Those that touch, and what they stand on.
+    /// Pairs that carried.
     links: Vec<(BodyId, BodyId)>,
 }
 

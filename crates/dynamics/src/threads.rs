@@ -17,8 +17,8 @@ pub(crate) fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
-/// Calls something on each thread, with the numbers up to a count that are this thread's. Each begins with a stretch of its own, which is the same one
-/// for as many things the next time, so that it finds much of what it had there in its caches; who is done goes on with what others have not begun.
+/// Calls something about once for each thread, with numbers up to a count, of which each comes once. A thread begins with a stretch of its own, which is the same one
+/// for as many things the next time, as it may have them in its caches; who is done goes on with what others have not begun.
 fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) {
     let stretches = rayon::current_num_threads().min(count);
     let end = |stretch: usize| (stretch + 1) * count / stretches;
@@ -83,7 +83,7 @@ pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R +
 }
 
 /// As [`map`], with room that is used again for the next items of a thread.
-pub(crate) fn map_with<T: Send, R: Send, O: Send>(
+pub(crate) fn map_with<T: Send, R: Send, O>(
     items: Vec<T>,
     things: usize,
     room: impl Fn() -> O + Send + Sync,
@@ -107,5 +107,39 @@ pub(crate) fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync)
         (0..count).into_par_iter().with_min_len(FEW).map(of).collect()
     } else {
         (0..count).map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However many there are, though shares are within shares.
+    #[test]
+    fn each_number_comes_once() {
+        let counts = |of_each: &[AtomicUsize]| -> Vec<usize> {
+            of_each.iter().map(|count| count.load(Ordering::Relaxed)).collect()
+        };
+        for threads in 1..=4 {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            for count in [0, 1, 2, 3, 5, 64, 257] {
+                let times: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                let within: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                let add = |to: &[AtomicUsize], numbers: &mut dyn Iterator<Item = usize>| {
+                    numbers.for_each(|number| {
+                        to[number].fetch_add(1, Ordering::Relaxed);
+                    });
+                };
+                pool.install(|| {
+                    share(count, &|numbers| {
+                        add(&times, numbers);
+                        share(count, &|numbers| add(&within, numbers));
+                    });
+                });
+                assert_eq!(counts(&times), vec![1; count]);
+                // Within each call, and of these there is one for each thread that has something to do.
+                assert_eq!(counts(&within), vec![threads.min(count); count]);
+            }
+        }
     }
 }
