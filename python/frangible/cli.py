@@ -237,9 +237,10 @@ def _run(options: argparse.Namespace) -> None:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
+    # The scene names the mesh's file: `build` reads it once more.
     with nullcontext() if options.mesh is None else readable_mesh(options.mesh) as mesh:
         scene = _frangible.shot_scene(options.shot, mesh=mesh, fps=options.fps, method=options.method, seed=options.seed)
-    world = _frangible.World.build(scene, options.threads)
+        world = _frangible.World.build(scene, options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.
     start_bodies, start_mass = len(world.ids), moving_mass(world)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from contextlib import nullcontext
 
 from ._frangible import World, shot_frames, shot_scene
 from .recording import ProgressCallback, Recording, check_frames
+from .usd_mesh import readable_mesh
 
 
 def run(
@@ -29,6 +31,8 @@ def run(
     if frames is None:
         frames = shot_frames(shot, fps)
     check_frames(frames)
-    path = None if mesh is None else os.fspath(mesh)
-    world = World.build(shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed), threads)
+    # The scene names the mesh's file: `build` reads it once more.
+    with nullcontext() if mesh is None else readable_mesh(mesh) as path:
+        scene = shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed)
+        world = World.build(scene, threads)
     return Recording.record(world, frames, shot=shot, fps=fps, progress=progress)

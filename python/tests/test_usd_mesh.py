@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frangible import BuildError, Pattern, break_mesh, mesh_info
+from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
 from frangible.usd_mesh import readable_mesh
 from pxr import Gf, Usd, UsdGeom
@@ -81,6 +81,15 @@ def test_instances_count_and_what_is_not_seen_does_not(saved: Any) -> None:
         cube(stage, "/Guide").CreatePurposeAttr(UsdGeom.Tokens.guide)
 
     assert info(saved(fill))["volume_m3"] == pytest.approx(3 * 8.0)
+
+
+@pytest.mark.parametrize("ending", ["usda", "usdc"])
+def test_a_mesh_in_usd_is_simulated(saved: Any, capsys: pytest.CaptureFixture[str], ending: str) -> None:
+    path = saved(lambda stage: cube(stage, "/Cube") and None, f"drawn.{ending}")
+    assert main(["run", "impact", "--mesh", path, "--frames", "1", "--threads", "1", "--json"]) == 0
+    assert '"frames": 1' in capsys.readouterr().out
+    recording = run("impact", mesh=path, frames=1, threads=1)
+    assert "mesh" in [body.name for body in recording.bodies]
 
 
 @pytest.mark.parametrize("lost", [None, 3])
