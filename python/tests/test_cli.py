@@ -146,7 +146,7 @@ def test_a_folder_that_goes_away_during_the_run_is_named(
 ) -> None:
     folder = tmp_path / "folder"
     folder.mkdir()
-    monkeypatch.setattr("frangible.cli.report_progress", lambda _: folder.rmdir() or nullcontext(lambda *_: None))
+    monkeypatch.setattr("frangible.cli.run.report_progress", lambda _: folder.rmdir() or nullcontext(lambda *_: None))
     assert main(["run", "wall", "--frames", "1", "--out", str(folder / "wall.glb")]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert str(folder) in line

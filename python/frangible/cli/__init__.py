@@ -1,0 +1,63 @@
+"""The ``frangible`` command: each of its commands is a module of this package."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from .. import _frangible
+from ..cache import CacheError
+from ..output import OutputError
+from ..stepping import BenchError
+from ..verification import ClaimError
+from .bench import add_bench
+from .breaking import add_break
+from .files import add_info, add_plot, add_shots
+from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, EXIT_TERMINATED, Parser
+from .pattern import add_pattern
+from .run import add_run
+from .verify import add_verify
+
+#: In the order in which the help lists them.
+COMMANDS = (add_run, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; answers with its exit status."""
+    # A polite kill unwinds like an interrupt, so that temporary files go away.
+    def terminate(*_: object) -> NoReturn:
+        sys.exit(EXIT_TERMINATED)
+
+    signal.signal(signal.SIGTERM, terminate)
+    options = parser().parse_args(arguments)
+    try:
+        status: int = options.command(options) or 0
+        sys.stdout.flush()
+        return status
+    except (_frangible.BuildError, BenchError, CacheError, ClaimError, OutputError) as error:
+        print(f"frangible: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; the interpreter must not try to flush the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_PIPE_CLOSED
+    except OSError as error:
+        # The disk is full, or the folder went away during the run.
+        print(f"frangible: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return EXIT_FAILED
+    except KeyboardInterrupt:
+        print("frangible: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+
+
+def parser() -> argparse.ArgumentParser:
+    """Reads the arguments of all commands."""
+    whole = Parser(prog="frangible", description="Rigid bodies that break.")
+    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+    for add in COMMANDS:
+        add(commands)
+    return whole

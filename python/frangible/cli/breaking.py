@@ -1,0 +1,75 @@
+"""``frangible break``: pieces of a mesh, without a simulation."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from typing import Any
+
+from .. import _frangible
+from ..breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
+from ..pieces import describe_pieces
+from ..pieces_files import open_pieces_output
+from ..usd_mesh import readable_mesh
+from .options import finite, natural, positive
+
+
+def add_break(commands: Any) -> None:
+    """Add the command."""
+    breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
+    breaker.set_defaults(command=_break)
+    breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
+    breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
+    breaker.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="number of cells [the pattern's]")
+    breaker.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
+    breaker.add_argument(
+        "--at",
+        nargs=3,
+        type=finite,
+        metavar=("X", "Y", "Z"),
+        help="point that is struck, in the mesh's own frame [where a blow through the middle of the bounding box lands]",
+    )
+    breaker.add_argument(
+        "--normal",
+        nargs=3,
+        type=finite,
+        default=DEFAULT_NORMAL,
+        metavar=("X", "Y", "Z"),
+        help="from the point towards what strikes it [0 1 0: struck from above]",
+    )
+    breaker.add_argument("--exact", action="store_true", help="cut the mesh's own triangles, not samples of it on a grid")
+    breaker.add_argument(
+        "--voxels",
+        type=natural(MOST_VOXELS),
+        default=DEFAULT_VOXELS,
+        metavar="N",
+        help="of the grid, along the mesh's longest side [%(default)s]; with --exact only for a mesh that must be closed so",
+    )
+    breaker.add_argument(
+        "--out",
+        required=True,
+        metavar="FILE|FOLDER",
+        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and neighbours go beside it as .json",
+    )
+    breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
+
+
+def _break(options: argparse.Namespace) -> None:
+    output = open_pieces_output(options.out)
+    with readable_mesh(options.pattern) as name:
+        pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
+    begin = time.perf_counter()
+    pieces = break_mesh(
+        options.mesh,
+        pattern,
+        at=options.at,
+        normal=options.normal,
+        exact=options.exact,
+        voxels=options.voxels,
+    )
+    summary = pieces.summary(time.perf_counter() - begin)
+    output.write(pieces)
+    print(f"wrote {output.path} and {output.report}", file=sys.stderr)
+    print(json.dumps(summary) if options.json else describe_pieces(summary))

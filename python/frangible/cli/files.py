@@ -1,0 +1,54 @@
+"""``frangible plot``, ``shots`` and ``info``: what there is."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from .. import _frangible
+from ..output import open_plot
+from ..recording import Recording
+from .options import readable
+from .outputs import write
+
+
+def add_plot(commands: Any) -> None:
+    """Add the command."""
+    plot = commands.add_parser("plot", help="draw energy by cause and momentum over time")
+    plot.set_defaults(command=_plot)
+    plot.add_argument("file", metavar="FILE", help="what `frangible run --out FILE` wrote, .npz")
+    plot.add_argument(
+        "--out", action="append", required=True, metavar="FILE", help=".png, .svg or .pdf; may be repeated"
+    )
+
+
+def add_shots(commands: Any) -> None:
+    """Add the command."""
+    shots = commands.add_parser("shots", help="list the shots")
+    shots.set_defaults(command=_shots)
+
+
+def add_info(commands: Any) -> None:
+    """Add the command."""
+    info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
+    info.set_defaults(command=_info)
+    info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)")
+
+
+def _plot(options: argparse.Namespace) -> None:
+    outputs = [open_plot(path) for path in options.out]
+    write(outputs, Recording.load(options.file))
+
+
+def _shots(_: argparse.Namespace) -> None:
+    shots = _frangible.shots()
+    width = max((len(name) for name, _ in shots), default=0)
+    for name, line in shots:
+        print(f"{name:{width}}  {line}")
+
+
+def _info(options: argparse.Namespace) -> None:
+    from ..info import describe_file
+
+    for key, value in describe_file(options.file).items():
+        print(f"{key:15} {readable(value)}")

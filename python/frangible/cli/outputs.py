@@ -1,0 +1,17 @@
+"""Writes what the options name."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from ..output import Output
+from ..recording import Recording
+
+
+def write(outputs: list[Output], recording: Recording) -> None:
+    """Each output, with a line for each on stderr."""
+    for output in outputs:
+        output.write(recording)
+        size = os.path.getsize(output.path)
+        print(f"wrote {output.path}, {size / 2**20:.3g} MiB", file=sys.stderr)

@@ -1,0 +1,49 @@
+"""``frangible pattern``: make a fracture pattern, save it and draw it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import Any
+
+from .. import _frangible
+from ..output import OutputError
+from ..usd_mesh import readable_mesh
+from .options import natural, positive, readable
+
+
+def add_pattern(commands: Any) -> None:
+    """Add the command."""
+    pattern = commands.add_parser(
+        "pattern",
+        help="make a fracture pattern, save it and draw it with its pieces pulled apart",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="kinds:\n" + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
+    )
+    pattern.set_defaults(command=_pattern)
+    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
+    pattern.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="about so many pieces [the kind's]")
+    pattern.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
+    pattern.add_argument(
+        "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
+    )
+    pattern.add_argument("--picture", metavar="FILE", help="a picture beside what --out writes, .png")
+
+
+def _pattern(options: argparse.Namespace) -> None:
+    from ..pattern import check_pattern_file, describe_pattern, write_pattern
+
+    # Whatever can be wrong is found before anything is drawn.
+    if options.picture is not None and not options.picture.lower().endswith(".png"):
+        raise OutputError(f"--picture: {options.picture}, must end in .png")
+    paths = [*options.out, *([options.picture] if options.picture is not None else [])]
+    for path in paths:
+        check_pattern_file(path)
+    with readable_mesh(options.name) as name:
+        pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
+    for key, value in describe_pattern(pattern).items():
+        print(f"{key:15} {readable(value)}")
+    for path in paths:
+        write_pattern(pattern, path)
+        print(f"wrote {path}, {os.path.getsize(path) / 2**20:.3g} MiB", file=sys.stderr)
