@@ -1,17 +1,17 @@
-"""From the name of a shot to a recording."""
+"""From a shot or a scene to a recording."""
 
 from __future__ import annotations
 
+import json
 import os
-from contextlib import nullcontext
 
-from ._frangible import World, shot_frames, shot_scene
+from ._frangible import World
 from .recording import ProgressCallback, Recording, check_frames
-from .usd_mesh import readable_mesh
+from .scenes import Scene, find_scene, readable_scene
 
 
 def run(
-    shot: str,
+    scene: str | os.PathLike[str] | Scene,
     *,
     mesh: str | os.PathLike[str] | None = None,
     frames: int | None = None,
@@ -21,18 +21,20 @@ def run(
     seed: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Recording:
-    """Build a shot, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
+    """Build a scene, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
 
-    ``mesh`` is a file for shots that break one; without ``frames`` the shot takes as long as it is meant to; what
-    stands for `None` in ``fps``, ``method`` and ``seed``, `shot_defaults` says; 0 ``threads`` means one for every
-    processor. `BuildError` if the scene cannot be built, `ValueError` without a frame to step.
+    ``scene`` is the name of a shot, the path of a scene file (it ends in .json or .toml, or has a folder), or a scene as a
+    dictionary. ``mesh`` is a file for shots that break one; without ``frames`` a shot takes as long as it is meant to, and a
+    scene of one's own three seconds; what stands for `None` in ``fps``, ``method`` and ``seed`` of a shot, `shot_defaults`
+    says; 0 ``threads`` means one for every processor. `BuildError` if the scene cannot be built, `ValueError` without a frame
+    to step.
     """
     # Before anything is built, which can take a while.
-    if frames is None:
-        frames = shot_frames(shot, fps)
-    check_frames(frames)
-    # The scene names the mesh's file: `build` reads it once more.
-    with nullcontext() if mesh is None else readable_mesh(mesh) as path:
-        scene = shot_scene(shot, mesh=path, fps=fps, method=method, seed=seed)
-        world = World.build(scene, threads)
-    return Recording.record(world, frames, shot=shot, fps=fps, progress=progress)
+    if frames is not None:
+        check_frames(frames)
+    mesh = None if mesh is None else os.fspath(mesh)
+    found, own_frames, name = find_scene(scene, mesh=mesh, fps=fps, method=method, seed=seed)
+    with readable_scene(found) as readable:
+        world = World.build(json.dumps(readable), threads)
+    rate = float(found.get("frames_per_second", 1.0 / world.dt))
+    return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress)

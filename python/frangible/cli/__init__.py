@@ -20,10 +20,11 @@ from .files import add_info, add_plot, add_shots
 from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, EXIT_TERMINATED, Parser
 from .pattern import add_pattern
 from .run import add_run
+from .scene import add_scene
 from .verify import add_verify
 
 #: In the order in which the help lists them.
-COMMANDS = (add_run, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info)
+COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

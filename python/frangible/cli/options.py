@@ -9,6 +9,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, NoReturn
 
+from .. import _frangible
+
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
 
@@ -26,6 +28,24 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
+
+
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    """What says which scene, for `find_scene`."""
+    defaults = _frangible.shot_defaults()
+    parser.add_argument("shot", metavar="SHOT|FILE", help="one of those that `frangible shots` lists, or a scene file (.json, .toml)")
+    parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="assignments",
+        metavar="PATH=VALUE",
+        help="a field of the scene, as in bodies.wall.breaking.strength=2e6; may be repeated",
+    )
+    parser.add_argument("--fps", type=positive(float, "a number"), metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
+    parser.add_argument("--method", help=f"which step advances a frame [{defaults['method']}, or the file's]")
+    parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
 
 
 def finite(text: str) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -15,27 +14,22 @@ from ..output import OutputError, open_output
 from ..progress import report_progress
 from ..recording import Recorder, step_frames
 from ..report import StepReport
+from ..scenes import find_scene, readable_scene
 from ..stepping import moving_mass
 from ..summary import describe, summarise
-from ..usd_mesh import readable_mesh
-from .options import MOST_THREADS, natural, positive
+from .options import MOST_THREADS, add_scene_options, natural, positive
 from .outputs import write
 
 
 def add_run(commands: Any) -> None:
     """Add the command."""
-    defaults = _frangible.shot_defaults()
-    run = commands.add_parser("run", help="simulate a shot and write what it looks like")
+    run = commands.add_parser("run", help="simulate a shot or a scene of your own, and write what it looks like")
     run.set_defaults(command=_run)
-    run.add_argument("shot", metavar="SHOT", help="one of those that `frangible shots` lists")
-    run.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
-    run.add_argument("--frames", type=positive(int, "a whole number"), metavar="N", help="number of steps [the shot's]")
+    add_scene_options(run)
     run.add_argument(
-        "--fps", type=positive(float, "a number"), default=defaults["fps"], metavar="HZ", help="steps per second [%(default)g]"
+        "--frames", type=positive(int, "a whole number"), metavar="N", help="number of steps [the shot's, or 3 s]"
     )
-    run.add_argument("--method", default=defaults["method"], help="which step advances a frame [%(default)s]")
     run.add_argument("--threads", type=natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
-    run.add_argument("--seed", type=natural(2**64 - 1), default=defaults["seed"], metavar="N", help="same seed, same run [%(default)s]")
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
     )
@@ -46,15 +40,21 @@ def add_run(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> None:
     # Whatever can be wrong is found before anything is simulated.
     outputs = [open_output(path, options.frame) for path in options.out]
-    frames = options.frames or _frangible.shot_frames(options.shot, options.fps)
+    scene, frames, name = find_scene(
+        options.shot,
+        mesh=options.mesh,
+        fps=options.fps,
+        method=options.method,
+        seed=options.seed,
+        assignments=options.assignments,
+    )
+    frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    # The scene names the mesh's file: `build` reads it once more.
-    with nullcontext() if options.mesh is None else readable_mesh(options.mesh) as mesh:
-        scene = _frangible.shot_scene(options.shot, mesh=mesh, fps=options.fps, method=options.method, seed=options.seed)
-        world = _frangible.World.build(scene, options.threads)
+    with readable_scene(scene) as readable:
+        world = _frangible.World.build(json.dumps(readable), options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.
     start_bodies, start_mass = len(world.ids), moving_mass(world)
@@ -74,11 +74,11 @@ def _run(options: argparse.Namespace) -> None:
 
     # Write the files, then the figures.
     if recorder is not None:
-        write(outputs, recorder.finish(options.shot, options.fps))
+        write(outputs, recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt))))
     summary = summarise(
         reports,
-        shot=options.shot,
-        method=options.method,
+        shot=name,
+        method=world.method,
         dt=world.dt,
         state_hash=world.state_hash(),
         bodies=(start_bodies, len(world.ids)),

@@ -1,0 +1,246 @@
+"""Scenes of the user's own: from files, from the shots, and with fields set by hand."""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import json
+import math
+import os
+import tomllib
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, nullcontext
+from typing import Any
+
+from ._frangible import BuildError, shot_frames, shot_scene
+from .usd_mesh import ENDINGS as USD_ENDINGS
+from .usd_mesh import readable_mesh
+
+#: What `docs/scene_format.md` describes.
+Scene = dict[str, Any]
+
+#: What the names of scene files end in.
+ENDINGS = (".json", ".toml")
+
+#: How long a scene runs that does not say how many frames it takes [s].
+SECONDS = 3.0
+
+#: A larger file is no scene [bytes].
+LARGEST = 1 << 28
+
+
+def is_scene_file(name: str) -> bool:
+    """Whether this names a scene file, and not a shot: it ends like one, or has a folder."""
+    return name.lower().endswith(ENDINGS) or "/" in name or os.sep in name
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
+    """The scene of a .json or .toml file; what is relative in it is to the file's folder. `BuildError` if it is none."""
+    name = os.fspath(path)
+    try:
+        with open(name, "rb") as file:
+            content = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise BuildError(f"{name}: no such file") from None
+    except IsADirectoryError:
+        raise BuildError(f"{name}: is a folder, must be a scene file") from None
+    except OSError as error:
+        raise BuildError(f"{name}: {error.strerror or error}") from None
+    if len(content) > LARGEST:
+        raise BuildError(f"{name}: is larger than {LARGEST >> 20} MiB, must be a scene file")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BuildError(f"{name}: is not UTF-8 text, must be a scene in JSON or TOML") from None
+    scene = _parse_toml(name, text) if name.lower().endswith(".toml") else _parse_json(name, text)
+    if not isinstance(scene, dict):
+        raise BuildError(f"{name}: {_shown(scene)}, must be an object with the fields of a scene")
+    folder = os.path.dirname(os.path.abspath(name))
+    for holder in _path_holders(scene):
+        holder["path"] = os.path.join(folder, holder["path"])
+    return scene
+
+
+def _parse_json(name: str, text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}, column {error.colno}"
+        raise BuildError(f"{name}: {where}: {error.msg}, must be JSON") from None
+    except RecursionError:
+        raise BuildError(f"{name}: is nested too deeply, must be a scene in JSON") from None
+
+
+def _parse_toml(name: str, text: str) -> Any:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BuildError(f"{name}: {error}, must be TOML") from None
+    except RecursionError:
+        raise BuildError(f"{name}: is nested too deeply, must be a scene in TOML") from None
+
+
+def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
+    """Everything in a scene that names a file."""
+    bodies = scene.get("bodies")
+    for body in bodies if isinstance(bodies, list) else []:
+        for field, kind, *inner in (
+            ("shape", "mesh"),
+            ("breaking", "file", "pattern"),
+            ("bonds", "file", "pattern"),
+        ):
+            holder = body.get(field) if isinstance(body, dict) else None
+            for name in inner:
+                holder = holder.get(name) if isinstance(holder, dict) else None
+            if isinstance(holder, dict) and holder.get("kind") == kind and isinstance(holder.get("path"), str):
+                yield holder
+
+
+@contextmanager
+def readable_scene(scene: Any) -> Iterator[Any]:
+    """What the core can build, from JSON, a dictionary or a file's path, while the context lasts: USD files are read here."""
+    if isinstance(scene, os.PathLike) or (isinstance(scene, str) and is_scene_file(scene) and "{" not in scene):
+        scene = read_scene(scene)
+    elif isinstance(scene, str) and ".usd" in scene:
+        scene = _parse_json("scene", scene)
+    if not isinstance(scene, dict) or not any(_is_usd(holder) for holder in _path_holders(scene)):
+        yield scene
+        return
+    scene = copy.deepcopy(scene)
+    with ExitStack() as files:
+        for holder in filter(_is_usd, _path_holders(scene)):
+            holder["path"] = files.enter_context(readable_mesh(holder["path"]))
+        yield scene
+
+
+def _is_usd(holder: dict[str, Any]) -> bool:
+    return os.path.splitext(holder["path"])[1].lower() in USD_ENDINGS
+
+
+def find_scene(
+    source: str | os.PathLike[str] | Scene,
+    *,
+    mesh: str | None = None,
+    fps: float | None = None,
+    method: str | None = None,
+    seed: int | None = None,
+    assignments: Iterable[str] = (),
+) -> tuple[Scene, int, str]:
+    """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many frames it takes; its name.
+
+    `BuildError` if there is none, or what is asked for does not fit it.
+    """
+    if isinstance(source, str) and not is_scene_file(source):
+        scene = _shot(source, mesh, fps, method, seed)
+        for assignment in assignments:
+            set_field(scene, assignment)
+        return scene, shot_frames(source, fps), source
+    for option, given in (("mesh", mesh), ("seed", seed)):
+        if given is not None:
+            raise BuildError(f"{option}: {given}, must be left out for a scene of one's own, which says it itself")
+    scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
+    for field, value in (("frames_per_second", fps), ("method", method)):
+        if value is not None:
+            scene[field] = value
+    for assignment in assignments:
+        set_field(scene, assignment)
+    name = scene.get("name") or ("scene" if isinstance(source, dict) else _stem(source))
+    return scene, _frames(scene), str(name)
+
+
+def _shot(name: str, mesh: str | None, fps: float | None, method: str | None, seed: int | None) -> Scene:
+    with nullcontext() if mesh is None else readable_mesh(mesh) as readable:
+        scene: Scene = json.loads(shot_scene(name, mesh=readable, fps=fps, method=method, seed=seed))
+    # Whoever builds it reads the mesh's file for himself.
+    for holder in _path_holders(scene):
+        holder["path"] = mesh if holder["path"] == readable else holder["path"]
+    return scene
+
+
+def _stem(path: str | os.PathLike[str]) -> str:
+    return os.path.splitext(os.path.basename(os.fspath(path)))[0]
+
+
+def _frames(scene: Scene) -> int:
+    """How many frames a scene takes; whether its numbers are any good, the engine says."""
+    rate = scene.get("frames_per_second", 30.0)
+    return math.ceil(SECONDS * rate) if isinstance(rate, (int, float)) and 0 < rate < 1e9 else 1
+
+
+def set_field(scene: Scene, assignment: str) -> None:
+    """Set a field by its path, as in ``bodies.wall.breaking.strength=2e6``; bodies by name or number, values as JSON.
+
+    What is no JSON is text. All bodies of a name are set. `BuildError` names the part of the path that does not fit.
+    """
+    path, equals, text = assignment.partition("=")
+    if not equals or not path.strip(". "):
+        raise BuildError(f"--set {assignment}: must be PATH=VALUE, as in bodies.wall.friction=0.3")
+    try:
+        value = json.loads(text)
+    except (json.JSONDecodeError, RecursionError):
+        value = text
+    _assign(scene, path.strip(), "", value, f"--set {path.strip()}")
+
+
+def _assign(place: Any, rest: str, here: str, value: Any, at: str) -> None:
+    """Go down by the first part of ``rest``, and set the value where it ends."""
+    rest = rest.replace("[", ".").replace("]", "").lstrip(".")
+    steps: list[int] | list[str]
+    if isinstance(place, list):
+        steps, after = _rows(place, rest, here, at)
+    elif isinstance(place, dict):
+        field, _, after = rest.partition(".")
+        steps = [field]
+    else:
+        raise BuildError(f"{at}: {here} is {_shown(place)}, which has no fields")
+    step: int | str
+    for step in steps:
+        if not after:
+            place[step] = copy.deepcopy(value)
+            continue
+        if isinstance(step, str) and place.get(step) is None:
+            place[step] = {}
+        _assign(place[step], after, f"{here}.{step}".lstrip("."), value, at)
+
+
+def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], str]:
+    """The rows of a list that the path begins with, by number or by name, and the rest of the path."""
+    names = {row["name"] for row in place if isinstance(row, dict) and isinstance(row.get("name"), str)}
+    for name in sorted(names, key=len, reverse=True):
+        if name and (rest == name or rest.startswith(f"{name}.")):
+            rows = [index for index, row in enumerate(place) if isinstance(row, dict) and row.get("name") == name]
+            return rows, rest[len(name) + 1 :]
+    step, _, after = rest.partition(".")
+    if step.isdecimal() and int(step) < len(place):
+        return [int(step)], after
+    rule = f"a number below {len(place)}" + (f", or a name: {', '.join(sorted(names))}" if names else "")
+    raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """", did you mean 'wall'?" where a known word is near, else nothing."""
+    near = difflib.get_close_matches(word, [*known], 1, 0.7)
+    return f", did you mean {near[0]!r}?" if near else ""
+
+
+def _shown(value: Any) -> str:
+    """A value, shortened."""
+    text = json.dumps(value, default=str)
+    return text if len(text) <= 40 else f"{text[:36]} ..."
+
+
+def as_json(scene: Scene) -> str:
+    """The scene for people to read and change: rows of numbers stay in one line."""
+    return _as_json(scene, "")
+
+
+def _as_json(value: Any, indent: str) -> str:
+    line = json.dumps(value)
+    is_flat = isinstance(value, list) and not any(isinstance(item, (list, dict)) for item in value)
+    if not isinstance(value, (list, dict)) or is_flat or len(indent) + len(line) <= 80:
+        return line
+    inner = indent + "  "
+    if isinstance(value, dict):
+        rows = [f"{inner}{json.dumps(key)}: {_as_json(item, inner)}" for key, item in value.items()]
+        return "{\n" + ",\n".join(rows) + f"\n{indent}}}"
+    return "[\n" + ",\n".join(inner + _as_json(item, inner) for item in value) + f"\n{indent}]"
