@@ -13,7 +13,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from PIL import Image
 
-from .camera import Camera, frame_bodies
+from .camera import Camera, frame_recording
 from .ground import is_half_space, patch
 from .materials import LOOKS, Look, plain, source_colours
 from .normals import shaded_mesh
@@ -61,7 +61,7 @@ def write_png(recording: Recording, path: str, frame: int) -> None:
 
 def picture(recording: Recording, frame: int, width: int = WIDTH, height: int = HEIGHT) -> npt.NDArray[np.uint8]:
     """A picture of a frame, (height, width, 3), sRGB."""
-    camera = frame_bodies(recording.bodies, frame, width / height)
+    camera = frame_recording(recording, width / height)
     stage = _build_stage(recording, frame, camera)
 
     # Bands of rows are independent of each other and of the number of threads.
