@@ -97,7 +97,9 @@ def _what_breaks(recording: Recording, family: list[Body]) -> Subject:
         if body.birth_frame > 0:
             breaks[body.source] = min(breaks[body.source], body.birth_frame)
     wholes = [body for body in family if body.birth_frame < breaks[body.source]] or family
-    last = [min(breaks[body.source] - 1, _last_frame(body)) for body in wholes]
+    last = [
+        max(body.birth_frame, min(breaks[body.source] - 1, _last_frame(body))) for body in wholes
+    ]
     struck = _boxes(wholes, last, paired=True)
     low, high = _around(struck, *_typical(struck, struck.masses))
 

@@ -119,6 +119,12 @@ def test_of_nothing_there_is_a_picture_too() -> None:
     assert np.all(np.isfinite(camera.eye))
 
 
+def test_fragments_without_the_body_that_they_were_are_framed_too() -> None:
+    pieces = [body for body in wall_and_ball(1.0).bodies if body.parent is not None]
+    camera = frame_recording(shot(pieces, 100), ASPECT)
+    assert np.all(np.abs(on_picture(camera, pieces[0].vertices_world(10))) <= 1.0)
+
+
 def test_a_file_says_where_the_camera_stands(tmp_path: Path, scripted: Recording) -> None:
     path = tmp_path / "camera.json"
     path.write_text(json.dumps({"eye": [1, 2, 6], "target": [1, 2, 0], "fov": 90}))
