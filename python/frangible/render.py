@@ -59,9 +59,11 @@ def write_png(recording: Recording, path: str, frame: int) -> None:
     Image.fromarray(picture(recording, frame)).save(path, format="PNG")
 
 
-def picture(recording: Recording, frame: int, width: int = WIDTH, height: int = HEIGHT) -> npt.NDArray[np.uint8]:
+def picture(
+    recording: Recording, frame: int, width: int = WIDTH, height: int = HEIGHT, camera: Camera | None = None
+) -> npt.NDArray[np.uint8]:
     """A picture of a frame, (height, width, 3), sRGB."""
-    camera = frame_recording(recording, width / height)
+    camera = camera or frame_recording(recording, width / height)
     stage = _build_stage(recording, frame, camera)
 
     # Bands of rows are independent of each other and of the number of threads.

@@ -130,15 +130,17 @@ def test_the_compiled_module_names_no_folder_of_the_machine_that_built_it() -> N
 
 
 def test_glass_lets_through_what_lies_behind(scripted: Recording) -> None:
-    from frangible.camera import VIEW_FROM
+    from frangible.camera import Camera
     from frangible.render import picture
 
     brick = replace(scripted.body(4), interior=np.zeros(12, bool), look="brick")
-    before_it = brick.positions + 1.3 * VIEW_FROM
+    before_it = brick.positions + [0.0, 0.0, 1.3]
+    middle = brick.positions[2]
+    camera = Camera.look_at(middle + [0.0, 0.0, 6.0], middle)
 
     def red(look: str) -> float:
         front = replace(brick, id=6, look=look, positions=before_it)
-        image = picture(replace(scripted, bodies=[brick, front]), 5, width=96, height=54).astype(int)
+        image = picture(replace(scripted, bodies=[brick, front]), 5, 96, 54, camera).astype(int)
         return float((image[:, :, 0] > 1.6 * image[:, :, 2]).mean())
 
     assert red("glass") > 3.0 * red("stone")
