@@ -3,7 +3,7 @@
 ===================== ================== =====================================================================
 key                   shape and type     meaning
 ===================== ================== =====================================================================
-``format``            () int64           version of this table, 3
+``format``            () int64           version of this table, 4; 3 had no keys from ``paths`` on
 ``shot``              () str             name of the shot
 ``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
@@ -22,6 +22,12 @@ key                   shape and type     meaning
 ``coordinates``       (t, 3, 2) float32  texture coordinates of its corners [m]
 ``positions``         (p, 3) float64     centre of mass, world frame [m]; rows ``pose_offsets[i:i+2]``
 ``orientations``      (p, 4) float64     ``world_from_body``, quaternions x, y, z, w; the same rows
+``paths``             (b,) str           names of the nodes above it in its mesh's file, as a JSON list; empty without a skin
+``materials``         () str             of all skins, as JSON: the fields of `Material`, images as numbers
+``image_data``        (n,) uint8         the images' files; those of image i are ``image_offsets[i:i+2]``
+``material``          (t,) int32         index of each triangle's material, -1 for what the look decides
+``colours``           (c, 3, 4) float32  of the triangles' corners; rows ``colour_offsets[i:i+2]``, none without any
+``normals``           (n, 3, 3) float32  unit, of the triangles' corners; rows ``normal_offsets[i:i+2]``, none without any
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
 ``reports``           () str             the report of every step, as JSON
 ===================== ================== =====================================================================
@@ -31,7 +37,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
 from typing import Any
 from zipfile import BadZipFile, is_zipfile
 
@@ -39,8 +44,11 @@ import numpy as np
 import numpy.typing as npt
 
 from .recording import Body, Recording
+from .skin_cache import offsets, read_skins, rows, skin_arrays
 
-FORMAT = 3
+FORMAT = 4
+#: Those that can be read.
+FORMATS = (3, FORMAT)
 
 
 class CacheError(ValueError):
@@ -64,16 +72,17 @@ def write_npz(recording: Recording, path: str) -> None:
         "death_frames": np.array([-1 if body.death_frame is None else body.death_frame for body in bodies], np.int64),
         "masses": np.array([body.mass for body in bodies], np.float64),
         "looks": np.array([body.look or "" for body in bodies], np.str_),
-        "vertices": _rows([body.vertices for body in bodies], (0, 3), np.float32),
-        "vertex_offsets": _offsets([body.vertices for body in bodies]),
-        "triangles": _rows([body.triangles for body in bodies], (0, 3), np.uint32),
-        "triangle_offsets": _offsets([body.triangles for body in bodies]),
-        "interior": _rows([body.interior for body in bodies], (0,), np.bool_),
-        "coordinates": _rows([body.coordinates for body in bodies], (0, 3, 2), np.float32),
-        "positions": _rows([body.positions for body in bodies], (0, 3), np.float64),
-        "orientations": _rows([body.orientations for body in bodies], (0, 4), np.float64),
-        "pose_offsets": _offsets([body.positions for body in bodies]),
+        "vertices": rows([body.vertices for body in bodies], (0, 3), np.float32),
+        "vertex_offsets": offsets([body.vertices for body in bodies]),
+        "triangles": rows([body.triangles for body in bodies], (0, 3), np.uint32),
+        "triangle_offsets": offsets([body.triangles for body in bodies]),
+        "interior": rows([body.interior for body in bodies], (0,), np.bool_),
+        "coordinates": rows([body.coordinates for body in bodies], (0, 3, 2), np.float32),
+        "positions": rows([body.positions for body in bodies], (0, 3), np.float64),
+        "orientations": rows([body.orientations for body in bodies], (0, 4), np.float64),
+        "pose_offsets": offsets([body.positions for body in bodies]),
         "reports": np.array(json.dumps(recording.reports)),
+        **skin_arrays(bodies),
     }
     with open(path, "wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
@@ -88,8 +97,8 @@ def read_npz(path: str) -> Recording:
         with np.load(path, allow_pickle=False) as arrays:
             if "format" not in arrays:
                 raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
-            if int(arrays["format"]) != FORMAT:
-                raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be {FORMAT}")
+            if int(arrays["format"]) not in FORMATS:
+                raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be 3 or 4")
             return _recording({key: arrays[key] for key in arrays})
     except (BadZipFile, EOFError, KeyError, ValueError) as error:
         if isinstance(error, CacheError):
@@ -108,8 +117,9 @@ def check_is_file(path: str) -> None:
 def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
     vertices, triangles, poses = (arrays[key].tolist() for key in ("vertex_offsets", "triangle_offsets", "pose_offsets"))
     bodies = []
+    skins = read_skins(arrays)
     for i, body_id in enumerate(arrays["ids"].tolist()):
-        vertex_rows, triangle_rows, pose_rows = (slice(*offsets[i : i + 2]) for offsets in (vertices, triangles, poses))
+        vertex_rows, triangle_rows, pose_rows = (slice(*firsts[i : i + 2]) for firsts in (vertices, triangles, poses))
         parent, death = int(arrays["parents"][i]), int(arrays["death_frames"][i])
         bodies.append(
             Body(
@@ -127,6 +137,7 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
                 coordinates=arrays["coordinates"][triangle_rows],
                 positions=arrays["positions"][pose_rows],
                 orientations=arrays["orientations"][pose_rows],
+                skin=skins[i],
             )
         )
     return Recording(
@@ -137,11 +148,3 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
         bodies=bodies,
         reports=json.loads(str(arrays["reports"])),
     )
-
-
-def _rows(parts: Sequence[npt.NDArray[Any]], empty: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    return np.concatenate(parts).astype(dtype) if parts else np.zeros(empty, dtype)
-
-
-def _offsets(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[np.int64]:
-    return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)

@@ -9,17 +9,18 @@ from __future__ import annotations
 import base64
 import json
 import struct
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .ground import with_visible_ground
-from .materials import OUTSIDE, Material, Palette, plain
-from .normals import shaded_mesh, textured_corners
+from .materials import Image, Material, Palette
+from .normals import corner_normals, shaded_mesh, textured_corners
 from .paths import by_source, unique_names
 from .pieces import Pieces
-from .recording import Body, Recording
+from .recording import Body, Bool, Float32, Recording, UInt32
 
 Json = dict[str, Any]
 
@@ -30,7 +31,12 @@ _FLOAT, _UINT32 = 5126, 5125
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 # The binary chunk holds one buffer view for each kind of data.
-_POSITIONS, _NORMALS, _COORDINATES, _INDICES, _MOTION = range(5)
+_POSITIONS, _NORMALS, _COORDINATES, _INDICES, _MOTION, _COLOURS = range(6)
+# Bytes from one item to the next, of what vertices have.
+_STRIDES = {_POSITIONS: 12, _NORMALS: 12, _COORDINATES: 8, _COLOURS: 16}
+
+# Of a body's triangles: the index of the material, and which of them have it.
+Group = tuple[int, Bool]
 
 
 def write_glb(recording: Recording, path: str) -> None:
@@ -44,9 +50,7 @@ def write_glb(recording: Recording, path: str) -> None:
     for family, name in zip(
         families.values(), unique_names(family[0].name for family in families.values()), strict=True
     ):
-        pieces = zip(family, unique_names(body.name for body in family), strict=True)
-        children = [gltf.add_body(body, piece, *palette.sides(body)) for body, piece in pieces]
-        roots.append(gltf.add("nodes", {"name": name, "children": children}))
+        roots.append(gltf.add_family(name, family, unique_names(body.name for body in family), palette))
     gltf.document["scenes"] = [{"name": recording.shot or "World", "nodes": roots}]
     with open(path, "wb") as file:
         file.write(gltf.to_bytes())
@@ -55,11 +59,11 @@ def write_glb(recording: Recording, path: str) -> None:
 def write_pieces(pieces: Pieces, path: str) -> None:
     """Write a broken mesh, ``.glb`` or ``.gltf``: a node with the pieces as children, each with its origin at its centre of mass."""
     gltf = _Gltf({"mesh": pieces.name}, 1.0)
-    look = plain(OUTSIDE[0])
-    outer, inner = gltf.add_material("outer", look.outside), gltf.add_material("inner", look.inside)
-    children = [gltf.add_body(piece.body(index), piece.name, outer, inner) for index, piece in enumerate(pieces.pieces)]
+    bodies = [piece.body(index) for index, piece in enumerate(pieces.pieces)]
+    palette = Palette(by_source(bodies), gltf.add_material, ("outer", "inner"))
     (name,) = unique_names([pieces.name])
-    gltf.document["scenes"] = [{"name": name, "nodes": [gltf.add("nodes", {"name": name, "children": children})]}]
+    root = gltf.add_family(name, bodies, (piece.name for piece in pieces.pieces), palette)
+    gltf.document["scenes"] = [{"name": name, "nodes": [root]}]
     with open(path, "wb") as file:
         file.write(gltf.to_bytes() if path.endswith(".glb") else gltf.to_text())
 
@@ -79,15 +83,18 @@ class _Gltf:
             "nodes": [],
             "meshes": [],
             "materials": [],
+            "textures": [],
+            "images": [],
             "accessors": [],
         }
         self.channels: list[Json] = []
         self.samplers: list[Json] = []
-        self.parts: list[list[bytes]] = [[], [], [], [], []]
-        self.sizes = [0, 0, 0, 0, 0]
-        # Equal shapes share a mesh, and equal times an accessor.
+        self.parts: list[list[bytes]] = [[], [], [], [], [], []]
+        self.sizes = [0, 0, 0, 0, 0, 0]
+        # Equal shapes share a mesh, equal times an accessor, equal images a texture.
         self.meshes: dict[bytes, int] = {}
         self.times: dict[bytes, int] = {}
+        self.textures: dict[Image, int] = {}
 
     def add(self, kind: str, item: Json) -> int:
         self.document[kind].append(item)
@@ -110,17 +117,54 @@ class _Gltf:
         return self.add("accessors", accessor)
 
     def add_material(self, name: str, material: Material) -> int:
-        surface = {
+        """A material keeps the name that it has in the mesh's file."""
+        surface: Json = {
             "baseColorFactor": [*material.colour, 1.0 - material.clear],
             "metallicFactor": material.metallic,
             "roughnessFactor": material.roughness,
         }
-        item: Json = {"name": name, "pbrMetallicRoughness": surface}
-        if material.clear > 0.0:
+        item: Json = {"name": material.name or name, "pbrMetallicRoughness": surface}
+        for holder, key, image in (
+            (surface, "baseColorTexture", material.image),
+            (surface, "metallicRoughnessTexture", material.surface_image),
+            (item, "normalTexture", material.normal_image),
+            (item, "emissiveTexture", material.emission_image),
+        ):
+            if image is not None:
+                holder[key] = {"index": self.add_texture(image)}
+        if any(material.emission):
+            item["emissiveFactor"] = list(material.emission)
+        if material.cutoff is not None:
+            item |= {"alphaMode": "MASK", "alphaCutoff": material.cutoff}
+        elif material.clear > 0.0 or material.blended:
             item["alphaMode"] = "BLEND"
         return self.add("materials", item)
 
-    def add_body(self, body: Body, name: str, outside: int, inside: int) -> int:
+    def add_texture(self, image: Image) -> int:
+        if image not in self.textures:
+            # The number of the image stands for its buffer view until all others are known.
+            source = self.add("images", {"name": image.name, "mimeType": image.mime, "bufferView": len(self.textures)})
+            self.textures[image] = self.add("textures", {"source": source})
+        return self.textures[image]
+
+    def add_family(self, name: str, bodies: list[Body], names: Iterable[str], palette: Palette[int]) -> int:
+        """A node with the bodies below it, each under the nodes that its mesh has in its file."""
+        branches: dict[tuple[str, ...], Json] = {}
+
+        def branch(path: tuple[str, ...]) -> Json:
+            if path not in branches:
+                branches[path] = node = {"name": path[-1] if path else name, "children": []}
+                if path:
+                    branch(path[:-1])["children"].append(self.add("nodes", node))
+            return branches[path]
+
+        branch(())
+        for body, own in zip(bodies, names, strict=True):
+            groups = [(material, faces) for material, faces, _ in palette.groups(body)]
+            branch(() if body.skin is None else body.skin.path)["children"].append(self.add_body(body, own, groups))
+        return self.add("nodes", branches[()])
+
+    def add_body(self, body: Body, name: str, groups: list[Group]) -> int:
         # The node rests in the state of frame 0, where what is not yet born has no size.
         node: Json = {
             "name": name,
@@ -128,7 +172,7 @@ class _Gltf:
             "rotation": body.orientations[0].astype(np.float32).tolist(),
         }
         if len(body.triangles):
-            node["mesh"] = self.add_mesh(body, name, outside, inside)
+            node["mesh"] = self.add_mesh(body, name, groups)
         if body.birth_frame > 0:
             node["scale"] = [0.0, 0.0, 0.0]
         index = self.add("nodes", node)
@@ -150,34 +194,52 @@ class _Gltf:
             self.add_channel(index, "scale", np.array(frames_of_life), np.repeat(sizes, 3).reshape(-1, 3), "STEP")
         return index
 
-    def add_mesh(self, body: Body, name: str, outside: int, inside: int) -> int:
-        arrays = (body.vertices, body.triangles, body.interior, body.coordinates)
-        key = b"".join([*(array.tobytes() for array in arrays), struct.pack("<I", outside)])
+    def add_mesh(self, body: Body, name: str, groups: list[Group]) -> int:
+        skin = body.skin
+        arrays = [body.vertices, body.triangles, body.interior, body.coordinates]
+        arrays += [] if skin is None else [array for array in (skin.material, skin.colours, skin.normals) if array is not None]
+        key = b"".join([*(array.tobytes() for array in arrays), struct.pack("<I", groups[0][0])])
         if key in self.meshes:
             return self.meshes[key]
 
-        # One primitive for the outside and one for what cracks laid bare.
+        # One primitive for each material. glTF's texture coordinates have v down.
         shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
+        coordinates = np.stack([body.coordinates[..., 0], 1.0 - body.coordinates[..., 1]], axis=-1)
         primitives = []
-        for material, faces in ((outside, ~body.interior), (inside, body.interior)):
-            if not faces.any():
-                continue
-            # A vertex for each place in space and in the texture.
-            used, coordinates, indices = textured_corners(shaded.triangles[faces], body.coordinates[faces])
-            attributes = {
-                "POSITION": self.add_accessor(_POSITIONS, body.vertices[shaded.vertex[used]], bounds=True),
-                "NORMAL": self.add_accessor(_NORMALS, shaded.normals[used]),
-                "TEXCOORD_0": self.add_accessor(_COORDINATES, coordinates),
-            }
-            primitives.append(
-                {
-                    "attributes": attributes,
-                    "indices": self.add_accessor(_INDICES, indices.ravel()),
-                    "material": material,
+        for material, faces in groups:
+            if skin is not None and (skin.colours is not None or skin.normals is not None):
+                attributes, indices = self.add_corners(body, corner_normals(body, shaded)[faces], coordinates, faces)
+            else:
+                # A vertex for each place in space and in the texture.
+                used, places, indices = textured_corners(shaded.triangles[faces], coordinates[faces])
+                attributes = {
+                    "POSITION": self.add_accessor(_POSITIONS, body.vertices[shaded.vertex[used]], bounds=True),
+                    "NORMAL": self.add_accessor(_NORMALS, shaded.normals[used]),
+                    "TEXCOORD_0": self.add_accessor(_COORDINATES, places),
                 }
-            )
+            primitive = {"attributes": attributes, "indices": self.add_accessor(_INDICES, indices.ravel()), "material": material}
+            primitives.append(primitive)
         self.meshes[key] = self.add("meshes", {"name": name, "primitives": primitives})
         return self.meshes[key]
+
+    def add_corners(self, body: Body, normals: Float32, coordinates: Float32, faces: Bool) -> tuple[Json, UInt32]:
+        """Attributes of the distinct corners of some triangles, and the three of each triangle."""
+        columns = [normals.reshape(-1, 3), coordinates[faces].reshape(-1, 2)]
+        if body.skin is not None and body.skin.colours is not None:
+            columns.append(body.skin.colours[faces].reshape(-1, 4))
+        numbers = np.ascontiguousarray(np.concatenate(columns, axis=1), np.float32)
+        rows = np.column_stack([body.triangles[faces].ravel(), numbers.view(np.uint32)])
+        _, first, indices = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+        vertices = body.vertices[body.triangles[faces].ravel()[first]]
+        attributes: Json = {"POSITION": self.add_accessor(_POSITIONS, vertices, bounds=True)}
+        for view, name, columns_of in (
+            (_NORMALS, "NORMAL", slice(0, 3)),
+            (_COORDINATES, "TEXCOORD_0", slice(3, 5)),
+            (_COLOURS, "COLOR_0", slice(5, 9)),
+        ):
+            if columns_of.start < numbers.shape[1]:
+                attributes[name] = self.add_accessor(view, numbers[first, columns_of])
+        return attributes, indices.ravel().astype(np.uint32)
 
     def add_channel(
         self, node: int, target: str, frames: npt.NDArray[Any], values: npt.NDArray[Any], interpolation: str
@@ -219,16 +281,20 @@ class _Gltf:
                 continue
             renumbered[view] = len(views)
             item: Json = {"buffer": 0, "byteOffset": len(data), "byteLength": self.sizes[view]}
-            if view in (_POSITIONS, _NORMALS):
-                item |= {"byteStride": 12, "target": _ARRAY_BUFFER}
-            if view == _COORDINATES:
-                item |= {"byteStride": 8, "target": _ARRAY_BUFFER}
+            if view in _STRIDES:
+                item |= {"byteStride": _STRIDES[view], "target": _ARRAY_BUFFER}
             if view == _INDICES:
                 item["target"] = _ELEMENT_ARRAY_BUFFER
             views.append(item)
             data += b"".join(parts)
         for accessor in self.document["accessors"]:
             accessor["bufferView"] = renumbered[accessor["bufferView"]]
+
+        # A view for each image, from a multiple of four bytes on.
+        for item, image in zip(self.document["images"], self.textures, strict=True):
+            item["bufferView"] = len(views)
+            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(image.data)})
+            data += image.data + b"\0" * (-len(image.data) % 4)
 
         # glTF forbids empty lists.
         document = {key: value for key, value in self.document.items() if value != []}

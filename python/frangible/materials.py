@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
+import numpy as np
+
 from .paths import unique_names
-from .recording import Body
+from .recording import Body, Bool
+from .skin import NO_MATERIAL
 
 Colour = tuple[float, float, float]
 
@@ -31,14 +34,43 @@ SCENERY: Colour = (0.42, 0.43, 0.44)
 
 
 @dataclass(frozen=True, slots=True)
+class Image:
+    """An image as its file holds it."""
+
+    #: Of the file, with its ending.
+    name: str
+    #: "image/png" or "image/jpeg", as a rule.
+    mime: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Material:
-    """One side of what a body is made of."""
+    """One side of what a body is made of. Images are laid on by the texture coordinates; numbers multiply them."""
 
     colour: Colour
     roughness: float
     metallic: float = 0.0
     #: Share of the light that passes.
     clear: float = 0.0
+    #: In the mesh's file, or as the user chose; empty for what a look is made of.
+    name: str = ""
+    #: What it shines with.
+    emission: Colour = (0.0, 0.0, 0.0)
+    #: sRGB; its alpha is the opacity.
+    image: Image | None = None
+    #: Green is roughness, blue is metallic, as in glTF.
+    surface_image: Image | None = None
+    #: Tangent space, y up, as in glTF.
+    normal_image: Image | None = None
+    #: sRGB.
+    emission_image: Image | None = None
+    #: What has less opacity is not there at all; `None` where light passes by its share.
+    cutoff: float | None = None
+    #: Whether the alpha of the image, or of the corners' colours, lets light through.
+    blended: bool = False
+    #: Whether the colours of the corners are all that it shows.
+    corner_colours: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,26 +111,55 @@ def plain(colour: Colour) -> Look:
 class Palette(Generic[Handle]):
     """The materials of a file, each made when the first body needs it.
 
-    A body without a look has its source's outside, and the inside that all share.
+    Materials of a mesh's file stay what they are. A body without a look has its source's outside besides, and the inside that
+    all share.
     """
 
-    def __init__(self, families: dict[int, list[Body]], make: Callable[[str, Material], Handle]) -> None:
+    def __init__(
+        self, families: dict[int, list[Body]], make: Callable[[str, Material], Handle], sides: tuple[str, str] | None = None
+    ) -> None:
+        """``sides`` names outside and inside of bodies without a look, if all have the same."""
         self._make = make
-        self._made: dict[str, Handle] = {}
+        self._made: dict[Material, Handle] = {}
         self._colours = source_colours(families)
-        ours = ["inside", *(f"{look}_{side}" for look in LOOKS for side in ("outside", "inside"))]
-        names = list(unique_names([*ours, *(family[0].name for family in families.values())]))
+        self._inside = "inside" if sides is None else sides[1]
+        ours = [self._inside, *(f"{look}_{side}" for look in LOOKS for side in ("outside", "inside"))]
+        own = (family[0].name for family in families.values()) if sides is None else (sides[0] for _ in families)
+        names = list(unique_names([*ours, *own]))
         self._names = dict(zip(families, names[len(ours) :], strict=True))
+        self._taken = set(names)
 
-    def sides(self, body: Body) -> tuple[Handle, Handle]:
-        """What a body looks like outside, and where it cracked."""
+    def groups(self, body: Body) -> list[tuple[Handle, Bool, bool]]:
+        """Each material of a body's triangles, its triangles (t,), and whether they are the inside."""
+        own = np.full(len(body.triangles), NO_MATERIAL) if body.skin is None else body.skin.material
+        groups = []
+        for is_inside in (False, True):
+            side = body.interior == is_inside
+            for index in np.unique(own[side]).tolist():
+                handle = self._side(body, is_inside) if index == NO_MATERIAL else self._of_file(body, index)
+                groups.append((handle, side & (own == index), is_inside))
+        return groups
+
+    def _side(self, body: Body, is_inside: bool) -> Handle:
         if body.look is None:
-            look, outside, inside = plain(self._colours[body.source]), self._names[body.source], "inside"
+            look = plain(self._colours[body.source])
+            name = self._inside if is_inside else self._names[body.source]
         else:
-            look, outside, inside = LOOKS[body.look], f"{body.look}_outside", f"{body.look}_inside"
-        return self._material(outside, look.outside), self._material(inside, look.inside)
+            look, name = LOOKS[body.look], f"{body.look}_{'inside' if is_inside else 'outside'}"
+        return self._material(name, look.inside if is_inside else look.outside)
+
+    def _of_file(self, body: Body, index: int) -> Handle:
+        assert body.skin is not None
+        material = body.skin.materials[index]
+        if material not in self._made:
+            # Another material of that name keeps it.
+            *_, name = unique_names([*sorted(self._taken), material.name or "material"])
+            self._taken.add(name)
+            self._made[material] = self._make(name, material)
+        return self._made[material]
 
     def _material(self, name: str, material: Material) -> Handle:
-        if name not in self._made:
-            self._made[name] = self._make(name, material)
-        return self._made[name]
+        named = replace(material, name=name)
+        if named not in self._made:
+            self._made[named] = self._make(name, named)
+        return self._made[named]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .recording import Bool, Float32, UInt32
+from .recording import Body, Bool, Float32, UInt32
 
 #: Faces that meet at a flatter angle look like one bent surface [degrees]; broken edges are far sharper.
 CREASE_DEGREES = 30.0
@@ -63,6 +63,15 @@ def shaded_mesh(vertices: Float32, triangles: UInt32, interior: Bool) -> ShadedM
         normals=corner_normals[keep].astype(np.float32),
         triangles=split.reshape(-1, 3).astype(np.uint32),
     )
+
+
+def corner_normals(body: Body, shaded: ShadedMesh) -> Float32:
+    """(t, 3, 3) unit normals of the triangles' corners: those of the mesh's file where it has some."""
+    normals: Float32 = shaded.normals[shaded.triangles]
+    if body.skin is not None and body.skin.normals is not None:
+        own = body.skin.normals
+        normals = np.where(np.any(own != 0.0, axis=2, keepdims=True), own, normals)
+    return normals
 
 
 def textured_corners(triangles: UInt32, coordinates: Float32) -> tuple[UInt32, Float32, UInt32]:

@@ -131,15 +131,28 @@ def missing_packages(extra: str) -> str | None:
     return f"needs an optional package, install it with: pip install 'frangible[{extra}]'"
 
 
+#: Marks the name of a file that is not whole yet.
+_PART = ".part"
+
+
 @contextmanager
 def whole_file(path: str) -> Iterator[str]:
     """A temporary path beside ``path`` that takes its name at the end, or vanishes if the block fails."""
     folder, name = os.path.split(path)
     stem, ending = os.path.splitext(name)
-    part = os.path.join(folder, f".{stem}.{secrets.token_hex(4)}.part{ending}")
+    part = os.path.join(folder, f".{stem}.{secrets.token_hex(4)}{_PART}{ending}")
     try:
         yield part
         os.replace(part, path)
     finally:
         with suppress(FileNotFoundError):
             os.unlink(part)
+
+
+def whole_path(part: str) -> str:
+    """The path that a temporary one of `whole_file` gets at the end; any other path as it is."""
+    folder, name = os.path.split(part)
+    stem, ending = os.path.splitext(name)
+    if not (stem.startswith(".") and stem.endswith(_PART)):
+        return part
+    return os.path.join(folder, stem[1:].removesuffix(_PART).rpartition(".")[0] + ending)

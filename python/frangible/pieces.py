@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy as np
 
 from .recording import Body, Bool, Float32, Float64, UInt32
+from .skin import Skin
 
 
 class Contact(TypedDict):
@@ -34,7 +35,8 @@ class Piece:
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     inner: Bool
-    #: (t, 3, 2) of the corners, in the plane of the crack [m]; zero on the mesh's own surface where its own triangles are cut.
+    #: (t, 3, 2) texture coordinates of the corners, v up: the file's on the mesh's own surface where it has some, else metres,
+    #: in the plane of the crack or along the axis that the surface faces.
     coordinates: Float32
     #: [m^3].
     volume: float
@@ -42,6 +44,8 @@ class Piece:
     center: Float64
     #: (3, 3) about the centre of mass, at unit density [m^5].
     unit_inertia: Float64
+    #: What the mesh's file says besides; `None` if it says nothing.
+    skin: Skin | None = None
 
     def __repr__(self) -> str:
         return f"<Piece {self.name!r}, {self.volume:.3g} m^3, {len(self.triangles)} triangles>"
@@ -63,6 +67,7 @@ class Piece:
             coordinates=self.coordinates,
             positions=self.center[None],
             orientations=np.array([[0.0, 0.0, 0.0, 1.0]]),
+            skin=self.skin,
         )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .report import StepReport
+from .skin import Skin
 
 if TYPE_CHECKING:
     from ._frangible import World
@@ -56,12 +57,14 @@ class Body:
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     interior: Bool
-    #: (t, 3, 2) texture coordinates of the triangles' corners [m].
+    #: (t, 3, 2) texture coordinates of the triangles' corners, v up: those of the mesh's file where it has some, else [m].
     coordinates: Float32
     #: (k, 3) centre of mass, world frame [m].
     positions: Float64
     #: (k, 4) ``world_from_body`` as unit quaternions x, y, z, w; neighbours never flip sign.
     orientations: Float64
+    #: What the file of its mesh says besides; `None` for all else.
+    skin: Skin | None = None
 
     def __repr__(self) -> str:
         last = "" if self.death_frame is None else f" to {self.death_frame - 1}"

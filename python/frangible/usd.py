@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,19 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from .cache import CacheError
 from .ground import with_visible_ground
-from .materials import OUTSIDE, Material, Palette, plain
-from .normals import shaded_mesh
+from .materials import Material, Palette
+from .normals import corner_normals, shaded_mesh
 from .paths import by_source, telling_samples, unique_names
 from .pieces import Pieces
 from .recording import Body, Recording
+from .usd_materials import ImageFolder, add_material
 
 
 def write_usd(recording: Recording, path: str) -> None:
     """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is up."""
     # Sample times and units.
     stage = Usd.Stage.CreateNew(path)
+    images = ImageFolder(path)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     stage.SetMetadata("kilogramsPerUnit", 1.0)
@@ -37,13 +40,14 @@ def write_usd(recording: Recording, path: str) -> None:
 
     # One Xform for each source, with its pieces.
     families = by_source(with_visible_ground(recording).bodies)
-    palette = Palette(families, lambda name, material: _material(stage, f"/World/Materials/{name}", material))
+    palette = Palette(families, lambda name, material: add_material(stage, f"/World/Materials/{name}", material, images))
     names = unique_names(["Materials", *(family[0].name for family in families.values())])
     next(names)
     for family, name in zip(families.values(), names, strict=True):
         UsdGeom.Xform.Define(stage, f"/World/{name}")
-        for body, piece in zip(family, unique_names(body.name for body in family), strict=True):
-            mesh = _mesh(stage, f"/World/{name}/{piece}", body, *palette.sides(body))
+        place = _places(stage, f"/World/{name}")
+        for body in family:
+            mesh = _mesh(stage, place(body, body.name), body, palette)
             _motion(mesh, body)
             _life(mesh, body)
     _save(stage)
@@ -59,13 +63,36 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     UsdGeom.Scope.Define(stage, f"/{name}/Materials")
-    look = plain(OUTSIDE[0])
-    outer = _material(stage, f"/{name}/Materials/outer", look.outside)
-    inner = _material(stage, f"/{name}/Materials/inner", look.inside)
-    for index, piece in enumerate(pieces.pieces):
-        body = piece.body(index)
-        _motion(_mesh(stage, f"/{name}/{piece.name}", body, outer, inner), body)
+    images = ImageFolder(path)
+    bodies = [piece.body(index) for index, piece in enumerate(pieces.pieces)]
+    palette = Palette(
+        by_source(bodies),
+        lambda own, material: add_material(stage, f"/{name}/Materials/{own}", material, images),
+        ("outer", "inner"),
+    )
+    place = _places(stage, f"/{name}")
+    for body in bodies:
+        _motion(_mesh(stage, place(body, body.name), body, palette), body)
     _save(stage)
+
+
+def _places(stage: Any, root: str) -> Callable[[Body, str], str]:
+    """Where each next body goes below a root: under the nodes that its mesh has in its file, with a name of its own there."""
+    branches: dict[tuple[str, ...], str] = {(): root}
+    taken: dict[str, list[str]] = {root: ["Materials"]}
+
+    def child(parent: str, name: str) -> str:
+        *_, own = unique_names([*taken.setdefault(parent, []), name])
+        taken[parent].append(own)
+        return f"{parent}/{own}"
+
+    def branch(path: tuple[str, ...]) -> str:
+        if path not in branches:
+            branches[path] = child(branch(path[:-1]), path[-1])
+            UsdGeom.Xform.Define(stage, branches[path])
+        return branches[path]
+
+    return lambda body, name: child(branch(() if body.skin is None else body.skin.path), name)
 
 
 def _save(stage: Any) -> None:
@@ -75,20 +102,7 @@ def _save(stage: Any) -> None:
         raise OSError(errno.EIO, "the USD library could not write all of it; is the disk full?") from error
 
 
-def _material(stage: Any, path: str, side: Material) -> Any:
-    material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, f"{path}/surface")
-    shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*side.colour))
-    numbers = {"roughness": side.roughness, "metallic": side.metallic, "opacity": 1.0 - side.clear}
-    for name, number in numbers.items():
-        shader.CreateInput(name, Sdf.ValueTypeNames.Float).Set(number)
-    surface = shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
-    material.CreateSurfaceOutput().ConnectToSource(surface)
-    return material
-
-
-def _mesh(stage: Any, path: str, body: Body, outside: Any, inside: Any) -> Any:
+def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     # The surface, with normals of its own so that edges stay sharp and points stay shared.
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
@@ -98,23 +112,33 @@ def _mesh(stage: Any, path: str, body: Body, outside: Any, inside: Any) -> Any:
     low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
     mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
     shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
-    normals = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying
-    )
-    normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
-    normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
+    primvars = UsdGeom.PrimvarsAPI(mesh)
+    normals = primvars.CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying)
+    if body.skin is None or body.skin.normals is None:
+        normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
+        normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
+    else:
+        normals.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(corner_normals(body, shaded).reshape(-1, 3))))
 
-    coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
-    )
+    coordinates = primvars.CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying)
     coordinates.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(body.coordinates.reshape(-1, 2), np.float32)))
+    if body.skin is not None and body.skin.colours is not None:
+        colours = np.ascontiguousarray(body.skin.colours.reshape(-1, 4), np.float32)
+        mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.faceVarying).Set(Vt.Vec3fArray.FromNumpy(colours[:, :3].copy()))
+        if np.any(colours[:, 3] != 1.0):
+            opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
+            opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
 
     # What cracks laid bare has a material of its own, and what was outside all along keeps the mesh's; a subset for each.
-    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(outside)
-    if body.interior.any():
-        for name, faces, material in (("outside", ~body.interior, outside), ("inside", body.interior, inside)):
-            if not faces.any():
-                continue
+    groups = palette.groups(body)
+    if not groups:
+        return mesh
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(groups[0][0])
+    if len(groups) > 1:
+        outer = sum(not is_inside for _, _, is_inside in groups)
+        sides = [("inside" if is_inside else "outside", outer if not is_inside else len(groups) - outer) for *_, is_inside in groups]
+        names = unique_names(side if count == 1 else group[0].GetPrim().GetName() for group, (side, count) in zip(groups, sides, strict=True))
+        for (material, faces, _), name in zip(groups, names, strict=True):
             subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
                 name, Vt.IntArray.FromNumpy(np.flatnonzero(faces).astype(np.int32)), UsdGeom.Tokens.face
             )
