@@ -18,6 +18,9 @@ from .pieces import Pieces
 from .recording import Body, Recording
 from .usd_materials import ImageFolder, add_material
 
+#: How long a body takes to appear and to vanish [frames].
+STEP = 1.0 / 64.0
+
 
 def write_usd(recording: Recording, path: str) -> None:
     """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is up."""
@@ -170,14 +173,23 @@ def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> N
 
 
 def _life(mesh: Any, body: Body) -> None:
+    """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
     if body.birth_frame == 0 and body.death_frame is None:
         return
     visibility = mesh.CreateVisibilityAttr()
-    if body.birth_frame > 0:
+    scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
+    nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
+    birth, death = float(body.birth_frame), body.death_frame
+    if birth > 0.0:
         visibility.Set(UsdGeom.Tokens.invisible, 0.0)
-    visibility.Set(UsdGeom.Tokens.inherited, float(body.birth_frame))
-    if body.death_frame is not None:
-        visibility.Set(UsdGeom.Tokens.invisible, float(body.death_frame))
+        # Scales between two samples are interpolated: each change is a steep one.
+        scale.Set(nothing, birth - STEP)
+    visibility.Set(UsdGeom.Tokens.inherited, birth)
+    scale.Set(whole, birth)
+    if death is not None:
+        visibility.Set(UsdGeom.Tokens.invisible, float(death))
+        scale.Set(whole, death - STEP)
+        scale.Set(nothing, float(death))
 
 
 def describe_usd(path: str) -> dict[str, object]:

@@ -71,6 +71,17 @@ def test_every_frame_shows_what_the_recording_shows(stage: Any, scripted: Record
                 assert shown == pytest.approx(body.vertices_world(frame), abs=1e-6)
 
 
+def test_what_does_not_live_has_no_size(stage: Any, scripted: Recording) -> None:
+    # Blender does not heed a visibility that changes; nor may a piece grow slowly before its birth.
+    paths = {1: "/World/slab/slab", **{i: f"/World/slab/slab_{i}" for i in (2, 4, 5)}}
+    for time in (0.0, 0.5, 1.0, 2.0, 2.5, 2.75, 3.0, 3.5, 5.0, 6.0):
+        for body in (scripted.body(body_id) for body_id in paths):
+            shown = UsdGeom.Imageable(stage.GetPrimAtPath(paths[body.id]))
+            matrix = np.array(shown.ComputeLocalToWorldTransform(time))[:3, :3]
+            alive = body.alive(int(np.floor(time)))
+            assert np.linalg.det(matrix) == pytest.approx(float(alive), abs=1e-6), (body.id, time)
+
+
 def test_what_does_not_move_has_no_samples(stage: Any) -> None:
     def samples(path: str, attribute: str) -> list[float]:
         return list(stage.GetPrimAtPath(path).GetAttribute(attribute).GetTimeSamples())
