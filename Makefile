@@ -4,6 +4,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Blender's module for Python 3.11, apart from ours.
+BLENDER := .venv-blender
+PYTHON3_11 ?= python3.11
 OUT := out
 # The picture shows the wall in mid-break.
 DEMO_FRAME := 14
@@ -11,7 +14,7 @@ DEMO_FRAME := 14
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
 
-.PHONY: help build demo verify claims soak explore test test-rust test-python clean
+.PHONY: help build demo verify claims soak explore test test-rust test-python test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -53,8 +56,16 @@ test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/stubtest frangible._frangible
 	$(BIN)/pytest
 
+test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
+	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py
+
+$(BLENDER)/.installed:
+	$(PYTHON3_11) -m venv $(BLENDER)
+	$(BLENDER)/bin/python -m pip install --quiet bpy==5.0.1
+	touch $@
+
 clean: ## Remove what the other targets made
-	rm -rf $(OUT) $(VENV) target tests/tools/node_modules
+	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules
 
 # The environment may be there already, without pip or without our tools.
 $(VENV)/.tools: pyproject.toml
