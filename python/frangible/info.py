@@ -11,7 +11,7 @@ from .cache import CacheError, check_is_file
 from .gltf import describe_glb
 from .output import missing_packages
 from .recording import Recording
-from .usd_mesh import readable_mesh
+from .usd_mesh import ENDINGS, readable_mesh
 
 
 def describe_file(path: str) -> dict[str, object]:
@@ -20,13 +20,12 @@ def describe_file(path: str) -> dict[str, object]:
     check_is_file(path)
     if ending == ".npz":
         return _describe_npz(path)
-    if ending in (".usda", ".usdc"):
+    if ending in ENDINGS:
         if hint := missing_packages("usd"):
             raise CacheError(f"{path}: {hint}")
         from .usd import describe_usd
 
-        cache = describe_usd(path)
-        if cache["frames"]:
+        if (cache := describe_usd(path)) is not None:
             return cache
     if ending == ".glb" and (facts := describe_glb(path)) is not None:
         return facts

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Callable
+import math
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,10 @@ from .usd_materials import ImageFolder, add_material
 
 #: How long a body takes to appear and to vanish [frames].
 STEP = 1.0 / 64.0
+from .usd_stage import mark, open_stage, written_as
+
+#: What a stage says that it is, if a recording was written as it.
+RECORDING = "recording"
 
 
 def write_usd(recording: Recording, path: str) -> None:
@@ -34,6 +39,7 @@ def write_usd(recording: Recording, path: str) -> None:
     stage.SetFramesPerSecond(recording.fps)
     stage.SetStartTimeCode(0.0)
     stage.SetEndTimeCode(float(recording.frames))
+    mark(stage, RECORDING)
 
     # The root.
     root = UsdGeom.Xform.Define(stage, "/World")
@@ -192,11 +198,13 @@ def _life(mesh: Any, body: Body) -> None:
         scale.Set(nothing, float(death))
 
 
-def describe_usd(path: str) -> dict[str, object]:
-    """Frames, frame rate and bodies of a USD file; `CacheError` if it cannot be opened."""
-    try:
-        stage = Usd.Stage.Open(path)
-    except Tf.ErrorException as error:
-        raise CacheError(f"{path}: is not a readable USD file") from error
-    bodies = sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse())
-    return {"frames": int(stage.GetEndTimeCode()), "fps": stage.GetTimeCodesPerSecond(), "bodies": bodies}
+def describe_usd(path: str) -> dict[str, object] | None:
+    """Frames, frame rate and bodies of a recording of ours; `None` for any other stage, `CacheError` if it is damaged."""
+    with open_stage(path, CacheError) as stage:
+        if written_as(stage) != RECORDING:
+            return None
+        frames, fps = stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()
+        if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):
+            raise CacheError(f"{path}: has {frames:g} frames at {fps:g} a second, must be a whole number and a rate > 0")
+        bodies = sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse())
+        return {"frames": int(frames), "fps": fps, "bodies": bodies}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,80 +15,235 @@ import numpy.typing as npt
 
 from ._frangible import BuildError
 from .output import missing_packages
+from .reading import FileNote, file_fault
 
 #: What USD files end in.
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 
-#: Corners of each polygon in order, as indices of vertices.
-Polygons = list[npt.NDArray[np.int64]]
+#: The most points of a stage, its instances counted one by one: some gigabytes.
+MOST_POINTS = 50_000_000
+#: The most meshes, shapes and instances of them: some ten seconds.
+MOST_PARTS = 200_000
+
+Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
 
 
 @contextmanager
 def readable_mesh(path: str | os.PathLike[str]) -> Iterator[str]:
     """The path itself, or for a USD file that of a mesh with all that is to be seen in it, while the context lasts.
 
-    Lengths become metres and y up. `BuildError` if there is no mesh, or no package that reads USD.
+    Lengths become metres and y up. `BuildError` if there is no mesh, or no package that reads USD; `FileNote` warnings
+    name what is left out.
     """
     path = os.fspath(path)
-    if os.path.splitext(path)[1].lower() not in ENDINGS or not os.path.isfile(path):
+    if os.path.splitext(path)[1].lower() not in ENDINGS or file_fault(path):
         yield path
         return
     if hint := missing_packages("usd"):
         raise BuildError(f"{path}: {hint}")
-    vertices, polygons = read_usd(path)
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, f"{os.path.basename(path)}.obj")
-        _write_obj(name, vertices, polygons)
+        _convert(path, name)
         try:
             yield name
         except BuildError as error:
             raise BuildError(str(error).replace(name, path)) from None
 
 
-def read_usd(path: str) -> tuple[npt.NDArray[np.float64], Polygons]:
-    """Vertices (v, 3) [m] and polygons of all meshes that are visible and no guides, at the first time of the file."""
-    from pxr import Tf, Usd, UsdGeom
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One mesh or shape of a stage, or one instance of it."""
 
-    # Open it, and find its units.
-    try:
-        stage = Usd.Stage.Open(path)
-    except Tf.ErrorException as error:
-        raise BuildError(f"{path}: is not a readable USD file") from error
-    time = Usd.TimeCode(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else Usd.TimeCode.EarliestTime()
-    file_units = np.diag([UsdGeom.GetStageMetersPerUnit(stage)] * 3)
-    if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
-        # x stays, z goes up, y comes from the back.
-        file_units = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) @ file_units
-    transforms = UsdGeom.XformCache(time)
+    #: The prim's path; of an instance of an instancer with its number behind it.
+    name: str
+    #: What materials are bound to, and primvars are of.
+    prim: Any
+    #: (v, 3) [m], y up; in the prim's order.
+    points: Float64
+    #: Corners of each polygon (f,), and their points, counter-clockwise from outside.
+    counts: Int64
+    corners: Int64
+    #: The number in the prim's own order of each polygon, and of each corner.
+    faces: Int64
+    order: Int64
 
-    # Each mesh with the transforms above it.
-    vertices: list[npt.NDArray[np.float64]] = []
-    polygons: Polygons = []
-    count = 0
-    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
-        if not prim.IsA(UsdGeom.Mesh) or not _is_seen(UsdGeom.Mesh(prim), time):
-            continue
-        mesh = UsdGeom.Mesh(prim)
-        points = _array(mesh.GetPointsAttr(), time, np.float64).reshape(-1, 3)
-        counts = _array(mesh.GetFaceVertexCountsAttr(), time, np.int64)
-        corners = _array(mesh.GetFaceVertexIndicesAttr(), time, np.int64)
-        if len(corners) != counts.sum() or np.any((corners < 0) | (corners >= len(points))):
-            raise BuildError(f"{path}: the faces of {prim.GetPath()} do not fit its points")
 
-        # USD multiplies rows; what turns the inside out turns the polygons, too.
-        matrix = np.array(transforms.GetLocalToWorldTransform(prim), np.float64)
-        linear = file_units @ matrix[:3, :3].T
-        # What is not finite the core refuses.
-        with np.errstate(invalid="ignore"):
-            vertices.append(points @ linear.T + file_units @ matrix[3, :3])
-        is_left_handed = mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded
-        is_turned = is_left_handed != bool(np.linalg.det(linear) < 0.0)
-        faces = np.split(corners + count, np.cumsum(counts)[:-1]) if len(counts) else []
-        polygons.extend(face[::-1] if is_turned else face for face in faces)
-        count += len(points)
-    if not polygons:
-        raise BuildError(f"{path}: has no mesh that can be seen")
-    return np.concatenate(vertices), polygons
+def _convert(path: str, obj: str) -> None:
+    """Write all meshes and shapes that are visible and no guides, at the first time of the file."""
+    from .usd_stage import metres_from_stage, open_stage, time_code
+
+    with open_stage(path) as stage:
+        reader = _Reader(path, time_code(stage, None))
+        units = np.eye(4)
+        units[:3, :3] = metres_from_stage(path, stage).T
+        parts = [_moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
+        reader.note_missing(stage)
+        reader.note_left_out()
+        if not any(len(part.counts) for part in parts):
+            raise BuildError(f"{path}: has no mesh that can be seen")
+        _write_obj(obj, parts)
+
+
+@dataclass(slots=True)
+class _Reader:
+    path: str
+    time: Any
+    #: Points and parts that were made so far.
+    points: int = 0
+    parts: int = 0
+    #: What is in each prototype, by its path; `None` while it is read.
+    prototypes: dict[str, list[Part] | None] = field(default_factory=dict)
+    #: First prim of each kind that is left out, and how many there are.
+    left_out: dict[str, tuple[str, int]] = field(default_factory=dict)
+
+    def gather(self, root: Any) -> list[Part]:
+        """The parts of a prim and below it, in the frame of the root or, for a prototype, of its parent."""
+        from pxr import Usd, UsdGeom
+
+        # Prototypes may be `over`, so that they are seen as instances only.
+        is_prototype = not root.IsPseudoRoot()
+        undefined = Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
+        predicate = undefined if is_prototype else Usd.PrimDefaultPredicate
+        above = root.GetParent() if is_prototype else root
+        transforms = UsdGeom.XformCache(self.time)
+        parts: list[Part] = []
+        prims = iter(Usd.PrimRange(root, Usd.TraverseInstanceProxies(predicate)))
+        for prim in prims:
+            if not prim.IsA(UsdGeom.Imageable):
+                continue
+            if not self._is_visible(prim, root):
+                prims.PruneChildren()
+                continue
+            is_instancer = prim.IsA(UsdGeom.PointInstancer)
+            if is_instancer:
+                prims.PruneChildren()
+            purpose = UsdGeom.Imageable(prim).ComputePurpose()
+            if purpose not in (UsdGeom.Tokens.default_, UsdGeom.Tokens.render):
+                continue
+            if not is_instancer and not prim.IsA(UsdGeom.Gprim):
+                continue
+            found = self._instances(UsdGeom.PointInstancer(prim)) if is_instancer else self._gprim(prim)
+            matrix, _ = transforms.ComputeRelativeTransform(prim, above)
+            parts += [_moved(part, np.array(matrix, np.float64)) for part in found]
+        return parts
+
+    def _is_visible(self, prim: Any, root: Any) -> bool:
+        """Of what is in a prototype nothing above it is asked."""
+        from pxr import UsdGeom
+
+        if root.IsPseudoRoot():
+            return bool(UsdGeom.Imageable(prim).ComputeVisibility(self.time) != UsdGeom.Tokens.invisible)
+        # What is above was visible, or its children would have been skipped.
+        return bool(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible)
+
+    def _gprim(self, prim: Any) -> list[Part]:
+        from pxr import UsdGeom
+
+        from .usd_shapes import faces_of
+
+        # Its points and polygons.
+        kind = str(prim.GetTypeName())
+        gone: Int64 = np.zeros(0, np.int64)
+        if prim.IsA(UsdGeom.Mesh):
+            mesh = UsdGeom.Mesh(prim)
+            points = _array(mesh.GetPointsAttr(), self.time, np.float64).reshape(-1, 3)
+            counts = _array(mesh.GetFaceVertexCountsAttr(), self.time, np.int64)
+            corners = _array(mesh.GetFaceVertexIndicesAttr(), self.time, np.int64)
+            gone = _array(mesh.GetHoleIndicesAttr(), self.time, np.int64)
+            scheme = mesh.GetSubdivisionSchemeAttr()
+            if scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
+                self._leave_out(prim, "subdivision of Mesh")
+        elif (shape := faces_of(self.path, prim, self.time)) is not None:
+            points, counts, corners = shape
+        else:
+            self._leave_out(prim, kind)
+            return []
+        if (
+            np.any(counts < 0)
+            or len(corners) != sum(counts.tolist())
+            or np.any((corners < 0) | (corners >= len(points)))
+            or np.any((gone < 0) | (gone >= len(counts)))
+        ):
+            raise BuildError(f"{self.path}: the faces of {prim.GetPath()} do not fit its points")
+        self._count(1, len(points))
+
+        # Polygons that are holes go, and left-handed ones turn.
+        part = Part(
+            str(prim.GetPath()), prim, points, counts, corners, np.arange(len(counts)), np.arange(len(corners))
+        )
+        if len(gone):
+            part = _kept(part, ~np.isin(part.faces, gone))
+        is_left_handed = UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
+        # What is a formula faces outward by itself.
+        return [_turned(part) if is_left_handed and kind == "Mesh" else part]
+
+    def _instances(self, instancer: Any) -> list[Part]:
+        from pxr import UsdGeom
+
+        # Where each instance is, from its prototype's own transform on, and which of them are there.
+        path = instancer.GetPath()
+        prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
+        numbers = _array(instancer.GetProtoIndicesAttr(), self.time, np.int64)
+        placed = instancer.ComputeInstanceTransformsAtTime(
+            self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+        )
+        if len(placed) != len(numbers) or np.any((numbers < 0) | (numbers >= len(prototypes))):
+            raise BuildError(f"{self.path}: the instances of {path} do not fit its prototypes and positions")
+        matrices = np.array(placed, np.float64).reshape(-1, 4, 4)
+        there = np.array(instancer.ComputeMaskAtTime(self.time) or [True] * len(numbers), bool)
+
+        # Each prototype is laid out.
+        parts: list[Part] = []
+        for number, prototype in enumerate(prototypes):
+            chosen = np.flatnonzero((numbers == number) & there)
+            for part in self._prototype(instancer, prototype) if len(chosen) else []:
+                self._count(len(chosen), len(part.points) * len(chosen))
+                for instance in chosen.tolist():
+                    moved = _moved(part, matrices[instance])
+                    parts.append(replace(moved, name=f"{part.name}[{instance}]"))
+        return parts
+
+    def _prototype(self, instancer: Any, path: Any) -> list[Part]:
+        """What a prototype is made of, read once."""
+        known = str(path)
+        if known not in self.prototypes:
+            prim = instancer.GetPrim().GetStage().GetPrimAtPath(path)
+            if not prim:
+                self._leave_out(instancer.GetPrim(), "prototype that is not there")
+            self.prototypes[known] = None
+            self.prototypes[known] = self.gather(prim) if prim else []
+        parts = self.prototypes[known]
+        if parts is None:
+            raise BuildError(f"{self.path}: {path} is an instance of itself")
+        return parts
+
+    def _count(self, parts: int, points: int) -> None:
+        self.parts += parts
+        self.points += points
+        if self.parts > MOST_PARTS or self.points > MOST_POINTS:
+            what = f"{MOST_PARTS} meshes" if self.parts > MOST_PARTS else f"{MOST_POINTS} points"
+            raise BuildError(f"{self.path}: has more than {what}, each instance counted, must have at most so many")
+
+    def _leave_out(self, prim: Any, what: str) -> None:
+        first, count = self.left_out.get(what, (str(prim.GetPath()), 0))
+        self.left_out[what] = (first, count + 1)
+
+    def note_left_out(self) -> None:
+        if self.left_out:
+            listed = (
+                f"{what} ({first}{f' and {count - 1} more' if count > 1 else ''})"
+                for what, (first, count) in sorted(self.left_out.items())
+            )
+            warnings.warn(f"{self.path}: left out: {', '.join(listed)}", FileNote, stacklevel=2)
+
+    def note_missing(self, stage: Any) -> None:
+        """Files that the stage refers to and that are not there."""
+        missing = list(dict.fromkeys(str(error).strip() for error in stage.GetCompositionErrors()))
+        if missing:
+            more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+            sentence = missing[0].splitlines()[0].rstrip(".")
+            warnings.warn(f"{self.path}: is not complete: {sentence}{more}", FileNote, stacklevel=2)
 
 
 def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
@@ -94,14 +251,43 @@ def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
     return np.array([] if value is None else value, dtype)
 
 
-def _is_seen(mesh: Any, time: Any) -> bool:
-    from pxr import UsdGeom
+def _moved(part: Part, matrix: Float64) -> Part:
+    """A part under a transform; USD multiplies rows. What turns the inside out turns the polygons, too."""
+    # What is not finite the core refuses.
+    with np.errstate(invalid="ignore", over="ignore"):
+        points = part.points @ matrix[:3, :3] + matrix[3, :3]
+        is_mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
+    moved = replace(part, points=points)
+    return _turned(moved) if is_mirrored else moved
 
-    is_visible = mesh.ComputeVisibility(time) != UsdGeom.Tokens.invisible
-    return is_visible and mesh.ComputePurpose() in (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+
+def _turned(part: Part) -> Part:
+    """The part with its corners in the opposite order."""
+    ends = np.cumsum(part.counts)
+    swap = np.repeat(2 * ends - part.counts - 1, part.counts) - np.arange(len(part.corners))
+    return replace(part, corners=part.corners[swap], order=part.order[swap])
 
 
-def _write_obj(path: str, vertices: npt.NDArray[np.float64], polygons: Polygons) -> None:
-    with open(path, "w", encoding="ascii") as file:
-        file.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist())
-        file.writelines(f"f {' '.join(str(corner + 1) for corner in face)}\n" for face in polygons)
+def _kept(part: Part, keep: npt.NDArray[np.bool_]) -> Part:
+    """The part with some of its polygons."""
+    corners = np.repeat(keep, part.counts)
+    return replace(
+        part,
+        counts=part.counts[keep],
+        corners=part.corners[corners],
+        faces=part.faces[keep],
+        order=part.order[corners],
+    )
+
+
+def _write_obj(path: str, parts: list[Part]) -> None:
+    first = 1
+    with open(path, "w", encoding="utf-8") as file:
+        for part in parts:
+            file.write(f"o {part.name}\n")
+            file.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in part.points.tolist())
+            ends = np.cumsum(part.counts).tolist()
+            corners = (part.corners + first).tolist()
+            for end, count in zip(ends, part.counts.tolist(), strict=True):
+                file.write(f"f {' '.join(map(str, corners[end - count : end]))}\n")
+            first += len(part.points)

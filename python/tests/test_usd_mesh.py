@@ -1,5 +1,6 @@
 """Meshes and drawn patterns in USD files."""
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
 from frangible.usd_mesh import readable_mesh
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 #: A cube of edge 2 around the origin, its faces counter-clockwise from outside.
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -136,6 +137,182 @@ def test_a_bad_mesh_gets_a_sentence_with_its_path(saved: Any, fill: Callable[[An
     with pytest.raises(BuildError, match=sentence) as error:
         info(path)
     assert str(error.value).startswith(f"{path}: ")
+
+
+#: Each kind of shape that is a formula, with its attributes, its volume, and its size along x, y and z.
+SHAPES = {
+    "cube": (UsdGeom.Cube, {"size": 3.0}, 27.0, (3, 3, 3)),
+    "ball": (UsdGeom.Sphere, {"radius": 0.5}, math.pi / 6, (1, 1, 1)),
+    "cylinder along x": (UsdGeom.Cylinder, {"radius": 1.0, "height": 4.0, "axis": "X"}, 4 * math.pi, (4, 2, 2)),
+    "cylinder": (UsdGeom.Cylinder, {}, 2 * math.pi, (2, 2, 2)),
+    "cone along y": (UsdGeom.Cone, {"radius": 1.0, "height": 3.0, "axis": "Y"}, math.pi, (2, 3, 2)),
+    "capsule along x": (UsdGeom.Capsule, {"radius": 0.5, "height": 2.0, "axis": "X"}, 2 * math.pi / 3, (3, 1, 1)),
+    "a long capsule": (UsdGeom.Capsule, {"radius": 0.5, "height": 90.0}, math.pi * (22.5 + 1 / 6), (1, 1, 91)),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_shapes_are_meshes_of_their_volume_and_size(saved: Any, name: str) -> None:
+    kind, attributes, volume, size = SHAPES[name]
+
+    def fill(stage: Any) -> None:
+        shape = kind.Define(stage, "/Shape")
+        for key, value in attributes.items():
+            shape.GetPrim().GetAttribute(key).Set(value)
+        shape.AddTranslateOp().Set(Gf.Vec3d(7, -3, 2))
+        shape.AddScaleOp().Set(Gf.Vec3f(-2, 2, 2))
+        # Only meshes may be left-handed.
+        shape.CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
+
+    facts = info(saved(fill))
+    assert facts["watertight"] and facts["volume_m3"] == pytest.approx(8 * volume, rel=1e-9)
+    assert facts["center_m"][:2] == pytest.approx([7, -3]) or "cone" in name
+    assert np.subtract(facts["high_m"], facts["low_m"]) == pytest.approx(2 * np.array(size), abs=2e-3 * min(size))
+
+
+def test_the_tip_of_a_cone_and_the_ends_of_a_capsule_are_where_they_should_be(saved: Any) -> None:
+    cone = info(saved(lambda stage: UsdGeom.Cone.Define(stage, "/Cone") and None))
+    # Its centre is a quarter of its height above its base.
+    assert cone["center_m"] == pytest.approx([0, 0, -0.5])
+
+    def fill(stage: Any) -> None:
+        shape = stage.DefinePrim("/Shape", "Capsule_1")
+        for key, value in (("radiusTop", 1.0), ("radiusBottom", 0.5), ("height", 2.0)):
+            shape.GetAttribute(key).Set(value)
+
+    capsule = info(saved(fill))
+    assert (capsule["low_m"][2], capsule["high_m"][2]) == pytest.approx((-1.5, 2.0))
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_shape_without_a_size_is_refused(saved: Any, value: float) -> None:
+    path = saved(lambda stage: UsdGeom.Sphere.Define(stage, "/Ball").CreateRadiusAttr(value) and None)
+    with pytest.raises(BuildError, match=f"the radius of /Ball: {value}, must be a number > 0"):
+        info(path)
+
+
+def instancer(stage: Any, path: str, prototypes: list[str], indices: list[int], positions: list[Any]) -> Any:
+    made = UsdGeom.PointInstancer.Define(stage, path)
+    made.CreatePrototypesRel().SetTargets(prototypes)
+    made.CreateProtoIndicesAttr(indices)
+    made.CreatePositionsAttr(positions)
+    return made
+
+
+def test_instances_of_an_instancer_are_moved_turned_scaled_and_hidden(saved: Any) -> None:
+    def fill(stage: Any) -> None:
+        UsdGeom.Xform.Define(stage, "/World").AddTranslateOp().Set(Gf.Vec3d(100, 0, 0))
+        made = instancer(stage, "/World/Many", ["/World/Many/Proto"], [0, 0, 0], [(0, 0, 0), (10, 0, 0), (20, 0, 0)])
+        made.CreateOrientationsAttr([Gf.Quath(1, 0, 0, 0), Gf.Quath(0.7071, 0, 0, 0.7071), Gf.Quath(1, 0, 0, 0)])
+        made.CreateScalesAttr([(1, 1, 1), (3, 1, 1), (1, 1, 1)])
+        made.CreateIdsAttr([11, 12, 13])
+        made.CreateInvisibleIdsAttr([13])
+        cube(stage, "/World/Many/Proto").AddTranslateOp().Set(Gf.Vec3d(2, 0, 0))
+
+    facts = info(saved(fill))
+    assert facts["parts"] == 2 and facts["volume_m3"] == pytest.approx(8.0 + 24.0, rel=1e-3)
+    # The second is three times as far from its point as the first, and as long, and turned from x to y.
+    assert facts["low_m"] == pytest.approx([101, -1, -1], abs=1e-2)
+    assert facts["high_m"] == pytest.approx([111, 9, 1], abs=1e-2)
+
+
+def test_instancers_of_instancers_and_of_prototypes_that_are_not_drawn(saved: Any) -> None:
+    def fill(stage: Any) -> None:
+        inner = instancer(stage, "/Outer/Inner", ["/Drawer/Cube", "/Outer/Inner/Ball"], [0, 1], [(0, 0, 0), (0, 5, 0)])
+        UsdGeom.Sphere.Define(stage, "/Outer/Inner/Ball")
+        instancer(stage, "/Outer", [str(inner.GetPath())], [0, 0, 0], [(0, 0, 0), (9, 0, 0), (0, 0, 9)])
+        # What is only `over` is a prototype, and nothing by itself.
+        cube(stage, "/Drawer/Cube")
+        stage.GetPrimAtPath("/Drawer").SetSpecifier(Sdf.SpecifierOver)
+
+    facts = info(saved(fill))
+    assert facts["parts"] == 6 and facts["volume_m3"] == pytest.approx(3 * (8 + 4 / 3 * math.pi))
+
+
+def test_instances_that_do_not_fit_are_refused(saved: Any) -> None:
+    def fill(stage: Any, indices: list[int]) -> None:
+        instancer(stage, "/Many", ["/Many/Proto"], indices, [(0, 0, 0), (3, 0, 0)])
+        cube(stage, "/Many/Proto")
+
+    for indices in ([0, 1], [0, -1], [0]):
+        with pytest.raises(BuildError, match="the instances of /Many do not fit its prototypes"):
+            info(saved(lambda stage, indices=indices: fill(stage, indices), f"{len(str(indices))}{indices[-1]}.usda"))
+
+    def within_itself(stage: Any) -> None:
+        instancer(stage, "/A", ["/A/B"], [0], [(0, 0, 0)])
+        instancer(stage, "/A/B", ["/A"], [0], [(0, 0, 0)])
+
+    with pytest.raises(BuildError, match="/A/B is an instance of itself"):
+        info(saved(within_itself, "self.usda"))
+
+    def crowd(stage: Any) -> None:
+        lower = cube(stage, "/Cube").GetPath()
+        for level in range(9):
+            lower = instancer(stage, f"/Level{level}", [str(lower)], [0] * 10, [(0, 0, 0)] * 10).GetPath()
+
+    with pytest.raises(BuildError, match="has more than 200000 meshes"):
+        info(saved(crowd, "crowd.usda"))
+
+
+def test_what_is_left_out_is_named_once_each(saved: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    def fill(stage: Any) -> None:
+        cube(stage, "/Cube").CreateSubdivisionSchemeAttr(UsdGeom.Tokens.catmullClark)
+        for number in range(3):
+            UsdGeom.BasisCurves.Define(stage, f"/Hair{number}")
+        UsdGeom.Points.Define(stage, "/Dust")
+        UsdGeom.Imageable(UsdGeom.NurbsPatch.Define(stage, "/Hidden")).MakeInvisible()
+        stage.DefinePrim("/Lost", "Xform").GetReferences().AddReference("lost.usda")
+
+    path = saved(fill)
+    assert main(["info", path]) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        f"frangible: {path}: is not complete: Could not open asset @lost.usda@ for reference introduced by @{path}@</Lost>",
+        f"frangible: {path}: left out: BasisCurves (/Hair0 and 2 more), Points (/Dust), subdivision of Mesh (/Cube)",
+    ]
+
+
+def test_polygons_that_are_holes_are_none(saved: Any) -> None:
+    path = saved(lambda stage: cube(stage, "/Cube").CreateHoleIndicesAttr([1, 4]) and None)
+    assert info(path)["triangles"] == 8
+
+
+def test_a_time_range_makes_no_cache(saved: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    def fill(stage: Any) -> None:
+        stage.SetStartTimeCode(5)
+        stage.SetEndTimeCode(9)
+        size = UsdGeom.Cube.Define(stage, "/Cube").CreateSizeAttr()
+        size.Set(1.0, 1.0)
+        size.Set(3.0, 9.0)
+
+    assert main(["info", saved(fill)]) == 0
+    # The size at the first time.
+    assert re.search(r"^volume_m3 +8$", capsys.readouterr().out, re.MULTILINE)
+
+
+@pytest.mark.parametrize("value", [Vt.Float(0.01), 0.01, Vt.Float(0.0), float("nan"), -1])
+def test_units_are_read_from_whatever_they_are_stored_as(saved: Any, value: Any) -> None:
+    path = saved(lambda stage: UsdGeom.Cube.Define(stage, "/Cube") and None, "drawn.usdc")
+    layer = Sdf.Layer.FindOrOpen(path)
+    layer.pseudoRoot.SetInfo("metersPerUnit", value)
+    layer.Save()
+    if value in (0.01, Vt.Float(0.01)):
+        assert info(path)["volume_m3"] == pytest.approx(8e-6, rel=1e-12)
+    else:
+        with pytest.raises(BuildError, match="metersPerUnit: .*, must be a number > 0"):
+            info(path)
+
+
+@pytest.mark.parametrize("reason", [RuntimeError("a\nb"), KeyError("x"), OverflowError("too large"), MemoryError()])
+def test_whatever_the_library_raises_is_one_sentence(saved: Any, monkeypatch: pytest.MonkeyPatch, reason: Exception) -> None:
+    path = saved(lambda stage: cube(stage, "/Cube") and None)
+
+    def fail(*_: object) -> None:
+        raise reason
+
+    monkeypatch.setattr(UsdGeom, "XformCache", fail)
+    with pytest.raises(BuildError, match="is not a readable USD file|needs more memory") as error:
+        info(path)
+    assert str(error.value).startswith(f"{path}: ") and "\n" not in str(error.value)
 
 
 def test_what_is_no_usd_file_is_said_to_be_none(tmp_path: Path) -> None:

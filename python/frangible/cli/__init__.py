@@ -6,12 +6,14 @@ import argparse
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
 from .. import _frangible
 from ..cache import CacheError
 from ..output import OutputError
+from ..reading import FileNote
 from ..stepping import BenchError
 from ..verification import ClaimError
 from .bench import add_bench
@@ -34,6 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.exit(EXIT_TERMINATED)
 
     signal.signal(signal.SIGTERM, terminate)
+    warnings.simplefilter("always", FileNote)
+    warnings.showwarning = _tell_note
     options = parser().parse_args(arguments)
     try:
         status: int = options.command(options) or 0
@@ -53,6 +57,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("frangible: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
+
+
+def _tell_note(message: Warning | str, *_: object, **__: object) -> None:
+    """A line about what was left out of a file."""
+    print(f"frangible: {message}", file=sys.stderr)
 
 
 def parser() -> argparse.ArgumentParser:
