@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,10 @@ from .paths import by_source, telling_samples, unique_names
 from .pieces import Pieces
 from .recording import Body, Recording
 from .usd_materials import ImageFolder, add_material
+from .usd_stage import mark, open_stage, written_as
 
 #: How long a body takes to appear and to vanish [frames].
 STEP = 1.0 / 64.0
-from .usd_stage import mark, open_stage, written_as
-
 #: What a stage says that it is, if a recording was written as it.
 RECORDING = "recording"
 
