@@ -1,5 +1,5 @@
 # One command from a fresh clone: `make demo` shows it at work, `make test` checks everything.
-# Needs Rust 1.95, Python 3.11, Node 20 (for the tests), and a C compiler.
+# Needs Rust 1.95, Python 3.11, Node 20 (for the tests), and compilers for C and C++.
 
 PYTHON ?= python3
 VENV := .venv
@@ -74,7 +74,7 @@ $(VENV)/.tools: pyproject.toml
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("exact", "usd", "render", "plot", "dev") \
+	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "render", "plot", "dev") \
 	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
 	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
 	touch $@

@@ -115,6 +115,9 @@ def mesh_info(path: str) -> dict[str, Any]:
     `unit_inertia_m5` is the tensor (3, 3) about `center_m` at unit density: times kg/m^3 it is in kg m^2.
     """
 
+def decode_meshopt(data: bytes, count: int, stride: int, mode: str, filter: str) -> bytes:
+    """`count` rows of `stride` bytes from a compressed view of a glTF file; `BuildError`, to follow the view's name."""
+
 def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
     """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file, vertices at the same place made one.
 

@@ -74,7 +74,7 @@ def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
 
 
 #: Modules that each extra of the installation brings.
-_EXTRAS = {"exact": ("manifold3d",), "plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
+_EXTRAS = {"exact": ("manifold3d",), "gltf": ("DracoPy",), "plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
 
 _FORMATS = {
     ".glb": _Format(_write_glb),

@@ -1,4 +1,4 @@
-"""Meshes of USD files: handed to the core as a mesh file that it reads."""
+"""Meshes of USD files, and of glTF files as they are shipped: handed to the core as a mesh file that it reads."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ._frangible import BuildError
+from .gltf_mesh import ENDINGS as GLTF_ENDINGS
+from .gltf_mesh import make_plain
 from .output import missing_packages
 from .reading import FileNote, file_fault
 
@@ -30,25 +32,46 @@ Int64 = npt.NDArray[np.int64]
 
 
 @contextmanager
-def readable_mesh(path: str | os.PathLike[str]) -> Iterator[str]:
-    """The path itself, or for a USD file that of a mesh with all that is to be seen in it, while the context lasts.
+def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) -> Iterator[str]:
+    """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads, while the context lasts.
 
-    Lengths become metres and y up. `BuildError` if there is no mesh, or no package that reads USD; `FileNote` warnings
-    name what is left out.
+    USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What moves is where it is at
+    the beginning or, if that is given, ``pose_time`` [s] after it. `BuildError` if there is no mesh, or a package for it
+    is missing; `FileNote` warnings name what is left out.
     """
     path = os.fspath(path)
-    if os.path.splitext(path)[1].lower() not in ENDINGS or file_fault(path):
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in (*ENDINGS, *GLTF_ENDINGS) or file_fault(path):
         yield path
         return
-    if hint := missing_packages("usd"):
-        raise BuildError(f"{path}: {hint}")
     with tempfile.TemporaryDirectory() as folder:
-        name = os.path.join(folder, f"{os.path.basename(path)}.obj")
-        _convert(path, name)
+        name = os.path.join(folder, f"{os.path.basename(path)}{'.obj' if ending in ENDINGS else '.glb'}")
+        if ending in ENDINGS:
+            _convert(path, name, pose_time)
+        elif not make_plain(path, name, pose_time):
+            name = path
         try:
             yield name
         except BuildError as error:
             raise BuildError(str(error).replace(name, path)) from None
+
+
+def _convert(path: str, obj: str, pose_time: float | None) -> None:
+    """Write all meshes and shapes of a stage that are visible and no guides."""
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .usd_stage import metres_from_stage, open_stage, time_code
+
+    with open_stage(path) as stage:
+        reader = _Reader(path, time_code(stage, pose_time))
+        units = np.eye(4)
+        units[:3, :3] = metres_from_stage(path, stage).T
+        parts = [_moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
+        reader.note_missing(stage)
+        reader.note_left_out()
+        if not any(len(part.counts) for part in parts):
+            raise BuildError(f"{path}: has no mesh that can be seen")
+        _write_obj(obj, parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,22 +90,6 @@ class Part:
     #: The number in the prim's own order of each polygon, and of each corner.
     faces: Int64
     order: Int64
-
-
-def _convert(path: str, obj: str) -> None:
-    """Write all meshes and shapes that are visible and no guides, at the first time of the file."""
-    from .usd_stage import metres_from_stage, open_stage, time_code
-
-    with open_stage(path) as stage:
-        reader = _Reader(path, time_code(stage, None))
-        units = np.eye(4)
-        units[:3, :3] = metres_from_stage(path, stage).T
-        parts = [_moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
-        reader.note_missing(stage)
-        reader.note_left_out()
-        if not any(len(part.counts) for part in parts):
-            raise BuildError(f"{path}: has no mesh that can be seen")
-        _write_obj(obj, parts)
 
 
 @dataclass(slots=True)

@@ -3,6 +3,7 @@
 mod breaking;
 mod convert;
 mod memory;
+mod meshopt;
 mod patterns;
 mod world;
 
@@ -159,5 +160,6 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::mesh_mass, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::piece_contacts, module)?)?;
+    module.add_function(wrap_pyfunction!(meshopt::decode_meshopt, module)?)?;
     module.add_function(wrap_pyfunction!(mesh_info, module)?)
 }
