@@ -31,6 +31,7 @@ def break_mesh(
     normal: Sequence[float] = DEFAULT_NORMAL,
     exact: bool = False,
     voxels: int = DEFAULT_VOXELS,
+    pose_time: float | None = None,
 ) -> Pieces:
     """Break a mesh file along a pattern; `BuildError` if that cannot be done.
 
@@ -38,10 +39,11 @@ def break_mesh(
     ``at`` the blow goes through the middle of the bounding box and lands where it first meets the mesh.
 
     By default the mesh is sampled on a grid of ``voxels`` along its longest side, so that holes and crossings do no harm. ``exact``
-    keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there.
+    keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there. What moves in a glTF or
+    USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest.
     """
     # Where the blow lands.
-    with readable_mesh(path) as file:
+    with readable_mesh(path, pose_time) as file:
         mesh = _frangible.load_mesh(file)
     direction = np.array(normal, np.float64)
     length = np.linalg.norm(direction)

@@ -155,7 +155,7 @@ class _Plain:
     def _mesh(self, node: Json, world: Any, worlds: list[Any]) -> int:
         """The number of a node's mesh, which it may share with others."""
         mesh = self.old.item("meshes", node["mesh"])
-        weights = [float(weight) for weight in node.get("weights", mesh.get("weights", []))]
+        weights = [float(weight) for weight in node.get("weights") or mesh.get("weights") or []]
         joints: npt.NDArray[np.float64] | None = None
         if "skin" in node:
             joints = np.linalg.inv(world) @ joint_matrices(self.old, self.old.item("skins", node["skin"]), worlds)

@@ -14,7 +14,7 @@ from .recording import Recording
 from .usd_mesh import ENDINGS, readable_mesh
 
 
-def describe_file(path: str) -> dict[str, object]:
+def describe_file(path: str, pose_time: float | None = None) -> dict[str, object]:
     """Facts to print, in order; `CacheError` or `BuildError` if the file is neither a mesh nor a cache."""
     ending = os.path.splitext(path)[1].lower()
     check_is_file(path)
@@ -29,7 +29,7 @@ def describe_file(path: str) -> dict[str, object]:
             return cache
     if ending == ".glb" and (facts := describe_glb(path)) is not None:
         return facts
-    with readable_mesh(path) as file:
+    with readable_mesh(path, pose_time) as file:
         return mesh_info(file)
 
 

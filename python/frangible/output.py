@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-import secrets
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
+
+from .whole import whole_file as whole_file
+from .whole import whole_path as whole_path
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -107,7 +108,8 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
 
     ``besides`` ends the sentence's list of what can be written.
     """
-    folder = os.path.dirname(path) or "."
+    # A link leads to what is written.
+    folder = os.path.dirname(os.path.realpath(path) if os.path.islink(path) else path) or "."
     ending = os.path.splitext(path)[1].lower()
     if ending not in extras:
         known = ", ".join([*sorted(extras), *([besides] if besides else [])])
@@ -116,8 +118,10 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
         raise OutputError(f"{path}: the folder {folder!r} does not exist, create it first")
     if os.path.isdir(path):
         raise OutputError(f"{path}: is a folder, must be a file")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise OutputError(f"{path}: the folder {folder!r} cannot be written to")
+    is_device = os.path.exists(path) and not os.path.isfile(path)
+    if not os.access(path if is_device else folder, os.W_OK | (0 if is_device else os.X_OK)):
+        what = "it" if is_device else f"the folder {folder!r}"
+        raise OutputError(f"{path}: {what} cannot be written to")
     extra = extras[ending]
     if extra is not None and (hint := missing_packages(extra)):
         raise OutputError(f"{path}: {hint}")
@@ -129,30 +133,3 @@ def missing_packages(extra: str) -> str | None:
     if all(find_spec(module) is not None for module in _EXTRAS[extra]):
         return None
     return f"needs an optional package, install it with: pip install 'frangible[{extra}]'"
-
-
-#: Marks the name of a file that is not whole yet.
-_PART = ".part"
-
-
-@contextmanager
-def whole_file(path: str) -> Iterator[str]:
-    """A temporary path beside ``path`` that takes its name at the end, or vanishes if the block fails."""
-    folder, name = os.path.split(path)
-    stem, ending = os.path.splitext(name)
-    part = os.path.join(folder, f".{stem}.{secrets.token_hex(4)}{_PART}{ending}")
-    try:
-        yield part
-        os.replace(part, path)
-    finally:
-        with suppress(FileNotFoundError):
-            os.unlink(part)
-
-
-def whole_path(part: str) -> str:
-    """The path that a temporary one of `whole_file` gets at the end; any other path as it is."""
-    folder, name = os.path.split(part)
-    stem, ending = os.path.splitext(name)
-    if not (stem.startswith(".") and stem.endswith(_PART)):
-        return part
-    return os.path.join(folder, stem[1:].removesuffix(_PART).rpartition(".")[0] + ending)

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .materials import INSIDE, OUTSIDE, Colour
-from .output import OutputError, check_destination, whole_file
+from .output import OutputError, check_destination
 from .pieces import Piece, Pieces
+from .whole import whole_file, whole_folder
 
 #: Names of the two materials.
 OUTER, INNER = "outer", "inner"
@@ -35,8 +36,9 @@ class PiecesOutput:
         """Write pieces and report; an `OSError` names the file."""
         try:
             self.writer(pieces, self.path)
-            with whole_file(self.report) as part, open(part, "w", encoding="utf-8") as file:
-                json.dump(pieces.report(), file, indent=1)
+            if self.writer is not _write_folder:
+                with whole_file(self.report) as part:
+                    _write_report(pieces, part)
         except OSError as error:
             raise OSError(error.errno, error.strerror or str(error), self.path) from error
 
@@ -51,13 +53,17 @@ def open_pieces_output(path: str) -> PiecesOutput:
 
 
 def _open_folder(path: str) -> PiecesOutput:
-    above = os.path.dirname(os.path.abspath(path))
+    above = os.path.dirname(os.path.realpath(path))
     if os.path.isdir(path):
+        if os.path.samefile(path, os.curdir):
+            raise OutputError(f"{path}: is the folder that the command runs in, must be another one")
         foreign = sorted(name for name in os.listdir(path) if not _OURS.fullmatch(name))
         if foreign:
             raise OutputError(f"{path}: holds {foreign[0]!r}, must be new, empty, or hold the pieces of an earlier break only")
         if not os.access(path, os.W_OK | os.X_OK):
             raise OutputError(f"{path}: the folder cannot be written to")
+        if not os.access(above, os.W_OK | os.X_OK):
+            raise OutputError(f"{path}: the folder above, {above!r}, cannot be written to")
     elif os.path.exists(path):
         raise OutputError(f"{path}: is a file without a known ending, must be a folder or end in .glb, .gltf, .obj, .usd, .usda or .usdc")
     elif not os.path.isdir(above):
@@ -83,19 +89,24 @@ def _write_usd(pieces: Pieces, path: str) -> None:
 
 def _write_obj(pieces: Pieces, path: str) -> None:
     materials = os.path.splitext(path)[0] + ".mtl"
-    _write_materials(materials)
+    with whole_file(materials) as part:
+        _write_materials(part)
     with whole_file(path) as part:
         _write_obj_file(pieces.pieces, part, os.path.basename(materials))
 
 
 def _write_folder(pieces: Pieces, path: str) -> None:
-    # What an earlier break left goes away: it may have had more pieces.
-    os.makedirs(path, exist_ok=True)
-    for name in filter(_OURS.fullmatch, os.listdir(path)):
-        os.unlink(os.path.join(path, name))
-    _write_materials(os.path.join(path, "materials.mtl"))
-    for piece in pieces.pieces:
-        _write_obj_file([piece], os.path.join(path, f"{piece.name}.obj"), "materials.mtl")
+    # What an earlier break left goes away at the end: it may have had more pieces.
+    with whole_folder(path) as part:
+        _write_materials(os.path.join(part, "materials.mtl"))
+        for piece in pieces.pieces:
+            _write_obj_file([piece], os.path.join(part, f"{piece.name}.obj"), "materials.mtl")
+        _write_report(pieces, os.path.join(part, "pieces.json"))
+
+
+def _write_report(pieces: Pieces, path: str) -> None:
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(pieces.report(), file, indent=1)
 
 
 def _write_materials(path: str) -> None:

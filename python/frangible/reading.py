@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import struct
-import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,21 +11,6 @@ from ._frangible import BuildError
 
 #: The largest file, and the most memory that its compressed parts may take [bytes].
 MOST_BYTES = 2**31
-
-#: What libraries raise about damaged files.
-_DAMAGE = (
-    ArithmeticError,
-    AttributeError,
-    EOFError,
-    LookupError,
-    NotImplementedError,
-    RuntimeError,
-    TypeError,
-    ValueError,
-    struct.error,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 
 
 class FileNote(UserWarning):
@@ -47,7 +29,9 @@ def one_sentence(path: str, kind: str, error: type[ValueError] = BuildError) -> 
         raise
     except MemoryError:
         raise error(f"{path}: needs more memory than there is") from None
-    except _DAMAGE as reason:
+    except OSError:
+        raise
+    except Exception as reason:  # Libraries have exceptions of their own.
         raise error(f"{path}: is not a readable {kind}{_in_brackets(reason)}") from reason
 
 

@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
 from ._frangible import BuildError, shot_frames, shot_scene
+from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .usd_mesh import ENDINGS as USD_ENDINGS
 from .usd_mesh import readable_mesh
 
@@ -97,24 +98,27 @@ def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
-def readable_scene(scene: Any) -> Iterator[Any]:
-    """What the core can build, from JSON, a dictionary or a file's path, while the context lasts: USD files are read here."""
+def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
+    """What the core can build, from JSON, a dictionary or a file's path, while the context lasts.
+
+    USD and glTF files are read here, with what moves in them as it is at a pose time [s].
+    """
     if isinstance(scene, os.PathLike) or (isinstance(scene, str) and is_scene_file(scene) and "{" not in scene):
         scene = read_scene(scene)
-    elif isinstance(scene, str) and ".usd" in scene:
+    elif isinstance(scene, str) and any(ending in scene for ending in (".usd", *GLTF_ENDINGS)):
         scene = _parse_json("scene", scene)
-    if not isinstance(scene, dict) or not any(_is_usd(holder) for holder in _path_holders(scene)):
+    if not isinstance(scene, dict) or not any(_is_converted(holder) for holder in _path_holders(scene)):
         yield scene
         return
     scene = copy.deepcopy(scene)
     with ExitStack() as files:
-        for holder in filter(_is_usd, _path_holders(scene)):
-            holder["path"] = files.enter_context(readable_mesh(holder["path"]))
+        for holder in filter(_is_converted, _path_holders(scene)):
+            holder["path"] = files.enter_context(readable_mesh(holder["path"], pose_time))
         yield scene
 
 
-def _is_usd(holder: dict[str, Any]) -> bool:
-    return os.path.splitext(holder["path"])[1].lower() in USD_ENDINGS
+def _is_converted(holder: dict[str, Any]) -> bool:
+    return os.path.splitext(holder["path"])[1].lower() in (*USD_ENDINGS, *GLTF_ENDINGS)
 
 
 def find_scene(
@@ -125,13 +129,14 @@ def find_scene(
     method: str | None = None,
     seed: int | None = None,
     assignments: Iterable[str] = (),
+    pose_time: float | None = None,
 ) -> tuple[Scene, int, str]:
     """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many frames it takes; its name.
 
     `BuildError` if there is none, or what is asked for does not fit it.
     """
     if isinstance(source, str) and not is_scene_file(source):
-        scene = _shot(source, mesh, fps, method, seed)
+        scene = _shot(source, mesh, fps, method, seed, pose_time)
         for assignment in assignments:
             set_field(scene, assignment)
         return scene, shot_frames(source, fps), source
@@ -148,8 +153,10 @@ def find_scene(
     return scene, _frames(scene), str(name)
 
 
-def _shot(name: str, mesh: str | None, fps: float | None, method: str | None, seed: int | None) -> Scene:
-    with nullcontext() if mesh is None else readable_mesh(mesh) as readable:
+def _shot(
+    name: str, mesh: str | None, fps: float | None, method: str | None, seed: int | None, pose_time: float | None
+) -> Scene:
+    with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
         scene: Scene = json.loads(shot_scene(name, mesh=readable, fps=fps, method=method, seed=seed))
     # Whoever builds it reads the mesh's file for himself.
     for holder in _path_holders(scene):

@@ -1,16 +1,20 @@
 """Output files: checked before a run, and whole or absent after it."""
 
+import errno
 import os
 import signal
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from frangible import OutputError, Recording, _frangible
-from frangible.output import open_output, whole_file
+from frangible.cli import main
+from frangible.output import open_output
+from frangible.whole import whole_file, whole_folder
 
 
 def test_a_file_takes_its_name_only_when_it_is_whole(tmp_path: Path) -> None:
@@ -46,25 +50,117 @@ def test_every_writer_leaves_nothing_of_a_recording_that_it_cannot_write(
     assert os.listdir(tmp_path) == []
 
 
-def test_a_terminated_run_leaves_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_run_that_is_asked_to_end_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
     script = (
         "import sys, time\n"
         "from frangible import cli, output\n"
+        "from frangible.cli import run as module\n"
         "def run(options):\n"
         "    with output.whole_file(sys.argv[1]) as part:\n"
         "        open(part, 'w').write('half')\n"
         "        print('writing', flush=True)\n"
         "        time.sleep(60)\n"
-        "cli._run = run\n"
+        "module._run = run\n"
         "sys.exit(cli.main(['run', 'wall']))\n"
     )
     process = subprocess.Popen([sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "writing\n"
     assert len(os.listdir(tmp_path)) == 1
-    process.terminate()
-    assert process.wait(timeout=30) == 128 + signal.SIGTERM
+    process.send_signal(number)
+    # A second one does not disturb what goes away.
+    if number != signal.SIGINT:
+        process.send_signal(number)
+    assert process.wait(timeout=30) == 128 + number
     assert os.listdir(tmp_path) == []
+
+
+def test_a_link_leads_to_what_is_written(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    target, link = tmp_path / "there" / "real.txt", tmp_path / "link.txt"
+    link.symlink_to(target)
+    for text in ("new", "newer"):
+        with whole_file(str(link)) as part:
+            assert Path(part).parent == tmp_path / "there"
+            Path(part).write_text(text)
+        assert link.is_symlink() and target.read_text() == text
+    # What may be read by all, or by few, stays so.
+    target.chmod(0o600)
+    with whole_file(str(link)) as part:
+        Path(part).write_text("secret")
+    assert target.stat().st_mode & 0o777 == 0o600
+    assert sorted(os.listdir(tmp_path / "there")) == ["real.txt"]
+
+
+def test_a_pipe_gets_the_bytes(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.txt"
+    os.mkfifo(pipe)
+    read: list[str] = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    with whole_file(str(pipe)) as part:
+        Path(part).write_text("through")
+    reader.join(timeout=30)
+    assert read == ["through"] and pipe.is_fifo() and os.listdir(tmp_path) == ["pipe.txt"]
+    assert open_output(str(pipe.rename(tmp_path / "pipe.glb"))).path.endswith("pipe.glb")
+
+
+def test_a_link_into_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    (tmp_path / "link.glb").symlink_to(tmp_path / "no" / "such.glb")
+    with pytest.raises(OutputError, match="link.glb: the folder .* does not exist"):
+        open_output(str(tmp_path / "link.glb"))
+
+
+def test_what_is_written_is_on_the_disk_before_it_takes_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    order: list[str] = []
+    sync, replace_file = os.fsync, os.replace
+    monkeypatch.setattr(os, "fsync", lambda descriptor: (order.append("sync"), sync(descriptor)))
+    monkeypatch.setattr(os, "replace", lambda *paths: (order.append("name"), replace_file(*paths)))
+    with whole_file(str(tmp_path / "file.txt")) as part:
+        Path(part).write_text("new")
+    assert order == ["sync", "name", "sync"]
+
+
+def test_a_folder_is_swapped_whole_or_not_at_all(tmp_path: Path) -> None:
+    folder = tmp_path / "pieces"
+    for names in (["a", "b"], ["c"]):
+        with whole_folder(str(folder)) as part:
+            for name in names:
+                (Path(part) / name).write_text(name)
+        assert sorted(os.listdir(folder)) == names
+    with pytest.raises(KeyboardInterrupt), whole_folder(str(folder)) as part:
+        (Path(part) / "d").write_text("half")
+        raise KeyboardInterrupt
+    assert os.listdir(folder) == ["c"] and os.listdir(tmp_path) == ["pieces"]
+    # A link to a folder stays one.
+    (tmp_path / "link").symlink_to(folder)
+    with whole_folder(str(tmp_path / "link") + "/") as part:
+        (Path(part) / "e").write_text("e")
+    assert (tmp_path / "link").is_symlink() and os.listdir(folder) == ["e"]
+
+
+def test_old_pieces_stay_until_the_new_ones_are_there(
+    tmp_path: Path, tetrahedron: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mesh.obj").write_text(tetrahedron)
+    folder = tmp_path / "pieces"
+    command = ["break", str(tmp_path / "mesh.obj"), "--pattern", "slices", "--voxels", "16", "--out", f"{folder}/", "--cells"]
+    assert main([*command, "12"]) == 0
+    before = sorted(os.listdir(folder))
+    assert "pieces.json" in before
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("frangible.pieces_files._write_report", fail)
+    assert main([*command, "2"]) == 1
+    monkeypatch.undo()
+    assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == ["mesh.obj", "pieces"]
+    assert main([*command, "2"]) == 0
+    assert len(os.listdir(folder)) < len(before)
+    monkeypatch.chdir(folder)
+    assert main([*command[:-2], "./"]) == 2
 
 
 @pytest.mark.parametrize(

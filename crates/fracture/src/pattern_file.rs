@@ -5,7 +5,7 @@ use crate::{
     pattern::{Cells, Region},
     rough::Rough,
 };
-use frangible_geometry::{TriMesh, mesh_io};
+use frangible_geometry::{TriMesh, mesh_io, read_file};
 use serde::Serialize;
 use std::path::Path;
 
@@ -56,9 +56,12 @@ impl Pattern {
             let mesh = mesh.map_err(|reason| PatternError::File { path: name.clone(), reason })?;
             return Self::of_parts(&mesh, &name);
         }
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        let text = read_file(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => "no such file".to_owned(),
             _ => format!("cannot be read: {error}"),
+        });
+        let text = text.and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|_| "is not a pattern: it is not UTF-8 text".to_owned())
         });
         let pattern = text.and_then(|text| parse(&text));
         pattern.map_err(|reason| PatternError::File { path: name, reason })

@@ -5,7 +5,7 @@ mod obj;
 mod ply;
 mod stl;
 
-use crate::{MeshError, TriMesh};
+use crate::{MeshError, TriMesh, read_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
             return Err(MeshError::UnknownEnding { mesh: name, ending });
         }
     };
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let bytes = read_file(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => MeshError::Missing { mesh: name.clone() },
         _ => MeshError::Unreadable { mesh: name.clone(), reason: error.to_string() },
     })?;

@@ -101,6 +101,40 @@ fn buffer_may_be_embedded_beside_or_in_the_file() {
 }
 
 #[test]
+fn buffers_lie_in_the_documents_own_folder() {
+    let mut document = cube_document();
+    let file = TestFile::new("a.gltf", document.to_string());
+    let folder = file.folder.path();
+    let outside = tempfile::tempdir().unwrap();
+    std::fs::write(outside.path().join("out.bin"), cube_buffer()).unwrap();
+    std::os::unix::fs::symlink(outside.path().join("out.bin"), folder.join("link.bin")).unwrap();
+    std::fs::create_dir(folder.join("below")).unwrap();
+    std::fs::write(folder.join("below/in.bin"), cube_buffer()).unwrap();
+    let mut with = |uri: &str| {
+        document["buffers"][0]["uri"] = json!(uri);
+        std::fs::write(folder.join("a.gltf"), document.to_string()).unwrap();
+    };
+    with("below/in.bin");
+    assert_eq!(file.load(), cube());
+    let absolute = outside.path().join("out.bin").display().to_string();
+    for uri in [
+        &absolute,
+        "/dev/zero",
+        "../out.bin",
+        "below/../../out.bin",
+        "%2e%2e/out.bin",
+        "file:///dev/zero",
+        "link.bin",
+    ] {
+        with(uri);
+        let sentence = file.refusal();
+        assert!(sentence.ends_with("must be a file in the document's own folder"), "{uri}: {sentence}");
+    }
+    with("below");
+    assert!(file.refusal().contains("must be a regular file"));
+}
+
+#[test]
 fn nodes_move_turn_scale_and_mirror() {
     let mut document = cube_document();
     document["nodes"] = json!([

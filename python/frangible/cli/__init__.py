@@ -19,7 +19,7 @@ from ..verification import ClaimError
 from .bench import add_bench
 from .breaking import add_break
 from .files import add_info, add_plot, add_shots
-from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, EXIT_TERMINATED, Parser
+from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, Parser
 from .pattern import add_pattern
 from .run import add_run
 from .scene import add_scene
@@ -29,13 +29,23 @@ from .verify import add_verify
 COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info)
 
 
+#: Signals that ask a program to end.
+POLITE = (signal.SIGTERM, signal.SIGHUP)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; answers with its exit status."""
-    # A polite kill unwinds like an interrupt, so that temporary files go away.
-    def terminate(*_: object) -> NoReturn:
-        sys.exit(EXIT_TERMINATED)
+    # A polite kill, or the end of the terminal, unwinds like an interrupt, so that temporary files go away.
+    def terminate(number: int, _: object) -> NoReturn:
+        # A second one must not disturb that.
+        for polite in POLITE:
+            signal.signal(polite, signal.SIG_IGN)
+        sys.exit(128 + number)
 
-    signal.signal(signal.SIGTERM, terminate)
+    for polite in POLITE:
+        # What the caller ignores, as `nohup` does, stays ignored.
+        if signal.getsignal(polite) != signal.SIG_IGN:
+            signal.signal(polite, terminate)
     warnings.simplefilter("always", FileNote)
     warnings.showwarning = _tell_note
     options = parser().parse_args(arguments)

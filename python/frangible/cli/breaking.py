@@ -13,7 +13,7 @@ from ..breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
 from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..usd_mesh import readable_mesh
-from .options import finite, natural, positive
+from .options import add_pose_time, finite, natural, positive
 
 
 def add_break(commands: Any) -> None:
@@ -47,6 +47,7 @@ def add_break(commands: Any) -> None:
         metavar="N",
         help="of the grid, along the mesh's longest side [%(default)s]; with --exact only for a mesh that must be closed so",
     )
+    add_pose_time(breaker)
     breaker.add_argument(
         "--out",
         required=True,
@@ -68,6 +69,7 @@ def _break(options: argparse.Namespace) -> None:
         normal=options.normal,
         exact=options.exact,
         voxels=options.voxels,
+        pose_time=options.pose_time,
     )
     summary = pieces.summary(time.perf_counter() - begin)
     output.write(pieces)

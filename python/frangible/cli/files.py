@@ -8,7 +8,7 @@ from typing import Any
 from .. import _frangible
 from ..output import open_plot
 from ..recording import Recording
-from .options import readable
+from .options import add_pose_time, readable
 from .outputs import write
 
 
@@ -32,6 +32,7 @@ def add_info(commands: Any) -> None:
     """Add the command."""
     info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
     info.set_defaults(command=_info)
+    add_pose_time(info)
     info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)")
 
 
@@ -50,5 +51,5 @@ def _shots(_: argparse.Namespace) -> None:
 def _info(options: argparse.Namespace) -> None:
     from ..info import describe_file
 
-    for key, value in describe_file(options.file).items():
+    for key, value in describe_file(options.file, options.pose_time).items():
         print(f"{key:15} {readable(value)}")

@@ -18,7 +18,6 @@ EXIT_FAILED = 1
 #: Bad input, as for `argparse`.
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 128 + signal.SIGINT
-EXIT_TERMINATED = 128 + signal.SIGTERM
 EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
 
 
@@ -46,6 +45,16 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fps", type=positive(float, "a number"), metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
     parser.add_argument("--method", help=f"which step advances a frame [{defaults['method']}, or the file's]")
     parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
+
+
+def add_pose_time(parser: argparse.ArgumentParser) -> None:
+    """When what moves in a mesh's file is read."""
+    parser.add_argument(
+        "--pose-time",
+        type=finite,
+        metavar="SECONDS",
+        help="how long after its beginning an animation in a .gltf, .glb or .usd stands still [its rest pose]",
+    )
 
 
 def finite(text: str) -> float:

@@ -13,5 +13,5 @@ def write(outputs: list[Output], recording: Recording) -> None:
     """Each output, with a line for each on stderr."""
     for output in outputs:
         output.write(recording)
-        size = os.path.getsize(output.path)
-        print(f"wrote {output.path}, {size / 2**20:.3g} MiB", file=sys.stderr)
+        size = f", {os.path.getsize(output.path) / 2**20:.3g} MiB" if os.path.isfile(output.path) else ""
+        print(f"wrote {output.path}{size}", file=sys.stderr)

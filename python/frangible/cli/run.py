@@ -17,7 +17,7 @@ from ..report import StepReport
 from ..scenes import find_scene, readable_scene
 from ..stepping import moving_mass
 from ..summary import describe, summarise
-from .options import MOST_THREADS, add_scene_options, natural, positive
+from .options import MOST_THREADS, add_pose_time, add_scene_options, natural, positive
 from .outputs import write
 
 
@@ -33,6 +33,7 @@ def add_run(commands: Any) -> None:
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
     )
+    add_pose_time(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
@@ -47,13 +48,14 @@ def _run(options: argparse.Namespace) -> None:
         method=options.method,
         seed=options.seed,
         assignments=options.assignments,
+        pose_time=options.pose_time,
     )
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    with readable_scene(scene) as readable:
+    with readable_scene(scene, options.pose_time) as readable:
         world = _frangible.World.build(json.dumps(readable), options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.

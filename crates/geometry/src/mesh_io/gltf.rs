@@ -1,7 +1,7 @@
 //! glTF and GLB: the triangles of the default scene, where its nodes put them.
 
 use super::File;
-use crate::{MeshError, TriMesh};
+use crate::{MeshError, TriMesh, read_file};
 use base64::Engine;
 use glam::{DMat4, DVec3};
 use gltf::accessor::{DataType, Dimensions};
@@ -9,6 +9,7 @@ use gltf::buffer::Source;
 use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use std::path::{Component, Path};
 
 pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
     let malformed = |reason: String| file.malformed("glTF", reason);
@@ -98,7 +99,21 @@ fn read_uri(file: &File, uri: &str) -> Result<Vec<u8>, String> {
     }
     let relative = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
     let path = file.path.with_file_name(relative.as_ref());
-    std::fs::read(&path).map_err(|error| format!("in {} cannot be read: {error}", path.display()))
+    let unreadable = |error: std::io::Error| format!("in {} cannot be read: {error}", path.display());
+    let foreign = || format!("is in {uri:?}, must be a file in the document's own folder");
+
+    // What leads out of the folder is not read, be it by a link.
+    let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    let is_elsewhere = uri.contains(':') || relative.contains(['\\', '\0']);
+    if is_elsewhere || !Path::new(relative.as_ref()).components().all(is_below) {
+        return Err(foreign());
+    }
+    let found = path.canonicalize().map_err(unreadable)?;
+    let folder = file.path.canonicalize().map_err(unreadable)?;
+    if !folder.parent().is_some_and(|folder| found.starts_with(folder)) {
+        return Err(foreign());
+    }
+    read_file(&found).map_err(unreadable)
 }
 
 /// Positions in the node's frame and indices of a primitive; the error completes "node 2, primitive 0".
