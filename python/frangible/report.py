@@ -111,6 +111,14 @@ class Fracture(TypedDict):
     imbalance: Imbalance
 
 
+class Quarantined(TypedDict):
+    """A body that was taken out of the world."""
+
+    body: int
+    #: What was wrong with it.
+    cause: str
+
+
 class StepReport(TypedDict):
     """One frame."""
 
@@ -130,7 +138,7 @@ class StepReport(TypedDict):
     impulses: Impulses
     #: In order.
     fractures: list[Fracture]
-    #: Bodies whose numbers went bad and that were taken out of the world.
-    quarantined: list[int]
+    #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no books.
+    quarantined: list[Quarantined]
     #: Wall-clock time of each stage [ms], in order.
     stages: list[tuple[str, float]]

@@ -149,6 +149,15 @@ impl WarmStart {
         }
     }
 
+    /// Forgets what contacts of some bodies carried.
+    pub fn forget(&mut self, who: &[BodyId]) {
+        let mut places: Vec<usize> =
+            who.iter().filter_map(|&id| self.bodies.get(id)).map(|body| body.place).collect();
+        places.sort_unstable();
+        let is_forgotten = |place: usize| places.binary_search(&place).is_ok();
+        self.pairs.retain(|kept| !is_forgotten(kept.pair.first) && !is_forgotten(kept.pair.second));
+    }
+
     /// Whether a body slept in the last frame.
     pub fn is_asleep(&self, id: BodyId) -> bool {
         self.drowsiness(id).is_asleep()

@@ -2,7 +2,8 @@
 
 use crate::align::align_pattern;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
-use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, interfaces, polygon, shatter_hull};
+use crate::shatter_hull::cut_hull;
+use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, Smallest, interfaces, polygon};
 use frangible_geometry::mass_properties::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, RigidTransform, Shape};
 use glam::{DMat3, DVec3};
@@ -241,7 +242,8 @@ pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Opt
     pattern.planar()?;
     if body.breaks_as().is_some() {
         let hull = |fragment: Fragment| fragment.shape.breaks_as().cloned();
-        return shatter_hull(body, pattern, impact, &ShatterSettings::default())
+        let settings = ShatterSettings { smallest: Smallest::of_first(body), ..ShatterSettings::default() };
+        return cut_hull(body, pattern, impact, &settings, false)
             .into_iter()
             .map(hull)
             .collect();

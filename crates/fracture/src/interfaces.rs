@@ -4,6 +4,7 @@ mod hulls;
 mod meshes;
 mod voxels;
 
+pub(crate) use hulls::contacts_of_some;
 pub use meshes::{CutPiece, mesh_interfaces};
 
 use crate::Fragment;

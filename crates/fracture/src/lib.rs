@@ -17,6 +17,7 @@ pub mod rough;
 pub mod shapes;
 pub mod shatter;
 pub mod shatter_hull;
+pub mod slivers;
 pub mod stress;
 pub mod velocities;
 
@@ -32,4 +33,5 @@ pub use rough::Rough;
 pub use shapes::CellShape;
 pub use shatter::{Fragment, ShatterSettings, shatter};
 pub use shatter_hull::shatter_hull;
+pub use slivers::{Contact, Smallest, join_slivers};
 pub use velocities::fragment_velocity;

@@ -14,7 +14,7 @@ mod regions;
 mod slivers;
 
 use crate::pattern::Region;
-use crate::{Impact, Pattern, Placement, shatter_hull};
+use crate::{Impact, Pattern, Placement, Smallest, shatter_hull};
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, RigidTransform, Shape};
 use glam::DVec3;
@@ -41,14 +41,13 @@ pub struct ShatterSettings {
     /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on a crack is found
     /// within one voxel of its place.
     pub sample_spacing_voxels: f64,
-    /// Where a body breaks without a grid, a piece with less of its volume joins a neighbour if it can (a ratio). Default 1e-4: 27
-    /// voxels of a body that has 64 of them along each side.
-    pub smallest_fragment_part: f64,
+    /// What is too small to be a piece, on a grid or without one.
+    pub smallest: Smallest,
 }
 
 impl Default for ShatterSettings {
     fn default() -> Self {
-        Self { smallest_fragment_voxels: 27.0, sample_spacing_voxels: 2.0, smallest_fragment_part: 1e-4 }
+        Self { smallest_fragment_voxels: 27.0, sample_spacing_voxels: 2.0, smallest: Smallest::default() }
     }
 }
 
@@ -90,7 +89,7 @@ fn shatter_planar(
     } else {
         components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
     };
-    let pieces = slivers::merge_slivers(solid, &components, smallest);
+    let pieces = slivers::merge_slivers(solid, &components, smallest, &settings.smallest);
 
     // Level set, mass properties and principal frame of each piece, then its surface samples.
     let framed = frame(pieces::intersect_level_sets(solid, &regions, &mut components, &pieces));
@@ -122,7 +121,8 @@ fn shatter_sampled(
     // The same stages as for planes.
     let shares = regions::share_out_nodes(solid, cell_at);
     let mut components = components::connected_components(solid, shares, None);
-    let pieces = slivers::merge_slivers(solid, &components, settings.smallest_fragment_voxels);
+    let voxels = settings.smallest_fragment_voxels;
+    let pieces = slivers::merge_slivers(solid, &components, voxels, &settings.smallest);
     let framed = frame(pieces::intersect_sampled(solid, distance, &mut components, &pieces));
     let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
     let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), cell_at, cracks);

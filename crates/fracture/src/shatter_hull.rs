@@ -4,10 +4,13 @@
 //! bit for bit, and what was the parent's surface keeps its planes. Mass follows from the divergence theorem.
 
 use crate::pattern::Region;
-use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, polygon};
+use crate::interfaces::contacts_of_some;
+use crate::slivers::Groups;
+use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, Smallest, polygon};
 use frangible_geometry::hull::weld_hulls;
+use frangible_geometry::mass_properties::parallel_axis;
 use frangible_geometry::{Carver, HalfSpace, Hull, HullFace, MassProperties, Shape};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 /// What has less of the parent's volume than this is round-off, not a piece.
@@ -37,25 +40,36 @@ struct Piece {
     hull: Hull,
     /// What cut it out of the parent: where in the workshop's list of cuts.
     cuts: Range<usize>,
+    /// With that of slivers that it has absorbed, in the parent's grid frame.
     mass: MassProperties,
     /// Where it, or its larger part, comes from.
     cell: u32,
-    /// Whether it is a sliver that fits to no neighbour.
-    alone: bool,
 }
 
 /// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid onto the point of impact. The
 /// fragments fill the parent, so that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and
 /// kinetic energy, are the parent's up to rounding.
 ///
-/// A piece with less than the smallest part of the parent's volume joins a neighbour if the two without their crack are convex;
-/// if they are with none, it stays as it is: it is exact however small. Empty if the body has no polyhedron or the pattern is not
-/// planar, and if it is too thin for its length to be cut exactly.
+/// A piece that is too small joins the neighbour over their largest crack, if the two without it are convex. Where they are with none,
+/// its neighbour absorbs a sliver of less than a ten-thousandth of the mean piece, or a needle: the mass goes over, where it is, and
+/// the polyhedron stays as it is, beside a void that nobody sees. A larger one stays. Empty if the body has no polyhedron or the pattern
+/// is not planar, and if it is too thin for its length to be cut exactly.
 pub fn shatter_hull(
     parent: &Shape,
     pattern: &Pattern,
     impact: &Impact,
     settings: &ShatterSettings,
+) -> Vec<Fragment> {
+    cut_hull(parent, pattern, impact, settings, true)
+}
+
+/// The same; where nothing `absorbs`, each piece's mass is that of its polyhedron, and slivers that fit to nothing stay.
+pub(crate) fn cut_hull(
+    parent: &Shape,
+    pattern: &Pattern,
+    impact: &Impact,
+    settings: &ShatterSettings,
+    absorbs: bool,
 ) -> Vec<Fragment> {
     let (Some(hull), Some(regions)) = (parent.breaks_as(), pattern.planar()) else { return Vec::new() };
     let placement = Placement::new(pattern, impact, parent);
@@ -65,7 +79,8 @@ pub fn shatter_hull(
     let mut pieces: Vec<Piece> = Vec::with_capacity(regions.len());
     let cells = regions.iter().zip(0..);
     pieces.extend(cells.filter_map(|(region, cell)| workshop.cell(&placement, region, cell)));
-    workshop.merge_slivers(&mut pieces, settings.smallest_fragment_part);
+    give_lump(&mut pieces, parent, hull);
+    let pieces = workshop.merge_slivers(pieces, &settings.smallest, absorbs);
 
     // Neighbours share their vertices.
     let masses: Vec<(MassProperties, u32)> = pieces.iter().map(|piece| (piece.mass, piece.cell)).collect();
@@ -84,6 +99,34 @@ pub fn shatter_hull(
     // Nothing is lost, and nothing is there twice.
     let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
     if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume { fragments } else { Vec::new() }
+}
+
+/// What a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
+fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
+    if (parent.volume - hull.volume()).abs() <= SAME_VOLUME * parent.volume {
+        return;
+    }
+    let axes = DMat3::from_quat(parent.body_from_grid.inverse().rotation);
+    let whole = MassProperties {
+        volume: parent.volume,
+        center: parent.body_from_grid.inverse().translation,
+        inertia: axes * DMat3::from_diagonal(parent.unit_moments) * axes.transpose(),
+    };
+    // A piece's mass and the rest that the others leave of the parent's.
+    let without = hull.mass_properties();
+    let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
+    if let Some(piece) = heaviest {
+        let opposite = MassProperties { volume: -without.volume, inertia: -without.inertia, ..without };
+        piece.mass = together(&together(&piece.mass, &whole), &opposite);
+    }
+}
+
+/// Mass properties of two things that move as one.
+fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
+    let volume = a.volume + b.volume;
+    let center = (a.volume * a.center + b.volume * b.center) / volume;
+    let about = |part: &MassProperties| part.inertia + parallel_axis(part.volume, part.center - center);
+    MassProperties { volume, center, inertia: about(a) + about(b) }
 }
 
 /// The parent and what cuts it, in its grid frame.
@@ -147,33 +190,49 @@ impl<'a> Workshop<'a> {
             self.cuts.truncate(first);
             return None;
         };
-        Some(Piece { hull, cuts: first..self.cuts.len(), mass, cell, alone: false })
+        Some(Piece { hull, cuts: first..self.cuts.len(), mass, cell })
     }
 
-    /// Joins each piece of less than `smallest` of the parent's volume with a neighbour if the two are convex together, the
-    /// lightest first, until each has grown up or stands alone.
-    fn merge_slivers(&mut self, pieces: &mut Vec<Piece>, smallest: f64) {
-        let least = smallest * self.volume;
-        let volume = |piece: &Piece| piece.mass.volume;
-        loop {
-            let is_open = |piece: &Piece| volume(piece) < least && !piece.alone;
-            let lightest = (0..pieces.len())
-                .filter(|&piece| is_open(&pieces[piece]))
-                .min_by(|&a, &b| volume(&pieces[a]).total_cmp(&volume(&pieces[b])).then(a.cmp(&b)));
-            let Some(sliver) = lightest else { return };
-            match self.join(pieces, sliver) {
-                Some((host, joined)) => {
-                    pieces[host] = joined;
-                    pieces.remove(sliver);
-                }
-                None => pieces[sliver].alone = true,
-            }
+    /// Joins pieces that are too small with their neighbours.
+    fn merge_slivers(
+        &mut self,
+        mut pieces: Vec<Piece>,
+        smallest: &Smallest,
+        absorbs: bool,
+    ) -> Vec<Piece> {
+        let volumes: Vec<f64> = pieces.iter().map(|piece| piece.mass.volume).collect();
+        let least = smallest.least(&volumes);
+        let is_small = |mass: &MassProperties| mass.volume < least || smallest.is_slender(mass);
+        let too_small: Vec<bool> = pieces.iter().map(|piece| is_small(&piece.mass)).collect();
+        if !too_small.contains(&true) {
+            return pieces;
         }
+        let hulls: Vec<&Hull> = pieces.iter().map(|piece| &piece.hull).collect();
+        let contacts = contacts_of_some(&hulls, &too_small);
+        let mut groups = Groups::new(&volumes, &too_small);
+
+        // First those that are convex with a neighbour, then what nobody misses.
+        groups.join(&contacts, |sliver, host, _| {
+            pieces[host] = self.join(&pieces[sliver], &pieces[host])?;
+            Some(is_small(&pieces[host].mass))
+        });
+        let tiny = Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }.least(&volumes);
+        let mut absorb = |sliver: usize, host: usize| {
+            let own = pieces[sliver].mass;
+            let is_absorbed = absorbs && (own.volume < tiny || smallest.is_slender(&own));
+            pieces[host].mass = is_absorbed.then(|| together(&pieces[host].mass, &own))?;
+            Some(is_small(&pieces[host].mass))
+        };
+        groups.join(&contacts, |sliver, host, _| absorb(sliver, host));
+        groups.join_loose(|sliver, heaviest| absorb(sliver, heaviest).is_some());
+        let of_piece = groups.of_piece();
+        let stays = |(number, piece): (usize, Piece)| (of_piece[number] == number).then_some(piece);
+        pieces.into_iter().enumerate().filter_map(stays).collect()
     }
 
-    /// A neighbour of a sliver, and the two without the crack between them: behind the largest face of those where that is convex.
-    fn join(&mut self, pieces: &[Piece], sliver: usize) -> Option<(usize, Piece)> {
-        let Piece { hull, cuts, mass, .. } = &pieces[sliver];
+    /// A sliver and a neighbour without the crack between them, if the two are convex: behind the largest face where that is so.
+    fn join(&mut self, sliver: &Piece, other: &Piece) -> Option<Piece> {
+        let Piece { hull, cuts, mass, .. } = sliver;
         let area = |face: &HullFace<'_>| {
             let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
             polygon::area(&corners.collect::<Vec<_>>())
@@ -182,30 +241,27 @@ impl<'a> Workshop<'a> {
         let mut faces: Vec<(f64, HalfSpace)> = inner.map(|face| (area(&face), face.plane)).collect();
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, crack) in faces {
-            for (number, other) in pieces.iter().enumerate() {
-                let others = &self.cuts[other.cuts.clone()];
-                if number == sliver || !others.iter().any(|cut| self.same(&cut.flipped(), &crack)) {
-                    continue;
-                }
-                // All planes but the crack bound the two, if each piece lies inside of the other's.
-                let own = self.cuts[cuts.clone()].iter().filter(|&cut| !self.same(cut, &crack));
-                let others = others.iter().filter(|&cut| !self.same(&cut.flipped(), &crack));
-                let beyond = |cut: &HalfSpace, hull: &Hull| {
-                    hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
-                };
-                if own.clone().any(|cut| beyond(cut, &other.hull))
-                    || others.clone().any(|cut| beyond(cut, hull))
-                {
-                    continue;
-                }
-                let all: Vec<HalfSpace> = own.chain(others).copied().collect();
-                let first = self.cuts.len();
-                self.cuts.extend(all);
-                let (sum, tolerance) = (mass.volume + other.mass.volume, SAME_VOLUME * self.volume);
-                let joined = self.piece(first, other.cell);
-                if let Some(joined) = joined.filter(|joined| (joined.mass.volume - sum).abs() <= tolerance) {
-                    return Some((number, joined));
-                }
+            let others = &self.cuts[other.cuts.clone()];
+            if !others.iter().any(|cut| self.same(&cut.flipped(), &crack)) {
+                continue;
+            }
+            // All planes but the crack bound the two, if each piece lies inside of the other's.
+            let own = self.cuts[cuts.clone()].iter().filter(|&cut| !self.same(cut, &crack));
+            let others = others.iter().filter(|&cut| !self.same(&cut.flipped(), &crack));
+            let beyond = |cut: &HalfSpace, hull: &Hull| {
+                hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
+            };
+            if own.clone().any(|cut| beyond(cut, &other.hull)) || others.clone().any(|cut| beyond(cut, hull))
+            {
+                continue;
+            }
+            let all: Vec<HalfSpace> = own.chain(others).copied().collect();
+            let first = self.cuts.len();
+            self.cuts.extend(all);
+            let (sum, tolerance) = (mass.volume + other.mass.volume, SAME_VOLUME * self.volume);
+            let joined = self.piece(first, other.cell);
+            if let Some(joined) = joined.filter(|joined| (joined.mass.volume - sum).abs() <= tolerance) {
+                return Some(joined);
             }
         }
         None

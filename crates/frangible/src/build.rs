@@ -6,6 +6,7 @@ use crate::books::Books;
 use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
 use crate::patterns::build_pattern;
+use crate::quarantine::is_representable;
 use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
@@ -14,8 +15,8 @@ use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
-use frangible_dynamics::{Bodies, Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
-use frangible_fracture::ShatterSettings;
+use frangible_dynamics::{Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity};
+use frangible_fracture::{ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use std::sync::Arc;
 
@@ -65,6 +66,31 @@ fn settings_of(method: Method) -> StepSettings {
     }
 }
 
+/// Longest sides that a body may have [m].
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e6;
+
+/// Densities that a body may have [kg/m^3]: from a gas at a thousandth of an atmosphere to far above any metal.
+const LEAST_DENSITY: f64 = 1e-3;
+const MOST_DENSITY: f64 = 1e7;
+
+/// A body must be of a size at which lengths, and of a mass and moments at which impulses, can be reckoned with in single precision.
+fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildError> {
+    let (low, high) = shape.bounds;
+    let longest = (high - low).max_element();
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&longest) {
+        let rule = format!("between {LEAST_SIZE:e} and {MOST_SIZE:e} m along its longest side");
+        return Err(at.field("shape").broken(&format!("{longest:e} m"), &rule));
+    }
+    let (mass, moments) = (density * shape.volume, density * shape.unit_moments);
+    if !is_representable(&Inertia::new(mass, moments)) {
+        let least = moments.min_element();
+        let what = format!("{density:?} kg/m^3, which gives {mass:.3e} kg and a moment of inertia of {least:.3e} kg m^2");
+        return Err(at.field("density").broken(&what, "such that both lie between 1e-30 and 1e30"));
+    }
+    Ok(())
+}
+
 fn build_body(
     desc: &BodyDesc,
     method: Method,
@@ -72,7 +98,7 @@ fn build_body(
     library: &mut ShapeLibrary,
 ) -> Result<(NewBody, Label), BuildError> {
     // Check the plain numbers before any work is done.
-    let density = at.field("density").positive(desc.density, "kg/m^3")?;
+    let density = at.field("density").within(desc.density, LEAST_DENSITY, MOST_DENSITY)?;
     let friction = at.field("friction").not_negative(desc.friction)?;
     let rolling_friction = at.field("rolling_friction").not_negative(desc.rolling_friction)?;
     let spinning_friction = at.field("spinning_friction").not_negative(desc.spinning_friction)?;
@@ -98,12 +124,15 @@ fn build_body(
             .field("motion")
             .broken(desc.motion.name(), "static for a half-space, which has no mass"));
     }
+    if desc.motion == MotionDesc::Dynamic {
+        check_inertia(&shape, density, at)?;
+    }
     if breaking.is_some() && desc.motion != MotionDesc::Dynamic {
         return Err(at
             .field("breaking")
             .broken("on a body that is not dynamic", "left out, or the body dynamic"));
     }
-    let breaking = breaking.map(|breaking| sample_cracks(breaking, &desc.shape, &shape));
+    let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
     let strength =
         breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
 
@@ -141,8 +170,9 @@ fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     }
 }
 
-/// Cracks are sampled as densely as the surface was.
-fn sample_cracks(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
+/// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
+fn fit_to_shape(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
+    breaking.shatter.smallest = Smallest::of_first(shape);
     if let (Geometry::Grid(solid), Some(spacing)) = (&shape.geometry, desc.resolution().sample_spacing) {
         breaking.shatter.sample_spacing_voxels = spacing / solid.grid().spacing;
     }

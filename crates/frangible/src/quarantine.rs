@@ -1,22 +1,123 @@
 //! One bad body must not cost the user the world.
+//!
+//! Numbers are looked at where they could go from one body to others: before contacts are sought, so that nothing bad enters the
+//! solver; and before the frame's energy is balanced, so that nothing bad leaves it.
 
 use crate::World;
-use crate::report::id_number;
+use crate::report::{Quarantined, id_number};
+use frangible_dynamics::{Bodies, BodyId, Inertia, Pose, Tally, Velocity};
+use std::collections::BTreeMap;
 
-/// Takes out every body whose pose or velocity is not finite, and returns their ids.
-pub(crate) fn quarantine_non_finite(world: &mut World) -> Vec<u64> {
+/// Reciprocals of mass [1/kg] and moments [1/(kg m^2)] that single precision holds, with room for the squares of levers and
+/// for sums.
+const MOST_INVERSE: f64 = 1e30;
+const LEAST_INVERSE: f64 = 1e-30;
+
+/// Whether impulses on a body can be reckoned with in single precision.
+pub(crate) fn is_representable(inertia: &Inertia) -> bool {
+    let holds = |inverse: f64| (LEAST_INVERSE..=MOST_INVERSE).contains(&inverse);
+    holds(inertia.inverse_mass) && inertia.inverse_moments.to_array().into_iter().all(holds)
+}
+
+/// What is wrong with a body, if anything is.
+fn fault(bodies: &Bodies, i: usize) -> Option<&'static str> {
+    let (pose, velocity, inertia) = (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
+    match () {
+        () if !pose.position.is_finite() => Some("position not finite"),
+        () if !pose.orientation.is_finite() => Some("orientation not finite"),
+        () if !velocity.linear.is_finite() => Some("velocity not finite"),
+        () if !velocity.angular_momentum.is_finite() => Some("angular momentum not finite"),
+        () if !inertia.is_infinite() && !is_representable(inertia) => {
+            Some("mass or inertia out of the range of single precision")
+        }
+        () => None,
+    }
+}
+
+/// Takes out every body with a fault.
+pub(crate) fn take_out_faulty(world: &mut World, quarantined: &mut Vec<Quarantined>) {
     let bodies = &world.bodies;
-    let bad: Vec<bool> = (0..bodies.len())
-        .map(|i| {
-            let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
-            let finite = pose.position.is_finite()
-                && pose.orientation.is_finite()
-                && velocity.linear.is_finite()
-                && velocity.angular_momentum.is_finite();
-            !finite
-        })
+    let faults: Vec<Option<&str>> = (0..bodies.len()).map(|i| fault(bodies, i)).collect();
+    let of_body = |(fault, id): (&Option<&'static str>, &BodyId)| {
+        fault.map(|cause| Quarantined { body: id_number(*id), cause })
+    };
+    let found: Vec<Quarantined> = faults.iter().zip(&bodies.ids).filter_map(of_body).collect();
+    if !found.is_empty() {
+        world.remove(&faults.iter().map(Option::is_some).collect::<Vec<_>>());
+        quarantined.extend(found);
+    }
+}
+
+/// Where bodies were, and how they moved, before the solver.
+pub(crate) struct Before {
+    poses: Vec<Pose>,
+    velocities: Vec<Velocity>,
+}
+
+impl Before {
+    pub(crate) fn of(bodies: &Bodies) -> Self {
+        Self { poses: bodies.poses.clone(), velocities: bodies.velocities.clone() }
+    }
+}
+
+/// If numbers went bad in the solver: of all bodies that are bad together, because they touch, the one that answers impulses most is the
+/// culprit, and the others stay for this frame as they were before. Returns the culprits, which are to be taken out once the frame
+/// is over; they are still there, as they were. What the frame has booked is worth nothing then, but for who touched whom.
+pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> Vec<Quarantined> {
+    let bodies = &mut world.bodies;
+    let faults: Vec<Option<&str>> = (0..bodies.len()).map(|i| fault(bodies, i)).collect();
+    let bad: Vec<usize> = (0..bodies.len()).filter(|&i| faults[i].is_some()).collect();
+    if bad.is_empty() {
+        return Vec::new();
+    }
+
+    // Groups of bad bodies that touch: a body is known by the first one.
+    let mut first_of: BTreeMap<usize, usize> = bad.iter().map(|&i| (i, i)).collect();
+    let links: Vec<[usize; 2]> = (tally.links.iter())
+        .filter_map(|&(a, b)| Some([bodies.index_of(a)?, bodies.index_of(b)?]))
+        .filter(|link| link.iter().all(|&i| faults[i].is_some() && !bodies.inertias[i].is_infinite()))
         .collect();
-    let ids = (0..bad.len()).filter(|&i| bad[i]).map(|i| id_number(bodies.ids[i])).collect();
-    world.remove(&bad);
-    ids
+    loop {
+        let mut has_changed = false;
+        for link in &links {
+            let least = first_of[&link[0]].min(first_of[&link[1]]);
+            for i in link {
+                has_changed |= first_of.insert(*i, least) != Some(least);
+            }
+        }
+        if !has_changed {
+            break;
+        }
+    }
+    let answer = |i: usize| bodies.inertias[i].inverse_moments.max_element();
+    let mut culprit_of: BTreeMap<usize, usize> = BTreeMap::new();
+    for (&i, &group) in &first_of {
+        let culprit = culprit_of.entry(group).or_insert(i);
+        if answer(i) > answer(*culprit) {
+            *culprit = i;
+        }
+    }
+    let culprits = culprit_of.values().filter_map(|&i| {
+        faults[i].map(|cause| Quarantined { body: id_number(bodies.ids[i]), cause })
+    });
+    let culprits = culprits.collect();
+
+    let ids: Vec<BodyId> = bad.iter().map(|&i| bodies.ids[i]).collect();
+    for i in bad {
+        (bodies.poses[i], bodies.velocities[i]) = (before.poses[i], before.velocities[i]);
+    }
+    world.warm.forget(&ids);
+    let links = std::mem::take(&mut tally.links);
+    *tally = Tally::default();
+    tally.links = links;
+    culprits
+}
+
+/// Takes out bodies that are known to be bad.
+pub(crate) fn take_out(world: &mut World, culprits: &[Quarantined]) {
+    if !culprits.is_empty() {
+        let is_culprit = |id: &BodyId| culprits.iter().any(|culprit| culprit.body == id_number(*id));
+        let gone: Vec<bool> = world.bodies.ids.iter().map(is_culprit).collect();
+        world.remove(&gone);
+    }
 }

@@ -26,8 +26,8 @@ pub struct StepReport {
     pub impulses: Impulses,
     /// What broke, in order.
     pub fractures: Vec<Fracture>,
-    /// Bodies whose numbers went bad and that were taken out of the world.
-    pub quarantined: Vec<u64>,
+    /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no books.
+    pub quarantined: Vec<Quarantined>,
     /// Wall-clock time of each stage [ms], in order.
     pub stages: Vec<(&'static str, f64)>,
 }
@@ -158,6 +158,15 @@ impl Fracture {
     pub(crate) fn links(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.fragments.iter().map(|&fragment| (id_from_number(self.body), id_from_number(fragment)))
     }
+}
+
+/// A body that was taken out of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Quarantined {
+    /// Who.
+    pub body: u64,
+    /// What was wrong with it.
+    pub cause: &'static str,
 }
 
 /// Relative differences between a body and the sum of its fragments.

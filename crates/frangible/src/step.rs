@@ -5,8 +5,8 @@ use crate::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::books::{Totals, gravity_impulse};
 use crate::break_bodies::break_bodies;
 use crate::desc::Method;
-use crate::quarantine::quarantine_non_finite;
-use crate::report::{Fracture, Impulses, StepReport, id_number};
+use crate::quarantine::{Before, contain, take_out, take_out_faulty};
+use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use frangible_dynamics::blows::{Blow, strike};
 use frangible_dynamics::broad_phase::{Swept, find_pairs};
 use frangible_dynamics::collisions::{Collisions, Response, predict};
@@ -63,10 +63,11 @@ fn advance(world: &mut World) -> StepReport {
         Method::Paper => move_by_newmark(world, &frame, &mut clock),
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
-    let Moved { fractures, flight, gravity, mut tally } = moved;
+    let Moved { fractures, flight, gravity, mut tally, mut quarantined, before: solved_from } = moved;
     world.end_sparing();
     tally.add(bonds_tally);
     broken.extend(fractures);
+    let culprits = contain(world, &solved_from, &mut tally);
 
     // Balance the energy of every island.
     tally.links.extend(broken.iter().flat_map(Fracture::links));
@@ -74,14 +75,17 @@ fn advance(world: &mut World) -> StepReport {
     clock.lap("balance_energy");
 
     // Close the books.
-    let quarantined = quarantine_non_finite(world);
+    take_out(world, &culprits);
+    quarantined.extend(culprits);
+    take_out_faulty(world, &mut quarantined);
     let after = Totals::of(&world.bodies, &frame);
     let banked = world.ledger.bank() - bank;
     // What was taken out took its sums along: such a frame has nothing to compare.
     let (energy, momentum) = if quarantined.is_empty() {
         world.books.close(&before, &after, gravity, banked, &tally)
     } else {
-        world.books.close(&after, &after, Default::default(), 0.0, &Tally::default())
+        tally = Tally::default();
+        world.books.close(&after, &after, Default::default(), 0.0, &tally)
     };
     world.frame += 1;
     clock.lap("report");
@@ -119,6 +123,10 @@ struct Moved {
     gravity: (DVec3, DVec3),
     /// What static and kinematic bodies contributed.
     tally: Tally,
+    /// Whom the solver was spared.
+    quarantined: Vec<Quarantined>,
+    /// What the solver began with.
+    before: Before,
 }
 
 /// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with contact [SSF08].
@@ -128,6 +136,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     let mut collisions = Collisions::new(&world.bodies, frame);
     let fractures = collide_and_break(world, &mut collisions, frame, clock);
     let Collisions { predicted, mut tally, .. } = collisions;
+    let before = Before::of(&world.bodies);
 
     // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
     let bodies = &mut world.bodies;
@@ -160,14 +169,15 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     bodies.velocities = velocities;
     tally.add(velocity_tally);
     clock.lap("velocity_contact");
-    Moved { fractures, flight, gravity, tally }
+    Moved { fractures, flight, gravity, tally, quarantined: Vec::new(), before }
 }
 
 /// One detection at x^n, then substeps of sequential impulses.
 fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
     // Break what is struck too hard, fragments included, before anything moves.
-    let mut tally = Tally::default();
-    let (fractures, predicted, swept) = strike_and_break(world, &mut tally, frame, clock);
+    let (mut tally, mut quarantined) = (Tally::default(), Vec::new());
+    let Struck { fractures, predicted, swept } =
+        strike_and_break(world, &mut tally, &mut quarantined, frame, clock);
 
     // What is near on the way may touch; contact takes it from there.
     let World { bodies, warm, kept, labels, fits, ledger, .. } = world;
@@ -188,6 +198,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let manifolds: Vec<Manifold> = found.iter().collect();
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
+    let before = Before::of(bodies);
     let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, ledger, frame);
     tally.add(solved_tally);
     // Glued bodies, if there are any, give way to what they carry in the next one.
@@ -198,20 +209,30 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         note_carried(world, &forces);
     }
     clock.lap("solve");
-    Moved { fractures, flight, gravity, tally }
+    Moved { fractures, flight, gravity, tally, quarantined, before }
 }
 
-/// Strikes until nothing breaks. Returns what broke, the ballistic poses at the frame's end, and who comes near whom
-/// on the way there.
+/// What is known when nothing breaks any more.
+struct Struck {
+    fractures: Vec<Fracture>,
+    /// Ballistic, at the frame's end.
+    predicted: Vec<Pose>,
+    /// Who comes near whom on the way there.
+    swept: Swept,
+}
+
+/// Strikes until nothing breaks. What cannot be reckoned with is taken out before contacts are sought.
 fn strike_and_break(
     world: &mut World,
     tally: &mut Tally,
+    quarantined: &mut Vec<Quarantined>,
     frame: &Frame,
     clock: &mut StageClock,
-) -> (Vec<Fracture>, Vec<Pose>, Swept) {
+) -> Struck {
     let mut fractures = Vec::new();
     let mut passes = 0;
     loop {
+        take_out_faulty(world, quarantined);
         let predicted = predict(&world.bodies, frame);
         let swept = Swept::new(&world.bodies, &predicted, frame.sag(), frame);
         clock.lap("find_pairs");
@@ -223,7 +244,7 @@ fn strike_and_break(
         };
         clock.lap("strike");
         if blows.is_empty() {
-            return (fractures, predicted, swept);
+            return Struck { fractures, predicted, swept };
         }
         fractures.extend(break_and_book(world, &blows, tally, frame).0);
         passes += 1;

@@ -2,6 +2,7 @@
 
 use super::{Contacts, Interface};
 use crate::polygon;
+use crate::slivers::Contact;
 use frangible_geometry::{HalfSpace, Hull, HullFace};
 use glam::DVec3;
 
@@ -32,6 +33,26 @@ pub(super) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
         }
     }
     contacts.into_interfaces()
+}
+
+/// Those of some of the polyhedra with any, each pair once, with their areas [m^2].
+pub(crate) fn contacts_of_some(hulls: &[&Hull], some: &[bool]) -> Vec<Contact> {
+    let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(|hull| hull.bounds()).collect();
+    let longest = bounds.iter().map(|(low, high)| (high - low).max_element()).fold(0.0, f64::max);
+    let near = SAME_PLANE * longest;
+    let mut contacts = Contacts::default();
+    for first in (0..hulls.len()).filter(|&hull| some[hull]) {
+        let (low, high) = (bounds[first].0 - near, bounds[first].1 + near);
+        for (second, (other_low, other_high)) in bounds.iter().enumerate() {
+            // A pair of them is looked at from its first.
+            let is_known = second == first || (second < first && some[second]);
+            if !is_known && other_low.cmple(high).all() && other_high.cmpge(low).all() {
+                let (a, b) = (first.min(second), first.max(second));
+                add_contact(&mut contacts, (a, b), (hulls[a], hulls[b]), near);
+            }
+        }
+    }
+    contacts.into_interfaces().into_iter().map(|contact| ([contact.a, contact.b], contact.area)).collect()
 }
 
 /// Adds the overlaps of all faces of two polyhedra that lie in one plane.

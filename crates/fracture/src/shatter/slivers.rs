@@ -4,8 +4,9 @@ use super::{
     components::{Components, rows_beside},
     regions::NONE,
 };
-use frangible_geometry::disjoint_sets::DisjointSets;
+use crate::slivers::{Contact, Groups, Smallest};
 use frangible_geometry::{Grid, GridSolid, Portion, Run};
+use std::collections::BTreeMap;
 
 /// The fragments, as sets of components.
 #[derive(Debug)]
@@ -16,40 +17,27 @@ pub(crate) struct Pieces {
     pub(crate) components: Vec<Vec<u32>>,
 }
 
-/// Merges each component of less than `smallest` voxels of material with the neighbour with which it shares the most
-/// voxel faces, the lightest first. One that touches no other stays as it is.
-pub(crate) fn merge_slivers(solid: &GridSolid, components: &Components, smallest: f64) -> Pieces {
+/// Merges each component of less than `voxels` of material, or smaller than the smallest piece, with the neighbour with which
+/// it shares the most voxel faces, the lightest first. One that touches no other stays as it is, unless it is smaller than
+/// the smallest volume.
+pub(crate) fn merge_slivers(
+    solid: &GridSolid,
+    components: &Components,
+    voxels: f64,
+    smallest: &Smallest,
+) -> Pieces {
     let material = &components.material;
-    let count = components.region.len();
-    let mut sets = DisjointSets::new(count);
-    let mut slivers: Vec<u32> = (0..count as u32).filter(|&c| material[c as usize] < smallest).collect();
-    if slivers.is_empty() {
-        return number_pieces(&mut sets, material);
+    let spacing = solid.grid().spacing;
+    let in_voxels = Smallest { volume: smallest.volume / (spacing * spacing * spacing), ..*smallest };
+    let least = voxels.max(in_voxels.least(material));
+    let too_small: Vec<bool> = material.iter().map(|&material| material < least).collect();
+    let mut groups = Groups::new(material, &too_small);
+    if too_small.contains(&true) {
+        let contacts = contacts(solid.grid(), components, &too_small);
+        groups.join(&contacts, |_, _, material| Some(material < least));
+        groups.join_loose(|sliver, _| material[sliver] < in_voxels.volume);
     }
-    let rows = Rows::around(solid.grid(), components, &slivers);
-    let mut members: Vec<Vec<u32>> = (0..count as u32).map(|component| vec![component]).collect();
-    let mut of_set = material.clone();
-
-    // Merge the lightest sliver until each has grown up or stands alone.
-    while let Some(at) = lightest(&slivers, &of_set) {
-        let sliver = slivers.swap_remove(at);
-        let own = std::mem::take(&mut members[sliver as usize]);
-        let Some(host) = closest_neighbour(solid.grid(), components, &rows, &mut sets, &own) else {
-            continue;
-        };
-        sets.unite(sliver, host);
-        let merged = sets.root(host);
-        let sum = of_set[sliver as usize] + of_set[host as usize];
-        slivers.retain(|&other| other != host);
-        if sum < smallest {
-            let mut all = std::mem::take(&mut members[host as usize]);
-            all.extend(own);
-            members[merged as usize] = all;
-            slivers.push(merged);
-        }
-        of_set[merged as usize] = sum;
-    }
-    number_pieces(&mut sets, material)
+    number_pieces(&groups.of_piece(), material)
 }
 
 /// Whose the nodes of some neighbouring rows are.
@@ -111,66 +99,57 @@ impl Rows {
     }
 }
 
-/// Where in the list the lightest sliver is; the least number of equals.
-fn lightest(slivers: &[u32], material: &[f64]) -> Option<usize> {
-    let weight = |at: usize| material[slivers[at] as usize];
-    (0..slivers.len()).min_by(|&a, &b| weight(a).total_cmp(&weight(b)).then(slivers[a].cmp(&slivers[b])))
-}
-
-/// The set that shares the most voxel faces with a sliver's components, the least number of equals.
-fn closest_neighbour(
-    grid: &Grid,
-    components: &Components,
-    rows: &Rows,
-    sets: &mut DisjointSets,
-    sliver: &[u32],
-) -> Option<u32> {
-    let own = sets.root(*sliver.first()?);
-    let mut faces: Vec<(u32, u32)> = Vec::new();
-    let mut count = |other: &Stretch, touching: u32| {
-        let set = sets.root(other.component);
-        if set != own && touching > 0 {
-            match faces.iter_mut().find(|(known, _)| *known == set) {
-                Some((_, count)) => *count += touching,
-                None => faces.push((set, touching)),
+/// How many voxel faces each component that is too small shares with others; each pair once.
+fn contacts(grid: &Grid, components: &Components, too_small: &[bool]) -> Vec<Contact> {
+    let slivers: Vec<u32> = (0..).zip(too_small).filter(|&(_, &small)| small).map(|(at, _)| at).collect();
+    let rows = Rows::around(grid, components, &slivers);
+    let mut contacts = Vec::new();
+    for &sliver in &slivers {
+        let mut faces: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut count = |other: &Stretch, touching: u32| {
+            // A pair of slivers is counted by its first.
+            let is_counted = other.component < sliver && too_small[other.component as usize];
+            if other.component != sliver && touching > 0 && !is_counted {
+                *faces.entry(other.component).or_default() += touching;
+            }
+        };
+        for run in &components.portions[sliver as usize].runs {
+            let row = run.number(grid.dims[1]);
+            for there in rows.row(row) {
+                count(there, u32::from(there.end == run.start || run.end == there.start));
+            }
+            for beside in rows_beside(grid, row) {
+                for there in rows.row(beside) {
+                    count(there, there.end.min(run.end).saturating_sub(there.start.max(run.start)));
+                }
             }
         }
-    };
-    for run in sliver.iter().flat_map(|&component| &components.portions[component as usize].runs) {
-        let row = run.number(grid.dims[1]);
-        for there in rows.row(row) {
-            count(there, u32::from(there.end == run.start || run.end == there.start));
-        }
-        for beside in rows_beside(grid, row) {
-            for there in rows.row(beside) {
-                count(there, there.end.min(run.end).saturating_sub(there.start.max(run.start)));
-            }
-        }
+        let contact = |(other, count)| ([sliver as usize, other as usize], f64::from(count));
+        contacts.extend(faces.into_iter().map(contact));
     }
-    faces.into_iter().max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(&a.0))).map(|(set, _)| set)
+    contacts
 }
 
-/// Numbers the sets that have mass, in the order of their first components.
-fn number_pieces(sets: &mut DisjointSets, material: &[f64]) -> Pieces {
+/// Numbers the groups that have mass, in the order of their first components.
+fn number_pieces(of_group: &[usize], material: &[f64]) -> Pieces {
     let count = material.len();
-    let mut of_set = vec![0.0; count];
-    for component in 0..count {
-        of_set[sets.root(component as u32) as usize] += material[component];
+    let mut sums = vec![0.0; count];
+    for (&group, &material) in of_group.iter().zip(material) {
+        sums[group] += material;
     }
+    let mut piece_of = vec![NONE; count];
     let mut of_component = vec![NONE; count];
     let mut members: Vec<Vec<u32>> = Vec::new();
-    for component in 0..count as u32 {
-        let root = sets.root(component) as usize;
-        if of_set[root] <= 0.0 {
+    for (component, &group) in of_group.iter().enumerate() {
+        if sums[group] <= 0.0 {
             continue;
         }
-        if of_component[root] == NONE {
-            of_component[root] = members.len() as u32;
+        if piece_of[group] == NONE {
+            piece_of[group] = members.len() as u32;
             members.push(Vec::new());
         }
-        let piece = of_component[root];
-        of_component[component as usize] = piece;
-        members[piece as usize].push(component);
+        of_component[component] = piece_of[group];
+        members[piece_of[group] as usize].push(component as u32);
     }
     for piece in &mut members {
         piece.sort_by(|&a, &b| material[b as usize].total_cmp(&material[a as usize]).then(a.cmp(&b)));
