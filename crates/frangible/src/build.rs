@@ -70,9 +70,17 @@ fn settings_of(method: Method) -> StepSettings {
 const LEAST_SIZE: f64 = 1e-6;
 const MOST_SIZE: f64 = 1e6;
 
-/// Densities that a body may have [kg/m^3]: from a gas at a thousandth of an atmosphere to far above any metal.
-const LEAST_DENSITY: f64 = 1e-3;
-const MOST_DENSITY: f64 = 1e7;
+/// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
+const LEAST_DENSITY: f64 = 1e-6;
+const MOST_DENSITY: f64 = 1e9;
+
+fn check_density(density: f64, at: &Checker) -> Result<f64, BuildError> {
+    if (LEAST_DENSITY..=MOST_DENSITY).contains(&density) {
+        return Ok(density);
+    }
+    let rule = format!("between {LEAST_DENSITY:e} and {MOST_DENSITY:e} kg/m^3");
+    Err(at.field("density").broken(&format!("{density:?}"), &rule))
+}
 
 /// A body must be of a size at which lengths, and of a mass and moments at which impulses, can be reckoned with in single precision.
 fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildError> {
@@ -98,7 +106,7 @@ fn build_body(
     library: &mut ShapeLibrary,
 ) -> Result<(NewBody, Label), BuildError> {
     // Check the plain numbers before any work is done.
-    let density = at.field("density").within(desc.density, LEAST_DENSITY, MOST_DENSITY)?;
+    let density = check_density(desc.density, at)?;
     let friction = at.field("friction").not_negative(desc.friction)?;
     let rolling_friction = at.field("rolling_friction").not_negative(desc.rolling_friction)?;
     let spinning_friction = at.field("spinning_friction").not_negative(desc.spinning_friction)?;
@@ -195,6 +203,7 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
         }
     }
 
+    patterns.iter().for_each(|pattern| pattern.prepare());
     let shatter = ShatterSettings::default();
     Ok(Breaking { patterns, strength, shatter, generations: desc.generations, smallest })
 }

@@ -44,7 +44,8 @@ pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
 pub use report::{
-    Causes, Energy, Fracture, Imbalance, Impulses, Momentum, StepReport, id_from_number, id_number,
+    Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport, id_from_number,
+    id_number,
 };
 pub use step::step;
 pub use strength::Strength;

@@ -121,3 +121,66 @@ pub(crate) fn take_out(world: &mut World, culprits: &[Quarantined]) {
         world.remove(&gone);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desc::{BodyDesc, SceneDesc, ShapeDesc};
+    use crate::step;
+    use glam::DVec3;
+
+    /// A heavy cube on the ground, a light one on top of it, and another one far away.
+    fn world() -> World {
+        let cube = |name: &str, edge: f64, x: f64, y: f64| BodyDesc {
+            position: [x, y, 0.0],
+            ..BodyDesc::new(name, ShapeDesc::Box { size: [edge; 3], resolution: Default::default() })
+        };
+        let mut scene = SceneDesc::new("quarantine");
+        scene.bodies =
+            vec![BodyDesc::ground(0.0), cube("heavy", 1.0, 0.0, 0.5), cube("light", 0.1, 0.0, 1.05)];
+        scene.bodies.push(cube("far", 1.0, 50.0, 0.5));
+        World::build(&scene).unwrap()
+    }
+
+    fn names(world: &World) -> Vec<&str> {
+        world.labels.iter().map(|label| label.name.as_str()).collect()
+    }
+
+    /// What is bad before the frame touches nobody in it.
+    #[test]
+    fn a_bad_body_is_taken_out_before_it_meets_others() {
+        let mut world = world();
+        (0..5).for_each(|_| _ = step(&mut world));
+        let before = world.bodies.poses[1];
+        let culprit = world.bodies.ids[2];
+        world.bodies.velocities[2].linear.y = f64::NAN;
+        let report = step(&mut world);
+        let cause = "velocity not finite";
+        assert_eq!(report.quarantined, [Quarantined { body: id_number(culprit), cause }]);
+        assert_eq!(names(&world), ["ground", "heavy", "far"]);
+        assert!(world.bodies.poses[1].position.distance(before.position) < 1e-4);
+        assert!(!serde_json::to_string(&report).unwrap().contains("null"));
+    }
+
+    /// Of what went bad together, the one that answers impulses most goes; the others stay as they were.
+    #[test]
+    fn only_the_culprit_goes() {
+        let mut world = world();
+        let mut tally = Tally::default();
+        tally.link(&world.bodies, frangible_dynamics::pair::Pair { first: 1, second: 2 });
+        let before = Before::of(&world.bodies);
+        for i in [1, 2] {
+            world.bodies.velocities[i].angular_momentum = DVec3::NAN;
+            world.bodies.poses[i].position = DVec3::INFINITY;
+        }
+        tally.causes.contact = f64::NAN;
+        let culprits = contain(&mut world, &before, &mut tally);
+        let light = Quarantined { body: id_number(world.bodies.ids[2]), cause: "position not finite" };
+        assert_eq!(culprits, [light]);
+        assert_eq!(world.bodies.poses, before.poses);
+        assert_eq!((tally.causes.contact, tally.links.len()), (0.0, 1));
+        take_out(&mut world, &culprits);
+        assert_eq!(names(&world), ["ground", "heavy", "far"]);
+        assert!(step(&mut world).quarantined.is_empty());
+    }
+}
