@@ -1,9 +1,10 @@
 //! Cells that somebody drew: closed meshes that fill a box.
 
-use crate::{Pattern, PatternError, cell_mesh::CellMesh, pattern::Cells};
+use crate::{Pattern, PatternError, cell_mesh::CellMesh, nearby::Nearby, pattern::Cells};
 use frangible_geometry::{Grid, LevelSet, TriMesh, mesh_to_level_set};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::sync::{Arc, OnceLock};
 
 mod fit;
 mod parts;
@@ -32,7 +33,12 @@ pub struct Drawn {
     meshes: Vec<TriMesh>,
     /// Signed distance to each, on parts of one lattice.
     fields: Vec<LevelSet>,
+    /// Who is near whom in the box; made when a body breaks first.
+    nearby: OnceLock<Arc<Nearby>>,
 }
+
+/// Linear between the nodes of a lattice, a distance changes by as much along each of three axes; a little more than that.
+const STEEPEST: f64 = 1.8;
 
 /// Distances are made from the meshes.
 impl PartialEq for Drawn {
@@ -139,7 +145,7 @@ impl Drawn {
             mesh_to_level_set(mesh, grid).map_err(|error| format!("cell {cell}: {error}"))
         };
         let fields = meshes.iter().enumerate().map(sample).collect::<Result<_, _>>()?;
-        let drawn = Self { meshes, fields };
+        let drawn = Self { meshes, fields, nearby: OnceLock::new() };
         fit::check(&drawn, (low, high), spacing, origin)?;
         Ok(drawn)
     }
@@ -162,7 +168,9 @@ impl Drawn {
     /// The two least distances to the meshes, each with its cell.
     fn nearest(&self, point: DVec3) -> [(f64, usize); 2] {
         let mut least = [(f64::INFINITY, usize::MAX); 2];
-        for cell in 0..self.meshes.len() {
+        let around = self.nearby.get().and_then(|nearby| nearby.around(point));
+        let all = 0..if around.is_some() { 0 } else { self.meshes.len() };
+        for cell in around.unwrap_or_default().iter().map(|&cell| cell as usize).chain(all) {
             let distance = self.to_mesh(cell, point);
             if distance < least[0].0 {
                 least = [(distance, cell), least[0]];
@@ -173,8 +181,21 @@ impl Drawn {
         least
     }
 
+    /// Looks who is near whom, if that has not been done.
+    pub(crate) fn prepare(&self) {
+        let Some((low, high)) = bounds(&self.meshes) else { return };
+        let half_extent = low.abs().max(high.abs());
+        self.nearby.get_or_init(|| {
+            let distance = |cell: usize, point: DVec3| self.to_mesh(cell, point);
+            Arc::new(Nearby::new(half_extent, self.meshes.len(), STEEPEST, distance))
+        });
+    }
+
     /// See [`Pattern::region_at`].
     pub(crate) fn region_at(&self, point: DVec3) -> Option<usize> {
+        if let Some(cell) = self.nearby.get().and_then(|nearby| nearby.sure(point)) {
+            return Some(cell);
+        }
         let [(_, cell), _] = self.nearest(point);
         (cell < self.meshes.len()).then_some(cell)
     }

@@ -9,6 +9,7 @@ pub mod drawn;
 pub mod generators;
 pub mod interfaces;
 pub mod mesh_break;
+mod nearby;
 pub mod noise;
 pub mod pattern;
 mod pattern_file;

@@ -208,7 +208,19 @@ impl Pattern {
 
     /// Points of the cracks around a cell within the box, at most `spacing` apart along each edge of a triangulation.
     pub fn crack_samples(&self, cell: usize, spacing: f64) -> Vec<DVec3> {
-        self.cell_mesh(cell, spacing).crack_vertices()
+        match &self.cells {
+            Cells::Rough(rough) => rough.crack_samples(cell, spacing, self.half_extent),
+            Cells::Planar(_) | Cells::Drawn(_) => self.cell_mesh(cell, spacing).crack_vertices(),
+        }
+    }
+
+    /// Samples cells that are not planar, as the first break would otherwise: takes some tenths of a second.
+    pub fn prepare(&self) {
+        match &self.cells {
+            Cells::Planar(_) => {}
+            Cells::Rough(rough) => rough.prepare(self.half_extent),
+            Cells::Drawn(drawn) => drawn.prepare(),
+        }
     }
 
     fn cell_mesh(&self, cell: usize, longest_edge: f64) -> CellMesh {

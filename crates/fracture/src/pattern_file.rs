@@ -87,7 +87,7 @@ impl Pattern {
         }
         match &self.cells {
             Cells::Planar(regions) => self.check_regions(regions),
-            Cells::Rough(Rough { regions, noise }) => {
+            Cells::Rough(Rough { regions, noise, .. }) => {
                 if !(noise.wavelength.is_finite() && noise.wavelength > 0.0) {
                     return Err(format!(
                         "noise.wavelength: {}, must be positive and finite",

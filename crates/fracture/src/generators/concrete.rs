@@ -48,6 +48,6 @@ impl Pattern {
         let Cells::Planar(regions) = plane.cells else { return Ok(plane) };
         let size = libm::cbrt(8.0 * half_extent.element_product() / cells as f64);
         let noise = Noise { wavelength: grain * size, steepness: MOST_STEEPNESS * roughness, seed };
-        Ok(Self { cells: Cells::Rough(Rough { regions, noise }), ..plane })
+        Ok(Self { cells: Cells::Rough(Rough::new(regions, noise)), ..plane })
     }
 }
