@@ -106,6 +106,7 @@ fn shatter_sampled(
     impact: &Impact,
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
+    pattern.prepare();
     let placement = Placement::new(pattern, impact, parent);
     let cell_at =
         |point: DVec3| pattern.region_at(placement.pattern_from_grid(point)).map_or(0, |cell| cell as u32);

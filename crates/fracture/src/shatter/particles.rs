@@ -1,6 +1,7 @@
 //! Which fragment each surface sample goes to [Su09 sec. 4.2 "Surface Particles"].
 
 mod body_regions;
+mod owners;
 
 use super::{
     ShatterSettings,
@@ -9,6 +10,7 @@ use super::{
 use crate::Placement;
 use crate::pattern::Region;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
+use owners::Owners;
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -25,6 +27,13 @@ pub(crate) struct Lookup<'a> {
     pub(crate) of_regions: &'a [Vec<u32>],
     /// Each piece's solid, and the frame of its body.
     pub(crate) pieces: &'a [(GridSolid, BodyFrame)],
+}
+
+/// What samples are shared out among, and whose the voxels are, where the regions alone do not tell: in a convex body each region
+/// is one piece; elsewhere voxels of a region without a node inside may belong to a piece of another region.
+struct Sharing<'a> {
+    lookup: &'a Lookup<'a>,
+    owners: Option<Owners>,
 }
 
 /// A rigid transform of many points.
@@ -78,9 +87,11 @@ pub(crate) fn assign_particles(
     let grid_from_parent = shape.body_from_grid.inverse();
     let mut collectors: Vec<Collector> =
         lookup.pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
-    lookup.share_out_samples(shape, &mut collectors);
+    let owners = (!solid.is_convex()).then(|| Owners::new(solid, lookup.pieces));
+    let sharing = Sharing { lookup, owners };
+    sharing.share_out_samples(shape, &mut collectors);
     let spacing = settings.sample_spacing_voxels * solid.grid().spacing;
-    lookup.sample_cracks(solid, spacing, &mut collectors);
+    sharing.sample_cracks(solid, spacing, &mut collectors);
 
     finish(collectors, lookup.pieces)
 }
@@ -95,14 +106,15 @@ pub(crate) fn assign_to_sampled(
 ) -> Vec<ClusteredSamples> {
     let (shape, solid) = parent;
     let (pieces, of_regions) = pieces;
-    let lookup = Lookup { pattern: None, regions: &[], of_regions, pieces };
+    let lookup = &Lookup { pattern: None, regions: &[], of_regions, pieces };
+    let sharing = Sharing { lookup, owners: Some(Owners::new(solid, pieces)) };
     let h = solid.grid().spacing;
     let grid_from_parent = shape.body_from_grid.inverse();
     let mut collectors: Vec<Collector> =
         pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
     for &sample in shape.samples() {
         let point = grid_from_parent.point(sample.as_dvec3());
-        if let Some(piece) = lookup.piece_at(cell_at(point) as usize, point) {
+        if let Some(piece) = sharing.piece_at(cell_at(point) as usize, point) {
             let collector = &mut collectors[piece];
             collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
         }
@@ -112,7 +124,8 @@ pub(crate) fn assign_to_sampled(
             let on_parent = f64::from(solid.value(point)) <= 0.05 * h;
             for &piece in own.iter().filter(|_| on_parent) {
                 // Where a sliver joined from across, the crack is healed: the point is deep inside.
-                if f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h {
+                if sharing.is_beside(piece as usize, point)
+                    && f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h {
                     let collector = &mut collectors[piece as usize];
                     collector.cracks.push(collector.body_from_grid.point(point));
                 }
@@ -145,11 +158,11 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
     collectors.into_iter().zip(pieces).map(finish).collect()
 }
 
-impl Lookup<'_> {
+impl Sharing<'_> {
     /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
-        let regions = BodyRegions::new(self.regions, parent);
-        let only_piece = |&number: &usize| match self.of_regions[number].as_slice() {
+        let regions = BodyRegions::new(self.lookup.regions, parent);
+        let only_piece = |&number: &usize| match self.lookup.of_regions[number].as_slice() {
             [piece] => Some(*piece as usize),
             _ => None,
         };
@@ -161,7 +174,11 @@ impl Lookup<'_> {
             let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
             let center = cluster.center.as_dvec3();
             around.look(center, f64::from(cluster.radius));
-            if let Some(piece) = around.region_of_all().and_then(|region| only_pieces[region]) {
+            let whole = around.region_of_all().and_then(|region| only_pieces[region]).filter(|&piece| {
+                let point = |sample: &Vec3| grid_from_body.point(sample.as_dvec3());
+                samples.iter().all(|sample| self.is_beside(piece, point(sample)))
+            });
+            if let Some(piece) = whole {
                 let collector = &mut collectors[piece];
                 let motion = &collector.body_from_parent;
                 let moved = samples.iter().map(|&sample| motion.point(sample.as_dvec3()));
@@ -176,8 +193,10 @@ impl Lookup<'_> {
                         nearest = regions.nearest(point, nearest);
                         nearest
                     });
+                    let point_grid = grid_from_body.point(point);
                     let lies_on = only_pieces[region]
-                        .or_else(|| self.piece_at(regions.numbers[region], grid_from_body.point(point)));
+                        .filter(|&piece| self.is_beside(piece, point_grid))
+                        .or_else(|| self.piece_at(regions.numbers[region], point_grid));
                     if let Some(piece) = lies_on {
                         let collector = &mut collectors[piece];
                         collector.single.push(collector.body_from_parent.point(point));
@@ -188,28 +207,39 @@ impl Lookup<'_> {
     }
 
     /// The piece that a point in a region is on: of those with a part of the region the one with the least level set; if the
-    /// region has no inside of its own, of all.
+    /// region has no inside of its own, of all. Where voxels have owners, of those beside the point.
     fn piece_at(&self, region: usize, point: DVec3) -> Option<usize> {
-        let value = |piece: usize| self.pieces[piece].0.value(point);
+        let value = |piece: usize| self.lookup.pieces[piece].0.value(point);
         let least = |a: &usize, b: &usize| value(*a).total_cmp(&value(*b));
-        match self.of_regions[region].as_slice() {
-            [] => (0..self.pieces.len()).min_by(least),
+        let of_region = self.lookup.of_regions[region].as_slice();
+        let beside = self.owners.as_ref().map_or(Vec::new(), |owners| owners.around(point));
+        let of_both = beside.iter().copied().filter(|&piece| of_region.contains(&(piece as u32)));
+        if let Some(piece) = of_both.min_by(least).or_else(|| beside.iter().copied().min_by(least)) {
+            return Some(piece);
+        }
+        match of_region {
+            [] => (0..self.lookup.pieces.len()).min_by(least),
             [piece] => Some(*piece as usize),
             several => several.iter().map(|&piece| piece as usize).min_by(least),
         }
+    }
+
+    /// Whether a piece has a voxel beside a point, as far as that is asked for.
+    fn is_beside(&self, piece: usize, point: DVec3) -> bool {
+        self.owners.as_ref().is_none_or(|owners| owners.around(point).contains(&piece))
     }
 
     /// Samples the cracks around each region, for the pieces that its inside belongs to.
     fn sample_cracks(&self, solid: &GridSolid, spacing: f64, collectors: &mut [Collector]) {
         let parent = Parent::new(solid);
         let mut sampler = Sampler::new(&parent, spacing);
-        let Some((placement, regions)) = self.pattern else { return };
+        let Some((placement, regions)) = self.lookup.pattern else { return };
         for (number, of_pattern) in regions.iter().enumerate() {
-            if self.of_regions[number].is_empty() {
+            if self.lookup.of_regions[number].is_empty() {
                 continue;
             }
-            for face in sampler.sample(&self.regions[number], placement, of_pattern) {
-                if let [piece] = self.of_regions[number].as_slice()
+            for face in sampler.sample(&self.lookup.regions[number], placement, of_pattern) {
+                if let [piece] = self.lookup.of_regions[number].as_slice()
                     && self.is_all_on_surface(solid, *piece as usize, face)
                 {
                     let Collector { cracks, body_from_grid, .. } = &mut collectors[*piece as usize];
@@ -218,6 +248,7 @@ impl Lookup<'_> {
                 }
                 for &point in face.points() {
                     if let Some(piece) = self.piece_at(number, point)
+                        && self.lookup.of_regions[number].contains(&(piece as u32))
                         && self.is_on_surface(piece, point, face.normal)
                     {
                         let collector = &mut collectors[piece];
@@ -231,14 +262,14 @@ impl Lookup<'_> {
     /// Whether a region's crack is known to be on a piece everywhere, the region being all of that one: the body is whole, so that
     /// its surface alone bounds the crack, and what joined the piece lies nowhere across.
     fn is_all_on_surface(&self, parent: &GridSolid, piece: usize, face: CrackFace) -> bool {
-        let (solid, _) = &self.pieces[piece];
+        let (solid, _) = &self.lookup.pieces[piece];
         let across = 0.5 * solid.grid().spacing * face.normal;
         let misses = |part: &Clip| {
             let beyond = |plane: &HalfSpace| face.corners.iter().all(|&at| plane.distance(at + across) > 0.0);
             part.half_spaces().iter().any(beyond)
         };
         match solid.parts() {
-            [_] => true,
+            [_] => self.owners.is_none(),
             parts => parent.is_convex() && parent.parts().is_empty() && parts.iter().all(misses),
         }
     }
@@ -246,7 +277,7 @@ impl Lookup<'_> {
     /// Whether a point of a region's crack is on a piece, and the crack is not healed there because a sliver joined from
     /// across.
     fn is_on_surface(&self, piece: usize, point: DVec3, normal: DVec3) -> bool {
-        let (solid, _) = &self.pieces[piece];
+        let (solid, _) = &self.lookup.pieces[piece];
         let grid = solid.grid();
         let half_voxel = 0.5 * grid.spacing;
         let value = |point: DVec3, most: f64| {
