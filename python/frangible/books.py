@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 
 from .cache import CacheError
+from .reading import one_sentence
 from .recording import Float64, Recording
 
 
@@ -49,6 +50,12 @@ def read_books(recording: Recording) -> Books:
     reports = recording.reports
     if not reports:
         raise CacheError(f"the recording of {recording.shot!r} has no frames, so there is nothing to plot")
+    with one_sentence(f"the recording of {recording.shot!r}", "energy report", CacheError):
+        return _books(recording)
+
+
+def _books(recording: Recording) -> Books:
+    reports = recording.reports
     energies, momenta = [report["energy"] for report in reports], [report["momentum"] for report in reports]
     kinetic, potential, work, banked, gain = (
         np.array([energy[key] for energy in energies]) for key in ("kinetic", "potential", "work", "banked", "gain")

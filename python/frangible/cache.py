@@ -36,14 +36,16 @@ key                   shape and type     meaning
 from __future__ import annotations
 
 import json
-import os
 from typing import Any
-from zipfile import BadZipFile, is_zipfile
+from zipfile import is_zipfile
 
 import numpy as np
 import numpy.typing as npt
 
+from .cache_check import KEYS, check_arrays, read_arrays
+from .reading import file_fault, one_sentence
 from .recording import Body, Recording
+from .report import StepReport
 from .skin_cache import offsets, read_skins, rows, skin_arrays
 
 FORMAT = 4
@@ -89,29 +91,27 @@ def write_npz(recording: Recording, path: str) -> None:
 
 
 def read_npz(path: str) -> Recording:
-    """Read a recording back; `CacheError` if the file is not one of ours."""
+    """Read a recording back; `CacheError` if the file is not one of ours, or damaged."""
     check_is_file(path)
     if not is_zipfile(path):
         raise CacheError(f"{path}: is not a .npz file")
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            if "format" not in arrays:
-                raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
-            if int(arrays["format"]) not in FORMATS:
-                raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be 3 or 4")
-            return _recording({key: arrays[key] for key in arrays})
-    except (BadZipFile, EOFError, KeyError, ValueError) as error:
-        if isinstance(error, CacheError):
-            raise
-        raise CacheError(f"{path}: is not a readable .npz cache ({error})") from error
+    with one_sentence(path, ".npz cache", CacheError):
+        arrays = read_arrays(path)
+        if "format" not in arrays:
+            raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
+        if int(arrays["format"]) not in FORMATS:
+            raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be 3 or 4")
+        missing = [key for key in KEYS if key not in arrays]
+        if missing:
+            raise CacheError(f"{path}: has no key {missing[0]!r}")
+        check_arrays(arrays)
+        return _recording(arrays)
 
 
 def check_is_file(path: str) -> None:
     """`CacheError` if there is nothing to read."""
-    if os.path.isdir(path):
-        raise CacheError(f"{path}: is a folder, must be a file")
-    if not os.path.isfile(path):
-        raise CacheError(f"{path}: no such file")
+    if fault := file_fault(path):
+        raise CacheError(f"{path}: {fault}")
 
 
 def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
@@ -146,5 +146,12 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
         fps=float(arrays["fps"]),
         frames=int(arrays["frames"]),
         bodies=bodies,
-        reports=json.loads(str(arrays["reports"])),
+        reports=_reports(str(arrays["reports"]), int(arrays["frames"])),
     )
+
+
+def _reports(text: str, frames: int) -> list[StepReport]:
+    reports = json.loads(text)
+    if not isinstance(reports, list) or not all(isinstance(report, dict) for report in reports) or len(reports) not in (0, frames):
+        raise ValueError(f"reports: must be a list with an object for each of {frames} frames")
+    return reports
