@@ -6,6 +6,7 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+from .cleaning import CleanMesh
 from .pieces import Contact
 from .report import StepReport
 from .verification import Finding
@@ -14,11 +15,10 @@ __all__ = [
     "BuildError",
     "Pattern",
     "World",
-    "bounds_a_solid",
     "break_mesh_on_grid",
     "check_claim",
     "claims",
-    "fill_holes",
+    "clean_mesh",
     "load_mesh",
     "mesh_info",
     "mesh_mass",
@@ -119,21 +119,13 @@ def decode_meshopt(data: bytes, count: int, stride: int, mode: str, filter: str)
     """`count` rows of `stride` bytes from a compressed view of a glTF file; `BuildError`, to follow the view's name."""
 
 def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-    """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file, vertices at the same place made one.
+    """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file; `BuildError` if it cannot be read."""
 
-    `BuildError` if it cannot be read or encloses no volume.
-    """
-
-def fill_holes(
-    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]],
-) -> tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], int]:
-    """The mesh with each hole closed by triangles between the vertices of its rim, and the number of holes."""
-
-def bounds_a_solid(mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], spacing: float) -> bool:
-    """Whether outside lies in front of the whole surface and inside behind it: nothing crosses or lies in the solid.
-
-    Probed at places `spacing` [m] apart on large triangles, once on smaller ones.
-    """
+def clean_mesh(
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = "the mesh"
+) -> CleanMesh:
+    """The solids that raw triangles bound, part by part: welded, repeated triangles dropped, turned to
+    agree, holes closed, open flat parts left out. `BuildError` if no part encloses a volume."""
 
 def resurface(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], voxels: int

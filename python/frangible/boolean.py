@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import Error, Manifold, Mesh64, OpType
+from manifold3d import Manifold, Mesh64, OpType
 
 from . import _frangible
+from .cleaning import CleanMesh
 from .recording import Bool, Float32, Float64, UInt32
 
 Mesh = tuple[Float64, UInt32]
@@ -20,8 +21,12 @@ Cutter = tuple[Float64, UInt32, UInt32]
 LEAST_PART = 1e-12
 #: Cells whose parts make up the whole but for this part of its volume fit: the rest is rounding.
 FITS = 1e-9
-#: Probes for crossings are this part of the bounding box's diagonal apart.
-PROBE_SPACING = 1 / 200
+#: Of a surface that crosses itself this part of its area may lie in the solid: folds that are hardly to be seen.
+MOST_BURIED = 1e-3
+#: Solids that are united in one call.
+AT_ONCE = 16
+#: Volumes that differ by less are the same, relatively.
+SAME = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,44 +44,52 @@ class Part:
         return self.face >= 0
 
 
-def closed(mesh: Mesh, voxels: int) -> tuple[Manifold, list[str]]:
-    """The solid that a mesh bounds, and what had to be done to it in sentences."""
-    (vertices, triangles), holes = _frangible.fill_holes(mesh)
-    notes = [f"{holes} {'hole' if holes == 1 else 'holes'} closed by triangles between the rim's vertices"] if holes else []
-    solid = _manifold(vertices, triangles)
-    if solid.status() != Error.NoError:
-        return _resurfaced(mesh, voxels, "edges of more than two triangles, or neighbours that face opposite ways")
-    if _bounds_a_solid((vertices, triangles)):
-        return solid, notes
+def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
+    """The solid that a clean mesh bounds, and what had to be done to it in sentences."""
+    notes = list(clean["notes"])
+    anew = np.flatnonzero(clean["buried"] > MOST_BURIED)
+    whole = _manifold(clean["vertices"], clean["triangles"])
+    if len(anew) == 0 and not clean["meets"].any():
+        return whole, notes
 
-    # Parts that cross one another become one; one that crosses itself cannot be helped by that.
-    parts = solid.decompose()
-    if len(parts) > 1:
-        united = _united(parts)
-        if _bounds_a_solid(_arrays(united)):
-            return united, [*notes, f"{len(parts)} parts that cross or lie in one another made one"]
-    return _resurfaced(mesh, voxels, "a surface that crosses itself")
+    # A surface that crosses itself is made anew, the others keep their triangles.
+    count = len(clean["meets"])
+    surfaces = _surfaces(clean, count)
+    for number in anew:
+        surfaces[number] = _frangible.resurface(surfaces[number], voxels)
+    if len(anew) > 0:
+        what = "a surface that crosses itself was" if len(anew) == 1 else f"{len(anew)} surfaces that cross themselves were"
+        notes.append(f"{what} made anew, on a grid of {voxels} voxels along the longest side")
+    solids = [_manifold(*surface) for surface in surfaces]
+    united = _united(solids)
 
-
-def _resurfaced(mesh: Mesh, voxels: int, why: str) -> tuple[Manifold, list[str]]:
-    solid = _manifold(*_frangible.resurface(mesh, voxels))
-    return solid, [f"the mesh has {why}: its surface was made anew, on a grid of {voxels} voxels along the longest side"]
-
-
-def _united(parts: list[Manifold]) -> Manifold:
-    """The union of the parts that face outward, without those that face inward: cavities."""
-    solids = [part for part in parts if part.volume() > 0.0]
-    cavities = []
-    for part in parts:
-        if part.volume() < 0.0:
-            vertices, triangles = _arrays(part)
-            cavities.append(_manifold(vertices, triangles[:, ::-1]))
-    return Manifold.batch_boolean([Manifold.batch_boolean(solids, OpType.Add), *cavities], OpType.Subtract)
+    # Solids that only came near one another stay as they are.
+    apart = sum(solid.volume() for solid in solids)
+    if len(anew) == 0 and abs(united.volume() - apart) <= SAME * apart and united.num_tri() == whole.num_tri():
+        return whole, notes
+    if clean["meets"].any():
+        notes.append(f"{int(clean['meets'].sum())} parts that cross, touch or lie in one another made one")
+    return united, notes
 
 
-def _bounds_a_solid(mesh: Mesh) -> bool:
-    diagonal = float(np.linalg.norm(np.ptp(mesh[0], axis=0)))
-    return _frangible.bounds_a_solid(mesh, PROBE_SPACING * diagonal)
+def _united(solids: list[Manifold]) -> Manifold:
+    """The union, a few at a time: between them signals are heard."""
+    while len(solids) > 1:
+        solids = [Manifold.batch_boolean(solids[n : n + AT_ONCE], OpType.Add) for n in range(0, len(solids), AT_ONCE)]
+        for solid in solids:
+            solid.num_tri()
+    return solids[0]
+
+
+def _surfaces(clean: CleanMesh, count: int) -> list[Mesh]:
+    """The surface of each solid, with its cavities."""
+    order = np.argsort(clean["solid"], kind="stable")
+    bounds = np.searchsorted(clean["solid"][order], np.arange(count + 1))
+    surfaces = []
+    for first, last in zip(bounds[:-1], bounds[1:], strict=True):
+        used, triangles = np.unique(clean["triangles"][order[first:last]], return_inverse=True)
+        surfaces.append((clean["vertices"][used], triangles.reshape(-1, 3).astype(np.uint32)))
+    return surfaces
 
 
 def _manifold(vertices: Float64, triangles: UInt32, original: int | None = None) -> Manifold:
@@ -95,7 +108,8 @@ def _manifold(vertices: Float64, triangles: UInt32, original: int | None = None)
     )
 
 
-def _arrays(solid: Manifold) -> Mesh:
+def arrays(solid: Manifold) -> Mesh:
+    """Vertices and triangles."""
     mesh = solid.to_mesh64()
     return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.uint32)
 
@@ -105,7 +119,7 @@ def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
     gaps or overlap."""
     # Body and cells are told apart by the ids of their triangles, faces by numbers of their own.
     first = Manifold.reserve_ids(len(cutters) + 1)
-    body = _manifold(*_arrays(solid), first)
+    body = _manifold(*arrays(solid), first)
     least = LEAST_PART * body.volume()
     cells, face_of, count = [], {}, 0
     for cell, (vertices, triangles, face) in enumerate(cutters):

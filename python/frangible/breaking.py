@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from . import _frangible
+from .cleaning import CleanMesh
 from .output import missing_packages
 from .pieces import Contact, Piece, Pieces
+from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
 from .usd_mesh import readable_mesh
 
@@ -32,6 +34,7 @@ def break_mesh(
     exact: bool = False,
     voxels: int = DEFAULT_VOXELS,
     pose_time: float | None = None,
+    stage: StageCallback = no_stage,
 ) -> Pieces:
     """Break a mesh file along a pattern; `BuildError` if that cannot be done.
 
@@ -40,11 +43,13 @@ def break_mesh(
 
     By default the mesh is sampled on a grid of ``voxels`` along its longest side, so that holes and crossings do no harm. ``exact``
     keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there. What moves in a glTF or
-    USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest.
+    USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what begins.
     """
+    stage("reading the mesh")
     # Where the blow lands.
     with readable_mesh(path, pose_time) as file:
-        mesh = _frangible.load_mesh(file)
+        clean = _frangible.clean_mesh(_frangible.load_mesh(file), file)
+    mesh = (clean["vertices"], clean["triangles"])
     direction = np.array(normal, np.float64)
     length = np.linalg.norm(direction)
     if not np.all(np.isfinite(direction)) or length == 0.0:
@@ -61,8 +66,10 @@ def break_mesh(
     if exact:
         if hint := missing_packages("exact"):
             raise _frangible.BuildError(f"exact: {hint}")
-        return _break_exactly(name, mesh, pattern, (point, direction), voxels)
-    return _break_on_grid(name, mesh, pattern, (point, direction), voxels)
+        stage("cutting the mesh along the pattern")
+        return _break_exactly(name, clean, pattern, (point, direction), voxels)
+    stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
+    return _break_on_grid(name, clean, pattern, (point, direction), voxels)
 
 
 def _listed(vector: Float64) -> str:
@@ -91,11 +98,12 @@ def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
 
 
 def _break_on_grid(
-    name: str, mesh: tuple[Float64, UInt32], pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
+    name: str, clean: CleanMesh, pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
 ) -> Pieces:
     at, normal = blow
+    mesh = (clean["vertices"], clean["triangles"])
     broken = _frangible.break_mesh_on_grid(pattern, mesh, at.tolist(), normal.tolist(), voxels)
-    notes = [f"broken on a grid of {voxels} voxels along the longest side"]
+    notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
     # What is smaller than a voxel has no surface there.
     specks = [number for number, piece in enumerate(broken["pieces"]) if len(piece["triangles"]) == 0]
     if specks:
@@ -120,12 +128,12 @@ def _break_on_grid(
 
 
 def _break_exactly(
-    name: str, mesh: tuple[Float64, UInt32], pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
+    name: str, clean: CleanMesh, pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
 ) -> Pieces:
     from .boolean import closed, crack_coordinates, cut
 
     at, normal = blow
-    solid, notes = closed(mesh, voxels)
+    solid, notes = closed(clean, voxels)
     box = solid.bounding_box()
     parts = cut(solid, _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at.tolist(), normal.tolist()))
     pieces: list[Piece] = []

@@ -6,9 +6,9 @@ import os
 
 import numpy as np
 
-from ._frangible import mesh_info
 from .cache import CacheError, check_is_file
 from .gltf import describe_glb
+from .mesh_facts import describe_mesh
 from .output import missing_packages
 from .recording import Recording
 from .usd_mesh import ENDINGS, readable_mesh
@@ -30,7 +30,7 @@ def describe_file(path: str, pose_time: float | None = None) -> dict[str, object
     if ending == ".glb" and (facts := describe_glb(path)) is not None:
         return facts
     with readable_mesh(path, pose_time) as file:
-        return mesh_info(file)
+        return describe_mesh(file)
 
 
 def _describe_npz(path: str) -> dict[str, object]:

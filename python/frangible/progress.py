@@ -1,16 +1,47 @@
-"""How far a run is, on stderr: a bar on a terminal, a line for every tenth in a pipe."""
+"""How far long work is, on stderr: for a run a bar on a terminal, a line for every tenth in a pipe."""
 
 from __future__ import annotations
 
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from .recording import ProgressCallback
+
+
+#: Told what begins.
+StageCallback = Callable[[str], None]
+#: What takes longer is worth a line [s].
+LONG_STAGE = 1.0
+
+
+def no_stage(_: str) -> None:
+    """A `StageCallback` that says nothing."""
+
+
+@contextmanager
+def report_stages() -> Iterator[StageCallback]:
+    """A callback for what begins; a line on stderr for each stage that is not over within a second."""
+    waiting: list[threading.Timer] = []
+
+    def begin(stage: str) -> None:
+        for timer in waiting:
+            timer.cancel()
+        line = f"frangible: {stage} ..."
+        waiting[:] = [threading.Timer(LONG_STAGE, print, [line], {"file": sys.stderr, "flush": True})]
+        waiting[0].daemon = True
+        waiting[0].start()
+
+    try:
+        yield begin
+    finally:
+        for timer in waiting:
+            timer.cancel()
 
 
 @contextmanager

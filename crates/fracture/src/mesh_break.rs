@@ -6,7 +6,8 @@ use crate::align::corners;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, shatter};
 use frangible_geometry::polygonize::polygonize;
 use frangible_geometry::{
-    Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, RigidTransform, Shape, TriMesh, mesh_to_level_set,
+    Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, RigidTransform, Shape, TriMesh,
+    solids_to_level_set,
 };
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -117,7 +118,7 @@ fn corner_bits(mesh: &TriMesh, triangle: usize) -> [[u64; 3]; 3] {
 /// Volume of a mesh on a grid [m^3], and its pieces. `voxels` are along the longest side of the bounding box. The pieces' grid
 /// frame and their parent's body frame are the mesh's.
 ///
-/// Holes and crossings of the mesh do no harm, see [`mesh_to_level_set`].
+/// The mesh is cleaned first, see [`TriMesh::cleaned`]; its solids may cross.
 ///
 /// # Errors
 /// If the mesh encloses nothing, or nothing that the grid resolves, or the grid does not fit into memory.
@@ -128,10 +129,11 @@ pub fn break_on_grid(
     voxels: usize,
 ) -> Result<(f64, Vec<Fragment>), MeshBreakError> {
     // Nobody collides with the pieces, so no sample is needed.
-    let solid = GridSolid::from_level_set(sampled(mesh, voxels)?);
+    let (level_set, bounds) = sampled(mesh, voxels)?;
+    let solid = GridSolid::from_level_set(level_set);
     let mut parent = Shape::from_grid_solid(solid, Vec::new())?;
     parent.body_from_grid = RigidTransform::IDENTITY;
-    parent.bounds = mesh.bounds();
+    parent.bounds = bounds;
     let pieces = shatter(&parent, pattern, impact, &ShatterSettings::default());
     Ok((parent.volume, pieces))
 }
@@ -142,13 +144,15 @@ pub fn break_on_grid(
 /// # Errors
 /// As for [`break_on_grid`].
 pub fn resurfaced(mesh: &TriMesh, voxels: usize) -> Result<TriMesh, MeshBreakError> {
-    Ok(polygonize(&GridSolid::from_level_set(sampled(mesh, voxels)?)).mesh)
+    Ok(polygonize(&GridSolid::from_level_set(sampled(mesh, voxels)?.0)).mesh)
 }
 
-/// Level set of a mesh.
-fn sampled(mesh: &TriMesh, voxels: usize) -> Result<LevelSet, MeshToLevelSetError> {
-    let (low, high) = mesh.bounds();
+/// Level set of the solids that a mesh bounds, and their bounding box.
+fn sampled(mesh: &TriMesh, voxels: usize) -> Result<(LevelSet, (DVec3, DVec3)), MeshToLevelSetError> {
+    let clean = mesh.cleaned("the mesh")?;
+    let (low, high) = clean.mesh.bounds();
     let spacing = (high - low).max_element() / voxels as f64;
     let along = ((high - low) / spacing).to_array().map(|count| count.ceil().max(1.0) as usize);
-    mesh_to_level_set(mesh, Grid::around_box(low, high, along, MARGIN))
+    let grid = Grid::around_box(low, high, along, MARGIN);
+    Ok((solids_to_level_set(&clean, grid)?, (low, high)))
 }

@@ -3,7 +3,7 @@
 use crate::check::{BuildError, Checker};
 use crate::desc::{PartDesc, Resolution, ShapeDesc};
 use frangible_geometry::mesh_io;
-use frangible_geometry::mesh_to_level_set::mesh_to_level_set;
+use frangible_geometry::mesh_to_level_set::solids_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
 use frangible_geometry::{
     ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, RigidTransform, Shape, TriMesh,
@@ -201,11 +201,11 @@ fn convex(hull: Hull, resolution: &Resolution, at: &Checker) -> Result<Shape, Bu
 
 /// Samples a mesh that came from the file, or the field, `name`.
 fn from_mesh(mesh: &TriMesh, name: &str, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
-    mesh.check_volume(name)?;
-    let (low, high) = mesh.bounds();
+    let clean = mesh.cleaned(name)?;
+    let (low, high) = clean.mesh.bounds();
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
-    let level_set =
-        mesh_to_level_set(mesh, grid).map_err(|error| BuildError::Sampling { path: name.into(), error })?;
+    let level_set = solids_to_level_set(&clean, grid)
+        .map_err(|error| BuildError::Sampling { path: name.into(), error })?;
     sampled(GridSolid::from_level_set(level_set), resolution, at)
 }
 

@@ -4,6 +4,7 @@
 //! their parent's. A *body frame* has its origin at the centre of mass and its axes along the principal axes.
 
 pub mod bvh;
+pub mod cleaning;
 pub mod clip;
 pub mod closed_form;
 pub mod closed_form_surface;
@@ -15,7 +16,6 @@ mod dual_contour;
 pub mod grid;
 pub mod grid_solid;
 pub mod half_space;
-mod hole_filling;
 mod hole_patches;
 pub mod hull;
 pub mod level_set;
@@ -29,6 +29,7 @@ pub mod mesh_topology;
 pub mod moments;
 mod outline_pieces;
 mod placement;
+mod polygon;
 pub mod polygonize;
 mod qef;
 mod read_file;
@@ -44,6 +45,7 @@ mod symmetric;
 mod texture;
 pub mod winding_number;
 
+pub use cleaning::{CleanMesh, Meeting, MeshChanges, Sheet};
 pub use clip::Clip;
 pub use closed_form::ClosedForm;
 pub use compound::{Compound, Part};
@@ -56,7 +58,7 @@ pub use mass_properties::MassProperties;
 pub use material::{Material, Run, Span};
 pub use mesh::{Surface, TriMesh};
 pub use mesh_check::MeshError;
-pub use mesh_to_level_set::{MeshToLevelSetError, mesh_to_level_set};
+pub use mesh_to_level_set::{MeshToLevelSetError, mesh_to_level_set, solids_to_level_set};
 pub use mesh_topology::MeshInfo;
 pub use moments::{Portion, RowSums, RunSums};
 pub use read_file::read_file;

@@ -65,7 +65,7 @@ impl TriMesh {
     }
 
     /// Outward normal times area [m^2].
-    fn vector_area(&self, triangle: usize) -> DVec3 {
+    pub(crate) fn vector_area(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         0.5 * (b - a).cross(c - a)
     }

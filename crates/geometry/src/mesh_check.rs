@@ -13,6 +13,12 @@ const FLAT: f64 = 1e-6;
 /// Largest coordinate [m]: areas and volumes of larger ones lose their digits, and then overflow.
 const MOST_COORDINATE: f64 = 1e12;
 
+/// A number with four digits.
+pub(crate) fn short(number: f64) -> String {
+    let text = format!("{number:.3e}");
+    text.parse::<f64>().map_or(text, |rounded| format!("{rounded}"))
+}
+
 /// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value and the rule.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
@@ -100,6 +106,20 @@ pub enum MeshError {
         /// [m^3]
         volume: f64,
         /// [m^2]
+        area: f64,
+    },
+    /// No part is closed, or can be.
+    #[error(
+        "{mesh}: encloses no volume: it has {parts} open or flat part{} of {} m^2 in all, must have a closed one",
+        if *parts == 1 { "" } else { "s" },
+        short(*area)
+    )]
+    NothingClosed {
+        /// File or "the mesh".
+        mesh: String,
+        /// How many there are.
+        parts: usize,
+        /// Of all of them [m^2].
         area: f64,
     },
 }

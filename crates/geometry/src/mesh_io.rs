@@ -5,13 +5,14 @@ mod obj;
 mod ply;
 mod stl;
 
+use crate::polygon::triangulate;
 use crate::{MeshError, TriMesh, read_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
 /// Reads an OBJ, PLY, STL, glTF or GLB file, the format chosen by its ending.
 ///
-/// Polygons become fans of triangles; lines, points, materials and animations are left out, and so are triangles
+/// Polygons are cut into triangles between their corners, concave ones too; lines, points, materials and animations are left out, and so are triangles
 /// without area. The vertices of an STL file are welded. A mesh that faces inward as a whole is turned. Lengths are
 /// taken for metres, and no axis is changed.
 pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
@@ -39,14 +40,37 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
         return Err(MeshError::Empty { mesh: name });
     }
 
+    let format = match ending.as_str() {
+        "obj" => "OBJ",
+        "ply" => "PLY",
+        "stl" => "STL",
+        _ => "glTF",
+    };
+    if is_utf16(&bytes) {
+        let reason = "it is text in UTF-16, must be in UTF-8".to_owned();
+        return Err(MeshError::Malformed { mesh: name, format, reason });
+    }
+    // A mark at the beginning says that it is UTF-8.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+
     // Turn it into a mesh that keeps the rules.
-    let mut mesh = parse(&File { name: &name, path, bytes: &bytes })?;
+    let mut mesh = parse(&File { name: &name, path, bytes })?;
     mesh.check(&name)?;
     mesh.drop_unused();
     if mesh.mass_properties().volume < 0.0 {
         mesh.flip();
     }
     Ok(mesh)
+}
+
+/// Whether a file begins as text in UTF-16 does: with its mark, or with characters and zeros by turns.
+fn is_utf16(bytes: &[u8]) -> bool {
+    let by_turns = |zero: usize| {
+        bytes.len() >= 16
+            && bytes[..16].iter().enumerate().all(|(n, &byte)| (byte == 0) == (n % 2 == zero))
+            && bytes[..16].is_ascii()
+    };
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || by_turns(0) || by_turns(1)
 }
 
 /// Reads what a format says, without judging it.
@@ -65,9 +89,10 @@ impl File<'_> {
     }
 }
 
-/// Appends a polygon as a fan of triangles around its first corner; less than three corners make none.
-fn push_fan(triangles: &mut Vec<[u32; 3]>, polygon: &[u32]) {
-    if let [first, rest @ ..] = polygon {
-        triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
-    }
+/// Appends a polygon as triangles between its corners: a fan around the first one if it is convex;
+/// less than three corners make none.
+fn push_polygon(mesh: &mut TriMesh, polygon: &[u32]) {
+    let at = |vertex: u32| mesh.positions[vertex as usize];
+    let triangles = triangulate(polygon, &at);
+    mesh.triangles.extend(triangles);
 }

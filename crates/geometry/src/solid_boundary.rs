@@ -3,7 +3,6 @@
 //! Where parts of a mesh overlap, pieces of its surface have the inside on both sides: they bound nothing, and a distance
 //! to them would put false surfaces into a solid.
 
-use crate::bvh::Bvh;
 use crate::winding_number::INSIDE;
 use crate::{TriMesh, WindingNumber};
 use glam::DVec3;
@@ -15,23 +14,6 @@ const PROBE: f64 = 1e-4;
 const COARSE: f64 = 1.0;
 /// Length in cells down to which a triangle that another surface crosses is divided: the error at the crease.
 const CREASE: f64 = 0.125;
-
-impl TriMesh {
-    /// Whether outside lies in front of the whole surface and inside behind it: nothing crosses, and nothing lies in the
-    /// solid or faces the wrong way. Probed at places `spacing` [m] apart on large triangles, once on smaller ones.
-    pub fn bounds_a_solid(&self, spacing: f64) -> bool {
-        let triangles: Vec<[DVec3; 3]> =
-            (0..self.triangles.len()).map(|triangle| self.corners(triangle)).collect();
-        let winding = WindingNumber::new(Bvh::new(&triangles));
-        let separates = |corners: &[DVec3; 3]| {
-            // What has no area bounds nothing.
-            let Some(front) = normal(corners).try_normalize() else { return true };
-            let probe = Probe { winding: &winding, offset: front * (PROBE * spacing), spacing };
-            probe.unanimous(corners) == Some(true)
-        };
-        triangles.par_iter().all(separates)
-    }
-}
 
 /// The triangles, or parts of triangles, with outside in front and inside behind. `triangles` are the corners [m] of
 /// those of the mesh, which may be turned.
@@ -154,33 +136,5 @@ fn halves(corners: &[DVec3; 3]) -> [[DVec3; 3]; 2] {
     } else {
         let middle = c.midpoint(a);
         [[a, b, middle], [middle, b, c]]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Hull;
-
-    /// Two cubes, the second moved.
-    fn two_cubes(by: DVec3) -> TriMesh {
-        let mut mesh = Hull::cuboid(DVec3::ONE).surface();
-        let count = mesh.positions.len() as u32;
-        let moved: Vec<DVec3> = mesh.positions.iter().map(|&position| position + by).collect();
-        let second: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|vertex| vertex + count)).collect();
-        mesh.positions.extend(moved);
-        mesh.triangles.extend(second);
-        mesh
-    }
-
-    #[test]
-    fn what_crosses_bounds_no_solid() {
-        assert!(two_cubes(DVec3::X * 2.5).bounds_a_solid(0.1));
-        assert!(!two_cubes(DVec3::new(1.5, 1.6, 1.7)).bounds_a_solid(0.1));
-        let mut turned = two_cubes(DVec3::X * 2.5);
-        for triangle in &mut turned.triangles[12..] {
-            triangle.swap(0, 1);
-        }
-        assert!(!turned.bounds_a_solid(0.1), "one cube faces inward");
     }
 }

@@ -63,6 +63,45 @@ fn obj_polygon_becomes_a_fan() {
     assert_eq!(TestFile::new("pentagon.obj", text).load().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
 }
 
+/// A wall that is an L: cut into triangles inside of it, in each format that has polygons.
+#[test]
+fn concave_polygons_are_cut_within_them() {
+    let outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)];
+    let mut faces = vec![vec![5, 4, 3, 2, 1, 0], vec![6, 7, 8, 9, 10, 11]];
+    faces.extend((0..6).map(|n| vec![n, (n + 1) % 6, 6 + (n + 1) % 6, 6 + n]));
+    for first in 0..6 {
+        faces[0].rotate_left(1);
+        faces[1].rotate_right(first);
+        let points = [0, 1].map(|z| outline.map(|(x, y)| format!("{x} {y} {z}\n"))).concat();
+        let obj: String = points.iter().map(|point| format!("v {point}")).collect();
+        let line = |face: &Vec<i32>, base: i32| {
+            face.iter().map(|corner| format!(" {}", corner + base)).collect::<String>()
+        };
+        let obj = obj + &faces.iter().map(|face| format!("f{}\n", line(face, 1))).collect::<String>();
+        let header = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
+                      element face 8\nproperty list uchar int vertex_indices\nend_header\n";
+        let ply = faces.iter().map(|face| format!("{}{}\n", face.len(), line(face, 0))).collect::<String>();
+        let ply = header.to_owned() + &points.concat() + &ply;
+        for mesh in [TestFile::new("l.obj", obj).load(), TestFile::new("l.ply", ply).load()] {
+            assert!((mesh.mass_properties().volume - 3.0).abs() < 1e-12);
+            assert!((mesh.area() - 14.0).abs() < 1e-12, "{}", mesh.area());
+        }
+    }
+}
+
+#[test]
+fn text_in_utf_16_is_named_and_a_mark_of_utf_8_is_passed_over() {
+    let text = obj_vertices() + &obj_quads();
+    let utf16 = |order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+    for bytes in [utf16(u16::to_le_bytes), utf16(u16::to_be_bytes)] {
+        let sentence = "a.obj: is not a valid OBJ file: it is text in UTF-16, must be in UTF-8";
+        assert_eq!(refusal("a.obj", &bytes), sentence);
+        let mark = if bytes[0] == 0 { b"\xfe\xff" } else { b"\xff\xfe" };
+        assert_eq!(refusal("a.obj", [mark.as_slice(), &bytes].concat()), sentence);
+    }
+    assert_eq!(TestFile::new("cube.obj", format!("\u{feff}{text}")).load(), cube());
+}
+
 #[test]
 fn obj_refusals_name_the_line() {
     let vertices = obj_vertices();
@@ -196,12 +235,26 @@ fn ply_refusals_name_the_place() {
         refusal("a.ply", ply_text().replace("vertex_indices", "corners")),
         "a.ply: is not a valid PLY file: its faces have no vertex_indices"
     );
-    let no_header = refusal("a.ply", "solid\n");
-    assert!(
-        no_header.starts_with("a.ply: is not a valid PLY file: Line 1: Expected magic number 'ply'"),
-        "{no_header}"
+    assert_eq!(
+        refusal("a.ply", "solid\n"),
+        "a.ply: is not a valid PLY file: its first line is \"solid\", must be \"ply\""
     );
-    assert!(!no_header.contains('\n'));
+    for (line, number) in
+        [("element face six", 10), ("property list uchar int", 12), ("propperty uchar flag", 11)]
+    {
+        let lines: Vec<String> = ply_text().lines().map(str::to_owned).collect();
+        let mut lines = lines;
+        lines[number - 1] = line.to_owned();
+        assert_eq!(
+            refusal("a.ply", lines.join("\n")),
+            format!(
+                "a.ply: is not a valid PLY file: line {number} of its header is \"{line}\", must be a statement of PLY \
+                 in its place"
+            )
+        );
+    }
+    let cut = refusal("a.ply", &ply_text()[..60]);
+    assert_eq!(cut, "a.ply: is not a valid PLY file: its header breaks off before the line \"end_header\"");
 }
 
 // --- STL ---------------------------------------------------------------------------------------------------------------

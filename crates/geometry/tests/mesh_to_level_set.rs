@@ -235,8 +235,13 @@ fn what_has_no_level_set_is_refused() {
     let grid = Grid { dims: [12, 12, 12], ..grid };
     assert_eq!(
         mesh_to_level_set(&plate, grid).unwrap_err().to_string(),
-        "the mesh has 0 grid nodes inside, must have at least 1 (the grid's spacing is 0.1 m; use more voxels)"
+        "the mesh has 0 grid nodes inside, must have at least 1 (the grid's spacing is 0.1 m, and the mesh about 0.06897 m \
+         thick; use 29 voxels along its longest side)"
     );
+    let plate = open_box(DVec3::new(0.0, 0.01, 0.0), DVec3::new(1.0, 0.0101, 1.0), 0);
+    let sentence = mesh_to_level_set(&plate, grid).unwrap_err().to_string();
+    assert!(!sentence.contains("voxels"), "{sentence}");
+
     let quad = open_box(DVec3::ZERO, DVec3::ONE, 5);
     assert!(matches!(mesh_to_level_set(&quad, grid).unwrap_err(), MeshToLevelSetError::Mesh(_)));
     let mut bad = cube;

@@ -1,5 +1,6 @@
 //! Breaking meshes without a simulation. All is in the mesh's frame [m].
 
+use crate::interrupt::interruptible;
 use crate::patterns::Pattern;
 use crate::{build_error, convert};
 use frangible::fracture::{
@@ -28,7 +29,8 @@ pub(crate) fn pattern_cutters<'py>(
     normal: [f64; 3],
 ) -> PyResult<Vec<CutterArrays<'py>>> {
     let impact = Impact { point_body: at.into(), normal_body: DVec3::from(normal) };
-    let cells = py.detach(|| cutters(&pattern.0, &impact, (bounds.0.into(), bounds.1.into())));
+    let pattern = pattern.0.clone();
+    let cells = interruptible(py, move || cutters(&pattern, &impact, (bounds.0.into(), bounds.1.into())))?;
     let arrays = |cell: &frangible::fracture::Cutter| {
         let (vertices, triangles) = mesh_arrays(py, &cell.mesh)?;
         Ok((vertices, triangles, PyArray1::from_slice(py, &cell.face)))
@@ -48,14 +50,15 @@ pub(crate) fn break_mesh_on_grid<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let mesh = mesh.to_mesh()?;
     let impact = Impact { point_body: at.into(), normal_body: DVec3::from(normal) };
-    let broken = py.detach(|| {
-        break_on_grid(&mesh, &pattern.0, &impact, voxels).map(|(volume, pieces)| {
+    let pattern = pattern.0.clone();
+    let broken = interruptible(py, move || {
+        break_on_grid(&mesh, &pattern, &impact, voxels).map(|(volume, pieces)| {
             let surfaces: Vec<_> = pieces.iter().map(|piece| piece.shape.surface()).collect();
             let contacts = interfaces(&pieces);
             (volume, pieces, surfaces, contacts)
         })
     });
-    let (volume, pieces, surfaces, contacts) = broken.map_err(build_error)?;
+    let (volume, pieces, surfaces, contacts) = broken?.map_err(build_error)?;
 
     let list = PyList::empty(py);
     for (piece, mut surface) in pieces.iter().zip(surfaces) {
@@ -130,39 +133,48 @@ fn contact_list<'py>(py: Python<'py>, contacts: &[Interface]) -> PyResult<Bound<
     Ok(list)
 }
 
-/// Read a mesh file; equal vertices are made one.
+/// Read a mesh file as it is.
 #[pyfunction]
 pub(crate) fn load_mesh(py: Python<'_>, path: PathBuf) -> PyResult<MeshArrays<'_>> {
-    let name = path.display().to_string();
-    let read = || {
-        let mut mesh = mesh_io::load(&path)?;
-        mesh.check_volume(&name)?;
-        mesh.weld();
-        Ok::<_, frangible::geometry::MeshError>(mesh)
-    };
-    mesh_arrays(py, &py.detach(read).map_err(build_error)?)
+    mesh_arrays(py, &interruptible(py, move || mesh_io::load(&path))?.map_err(build_error)?)
 }
 
-/// Close the holes of a mesh: the mesh, and how many holes there were.
+/// Make solids of raw triangles.
 #[pyfunction]
-pub(crate) fn fill_holes<'py>(py: Python<'py>, mesh: PyMesh<'_>) -> PyResult<(MeshArrays<'py>, usize)> {
-    let mut mesh = mesh.to_mesh()?;
-    let holes = py.detach(|| mesh.fill_holes());
-    Ok((mesh_arrays(py, &mesh)?, holes))
-}
-
-/// Whether outside lies in front of the whole surface and inside behind it.
-#[pyfunction]
-pub(crate) fn bounds_a_solid(py: Python<'_>, mesh: PyMesh<'_>, spacing: f64) -> PyResult<bool> {
+#[pyo3(signature = (mesh, name="the mesh".to_owned()))]
+pub(crate) fn clean_mesh<'py>(
+    py: Python<'py>,
+    mesh: PyMesh<'_>,
+    name: String,
+) -> PyResult<Bound<'py, PyDict>> {
     let mesh = mesh.to_mesh()?;
-    Ok(py.detach(|| mesh.bounds_a_solid(spacing)))
+    let clean = interruptible(py, move || {
+        mesh.cleaned(&name).map(|clean| {
+            let meeting = clean.meeting();
+            (clean, meeting)
+        })
+    });
+    let (clean, meeting) = clean?.map_err(build_error)?;
+    let facts = PyDict::new(py);
+    let (vertices, triangles) = mesh_arrays(py, &clean.mesh)?;
+    facts.set_item("vertices", vertices)?;
+    facts.set_item("triangles", triangles)?;
+    let source = clean.source.iter().map(|source| source.map_or(-1, i64::from));
+    facts.set_item("source", PyArray1::from_iter(py, source))?;
+    facts.set_item("solid", PyArray1::from_slice(py, &clean.solid))?;
+    facts.set_item("meets", PyArray1::from_vec(py, meeting.others))?;
+    facts.set_item("buried", PyArray1::from_vec(py, meeting.buried))?;
+    facts.set_item("holes", clean.changes.holes)?;
+    facts.set_item("notes", clean.changes.sentences())?;
+    Ok(facts)
 }
 
 /// Make the surface of what a mesh encloses anew.
 #[pyfunction]
 pub(crate) fn resurface<'py>(py: Python<'py>, mesh: PyMesh<'_>, voxels: usize) -> PyResult<MeshArrays<'py>> {
     let mesh = mesh.to_mesh()?;
-    mesh_arrays(py, &py.detach(|| resurfaced(&mesh, voxels)).map_err(build_error)?)
+    let anew = interruptible(py, move || resurfaced(&mesh, voxels))?;
+    mesh_arrays(py, &anew.map_err(build_error)?)
 }
 
 /// Volume, centre of mass and inertia of what a closed mesh encloses.
@@ -185,5 +197,5 @@ pub(crate) fn piece_contacts<'py>(
         }
         cut.push(CutPiece { mesh, inner });
     }
-    contact_list(py, &py.detach(|| mesh_interfaces(&cut)))
+    contact_list(py, &interruptible(py, move || mesh_interfaces(&cut))?)
 }

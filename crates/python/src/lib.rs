@@ -2,22 +2,24 @@
 
 mod breaking;
 mod convert;
+mod interrupt;
 mod memory;
 mod meshopt;
 mod patterns;
 mod world;
 
 use frangible::Method;
-use frangible::geometry::mesh_io;
+use frangible::geometry::{MeshError, mesh_io};
 use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
+use interrupt::interruptible;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPoolBuilder;
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 create_exception!(
     frangible,
@@ -123,18 +125,39 @@ fn check_claim<'py>(py: Python<'py>, name: &str) -> PyResult<Vec<Bound<'py, PyDi
 /// What a mesh file holds.
 #[pyfunction]
 fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>> {
-    let info = py.detach(|| mesh_io::load(Path::new(&path)).map(|mesh| mesh.info())).map_err(build_error)?;
+    let name = path.display().to_string();
+    let own_name = name.clone();
+    let read = move || {
+        let mesh = mesh_io::load(&path)?;
+        let clean = mesh.cleaned(&own_name);
+        Ok::<_, MeshError>((mesh.info(), clean))
+    };
+    let (info, clean) = interruptible(py, read)?.map_err(build_error)?;
     let facts = PyDict::new(py);
     facts.set_item("vertices", info.vertices)?;
     facts.set_item("triangles", info.triangles)?;
     facts.set_item("parts", info.parts)?;
-    facts.set_item("watertight", info.watertight)?;
-    facts.set_item("volume_m3", info.volume)?;
+    let whole = clean.as_ref().is_ok_and(|clean| {
+        clean.changes.holes == 0 && clean.changes.turned == 0 && clean.changes.sheets.is_empty()
+    });
+    facts.set_item("watertight", whole)?;
     facts.set_item("low_m", info.bounds.0.to_array())?;
     facts.set_item("high_m", info.bounds.1.to_array())?;
-    facts.set_item("center_m", info.center.to_array())?;
-    let rows = info.inertia.transpose().to_cols_array_2d();
-    facts.set_item("unit_inertia_m5", rows)?;
+    match clean {
+        Ok(clean) => {
+            facts.set_item("notes", clean.changes.sentences())?;
+            let mass = clean.mesh.mass_properties();
+            facts.set_item("volume_m3", mass.volume)?;
+            facts.set_item("center_m", mass.center.to_array())?;
+            facts.set_item("unit_inertia_m5", mass.inertia.transpose().to_cols_array_2d())?;
+        }
+        Err(error) => {
+            let sentence = error.to_string();
+            let sentence = sentence.strip_prefix(&format!("{name}: ")).unwrap_or(&sentence);
+            facts.set_item("notes", [sentence])?;
+            facts.set_item("volume_m3", 0.0)?;
+        }
+    }
     Ok(facts)
 }
 
@@ -155,8 +178,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(breaking::pattern_cutters, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::break_mesh_on_grid, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::load_mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(breaking::fill_holes, module)?)?;
-    module.add_function(wrap_pyfunction!(breaking::bounds_a_solid, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::clean_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::mesh_mass, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::piece_contacts, module)?)?;

@@ -1,5 +1,6 @@
 //! A world, and its state as arrays.
 
+use crate::interrupt::interruptible;
 use crate::{build_error, convert};
 use frangible::dynamics::Motion;
 use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
@@ -38,8 +39,9 @@ impl World {
             return Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")));
         }
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(build_error)?;
-        let world = py.detach(|| pool.install(|| frangible::World::build(&scene))).map_err(build_error)?;
-        Ok(Self { world, pool })
+        let build = move || (pool.install(|| frangible::World::build(&scene)), pool);
+        let (world, pool) = interruptible(py, build)?;
+        Ok(Self { world: world.map_err(build_error)?, pool })
     }
 
     /// Advance by one frame and report on it.

@@ -57,8 +57,7 @@ fn impact(
 ) -> Result<SceneDesc, ShotError> {
     // The mesh stands on the ground, in the middle.
     let path = options.mesh.as_ref().ok_or(ShotError::NeedsMesh(name))?;
-    let mesh = mesh_io::load(path)?;
-    mesh.check_volume(&path.display().to_string())?;
+    let mesh = mesh_io::load(path)?.cleaned(&path.display().to_string())?.mesh;
     let (low, high) = mesh.bounds();
     let scale = LONGEST_SIDE / (high - low).max_element();
     let (low, high) = (scale * low, scale * high);

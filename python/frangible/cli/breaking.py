@@ -12,6 +12,7 @@ from .. import _frangible
 from ..breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
 from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
+from ..progress import report_stages
 from ..usd_mesh import readable_mesh
 from .options import add_pose_time, finite, natural, positive
 
@@ -62,15 +63,17 @@ def _break(options: argparse.Namespace) -> None:
     with readable_mesh(options.pattern) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
     begin = time.perf_counter()
-    pieces = break_mesh(
-        options.mesh,
-        pattern,
-        at=options.at,
-        normal=options.normal,
-        exact=options.exact,
-        voxels=options.voxels,
-        pose_time=options.pose_time,
-    )
+    with report_stages() as stage:
+        pieces = break_mesh(
+            options.mesh,
+            pattern,
+            at=options.at,
+            normal=options.normal,
+            exact=options.exact,
+            voxels=options.voxels,
+            pose_time=options.pose_time,
+            stage=stage,
+        )
     summary = pieces.summary(time.perf_counter() - begin)
     output.write(pieces)
     print(f"wrote {output.path} and {output.report}", file=sys.stderr)

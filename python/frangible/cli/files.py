@@ -7,6 +7,7 @@ from typing import Any
 
 from .. import _frangible
 from ..output import open_plot
+from ..progress import report_stages
 from ..recording import Recording
 from .options import add_pose_time, readable
 from .outputs import write
@@ -51,5 +52,8 @@ def _shots(_: argparse.Namespace) -> None:
 def _info(options: argparse.Namespace) -> None:
     from ..info import describe_file
 
-    for key, value in describe_file(options.file, options.pose_time).items():
+    with report_stages() as stage:
+        stage("measuring what the file holds")
+        facts = describe_file(options.file, options.pose_time)
+    for key, value in facts.items():
         print(f"{key:15} {readable(value)}")

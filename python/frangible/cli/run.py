@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from .. import _frangible
 from ..output import OutputError, open_output
-from ..progress import report_progress
+from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scenes import find_scene, readable_scene
@@ -55,7 +55,8 @@ def _run(options: argparse.Namespace) -> None:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    with readable_scene(scene, options.pose_time) as readable:
+    with readable_scene(scene, options.pose_time) as readable, report_stages() as stage:
+        stage("building the world")
         world = _frangible.World.build(json.dumps(readable), options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.

@@ -3,7 +3,7 @@
 //! Read here and not with a library, because a sentence about a bad vertex or index needs the file's own numbers, and
 //! because nothing about normals, colours, texture coordinates and materials should be able to refuse a shape.
 
-use super::{File, push_fan};
+use super::{File, push_polygon};
 use crate::{MeshError, TriMesh};
 use glam::DVec3;
 
@@ -43,7 +43,7 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
                 for word in words {
                     polygon.push(corner(file, &place, word, mesh.positions.len())?);
                 }
-                push_fan(&mut mesh.triangles, &polygon);
+                push_polygon(&mut mesh, &polygon);
             }
             _ => {}
         }

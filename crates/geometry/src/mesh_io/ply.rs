@@ -2,20 +2,22 @@
 //!
 //! A library reads the header. The numbers after it are read here, because its text form knows neither `nan` nor `1.`.
 
-use super::{File, push_fan};
+use super::{File, push_polygon};
 use crate::{MeshError, TriMesh};
 use glam::DVec3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
 use std::str::SplitWhitespace;
 
+/// Characters of a line that a sentence shows.
+const MOST_SHOWN: usize = 60;
+
 pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
     // Read the header.
     let mut reader = Reader::new(file.bytes);
-    let header = Parser::<DefaultElement>::new().read_header(&mut reader).map_err(|error| {
-        let words = error.to_string();
-        file.malformed("PLY", words.split_whitespace().collect::<Vec<_>>().join(" "))
-    })?;
+    let header = Parser::<DefaultElement>::new().read_header(&mut reader);
+    let header =
+        header.map_err(|error| file.malformed("PLY", header_fault(file.bytes, &error.to_string())))?;
     let body = reader.into_inner();
     let text = String::from_utf8_lossy(body);
     let mut numbers = match header.encoding {
@@ -62,9 +64,31 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
             return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
         }
         let polygon: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
-        push_fan(&mut mesh.triangles, &polygon);
+        push_polygon(&mut mesh, &polygon);
     }
     Ok(mesh)
+}
+
+/// What is wrong with a header, by the line that the library's words begin with.
+fn header_fault(bytes: &[u8], words: &str) -> String {
+    let line = |number: usize| {
+        let line = bytes.split(|&byte| byte == b'\n').nth(number)?;
+        let text = String::from_utf8_lossy(line);
+        let shown = text.trim().chars().take(MOST_SHOWN).filter(|character| !character.is_control());
+        Some(shown.collect::<String>())
+    };
+    let first = line(0).unwrap_or_default();
+    if first != "ply" {
+        return format!("its first line is \"{first}\", must be \"ply\"");
+    }
+    let digits = words.trim_start_matches("Line ").split(':').next();
+    let number = digits.and_then(|digits| digits.parse::<usize>().ok()).unwrap_or(0);
+    match number.checked_sub(1).and_then(line) {
+        Some(text) if !text.is_empty() => {
+            format!("line {number} of its header is \"{text}\", must be a statement of PLY in its place")
+        }
+        _ => "its header breaks off before the line \"end_header\"".to_owned(),
+    }
 }
 
 /// The numbers of a file, one after the other.
