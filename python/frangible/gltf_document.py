@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._frangible import BuildError, decode_meshopt
-from .reading import MOST_BYTES, file_fault
+from .reading import file_fault
 
 Json = dict[str, Any]
 Array = npt.NDArray[Any]
@@ -160,7 +160,7 @@ class Document:
         if fault := file_fault(name):
             raise self.fail(f"{what} in {uri!r} {fault}")
         with open(name, "rb") as file:
-            return file.read(MOST_BYTES)
+            return file.read()
 
 
 def own_file(path: str, uri: str) -> str | None:
@@ -183,7 +183,7 @@ def _natural(value: Any) -> int:
 def open_document(path: str) -> Document | None:
     """A document with its JSON read; `None` if that fails, as the core's reader says why."""
     with open(path, "rb") as file:
-        content = file.read(MOST_BYTES)
+        content = file.read()
     chunk = None
     try:
         if content[:4] == b"glTF":

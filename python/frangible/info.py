@@ -10,6 +10,7 @@ from .cache import CacheError, check_is_file
 from .gltf import describe_glb
 from .mesh_facts import describe_mesh
 from .output import missing_packages
+from .reading import one_sentence
 from .recording import Recording
 from .usd_mesh import ENDINGS, readable_mesh
 
@@ -27,8 +28,11 @@ def describe_file(path: str, pose_time: float | None = None) -> dict[str, object
 
         if (cache := describe_usd(path)) is not None:
             return cache
-    if ending == ".glb" and (facts := describe_glb(path)) is not None:
-        return facts
+    if ending == ".glb":
+        with one_sentence(path, "glTF file", CacheError):
+            facts = describe_glb(path)
+        if facts is not None:
+            return facts
     with readable_mesh(path, pose_time) as file:
         return describe_mesh(file)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterator
@@ -21,7 +22,7 @@ class FileNote(UserWarning):
 def one_sentence(path: str, kind: str, error: type[ValueError] = BuildError) -> Iterator[None]:
     """Answers with ``error`` in one sentence, whatever the block raises about the content of the file.
 
-    Sentences of our own, and those about the disk, pass.
+    Sentences of our own, and what the disk says, pass.
     """
     try:
         yield
@@ -29,8 +30,11 @@ def one_sentence(path: str, kind: str, error: type[ValueError] = BuildError) -> 
         raise
     except MemoryError:
         raise error(f"{path}: needs more memory than there is") from None
-    except OSError:
-        raise
+    except OSError as reason:
+        # A place before the file's beginning, as archives name it, is no trouble of the disk.
+        if reason.errno != errno.EINVAL:
+            raise
+        raise error(f"{path}: is not a readable {kind}") from reason
     except Exception as reason:  # Libraries have exceptions of their own.
         raise error(f"{path}: is not a readable {kind}{_in_brackets(reason)}") from reason
 

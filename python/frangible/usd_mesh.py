@@ -63,15 +63,16 @@ def _convert(path: str, obj: str, pose_time: float | None) -> None:
     from .usd_stage import metres_from_stage, open_stage, time_code
 
     with open_stage(path) as stage:
-        reader = _Reader(path, time_code(stage, pose_time))
+        reader = _Reader(path, time_code(stage, pose_time), is_posed=pose_time is not None)
         units = np.eye(4)
         units[:3, :3] = metres_from_stage(path, stage).T
         parts = [_moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
-        reader.note_missing(stage)
-        reader.note_left_out()
+        notes = [*_missing(stage), *reader.left_out_parts()]
         if not any(len(part.counts) for part in parts):
-            raise BuildError(f"{path}: has no mesh that can be seen")
+            raise BuildError("; ".join([f"{path}: has no mesh that can be seen", *notes]))
         _write_obj(obj, parts)
+    for note in notes:
+        warnings.warn(f"{path}: {note}", FileNote, stacklevel=2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +97,8 @@ class Part:
 class _Reader:
     path: str
     time: Any
+    #: Whether somebody asked for that time, at which skeletons would have moved.
+    is_posed: bool
     #: Points and parts that were made so far.
     points: int = 0
     parts: int = 0
@@ -145,7 +148,7 @@ class _Reader:
         return bool(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible)
 
     def _gprim(self, prim: Any) -> list[Part]:
-        from pxr import UsdGeom
+        from pxr import UsdGeom, UsdSkel
 
         from .usd_shapes import faces_of
 
@@ -161,6 +164,8 @@ class _Reader:
             scheme = mesh.GetSubdivisionSchemeAttr()
             if scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
                 self._leave_out(prim, "subdivision of Mesh")
+            if self.is_posed and UsdSkel.BindingAPI(prim).GetInheritedSkeleton():
+                self._leave_out(prim, "skeleton of Mesh")
         elif (shape := faces_of(self.path, prim, self.time)) is not None:
             points, counts, corners = shape
         else:
@@ -236,21 +241,22 @@ class _Reader:
         first, count = self.left_out.get(what, (str(prim.GetPath()), 0))
         self.left_out[what] = (first, count + 1)
 
-    def note_left_out(self) -> None:
-        if self.left_out:
-            listed = (
-                f"{what} ({first}{f' and {count - 1} more' if count > 1 else ''})"
-                for what, (first, count) in sorted(self.left_out.items())
-            )
-            warnings.warn(f"{self.path}: left out: {', '.join(listed)}", FileNote, stacklevel=2)
+    def left_out_parts(self) -> list[str]:
+        """What is left out, each kind once, if there is something."""
+        listed = (
+            f"{what} ({first}{f' and {count - 1} more' if count > 1 else ''})"
+            for what, (first, count) in sorted(self.left_out.items())
+        )
+        return [f"left out: {', '.join(listed)}"] if self.left_out else []
 
-    def note_missing(self, stage: Any) -> None:
-        """Files that the stage refers to and that are not there."""
-        missing = list(dict.fromkeys(str(error).strip() for error in stage.GetCompositionErrors()))
-        if missing:
-            more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
-            sentence = missing[0].splitlines()[0].rstrip(".")
-            warnings.warn(f"{self.path}: is not complete: {sentence}{more}", FileNote, stacklevel=2)
+
+def _missing(stage: Any) -> list[str]:
+    """Files that the stage refers to and that are not there, if there are some."""
+    missing = list(dict.fromkeys(str(error).strip() for error in stage.GetCompositionErrors()))
+    if not missing:
+        return []
+    more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+    return [f"is not complete: {missing[0].splitlines()[0].rstrip('.')}{more}"]
 
 
 def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:

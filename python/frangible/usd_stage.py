@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr
 from typing import Any
 
 import numpy as np
@@ -22,11 +23,11 @@ MARKER = "frangible"
 def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]:
     """A stage while the context lasts; ``error`` in one sentence if the library says that it cannot be read.
 
-    What the library prints besides goes nowhere: what is missing, the stage can tell.
+    What the library prints besides, by whichever way, goes nowhere: what is missing, the stage can tell.
     """
     silence = UsdUtils.CoalescingDiagnosticDelegate()
     try:
-        with one_sentence(path, "USD file", error):
+        with redirect_stderr(io.StringIO()), one_sentence(path, "USD file", error):
             yield Usd.Stage.Open(path)
     finally:
         silence.TakeCoalescedDiagnostics()

@@ -203,7 +203,7 @@ def test_what_draco_packed_is_unpacked(tmp_path: Path) -> None:
     facts = info(made.save(tmp_path))
     assert facts["volume_m3"] == pytest.approx(1.0, rel=1e-3) and facts["low_m"] == pytest.approx([3, 3, 3], abs=1e-3)
 
-    # Damaged, missing.
+    # Damaged.
     made.json["bufferViews"][view]["byteLength"] = 30
     with pytest.raises(BuildError, match="made.glb: is not a readable glTF file"):
         info(made.save(tmp_path))

@@ -271,6 +271,27 @@ def test_what_is_left_out_is_named_once_each(saved: Any, capsys: pytest.CaptureF
     ]
 
 
+def test_what_is_left_out_is_named_where_nothing_else_is(saved: Any) -> None:
+    path = saved(lambda stage: UsdGeom.Points.Define(stage, "/Dust") and None)
+    with pytest.raises(BuildError, match="has no mesh that can be seen; left out: Points ./Dust."):
+        info(path)
+
+
+def test_what_moves_is_posed_at_a_time(saved: Any) -> None:
+    def fill(stage: Any) -> None:
+        stage.SetTimeCodesPerSecond(10)
+        stage.SetStartTimeCode(5)
+        stage.SetEndTimeCode(25)
+        way = cube(stage, "/Cube").AddTranslateOp()
+        way.Set(Gf.Vec3d(0, 0, 0), 5)
+        way.Set(Gf.Vec3d(4, 0, 0), 25)
+
+    path = saved(fill)
+    for pose_time, at in ((None, 0.0), (0.0, 0.0), (1.0, 2.0), (9.0, 4.0)):
+        with readable_mesh(path, pose_time) as file:
+            assert mesh_info(file)["center_m"] == pytest.approx([at, 0, 0], abs=1e-9)
+
+
 def test_polygons_that_are_holes_are_none(saved: Any) -> None:
     path = saved(lambda stage: cube(stage, "/Cube").CreateHoleIndicesAttr([1, 4]) and None)
     assert info(path)["triangles"] == 8
