@@ -104,6 +104,8 @@ class _Reader:
     parts: int = 0
     #: What is in each prototype, by its path; `None` while it is read.
     prototypes: dict[str, list[Part] | None] = field(default_factory=dict)
+    #: What the library knows of skeletons so far.
+    skeletons: Any = None
     #: First prim of each kind that is left out, and how many there are.
     left_out: dict[str, tuple[str, int]] = field(default_factory=dict)
 
@@ -134,7 +136,10 @@ class _Reader:
             if not is_instancer and not prim.IsA(UsdGeom.Gprim):
                 continue
             found = self._instances(UsdGeom.PointInstancer(prim)) if is_instancer else self._gprim(prim)
-            matrix, _ = transforms.ComputeRelativeTransform(prim, above)
+            frame = prim
+            if self.is_posed and prim.IsA(UsdGeom.Mesh):
+                found, frame = self._skinned(prim, found)
+            matrix, _ = transforms.ComputeRelativeTransform(frame, above)
             parts += [_moved(part, np.array(matrix, np.float64)) for part in found]
         return parts
 
@@ -148,7 +153,7 @@ class _Reader:
         return bool(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible)
 
     def _gprim(self, prim: Any) -> list[Part]:
-        from pxr import UsdGeom, UsdSkel
+        from pxr import UsdGeom
 
         from .usd_shapes import faces_of
 
@@ -164,8 +169,6 @@ class _Reader:
             scheme = mesh.GetSubdivisionSchemeAttr()
             if scheme.HasAuthoredValue() and scheme.Get() != UsdGeom.Tokens.none:
                 self._leave_out(prim, "subdivision of Mesh")
-            if self.is_posed and UsdSkel.BindingAPI(prim).GetInheritedSkeleton():
-                self._leave_out(prim, "skeleton of Mesh")
         elif (shape := faces_of(self.path, prim, self.time)) is not None:
             points, counts, corners = shape
         else:
@@ -189,6 +192,29 @@ class _Reader:
         is_left_handed = UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
         # What is a formula faces outward by itself.
         return [_turned(part) if is_left_handed and kind == "Mesh" else part]
+
+    def _skinned(self, prim: Any, parts: list[Part]) -> tuple[list[Part], Any]:
+        """The parts of a mesh where its skeleton moves them, and the prim in whose frame that is."""
+        from pxr import Usd, UsdSkel, Vt
+
+        skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+        root = UsdSkel.Root.Find(prim)
+        if UsdSkel.BindingAPI(prim).GetBlendShapesAttr().HasAuthoredValue():
+            self._leave_out(prim, "blend shapes of Mesh")
+        if not skeleton or not root:
+            return parts, prim
+        if self.skeletons is None:
+            self.skeletons = UsdSkel.Cache()
+        cache = self.skeletons
+        cache.Populate(root, Usd.TraverseInstanceProxies())
+        skinning = cache.GetSkinningQuery(prim)
+        transforms = cache.GetSkelQuery(skeleton).ComputeSkinningTransforms(self.time)
+        points = [Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(part.points, np.float32)) for part in parts]
+        if not transforms or not all(skinning.ComputeSkinnedPoints(transforms, array, self.time) for array in points):
+            self._leave_out(prim, "skeleton of Mesh")
+            return parts, prim
+        moved = zip(parts, points, strict=True)
+        return [replace(part, points=np.array(array, np.float64)) for part, array in moved], skeleton.GetPrim()
 
     def _instances(self, instancer: Any) -> list[Part]:
         from pxr import UsdGeom

@@ -23,15 +23,16 @@ def whole_file(path: str) -> Iterator[str]:
 
     It lies beside ``path``, or beside the file that a link there leads to. A pipe or a device gets the bytes at the end.
     """
-    target = os.path.realpath(path)
-    before = _status(target)
+    before = _status(path)
     if before is not None and not stat.S_ISREG(before.st_mode):
         with tempfile.TemporaryDirectory() as folder:
             part = os.path.join(folder, os.path.basename(path))
             yield part
-            with open(part, "rb") as source, open(target, "wb") as pipe:
+            # By its own name: what /dev/stdout leads to may have none.
+            with open(part, "rb") as source, open(path, "wb") as pipe:
                 shutil.copyfileobj(source, pipe)
         return
+    target = os.path.realpath(path)
     folder, name = os.path.split(target)
     stem, ending = os.path.splitext(name)
     part = os.path.join(folder, f".{stem}.{secrets.token_hex(4)}{_PART}{ending}")

@@ -106,6 +106,16 @@ def test_a_pipe_gets_the_bytes(tmp_path: Path) -> None:
     assert open_output(str(pipe.rename(tmp_path / "pipe.glb"))).path.endswith("pipe.glb")
 
 
+def test_a_link_to_the_standard_output_is_one(tmp_path: Path, tetrahedron: str) -> None:
+    (tmp_path / "mesh.obj").write_text(tetrahedron)
+    (tmp_path / "out.glb").symlink_to("/dev/stdout")
+    script = "import sys; from frangible.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", script, "break", "mesh.obj", "--pattern", "slices", "--voxels", "16", "--out", "out.glb"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True)
+    assert done.returncode == 0 and done.stdout.startswith(b"glTF")
+    assert (tmp_path / "out.glb").is_symlink()
+
+
 def test_a_link_into_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
     (tmp_path / "link.glb").symlink_to(tmp_path / "no" / "such.glb")
     with pytest.raises(OutputError, match="link.glb: the folder .* does not exist"):

@@ -11,7 +11,7 @@ import pytest
 from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
 from frangible.usd_mesh import readable_mesh
-from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 #: A cube of edge 2 around the origin, its faces counter-clockwise from outside.
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -290,6 +290,39 @@ def test_what_moves_is_posed_at_a_time(saved: Any) -> None:
     for pose_time, at in ((None, 0.0), (0.0, 0.0), (1.0, 2.0), (9.0, 4.0)):
         with readable_mesh(path, pose_time) as file:
             assert mesh_info(file)["center_m"] == pytest.approx([at, 0, 0], abs=1e-9)
+
+
+def test_a_skeleton_moves_its_mesh_at_a_time(saved: Any) -> None:
+    def fill(stage: Any) -> None:
+        stage.SetTimeCodesPerSecond(10)
+        stage.SetStartTimeCode(1)
+        stage.SetEndTimeCode(11)
+        UsdSkel.Root.Define(stage, "/Root")
+        skeleton = UsdSkel.Skeleton.Define(stage, "/Root/Skeleton")
+        skeleton.AddTranslateOp().Set(Gf.Vec3d(0, 7, 0))
+        skeleton.CreateJointsAttr(["joint"])
+        skeleton.CreateBindTransformsAttr([Gf.Matrix4d(1)])
+        skeleton.CreateRestTransformsAttr([Gf.Matrix4d(1)])
+        motion = UsdSkel.Animation.Define(stage, "/Root/Skeleton/Motion")
+        motion.CreateJointsAttr(["joint"])
+        motion.CreateRotationsAttr([Gf.Quatf(1, 0, 0, 0)])
+        motion.CreateScalesAttr([Gf.Vec3h(1, 1, 1)])
+        for time, x in ((1, 0.0), (11, 6.0)):
+            motion.CreateTranslationsAttr().Set([Gf.Vec3f(x, 0, 0)], time)
+        binding = UsdSkel.BindingAPI.Apply(skeleton.GetPrim())
+        binding.CreateAnimationSourceRel().SetTargets(["/Root/Skeleton/Motion"])
+        mesh = cube(stage, "/Root/Cube")
+        mesh.AddTranslateOp().Set(Gf.Vec3d(90, 0, 0))
+        binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+        binding.CreateSkeletonRel().SetTargets(["/Root/Skeleton"])
+        binding.CreateJointIndicesPrimvar(False, 1).Set([0] * 8)
+        binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * 8)
+
+    path = saved(fill)
+    # At rest it is where it was drawn, and then where its skeleton is.
+    for pose_time, at in ((None, [90, 0, 0]), (0.0, [0, 7, 0]), (0.5, [3, 7, 0]), (1.0, [6, 7, 0])):
+        with readable_mesh(path, pose_time) as file:
+            assert mesh_info(file)["center_m"] == pytest.approx(at, abs=1e-6)
 
 
 def test_polygons_that_are_holes_are_none(saved: Any) -> None:
