@@ -7,7 +7,20 @@
 Quantities are SI, y is up, quaternions are x, y, z, w.
 """
 
-from ._frangible import BuildError, Pattern, World, claims, mesh_info, patterns, shot_defaults, shot_frames, shot_scene, shots
+from ._frangible import (
+    BuildError,
+    Pattern,
+    World,
+    __version__,
+    claims,
+    mesh_info,
+    patterns,
+    scene_schema,
+    shot_defaults,
+    shot_frames,
+    shot_scene,
+    shots,
+)
 from .breaking import break_mesh
 from .cache import CacheError
 from .output import OutputError
@@ -32,11 +45,13 @@ __all__ = [
     "StepReport",
     "Verdict",
     "World",
+    "__version__",
     "break_mesh",
     "claims",
     "mesh_info",
     "patterns",
     "run",
+    "scene_schema",
     "shot_defaults",
     "shot_frames",
     "shot_scene",

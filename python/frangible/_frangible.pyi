@@ -1,5 +1,6 @@
 """The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
 
+import os
 from collections.abc import Sequence
 from typing import Any, final
 
@@ -26,11 +27,14 @@ __all__ = [
     "patterns",
     "piece_contacts",
     "resurface",
+    "scene_schema",
     "shot_defaults",
     "shot_frames",
     "shot_scene",
     "shots",
 ]
+
+__version__: str
 
 _memory_kept_ms: int
 """How long freed memory is kept for the next frame [ms]; `MIMALLOC_PURGE_DELAY` in the environment says otherwise."""
@@ -59,6 +63,9 @@ def shot_scene(
 
     `shot_defaults` says what stands for `None`.
     """
+
+def scene_schema() -> dict[str, Any]:
+    """The JSON Schema of scenes, made from their descriptions in Rust."""
 
 def claims() -> list[tuple[str, str, str]]:
     """Name, what is promised and who says so, for every claim."""
@@ -164,12 +171,16 @@ def break_mesh_on_grid(
 class World:
     """Bodies, and the engine that moves and breaks them.
 
-    Arrays are copies with one row for each living body; a body keeps its id as long as it lives.
+    Arrays are copies with one row for each living body; a body keeps its id as long as it lives. One thread at a time may use
+    a world (`RuntimeError`); a forked child may go on with a copy of its parent's.
     """
 
     @staticmethod
-    def build(scene_json: str, threads: int = 0) -> World:
-        """Check a scene and build it; 0 threads means one for every processor. `BuildError` if a rule is broken."""
+    def build(scene: str | os.PathLike[str] | dict[str, Any], threads: int = 0) -> World:
+        """Check a scene and build it: JSON, a dictionary, or a file's path, which ends in .json or .toml or has a folder.
+
+        0 threads means one for every processor. `BuildError` if a rule is broken: path, value and rule.
+        """
 
     def step(self) -> StepReport:
         """Advance by one frame, without the interpreter lock, and report on it."""

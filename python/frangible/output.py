@@ -114,18 +114,27 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
     if ending not in extras:
         known = ", ".join([*sorted(extras), *([besides] if besides else [])])
         raise OutputError(f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}")
-    if not os.path.isdir(folder):
-        raise OutputError(f"{path}: the folder {folder!r} does not exist, create it first")
     if os.path.isdir(path):
         raise OutputError(f"{path}: is a folder, must be a file")
-    is_device = os.path.exists(path) and not os.path.isfile(path)
-    if not os.access(path if is_device else folder, os.W_OK | (0 if is_device else os.X_OK)):
-        what = "it" if is_device else f"the folder {folder!r}"
-        raise OutputError(f"{path}: {what} cannot be written to")
+    if os.path.exists(path) and not os.path.isfile(path):
+        if not os.access(path, os.W_OK):
+            raise OutputError(f"{path}: it cannot be written to")
+    else:
+        check_folder(path, folder)
     extra = extras[ending]
     if extra is not None and (hint := missing_packages(extra)):
         raise OutputError(f"{path}: {hint}")
     return ending
+
+
+def check_folder(path: str, folder: str) -> None:
+    """`OutputError` if nothing can be written into a folder; one that does not exist is made when a file is written."""
+    while not os.path.exists(folder):
+        folder = os.path.dirname(folder) or "."
+    if not os.path.isdir(folder):
+        raise OutputError(f"{path}: {folder!r} is no folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(f"{path}: the folder {folder!r} cannot be written to")
 
 
 def missing_packages(extra: str) -> str | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .materials import INSIDE, OUTSIDE, Colour
-from .output import OutputError, check_destination
+from .output import OutputError, check_destination, check_folder
 from .pieces import Piece, Pieces
 from .whole import whole_file, whole_folder
 
@@ -35,6 +35,7 @@ class PiecesOutput:
     def write(self, pieces: Pieces) -> None:
         """Write pieces and report; an `OSError` names the file."""
         try:
+            os.makedirs(os.path.dirname(self.path) or ".", exist_ok=True)
             self.writer(pieces, self.path)
             if self.writer is not _write_folder:
                 with whole_file(self.report) as part:
@@ -66,10 +67,8 @@ def _open_folder(path: str) -> PiecesOutput:
             raise OutputError(f"{path}: the folder above, {above!r}, cannot be written to")
     elif os.path.exists(path):
         raise OutputError(f"{path}: is a file without a known ending, must be a folder or end in .glb, .gltf, .obj, .usd, .usda or .usdc")
-    elif not os.path.isdir(above):
-        raise OutputError(f"{path}: the folder {above!r} does not exist, create it first")
-    elif not os.access(above, os.W_OK | os.X_OK):
-        raise OutputError(f"{path}: the folder {above!r} cannot be written to")
+    else:
+        check_folder(path, above)
     return PiecesOutput(path, _write_folder, os.path.join(path, "pieces.json"))
 
 

@@ -25,13 +25,15 @@ def no_stage(_: str) -> None:
 
 
 @contextmanager
-def report_stages() -> Iterator[StageCallback]:
-    """A callback for what begins; a line on stderr for each stage that is not over within a second."""
+def report_stages(quiet: bool = False) -> Iterator[StageCallback]:
+    """A callback for what begins; a line on stderr for each stage that is not over within a second; none if quiet."""
     waiting: list[threading.Timer] = []
 
     def begin(stage: str) -> None:
         for timer in waiting:
             timer.cancel()
+        if quiet:
+            return
         line = f"frangible: {stage} ..."
         waiting[:] = [threading.Timer(LONG_STAGE, print, [line], {"file": sys.stderr, "flush": True})]
         waiting[0].daemon = True
@@ -45,9 +47,11 @@ def report_stages() -> Iterator[StageCallback]:
 
 
 @contextmanager
-def report_progress(frames: int) -> Iterator[ProgressCallback]:
-    """A callback for `step_frames` that shows frame, bodies and the time left."""
-    if sys.stderr.isatty():
+def report_progress(frames: int, quiet: bool = False) -> Iterator[ProgressCallback | None]:
+    """A callback for `step_frames` that shows frame, bodies and the time left; none if quiet."""
+    if quiet:
+        yield None
+    elif sys.stderr.isatty():
         with Progress(
             TextColumn("frame"),
             MofNCompleteColumn(),

@@ -156,9 +156,14 @@ def check_frames(frames: int) -> None:
 
 
 def step_frames(
-    world: World, frames: int, *, on_step: StepCallback, progress: ProgressCallback | None = None
+    world: World,
+    frames: int,
+    *,
+    on_step: StepCallback,
+    progress: ProgressCallback | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> list[float]:
-    """Step a world ``frames`` times; the wall-clock time of each step alone [ms]."""
+    """Step a world ``frames`` times, or until ``stop`` says so after a step; the wall-clock time of each step alone [ms]."""
     step_ms = []
     for frame in range(1, frames + 1):
         begin = time.perf_counter()
@@ -167,6 +172,8 @@ def step_frames(
         on_step(report)
         if progress is not None:
             progress(frame, report["bodies"])
+        if stop():
+            break
     return step_ms
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
-from ._frangible import BuildError, shot_frames, shot_scene
+from ._frangible import BuildError, shot_scene
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .usd_mesh import ENDINGS as USD_ENDINGS
 from .usd_mesh import readable_mesh
@@ -53,7 +53,7 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BuildError(f"{name}: is not UTF-8 text, must be a scene in JSON or TOML") from None
-    scene = _parse_toml(name, text) if name.lower().endswith(".toml") else _parse_json(name, text)
+    scene = _parse_toml(name, text) if name.lower().endswith(".toml") else parse_json(name, text)
     if not isinstance(scene, dict):
         raise BuildError(f"{name}: {_shown(scene)}, must be an object with the fields of a scene")
     folder = os.path.dirname(os.path.abspath(name))
@@ -62,7 +62,8 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     return scene
 
 
-def _parse_json(name: str, text: str) -> Any:
+def parse_json(name: str, text: str) -> Any:
+    """The value of a JSON text; `BuildError` with line and column if it is none."""
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
@@ -106,7 +107,7 @@ def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
     if isinstance(scene, os.PathLike) or (isinstance(scene, str) and is_scene_file(scene) and "{" not in scene):
         scene = read_scene(scene)
     elif isinstance(scene, str) and any(ending in scene for ending in (".usd", *GLTF_ENDINGS)):
-        scene = _parse_json("scene", scene)
+        scene = parse_json("scene", scene)
     if not isinstance(scene, dict) or not any(_is_converted(holder) for holder in _path_holders(scene)):
         yield scene
         return
@@ -139,14 +140,18 @@ def find_scene(
         scene = _shot(source, mesh, fps, method, seed, pose_time)
         for assignment in assignments:
             set_field(scene, assignment)
-        return scene, shot_frames(source, fps), source
+        return scene, _frames(scene), source
     for option, given in (("mesh", mesh), ("seed", seed)):
         if given is not None:
             raise BuildError(f"{option}: {given}, must be left out for a scene of one's own, which says it itself")
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
-    for field, value in (("frames_per_second", fps), ("method", method)):
-        if value is not None:
-            scene[field] = value
+    if fps is not None:
+        # It lasts as long as before.
+        if isinstance(scene.get("frames"), int) and isinstance(rate := scene.get("frames_per_second", 30.0), (int, float)):
+            scene["frames"] = max(1, math.ceil(scene["frames"] * fps / rate)) if rate > 0 else scene["frames"]
+        scene["frames_per_second"] = fps
+    if method is not None:
+        scene["method"] = method
     for assignment in assignments:
         set_field(scene, assignment)
     name = scene.get("name") or ("scene" if isinstance(source, dict) else _stem(source))
@@ -170,7 +175,9 @@ def _stem(path: str | os.PathLike[str]) -> str:
 
 def _frames(scene: Scene) -> int:
     """How many frames a scene takes; whether its numbers are any good, the engine says."""
-    rate = scene.get("frames_per_second", 30.0)
+    frames, rate = scene.get("frames"), scene.get("frames_per_second", 30.0)
+    if isinstance(frames, int):
+        return frames
     return math.ceil(SECONDS * rate) if isinstance(rate, (int, float)) and 0 < rate < 1e9 else 1
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 
 from ._frangible import World
 from .recording import ProgressCallback, Recording, check_frames
-from .scenes import Scene, find_scene, readable_scene
+from .scenes import Scene, find_scene
 
 
 def run(
@@ -34,7 +33,6 @@ def run(
         check_frames(frames)
     mesh = None if mesh is None else os.fspath(mesh)
     found, own_frames, name = find_scene(scene, mesh=mesh, fps=fps, method=method, seed=seed)
-    with readable_scene(found) as readable:
-        world = World.build(json.dumps(readable), threads)
+    world = World.build(found, threads)
     rate = float(found.get("frames_per_second", 1.0 / world.dt))
     return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress)

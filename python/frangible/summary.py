@@ -15,6 +15,9 @@ from .report import StepReport
 
 Summary = dict[str, Any]
 
+#: A smaller share of the energy in play is rounding.
+NO_GAIN = 1e-9
+
 
 def summarise(
     reports: Sequence[StepReport],
@@ -44,6 +47,7 @@ def summarise(
     for report in reports:
         for stage, milliseconds in report["stages"]:
             stages[stage] = stages.get(stage, 0.0) + milliseconds / len(reports)
+    first = [{"first_fracture_s": report["time"]} for report in reports if report["fractures"]][:1]
     return {
         "shot": shot,
         "method": method,
@@ -51,6 +55,8 @@ def summarise(
         "dt": dt,
         "state_hash": state_hash,
         "fractures": sum(len(report["fractures"]) for report in reports),
+        "pieces": _pieces(reports),
+        **(first[0] if first else {}),
         "peak_memory_MiB": peak_memory(),
         "bodies": {
             "start": bodies[0],
@@ -82,28 +88,49 @@ def summarise(
 
 
 def describe(summary: Summary, seconds: float) -> str:
-    """The summary for people; ``seconds`` is the time of all steps."""
-    bodies, mass, energy = summary["bodies"], summary["mass_kg"], summary["energy_J"]
-    frames = summary["frames"]
-    scale = energy["scale"]
-    # Round-off around zero would only distract.
-    start, work, dissipated, banked, end, gain = (
-        energy[key] if abs(energy[key]) > 1e-12 * scale else 0.0
-        for key in ("start", "work", "dissipated", "banked", "end", "max_frame_gain")
-    )
+    """The summary for people, in four lines at most; ``seconds`` is the time of all steps."""
+    frames, energy, bodies = summary["frames"], summary["energy_J"], summary["bodies"]
+    method = "" if summary["method"] == "frame-rate" else f", by the {summary['method']} method"
     lines = [
-        f"{summary['shot']}: {frames} frames of {summary['dt'] * 1e3:.4g} ms in {seconds:.2f} s,"
-        f" {frames / seconds:.3g} frames per second ({summary['method']} method)",
-        f"  bodies    {bodies['start']} at first, {bodies['end']} at last; {_count(summary['fractures'], 'fracture')}",
-        f"  mass      {mass['start']:.6g} kg at first, {mass['end']:.6g} kg at last",
-        f"  energy    {start:.6g} J at first + {work:.6g} J of work - {dissipated:.6g} J dissipated"
-        f" - {banked:.6g} J in the bank = {end:.6g} J at last",
-        f"  books     largest gain of a frame {gain:.3g} J, {gain / scale if scale else 0.0:.2g} of the {scale:.4g} J in play",
-        f"  state     {summary['state_hash']}",
+        f"{summary['shot']}: {frames * summary['dt']:.3g} s in {_count(frames, 'frame')}, simulated in {seconds:.2g} s{method}",
+        f"{_broken(summary)}; {_dissipated(energy)}; {_gained(energy)}",
     ]
     if bodies["quarantined"]:
-        lines.insert(2, f"  removed   {bodies['quarantined']} bodies whose numbers went bad")
+        were = "body was" if bodies["quarantined"] == 1 else "bodies were"
+        lines.append(f"{bodies['quarantined']} {were} taken out of the world, as their numbers went bad")
     return "\n".join(lines)
+
+
+def _pieces(reports: Sequence[StepReport]) -> int:
+    """Fragments that live at the end."""
+    pieces: set[int] = set()
+    for report in reports:
+        for fracture in report["fractures"]:
+            pieces.discard(fracture["body"])
+            pieces.update(fracture["fragments"])
+        pieces.difference_update(report["quarantined"])
+    return len(pieces)
+
+
+def _broken(summary: Summary) -> str:
+    if not summary["fractures"]:
+        return "nothing broke"
+    breaks = "" if summary["fractures"] == 1 else f" of {summary['fractures']} breaks, the first"
+    return f"{_count(summary['pieces'], 'piece')}{breaks} after {summary['first_fracture_s']:.2f} s"
+
+
+def _dissipated(energy: dict[str, float]) -> str:
+    # What comes in by kinematic bodies is there to be dissipated, too.
+    scale = energy["scale"] + max(energy["work"], 0.0)
+    share = 100.0 * max(energy["dissipated"], 0.0) / scale if scale > 0.0 else 0.0
+    return f"{share:.2g} % of the energy dissipated" if share >= 0.1 else "no energy dissipated"
+
+
+def _gained(energy: dict[str, float]) -> str:
+    scale, gain = energy["scale"], energy["max_frame_gain"]
+    if gain <= NO_GAIN * scale:
+        return "no frame gained energy"
+    return f"A FRAME GAINED ENERGY: {gain:.3g} J, {100.0 * gain / scale:.2g} % of what is in play"
 
 
 def _count(number: int, noun: str) -> str:

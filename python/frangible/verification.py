@@ -12,6 +12,7 @@ from threading import Thread
 from typing import Any, TypedDict
 
 from . import _frangible
+from .scenes import did_you_mean
 
 #: Claims that are measured at a time. Each has one thread, so that those that measure time have a core of their own.
 AT_A_TIME = 2
@@ -71,7 +72,7 @@ def verify(*claims: str, on_done: Callable[[Verdict], None] | None = None) -> It
     known = {claim[0]: claim for claim in _frangible.claims()}
     for name in claims:
         if name not in known:
-            raise ClaimError(f"unknown claim {name!r}, must be one of: {', '.join(known)}")
+            raise ClaimError(f"unknown claim {name!r}, must be one of: {', '.join(known)}{did_you_mean(name, known)}")
 
     # Each thread takes the next claim that no other has taken.
     verdicts: list[Future[Verdict]] = [Future() for _ in claims or known]

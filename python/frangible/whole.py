@@ -34,6 +34,7 @@ def whole_file(path: str) -> Iterator[str]:
         return
     target = os.path.realpath(path)
     folder, name = os.path.split(target)
+    os.makedirs(folder, exist_ok=True)
     stem, ending = os.path.splitext(name)
     part = os.path.join(folder, f".{stem}.{secrets.token_hex(4)}{_PART}{ending}")
     try:

@@ -16,7 +16,7 @@ HERE = Path(__file__).parent
 
 @pytest.fixture
 def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """Runs the command, which must end with status 2, and answers with its one line on stderr."""
+    """Runs the command, which must end with status 2, and answers with its sentence on stderr."""
 
     def run(*arguments: object) -> str:
         try:
@@ -26,7 +26,9 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         captured = capsys.readouterr()
         assert status == 2
         assert captured.out == ""
-        (line,) = captured.err.splitlines()
+        # Of bad arguments, the usage comes first.
+        *usage, line = captured.err.splitlines()
+        assert not usage or usage[0].startswith("usage: frangible")
         return line
 
     return run
@@ -35,7 +37,13 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["run", "wal"], ["wal", "wall"]),
+        (["run", "wal-ball"], ["wal-ball", "(did you mean wall-ball?)"]),
+        (["rnu", "wall"], ["'rnu'", "did you mean 'run'?"]),
+        (["run", "wall", "--frmes", "3"], ["--frmes", "did you mean '--frames'?"]),
+        (["run", "scene.json"], ["scene.json", "no such file"]),
+        (["run", "./wall"], ["./wall", "no such file"]),
+        (["verify", "hea"], ["hea", "(did you mean heap?)"]),
+        (["pattern", "voronio"], ["voronio", "(did you mean voronoi?)"]),
         (["run", "wall", "--frames", "0"], ["--frames", "'0'", "> 0"]),
         (["run", "wall", "--frames", "-3"], ["--frames", "'-3'", "> 0"]),
         (["run", "wall", "--frames", "two"], ["--frames", "'two'"]),
@@ -46,13 +54,12 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "wall", "--threads", "99999"], ["--threads", "'99999'", "<= 4096"]),
         (["run", "wall", "--seed", "x"], ["--seed", "'x'", ">= 0"]),
         (["run", "wall", "--seed", str(2**64)], ["--seed", str(2**64), str(2**64 - 1)]),
-        (["run", "wall", "--method", "magic"], ["method", "magic", "paper"]),
+        (["run", "wall", "--method", "magic"], ["method", "magic", "frame-rate, paper"]),
         (["run", "wall", "--out", "wall.fbx"], ["wall.fbx", "'.fbx'", ".usdc"]),
-        (["run", "wall", "--out", "no/such/wall.glb"], ["no/such/wall.glb", "'no/such'", "does not exist"]),
+        (["run", "wall", "--out", f"{__file__}/such/wall.glb"], [f"{__file__}/such/wall.glb", "is no folder"]),
         (["run", "wall", "--frames", "3", "--frame", "4", "--out", "wall.png"], ["--frame", "4", "3"]),
         (["run", "wall", "--frame", "4"], ["--frame", ".png"]),
         (["run"], ["SHOT"]),
-        ([], ["COMMAND"]),
         (["run", "wall", "--unknown"], ["--unknown"]),
         (["info", "no/such.obj"], ["no/such.obj", "no such file"]),
         (["info", str(HERE)], [str(HERE), "is a folder"]),
@@ -60,13 +67,13 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["plot", str(HERE), "--out", "energy.png"], [str(HERE), "is a folder"]),
         (["plot", __file__, "--out", "energy.png"], [__file__, "is not a .npz file"]),
         (["plot", __file__, "--out", "energy.glb"], ["energy.glb", ".pdf, .png, .svg"]),
-        (["plot", __file__, "--out", "no/such/energy.png"], ["no/such/energy.png", "does not exist"]),
+        (["plot", __file__, "--out", f"{__file__}/energy.png"], [f"{__file__}/energy.png", "is no folder"]),
         (["plot", __file__], ["--out"]),
         (["break", "no/such.obj", "--pattern", "voronoi", "--out", "p.glb"], ["no/such.obj", "no such file"]),
         (["break", "no.obj", "--pattern", "glass", "--out", "p.glb"], ["glass", "radial", "voronoi", "file"]),
         (["break", "no.obj", "--pattern", "no/such.json", "--out", "p.glb"], ["no/such.json"]),
         (["break", "no.obj", "--pattern", "voronoi", "--out", "p.fbx"], ["p.fbx", ".glb", ".usdc", "folder"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--out", "no/such/p.glb"], ["'no/such'", "does not exist"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--out", f"{__file__}/p.glb"], ["is no folder"]),
         (["break", "no.obj", "--pattern", "voronoi", "--out", str(HERE)], [str(HERE), "must be new, empty"]),
         (["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"], ["--cells", "> 0"]),
         (["break", "no.obj", "--pattern", "voronoi", "--at", "0", "x", "0", "--out", "p.glb"], ["--at", "'x'", "finite"]),

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from frangible import Recording, shot_defaults, shots
+from frangible import Recording, __version__, shot_defaults, shots
 from frangible.cli import main
 
 
@@ -59,17 +60,65 @@ def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
     assert Recording.load(tmp_path / "wall.npz").frames == 12
 
 
-def test_a_run_tells_people_its_speed_and_its_books(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_run_tells_people_what_happened_and_writes_every_format(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     outputs = [tmp_path / f"wall.{ending}" for ending in ("usda", "usdc", "glb", "npz", "png")]
     arguments = [argument for path in outputs for argument in ("--out", str(path))]
     assert main(["run", "wall", "--frames", "3", "--frame", "2", *arguments]) == 0
     captured = capsys.readouterr()
-    for word in ("frames per second", "bodies", "mass", "dissipated", "largest gain"):
-        assert word in captured.out
+    assert captured.out.splitlines()[1] == "nothing broke; no energy dissipated; no frame gained energy"
     for path in outputs:
         assert path.stat().st_size > 0
         assert str(path) in captured.err
     assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in outputs)
+
+
+def test_what_happened_is_said_in_a_few_words(capsys: pytest.CaptureFixture[str], wall: Recording) -> None:
+    assert main(["run", "wall", "--frames", "60", "--quiet"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    lines = captured.out.splitlines()
+    assert len(lines) <= 4
+    pieces = sum(body.parent is not None for body in wall.alive(60))
+    (when,) = [report["time"] for report in wall.reports if report["fractures"]]
+    assert lines[0].startswith("wall: 2 s in 60 frames, simulated in ")
+    assert re.fullmatch(
+        rf"{pieces} pieces after {when:.2f} s; [\d.]+ % of the energy dissipated; no frame gained energy", lines[1]
+    )
+
+
+def test_the_bare_command_and_its_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert capsys.readouterr().out.startswith("usage: frangible")
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"frangible {__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [["shots"], ["info", "tetrahedron.obj"], ["pattern", "slices"]])
+def test_lists_are_also_objects_of_json(
+    arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], tetrahedron: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tetrahedron.obj").write_text(tetrahedron)
+    monkeypatch.chdir(tmp_path)
+    assert main([*arguments, "--json"]) == 0
+    assert isinstance(json.loads(capsys.readouterr().out), dict)
+
+
+def test_folders_of_outputs_are_made_and_one_failure_leaves_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("frangible.cache.write_npz", fail)
+    bad, good = tmp_path / "bad.npz", tmp_path / "new" / "deep" / "good.glb"
+    assert main(["run", "wall", "--frames", "2", "--out", str(bad), "--out", str(good)]) == 1
+    captured = capsys.readouterr()
+    assert f"frangible: {bad}: No space left on device" in captured.err.splitlines()
+    assert "nothing broke" in captured.out
+    assert good.stat().st_size > 0
+    assert not bad.exists()
 
 
 def test_in_a_pipe_progress_is_a_line_for_every_tenth() -> None:
@@ -128,17 +177,21 @@ def test_info_describes_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert rows == [pytest.approx([1 / 80 if i == j else 1 / 480 for j in range(3)], rel=1e-5) for i in range(3)]
 
 
-def test_an_interrupt_is_answered_at_once_and_leaves_nothing(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "1000", "--out", tmp_path / "wall.npz"]
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_what_was_simulated_before_a_signal_is_kept(number: int, status: int, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "1000", "--out", tmp_path / "wall.npz", "--json"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert process.stderr.readline().startswith("frame 100/1000")
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert errors.splitlines()[-1] == "frangible: interrupted"
+    process.send_signal(number)
+    out, errors = process.communicate(timeout=30)
+    assert process.returncode == status
+    frames = json.loads(out)["frames"]
+    assert 100 <= frames < 1000
+    assert f"frangible: stopped after {frames} of 1000 frames; outputs are of those" in errors.splitlines()
     assert "Traceback" not in errors
-    assert os.listdir(tmp_path) == []
+    assert os.listdir(tmp_path) == ["wall.npz"]
+    assert Recording.load(tmp_path / "wall.npz").frames == frames
 
 
 def test_a_folder_that_goes_away_during_the_run_is_named(
@@ -146,11 +199,17 @@ def test_a_folder_that_goes_away_during_the_run_is_named(
 ) -> None:
     folder = tmp_path / "folder"
     folder.mkdir()
-    monkeypatch.setattr("frangible.cli.run.report_progress", lambda _: folder.rmdir() or nullcontext(lambda *_: None))
+
+    def replace(*_: object) -> Any:
+        folder.rmdir()
+        folder.write_text("a file")
+        return nullcontext()
+
+    monkeypatch.setattr("frangible.cli.run.report_progress", replace)
     assert main(["run", "wall", "--frames", "1", "--out", str(folder / "wall.glb")]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert str(folder) in line
-    assert "No such file" in line
+    assert "File exists" in line or "Not a directory" in line
 
 
 def test_a_reader_that_has_seen_enough_is_no_error() -> None:

@@ -8,6 +8,10 @@ use std::ops::Range;
 /// Bodies that a thread sums up together: some ten microseconds of work.
 const SHARE: usize = 512;
 
+/// What moves a body by less than this share of its size in a frame, errors of momentum are not measured against: contacts solve
+/// for positions, and those of a body at rest are rounded.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// Sums over all dynamic bodies at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Totals {
@@ -21,9 +25,11 @@ pub(crate) struct Totals {
     pub(crate) momentum: DVec3,
     /// About the world's origin [kg m^2/s].
     pub(crate) angular_momentum: DVec3,
-    /// Sum of the lengths of the bodies' momenta, and of what gravity gives them in one frame [kg m/s].
+    /// Sum of the lengths of the bodies' momenta, of what gravity gives them in one frame, and of what moves each by a share
+    /// of its size in one, as rounded positions do [kg m/s].
     pub(crate) momentum_scale: f64,
-    /// The same for angular momentum, orbital and spin; gravity's lever reaches to the far side of the body [kg m^2/s].
+    /// The same for angular momentum, orbital and spin; the levers of gravity and size reach to the far side of the body
+    /// [kg m^2/s].
     pub(crate) angular_scale: f64,
 }
 
@@ -52,7 +58,9 @@ impl Totals {
             let mass = bodies.masses[i];
             let weight = frame.dt * mass * frame.gravity;
             let (low, high) = bodies.shapes[i].bounds;
-            let reach = pose.position.length() + 0.5 * (high - low).length();
+            let size = (high - low).length();
+            let reach = pose.position.length() + 0.5 * size;
+            let least = weight.length() + mass * LEAST_SHARE * size / frame.dt;
             let momentum = mass * velocity.linear;
             let orbital = pose.position.cross(momentum);
             let spin = velocity.angular_momentum;
@@ -62,8 +70,8 @@ impl Totals {
             sum.potential -= mass * frame.gravity.dot(pose.position);
             sum.momentum += momentum;
             sum.angular_momentum += orbital + spin;
-            sum.momentum_scale += momentum.length() + weight.length();
-            sum.angular_scale += orbital.length() + spin.length() + reach * weight.length();
+            sum.momentum_scale += momentum.length() + least;
+            sum.angular_scale += orbital.length() + spin.length() + reach * least;
         }
         sum
     }

@@ -177,26 +177,31 @@ pub(crate) fn imbalance<'a>(
     let spin = bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);
     let (mut mass_sum, mut momentum, mut angular_momentum, mut kinetic) =
         (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
+    // A body that turns in its place has no momentum of its own, but its fragments have.
+    let (mut momentum_scale, mut angular_scale) = (0.0, 0.0);
     for fragment in fragments {
         let fragment_mass = fragment.density * fragment.shape.volume;
         let inertia = Inertia::of(&fragment.shape, fragment.density);
         let (at, moves) = (&fragment.pose, &fragment.velocity);
         let lever = at.position - pose.position;
         mass_sum += fragment_mass;
-        momentum += fragment_mass * moves.linear;
-        angular_momentum += moves.angular_momentum + lever.cross(fragment_mass * moves.linear);
+        let carried = fragment_mass * moves.linear;
+        momentum += carried;
+        angular_momentum += moves.angular_momentum + lever.cross(carried);
+        momentum_scale += carried.length();
+        angular_scale += moves.angular_momentum.length() + lever.length() * carried.length();
         kinetic += 0.5 * fragment_mass * moves.linear.length_squared()
             + inertia.rotational_energy(at.orientation, moves.angular_momentum);
     }
-    // The scale of angular momentum is that of the body at its speed: a body that does not spin has none of its own.
     let speed = velocity.linear.length();
     let size = (bodies.shapes[parent].bounds.1 - bodies.shapes[parent].bounds.0).length();
-    let angular_scale = velocity.angular_momentum.length() + mass * speed * size;
-    let relative = |difference: f64, scale: f64| if scale > 0.0 { difference / scale } else { difference };
+    momentum_scale += mass * speed;
+    angular_scale += velocity.angular_momentum.length() + mass * speed * size;
+    let relative = |difference: f64, scale: f64| difference / scale.max(f64::MIN_POSITIVE);
     let kinetic_before = 0.5 * mass * speed * speed + spin;
     Imbalance {
         mass: relative((mass_sum - mass).abs(), mass),
-        momentum: relative((momentum - mass * velocity.linear).length(), mass * speed),
+        momentum: relative((momentum - mass * velocity.linear).length(), momentum_scale),
         angular_momentum: relative((angular_momentum - velocity.angular_momentum).length(), angular_scale),
         kinetic_energy: relative((kinetic - kinetic_before).abs(), kinetic_before),
     }

@@ -29,6 +29,9 @@ impl World {
         let checker = Checker::root();
         let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
         let rate = checker.field("frames_per_second").within(scene.frames_per_second, 1.0, 1e5)?;
+        if let Some(frames) = scene.frames {
+            checker.field("frames").count(frames as usize, 1, u32::MAX as usize)?;
+        }
         if scene.sleep && scene.method == Method::Paper {
             return Err(checker.field("sleep").broken("true", "false, with the paper's method"));
         }
@@ -48,9 +51,11 @@ impl World {
             spared: Vec::new(),
         };
         let mut library = ShapeLibrary::default();
+        let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) = build_body(body, scene.method, &at, &mut library)?;
+            let (new_body, label) = build_body(body, scene.method, &at, &mut library)
+                .map_err(|error| error.in_body(&names))?;
             world.spawn(new_body, label);
         }
         Ok(world)

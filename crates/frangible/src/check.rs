@@ -26,6 +26,14 @@ pub enum BuildError {
     /// A pattern's file cannot be used.
     #[error("{0}")]
     Pattern(PatternError),
+    /// A file that a field names cannot be used.
+    #[error("{path}: {error}")]
+    File {
+        /// Of the field, as in `bodies[3].shape.path`.
+        path: String,
+        /// Which file, and why.
+        error: String,
+    },
     /// A mesh cannot be sampled on its grid.
     #[error("{path}: {error}")]
     Sampling {
@@ -34,6 +42,37 @@ pub enum BuildError {
         /// Why.
         error: MeshToLevelSetError,
     },
+}
+
+impl BuildError {
+    /// The same, which also says the name of the body that it is about, given those of all bodies.
+    pub(crate) fn in_body(self, names: &[Option<String>]) -> Self {
+        let name = |path: &str| {
+            let (index, _) = path.strip_prefix("bodies[")?.split_once(']')?;
+            let name = names.get(index.parse::<usize>().ok()?)?.as_deref()?;
+            (!name.is_empty()).then(|| format!(" (body {:?})", name.chars().take(40).collect::<String>()))
+        };
+        match self {
+            Self::Rule { path, value, mut rule } => {
+                rule.extend(name(&path));
+                Self::Rule { path, value, rule }
+            }
+            Self::File { path, mut error } => {
+                error.extend(name(&path));
+                Self::File { path, error }
+            }
+            Self::Mesh(_) | Self::Pattern(_) | Self::Sampling { .. } => self,
+        }
+    }
+}
+
+/// " (did you mean wall?)" where one of the known words is near, else nothing.
+pub fn nearest(word: &str, known: &[&str]) -> String {
+    const LEAST: f64 = 0.6;
+    let likeness = |other: &str| strsim::normalized_damerau_levenshtein(word, other);
+    let best = known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    best.filter(|best| word.len() < 100 && likeness(best) >= LEAST)
+        .map_or_else(String::new, |best| format!(" (did you mean {best}?)"))
 }
 
 /// A place in a description.
@@ -64,13 +103,19 @@ impl Checker {
         BuildError::Rule { path: self.path.clone(), value: value.into(), rule: rule.into() }
     }
 
+    /// The error that a file that this place names cannot be used.
+    pub(crate) fn file(&self, error: &str) -> BuildError {
+        BuildError::File { path: self.path.clone(), error: error.into() }
+    }
+
     /// What is wrong with a pattern at this place: a parameter, which is a field of it, or a file.
     pub(crate) fn pattern(&self, error: &PatternError) -> BuildError {
         match error {
             PatternError::Parameter { parameter, value, rule } => {
                 self.field(parameter).broken(&value.to_string(), rule)
             }
-            PatternError::File { .. } => BuildError::Pattern(error.clone()),
+            PatternError::File { .. } if self.path.is_empty() => BuildError::Pattern(error.clone()),
+            PatternError::File { .. } => self.field("path").file(&error.to_string()),
         }
     }
 

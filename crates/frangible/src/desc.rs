@@ -1,14 +1,16 @@
 //! A scene as plain data: described first, then checked and built by [`crate::World::build`].
 
 mod breaking;
+pub(crate) mod read;
 
 pub use breaking::{
     AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile, StrengthDesc,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Everything that a world starts from. SI units, y up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDesc {
     /// For reports and files.
@@ -27,12 +29,15 @@ pub struct SceneDesc {
     /// bodies are awake in every frame.
     #[serde(default)]
     pub sleep: bool,
+    /// How many frames `frangible run` takes, unless told otherwise; without it, three seconds' worth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<u32>,
     /// In the order in which they enter the world.
     pub bodies: Vec<BodyDesc>,
 }
 
 /// Which step advances a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// One detection and several substeps a frame (docs/adr/010).
@@ -43,7 +48,7 @@ pub enum Method {
 }
 
 /// One body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyDesc {
     /// For people; need not be unique.
@@ -93,7 +98,7 @@ pub struct BodyDesc {
 }
 
 /// What a body looks like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LookDesc {
     /// Clear, green at the edges.
@@ -128,7 +133,7 @@ impl LookDesc {
 }
 
 /// What decides where a body goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionDesc {
     /// Its momentum.
@@ -141,7 +146,7 @@ pub enum MotionDesc {
 }
 
 /// A shape in its own frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ShapeDesc {
     /// All below the plane y = 0; static only.
@@ -212,7 +217,7 @@ pub enum ShapeDesc {
 }
 
 /// A part of a compound, in the compound's frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PartDesc {
     /// A box.
@@ -240,7 +245,7 @@ pub enum PartDesc {
 }
 
 /// How finely a shape is sampled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Resolution {
     /// Level-set voxels across the bounding box along x, y, z; they are cubes, so the largest need decides. Without it,
@@ -334,6 +339,7 @@ impl SceneDesc {
             frames_per_second: defaults::frames_per_second(),
             method: Method::default(),
             sleep: false,
+            frames: None,
             bodies: Vec::new(),
         }
     }

@@ -34,7 +34,8 @@ mod strength;
 mod world;
 
 pub use bonds::Bonds;
-pub use check::BuildError;
+pub use check::{BuildError, nearest};
+pub use desc::read::{no_json, read, schema};
 pub use desc::{
     AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method, MotionDesc,
     PartDesc, PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,

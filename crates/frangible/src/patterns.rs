@@ -1,6 +1,6 @@
 //! Patterns by description, by name and from files.
 
-use crate::check::{BuildError, Checker};
+use crate::check::{BuildError, Checker, nearest};
 use crate::desc::{PatternDesc, PatternFile};
 use frangible_fracture::{Bricks, Concrete, Natural, Pattern, Radial, Slices, Splinters, Voronoi};
 
@@ -54,7 +54,8 @@ impl PatternDesc {
     pub fn named(name: &str, cells: Option<usize>, seed: Option<u64>) -> Result<Self, BuildError> {
         let Some(kind) = KINDS.iter().find(|kind| kind.name == name) else {
             let names: Vec<&str> = Self::names().map(|(name, _)| name).collect();
-            let rule = format!("one of {} (or a file: .json, .obj, .gltf or .glb)", names.join(", "));
+            let near = nearest(name, &names);
+            let rule = format!("one of {} (or a file: .json, .obj, .gltf or .glb){near}", names.join(", "));
             return Err(Checker::root().field("pattern").broken(name, &rule));
         };
         if cells == Some(0) {
@@ -166,18 +167,18 @@ mod tests {
     #[test]
     fn sentences_name_the_field_the_value_and_the_rule() {
         let sentence = |json: &str| {
-            let desc: Result<PatternDesc, _> = serde_json::from_str(json);
+            let desc: Result<PatternDesc, _> = crate::read(serde_json::from_str(json).unwrap(), "");
             desc.map_or_else(|error| error.to_string(), |desc| desc.pattern().unwrap_err().to_string())
         };
         assert_eq!(sentence(r#"{"kind": "natural", "spread": 2}"#), "spread: 2, must be from 0 to 1");
         assert_eq!(sentence(r#"{"kind": "file", "path": "no.json"}"#), "no.json: no such file");
-        assert!(
-            sentence(r#"{"kind": "bricks", "colour": 2}"#)
-                .starts_with("unknown field `colour`, expected one of")
-        );
-        assert!(
-            sentence(r#"{"kind": "bubbles"}"#)
-                .starts_with("unknown variant `bubbles`, expected one of `radial`")
+        let unknown = sentence(r#"{"kind": "bricks", "course": 2}"#);
+        assert!(unknown.starts_with("course: an unknown field, must be one of "), "{unknown}");
+        assert!(unknown.ends_with("(did you mean courses?)"), "{unknown}");
+        assert_eq!(
+            sentence(r#"{"kind": "radail"}"#),
+            "kind: \"radail\", must be one of radial, voronoi, natural, slices, bricks, splinters, concrete, file \
+             (did you mean radial?)"
         );
         assert_eq!(
             PatternDesc::named("bubbles", None, None).unwrap_err().to_string(),

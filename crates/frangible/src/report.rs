@@ -104,8 +104,8 @@ impl From<ledger::Balance> for Balance {
     }
 }
 
-/// The momentum books. Errors are those since the world began, relative to the largest sum so far of the bodies' momenta and
-/// of what gravity gives them in a frame.
+/// The momentum books. Errors are those since the world began, relative to the largest sum so far, over the bodies, of their
+/// momenta, of what gravity gives them in a frame, and of what moves them by a thousandth of their size in one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Momentum {
     /// Of all dynamic bodies at the end of the frame, in the world frame [N s].
@@ -169,7 +169,7 @@ pub struct Quarantined {
     pub cause: &'static str,
 }
 
-/// Relative differences between a body and the sum of its fragments.
+/// Relative differences between a body and the sum of its fragments: of momenta, to the sum of the lengths of the fragments'.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Imbalance {
     /// Of mass.

@@ -87,9 +87,14 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
         ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, make, at),
         ShapeDesc::Mesh { path, scale, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
-            let mut mesh = mesh_io::load(Path::new(path))?;
+            let at_path = at.field("path");
+            let mut mesh =
+                mesh_io::load(Path::new(path)).map_err(|error| at_path.file(&error.to_string()))?;
             mesh.positions.iter_mut().for_each(|position| *position *= scale);
-            from_mesh(&mesh, path, resolution, at)
+            from_mesh(&mesh, path, resolution, at).map_err(|error| match error {
+                BuildError::Rule { .. } => error,
+                other => at_path.file(&other.to_string()),
+            })
         }
         ShapeDesc::Triangles { positions, triangles, resolution } => {
             let positions = positions.iter().copied().map(DVec3::from_array).collect();

@@ -25,7 +25,7 @@ fn voronoi(cells: usize) -> BreakingDesc {
 fn sentence(body: BodyDesc) -> String {
     let mut scene = SceneDesc::new("test");
     scene.bodies.push(BodyDesc::ground(0.0));
-    scene.bodies.push(body);
+    scene.bodies.push(BodyDesc { name: String::new(), ..body });
     World::build(&scene).expect_err("the scene is wrong").to_string()
 }
 

@@ -1,12 +1,13 @@
 //! Values on their way to Python and back.
 
 use crate::build_error;
+use frangible::no_json;
 use glam::Vec2;
 use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
-use serde_json::Value;
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+use serde_json::{Map, Value};
 
 /// A JSON value as the same value in Python.
 pub(crate) fn json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
@@ -35,6 +36,79 @@ pub(crate) fn json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, P
             Ok(dict.into_any())
         }
     }
+}
+
+/// Nothing in a description is nested as deeply.
+const DEEPEST: usize = 12;
+
+/// What a Python value is in JSON. What JSON has no word for stays as what a sentence can show.
+pub(crate) fn value(object: &Bound<'_, PyAny>) -> Value {
+    nested_value(object, DEEPEST).unwrap_or_else(|| no_json(&kind(object)))
+}
+
+/// The same down to so many levels; `None` for what is of another type.
+fn nested_value(object: &Bound<'_, PyAny>, levels: usize) -> Option<Value> {
+    let Some(below) = levels.checked_sub(1) else { return Some(no_json("something nested too deeply")) };
+    let of_item = |item: &Bound<'_, PyAny>| nested_value(item, below).unwrap_or_else(|| no_json(&kind(item)));
+    if object.is_none() {
+        return Some(Value::Null);
+    }
+    if let Ok(text) = object.cast::<PyString>() {
+        return Some(text.to_str().map_or_else(|_| no_json("text with half a character"), Value::from));
+    }
+    if let Ok(dict) = object.cast::<PyDict>() {
+        let mut fields = Map::new();
+        for (key, item) in dict.iter() {
+            let key = key.str().ok()?.to_string_lossy().into_owned();
+            fields.insert(key, of_item(&item));
+        }
+        return Some(Value::Object(fields));
+    }
+    if let Ok(list) = object.cast::<PyList>() {
+        return Some(list.iter().map(|item| of_item(&item)).collect());
+    }
+    if let Ok(tuple) = object.cast::<PyTuple>() {
+        return Some(tuple.iter().map(|item| of_item(&item)).collect());
+    }
+    // Arrays and numbers of NumPy; paths.
+    if let Ok(plain) = object.call_method0("tolist") {
+        return nested_value(&plain, below);
+    }
+    if let Ok(path) = object.call_method0("__fspath__") {
+        return nested_value(&path, below);
+    }
+    number(object)
+}
+
+fn number(object: &Bound<'_, PyAny>) -> Option<Value> {
+    if let Ok(flag) = object.extract::<bool>() {
+        return Some(Value::Bool(flag));
+    }
+    // Only whole numbers have it.
+    if object.hasattr("__index__").ok()? {
+        if let Ok(natural) = object.extract::<u64>() {
+            return Some(natural.into());
+        }
+        if let Ok(integer) = object.extract::<i64>() {
+            return Some(integer.into());
+        }
+        let float = object.extract::<f64>().ok().and_then(serde_json::Number::from_f64);
+        return Some(float.map_or_else(|| no_json("a whole number beyond 1.8e308"), Value::Number));
+    }
+    let float = object.extract::<f64>().ok()?;
+    let shown = if float.is_nan() {
+        "NaN"
+    } else if float > 0.0 {
+        "Infinity"
+    } else {
+        "-Infinity"
+    };
+    Some(serde_json::Number::from_f64(float).map_or_else(|| no_json(shown), Value::Number))
+}
+
+fn kind(object: &Bound<'_, PyAny>) -> String {
+    let name = object.get_type().name().map_or_else(|_| "unknown".into(), |name| name.to_string());
+    format!("a value of type {name}")
 }
 
 /// Rows of equal length as an array (n, N).

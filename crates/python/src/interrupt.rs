@@ -1,5 +1,6 @@
 //! Long work that can be stopped from the keyboard.
 
+use crate::threads::shared;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -15,9 +16,10 @@ pub(crate) fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
+    let pool = shared()?;
     let (sender, mut receiver) = channel();
     // Nobody receives what was given up.
-    let thread = std::thread::spawn(move || sender.send(work()).is_ok());
+    let thread = std::thread::spawn(move || sender.send(pool.install(work)).is_ok());
     loop {
         let (received, back) = py.detach(move || (receiver.recv_timeout(POLL), receiver));
         receiver = back;

@@ -6,10 +6,11 @@ mod interrupt;
 mod memory;
 mod meshopt;
 mod patterns;
+mod threads;
 mod world;
 
-use frangible::Method;
 use frangible::geometry::{MeshError, mesh_io};
+use frangible::{Method, SceneDesc};
 use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
 use interrupt::interruptible;
@@ -82,8 +83,7 @@ fn shot_scene(
 ) -> PyResult<String> {
     let defaults = ShotOptions::default();
     let method = match method {
-        Some(method) => serde_json::from_value::<Method>(method.into())
-            .map_err(|error| build_error(format!("method: {error}")))?,
+        Some(method) => frangible::read::<Method>(method.into(), "method").map_err(build_error)?,
         None => defaults.method,
     };
     let options = ShotOptions {
@@ -94,6 +94,12 @@ fn shot_scene(
     };
     let scene = Shot::find(name).and_then(|shot| shot.scene(&options)).map_err(build_error)?;
     serde_json::to_string(&scene).map_err(build_error)
+}
+
+/// The JSON Schema of scenes.
+#[pyfunction]
+fn scene_schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    convert::json(py, &frangible::schema::<SceneDesc>())
 }
 
 /// Name, what is promised and who says so, for every claim.
@@ -165,6 +171,7 @@ fn mesh_info<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>
 #[pymodule]
 fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.setattr("_memory_kept_ms", memory::keep_freed())?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BuildError", module.py().get_type::<BuildError>())?;
     module.add_class::<world::World>()?;
     module.add_class::<patterns::Pattern>()?;
@@ -173,6 +180,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(shot_defaults, module)?)?;
     module.add_function(wrap_pyfunction!(shot_frames, module)?)?;
     module.add_function(wrap_pyfunction!(shot_scene, module)?)?;
+    module.add_function(wrap_pyfunction!(scene_schema, module)?)?;
     module.add_function(wrap_pyfunction!(claims, module)?)?;
     module.add_function(wrap_pyfunction!(check_claim, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::pattern_cutters, module)?)?;

@@ -1,6 +1,6 @@
 //! Patterns, by name and from files.
 
-use crate::{build_error, convert};
+use crate::{build_error, convert, threads};
 use frangible::{PatternDesc, fracture};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyValueError};
@@ -51,16 +51,16 @@ impl Pattern {
     #[staticmethod]
     #[pyo3(signature = (name, *, cells=None, seed=None))]
     fn named(py: Python<'_>, name: &str, cells: Option<usize>, seed: Option<u64>) -> PyResult<Self> {
-        py.detach(|| Self::find(name, cells, seed))
+        threads::detached(py, || Self::find(name, cells, seed))?
     }
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| fracture::Pattern::load(&path)).map(Self).map_err(build_error)
+        threads::detached(py, || fracture::Pattern::load(&path))?.map(Self).map_err(build_error)
     }
 
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        py.detach(|| self.0.save(&path)).map_err(build_error)
+        threads::detached(py, || self.0.save(&path))?.map_err(build_error)
     }
 
     fn __len__(&self) -> usize {
@@ -84,21 +84,21 @@ impl Pattern {
     #[pyo3(signature = (cell, longest_edge=f64::INFINITY))]
     fn region_mesh<'py>(&self, py: Python<'py>, cell: usize, longest_edge: f64) -> PyResult<Mesh<'py>> {
         self.check(cell)?;
-        let mesh = py.detach(|| self.0.region_mesh(cell, longest_edge));
+        let mesh = threads::detached(py, || self.0.region_mesh(cell, longest_edge))?;
         let vertices = convert::rows(py, mesh.positions.iter().map(|position| position.to_array()))?;
         Ok((vertices, convert::rows(py, mesh.triangles.into_iter())?))
     }
 
-    fn shapes<'py>(&self, py: Python<'py>) -> Shapes<'py> {
-        let shapes = py.detach(|| self.0.cell_shapes());
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Shapes<'py>> {
+        let shapes = threads::detached(py, || self.0.cell_shapes())?;
         let faces = shapes.iter().map(|shape| shape.faces as u32);
         let corners = shapes.iter().map(|shape| shape.corners as u32);
-        (
+        Ok((
             PyArray1::from_iter(py, faces),
             PyArray1::from_iter(py, corners),
             PyArray1::from_iter(py, shapes.iter().map(|shape| shape.volume)),
             PyArray1::from_iter(py, shapes.iter().map(|shape| shape.inner)),
-        )
+        ))
     }
 }
 

@@ -1,13 +1,15 @@
 //! A world, and its state as arrays.
 
 use crate::interrupt::interruptible;
+use crate::threads::{Pool, busy};
 use crate::{build_error, convert};
 use frangible::dynamics::Motion;
 use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use pyo3::types::PyString;
+use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Vertices [m], triangles, and whether a crack made each.
 type SurfaceArrays<'py> = (
@@ -21,80 +23,128 @@ type SurfaceArrays<'py> = (
 const MOST_THREADS: usize = 4096;
 
 /// Bodies, and the engine that moves and breaks them.
-#[pyclass(module = "frangible._frangible")]
-pub(crate) struct World {
+#[pyclass(frozen, module = "frangible._frangible")]
+pub(crate) struct World(Mutex<Inner>);
+
+struct Inner {
     world: frangible::World,
-    pool: ThreadPool,
+    pool: Pool,
+}
+
+impl World {
+    /// The world, for this thread alone.
+    fn inner(&self) -> PyResult<MutexGuard<'_, Inner>> {
+        match self.0.try_lock() {
+            Ok(inner) => Ok(inner),
+            Err(TryLockError::WouldBlock) => Err(busy()),
+            Err(TryLockError::Poisoned(_)) => {
+                Err(PyRuntimeError::new_err("the world was left in the middle of a step: build it anew"))
+            }
+        }
+    }
+
+    /// A world of plain data, or of JSON.
+    fn from_readable(py: Python<'_>, readable: &Bound<'_, PyAny>, threads: usize) -> PyResult<Self> {
+        let scene = scene(readable)?;
+        let mut pool = Pool::new(threads);
+        let here = pool.here()?;
+        let build = move || here.install(|| frangible::World::build(&scene));
+        let world = interruptible(py, build)?.map_err(build_error)?;
+        Ok(Self(Mutex::new(Inner { world, pool })))
+    }
+}
+
+/// A scene of plain data, or of JSON.
+fn scene(readable: &Bound<'_, PyAny>) -> PyResult<SceneDesc> {
+    let Ok(text) = readable.cast::<PyString>() else {
+        return SceneDesc::from_value(convert::value(readable)).map_err(build_error);
+    };
+    if let Some(scene) = text.to_str().ok().and_then(|text| serde_json::from_str(text).ok()) {
+        return Ok(scene);
+    }
+    // Python also reads NaN, and numbers of any size: the sentence can name their fields.
+    let read = readable.py().import("frangible.scenes")?.call_method1("parse_json", ("scene", text))?;
+    SceneDesc::from_value(convert::value(&read)).map_err(build_error)
 }
 
 #[pymethods]
 impl World {
     /// Check a scene and build it.
     #[staticmethod]
-    #[pyo3(signature = (scene_json, threads=0))]
-    fn build(py: Python<'_>, scene_json: &str, threads: usize) -> PyResult<Self> {
-        let scene: SceneDesc =
-            serde_json::from_str(scene_json).map_err(|error| build_error(format!("scene: {error}")))?;
+    #[pyo3(signature = (scene, threads=0))]
+    fn build(py: Python<'_>, scene: &Bound<'_, PyAny>, threads: usize) -> PyResult<Self> {
         if threads > MOST_THREADS {
             return Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")));
         }
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(build_error)?;
-        let build = move || (pool.install(|| frangible::World::build(&scene)), pool);
-        let (world, pool) = interruptible(py, build)?;
-        Ok(Self { world: world.map_err(build_error)?, pool })
+        // Files are read, and converted for as long as it takes, in Python.
+        let files = py.import("frangible.scenes")?.call_method1("readable_scene", (scene,))?;
+        let built = Self::from_readable(py, &files.call_method0("__enter__")?, threads);
+        match &built {
+            Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
+            Err(error) => {
+                files.call_method1("__exit__", (error.get_type(py), error.value(py), error.traceback(py)))?
+            }
+        };
+        built
     }
 
     /// Advance by one frame and report on it.
-    fn step<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let Self { world, pool } = self;
+    fn step<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut inner = self.inner()?;
+        let Inner { world, pool } = &mut *inner;
+        let pool = pool.here()?;
         let report = py.detach(|| pool.install(|| frangible::step(world)));
         let report = serde_json::to_value(&report).map_err(build_error)?;
         convert::json(py, &report)
     }
 
     #[getter]
-    fn frame(&self) -> u64 {
-        self.world.frame()
+    fn frame(&self) -> PyResult<u64> {
+        Ok(self.inner()?.world.frame())
     }
 
     #[getter]
-    fn time(&self) -> f64 {
-        self.world.time()
+    fn time(&self) -> PyResult<f64> {
+        Ok(self.inner()?.world.time())
     }
 
     #[getter]
-    fn dt(&self) -> f64 {
-        self.world.dt()
+    fn dt(&self) -> PyResult<f64> {
+        Ok(self.inner()?.world.dt())
     }
 
     #[getter]
     fn method<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        convert::json(py, &serde_json::to_value(self.world.method()).map_err(build_error)?)
+        convert::json(py, &serde_json::to_value(self.inner()?.world.method()).map_err(build_error)?)
     }
 
     #[getter]
-    fn energy(&self) -> (f64, f64) {
-        self.world.energy()
+    fn energy(&self) -> PyResult<(f64, f64)> {
+        let mut inner = self.inner()?;
+        let pool = inner.pool.here()?;
+        Ok(pool.install(|| inner.world.energy()))
     }
 
     #[getter]
-    fn ids<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
-        PyArray1::from_iter(py, self.world.bodies().ids.iter().map(|&id| id_number(id)))
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let world = &self.inner()?.world;
+        Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| id_number(id))))
     }
 
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        convert::rows(py, self.world.bodies().poses.iter().map(|pose| pose.position.to_array()))
+        convert::rows(py, self.inner()?.world.bodies().poses.iter().map(|pose| pose.position.to_array()))
     }
 
     #[getter]
     fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        convert::rows(py, self.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()))
+        convert::rows(py, self.inner()?.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()))
     }
 
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bodies = self.world.bodies();
+        let inner = self.inner()?;
+        let bodies = inner.world.bodies();
         let linear = |i: usize| match bodies.motions[i] {
             Motion::Kinematic { linear, .. } => linear,
             Motion::Static | Motion::Dynamic => bodies.velocities[i].linear,
@@ -104,7 +154,8 @@ impl World {
 
     #[getter]
     fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bodies = self.world.bodies();
+        let inner = self.inner()?;
+        let bodies = inner.world.bodies();
         let angular = |i: usize| match bodies.motions[i] {
             Motion::Kinematic { angular, .. } => angular,
             Motion::Static | Motion::Dynamic => bodies.inertias[i]
@@ -114,45 +165,50 @@ impl World {
     }
 
     #[getter]
-    fn masses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.world.bodies().masses)
+    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, &self.inner()?.world.bodies().masses))
     }
 
     #[getter]
-    fn asleep<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        PyArray1::from_iter(py, self.world.bodies().ids.iter().map(|&id| self.world.is_asleep(id)))
+    fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let world = &self.inner()?.world;
+        Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| world.is_asleep(id))))
     }
 
     #[getter]
-    fn names(&self) -> Vec<&str> {
-        self.world.labels().iter().map(|label| label.name.as_str()).collect()
+    fn names(&self) -> PyResult<Vec<String>> {
+        Ok(self.inner()?.world.labels().iter().map(|label| label.name.clone()).collect())
     }
 
     #[getter]
-    fn parents(&self) -> Vec<Option<u64>> {
-        self.world.labels().iter().map(|label| label.parent.map(id_number)).collect()
+    fn parents(&self) -> PyResult<Vec<Option<u64>>> {
+        Ok(self.inner()?.world.labels().iter().map(|label| label.parent.map(id_number)).collect())
     }
 
     #[getter]
-    fn looks(&self) -> Vec<Option<&'static str>> {
-        self.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect()
+    fn looks(&self) -> PyResult<Vec<Option<&'static str>>> {
+        Ok(self.inner()?.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect())
     }
 
     /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.
     fn set_velocity(
-        &mut self,
+        &self,
         id: u64,
         linear: PyArrayLike1<'_, f64, AllowTypeChange>,
         angular: PyArrayLike1<'_, f64, AllowTypeChange>,
     ) -> PyResult<()> {
         let (linear, angular) = (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
-        self.world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
+        let world = &mut self.inner()?.world;
+        world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
     }
 
     /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and texture coordinates of their
     /// corners (t, 3, 2) [m].
     fn surface<'py>(&self, py: Python<'py>, id: u64) -> PyResult<SurfaceArrays<'py>> {
-        let surface = py.detach(|| self.pool.install(|| self.world.surface(id_from_number(id))));
+        let mut inner = self.inner()?;
+        let Inner { world, pool } = &mut *inner;
+        let pool = pool.here()?;
+        let surface = py.detach(|| pool.install(|| world.surface(id_from_number(id))));
         let surface =
             surface.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
         let vertices = surface.mesh.positions.iter().map(|point| point.as_vec3().to_array());
@@ -165,13 +221,15 @@ impl World {
     }
 
     /// How deep each overlapping pair is.
-    fn penetrations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let world = &self.world;
-        PyArray1::from_vec(py, py.detach(|| world.penetrations()))
+    fn penetrations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut inner = self.inner()?;
+        let Inner { world, pool } = &mut *inner;
+        let pool = pool.here()?;
+        Ok(PyArray1::from_vec(py, py.detach(|| pool.install(|| world.penetrations()))))
     }
 
     /// Hexadecimal digest of the whole state.
-    fn state_hash(&self) -> String {
-        format!("{:016x}", self.world.state_hash())
+    fn state_hash(&self) -> PyResult<String> {
+        Ok(format!("{:016x}", self.inner()?.world.state_hash()))
     }
 }

@@ -117,7 +117,10 @@ impl Claim {
     /// # Errors
     /// If there is none.
     pub fn find(name: &str) -> Result<&'static Self, UnknownClaim> {
-        let known = || CLAIMS.iter().map(|claim| claim.name).collect::<Vec<_>>().join(", ");
+        let known = || {
+            let names: Vec<&str> = CLAIMS.iter().map(|claim| claim.name).collect();
+            names.join(", ") + &frangible::nearest(name, &names)
+        };
         CLAIMS
             .iter()
             .find(|claim| claim.name == name)

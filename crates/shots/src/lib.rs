@@ -27,7 +27,7 @@ mod towers;
 mod wall;
 
 use frangible::geometry::MeshError;
-use frangible::{Method, SceneDesc};
+use frangible::{Method, SceneDesc, nearest};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -132,7 +132,10 @@ impl Shot {
     /// # Errors
     /// If there is none.
     pub fn find(name: &str) -> Result<&'static Self, ShotError> {
-        let known = || SHOTS.iter().map(|shot| shot.name).collect::<Vec<_>>().join(", ");
+        let known = || {
+            let names: Vec<&str> = SHOTS.iter().map(|shot| shot.name).collect();
+            names.join(", ") + &nearest(name, &names)
+        };
         SHOTS
             .iter()
             .find(|shot| shot.name == name)
@@ -156,6 +159,7 @@ impl Shot {
         scene.name = self.name.into();
         scene.frames_per_second = options.frames_per_second;
         scene.method = options.method;
+        scene.frames = Some(self.frames_at(options.frames_per_second));
         Ok(scene)
     }
 }

@@ -22,11 +22,11 @@ from .files import add_info, add_plot, add_shots
 from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, Parser
 from .pattern import add_pattern
 from .run import add_run
-from .scene import add_scene
+from .scene import add_scene, add_schema
 from .verify import add_verify
 
 #: In the order in which the help lists them.
-COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info)
+COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info, add_schema)
 
 
 #: Signals that ask a program to end.
@@ -48,7 +48,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             signal.signal(polite, terminate)
     warnings.simplefilter("always", FileNote)
     warnings.showwarning = _tell_note
-    options = parser().parse_args(arguments)
+    whole = parser()
+    options, unknown = whole.parse_known_args(arguments)
+    if unknown:
+        # The command's own usage, and the nearest of its own options.
+        getattr(options, "parser", whole).error(f"unrecognized arguments: {' '.join(unknown)}")
+    if not hasattr(options, "command"):
+        whole.print_help()
+        return 0
     try:
         status: int = options.command(options) or 0
         sys.stdout.flush()
@@ -77,7 +84,10 @@ def _tell_note(message: Warning | str, *_: object, **__: object) -> None:
 def parser() -> argparse.ArgumentParser:
     """Reads the arguments of all commands."""
     whole = Parser(prog="frangible", description="Rigid bodies that break.")
-    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+    whole.add_argument("--version", action="version", version=f"frangible {_frangible.__version__}")
+    commands = whole.add_subparsers(metavar="COMMAND")
     for add in COMMANDS:
         add(commands)
+    for command in commands.choices.values():
+        command.set_defaults(parser=command)
     return whole

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from typing import Any
 
 from .. import _frangible
@@ -27,6 +28,7 @@ def add_shots(commands: Any) -> None:
     """Add the command."""
     shots = commands.add_parser("shots", help="list the shots")
     shots.set_defaults(command=_shots)
+    shots.add_argument("--json", action="store_true", help="a JSON object instead: the line of each name")
 
 
 def add_info(commands: Any) -> None:
@@ -34,16 +36,20 @@ def add_info(commands: Any) -> None:
     info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
     info.set_defaults(command=_info)
     add_pose_time(info)
+    info.add_argument("--json", action="store_true", help="a JSON object instead")
     info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)")
 
 
-def _plot(options: argparse.Namespace) -> None:
+def _plot(options: argparse.Namespace) -> int:
     outputs = [open_plot(path) for path in options.out]
-    write(outputs, Recording.load(options.file))
+    return write(outputs, Recording.load(options.file))
 
 
-def _shots(_: argparse.Namespace) -> None:
+def _shots(options: argparse.Namespace) -> None:
     shots = _frangible.shots()
+    if options.json:
+        print(json.dumps(dict(shots)))
+        return
     width = max((len(name) for name, _ in shots), default=0)
     for name, line in shots:
         print(f"{name:{width}}  {line}")
@@ -55,5 +61,8 @@ def _info(options: argparse.Namespace) -> None:
     with report_stages() as stage:
         stage("measuring what the file holds")
         facts = describe_file(options.file, options.pose_time)
+    if options.json:
+        print(json.dumps(facts))
+        return
     for key, value in facts.items():
         print(f"{key:15} {readable(value)}")

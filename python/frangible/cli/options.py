@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import signal
 import sys
 from collections.abc import Callable
 from typing import Any, NoReturn
 
 from .. import _frangible
+from ..scenes import did_you_mean
 
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
@@ -22,11 +24,20 @@ EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
 
 
 class Parser(argparse.ArgumentParser):
-    """Answers bad arguments with one sentence."""
+    """Answers bad arguments with its usage and one sentence, which asks for the nearest word that it knows."""
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}", file=sys.stderr)
+        self.print_usage(sys.stderr)
+        print(f"{self.prog}: {message}{self._near(message)}", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
+
+    def _near(self, message: str) -> str:
+        if bad_choice := re.search(r"invalid choice: '([^']*)'", message):
+            choices = (choice for action in self._actions for choice in action.choices or ())
+            return did_you_mean(bad_choice[1], map(str, choices))
+        if bad_option := re.search(r"unrecognized arguments: (--[^ =]+)", message):
+            return did_you_mean(bad_option[1], self._option_string_actions)
+        return ""
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:

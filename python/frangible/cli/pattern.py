@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 from typing import Any
@@ -28,6 +29,7 @@ def add_pattern(commands: Any) -> None:
     pattern.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
     )
+    pattern.add_argument("--json", action="store_true", help="a JSON object instead of lines")
     pattern.add_argument("--picture", metavar="FILE", help="a picture beside what --out writes, .png")
 
 
@@ -42,8 +44,11 @@ def _pattern(options: argparse.Namespace) -> None:
         check_pattern_file(path)
     with readable_mesh(options.name) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
-    for key, value in describe_pattern(pattern).items():
-        print(f"{key:15} {readable(value)}")
+    facts = describe_pattern(pattern)
+    if options.json:
+        print(json.dumps(facts))
+    else:
+        print("\n".join(f"{key:15} {readable(value)}" for key, value in facts.items()))
     for path in paths:
         write_pattern(pattern, path)
         print(f"wrote {path}, {os.path.getsize(path) / 2**20:.3g} MiB", file=sys.stderr)

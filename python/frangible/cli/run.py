@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _frangible
+from ..interrupts import stop_when_asked
 from ..output import OutputError, open_output
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
@@ -35,10 +37,11 @@ def add_run(commands: Any) -> None:
     )
     add_pose_time(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
+    run.add_argument("--quiet", action="store_true", help="no progress and no list of what was written")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
 
-def _run(options: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = [open_output(path, options.frame) for path in options.out]
     scene, frames, name = find_scene(
@@ -55,9 +58,9 @@ def _run(options: argparse.Namespace) -> None:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    with readable_scene(scene, options.pose_time) as readable, report_stages() as stage:
+    with readable_scene(scene, options.pose_time) as readable, report_stages(options.quiet) as stage:
         stage("building the world")
-        world = _frangible.World.build(json.dumps(readable), options.threads)
+        world = _frangible.World.build(readable, options.threads)
 
     # Simulate; surfaces are made and kept only if a file needs them.
     start_bodies, start_mass = len(world.ids), moving_mass(world)
@@ -72,12 +75,17 @@ def _run(options: argparse.Namespace) -> None:
         if recorder is not None:
             recorder.capture(report)
 
-    with report_progress(frames) as progress:
-        step_ms = step_frames(world, frames, on_step=keep, progress=progress)
+    with report_progress(frames, options.quiet) as progress, stop_when_asked() as stop:
+        step_ms = step_frames(world, frames, on_step=keep, progress=progress, stop=stop)
+    if stop.signal is not None:
+        said = f"stopped after {len(reports)} of {frames} frames"
+        print(f"frangible: {said}; outputs are of those", file=sys.stderr, flush=True)
 
     # Write the files, then the figures.
+    status = 0
     if recorder is not None:
-        write(outputs, recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt))))
+        recording = recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt)))
+        status = write(outputs, recording, options.quiet)
     summary = summarise(
         reports,
         shot=name,
@@ -91,3 +99,4 @@ def _run(options: argparse.Namespace) -> None:
         step_ms=step_ms,
     )
     print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))
+    return status if stop.signal is None else 128 + stop.signal

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import json
 from typing import Any
 
+from .. import _frangible
+from ..scene_page import scene_page
 from ..scenes import as_json, find_scene
 from .options import add_scene_options
 
@@ -26,3 +29,15 @@ def _scene(options: argparse.Namespace) -> None:
         assignments=options.assignments,
     )
     print(as_json(scene))
+
+
+def add_schema(commands: Any) -> None:
+    """Add the command."""
+    schema = commands.add_parser("schema", help="print the JSON Schema of scene files, or their description for people")
+    schema.set_defaults(command=_schema)
+    schema.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+
+
+def _schema(options: argparse.Namespace) -> None:
+    schema = _frangible.scene_schema()
+    print(scene_page(schema), end="") if options.markdown else print(json.dumps(schema, indent=2))

@@ -9,11 +9,12 @@ use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Bricks in running bond: courses along x, stacked along y, each shifted by half a brick; one brick deep. Mortar breaks off in
 /// pieces of its own, a joint beside each brick and one above it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bricks {
     /// Number of bricks along a course, joints included; at least 1.
@@ -27,6 +28,7 @@ pub struct Bricks {
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

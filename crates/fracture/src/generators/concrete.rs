@@ -3,10 +3,11 @@
 use super::{Voronoi, require};
 use crate::{Pattern, PatternError, noise::Noise, pattern::Cells, rough::Rough};
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Cells of random points, whose faces are rough: concrete, whose cracks run around the gravel.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Concrete {
     /// Number of cells, from 1 to 10000.
@@ -20,6 +21,7 @@ pub struct Concrete {
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

@@ -9,11 +9,12 @@ use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Rock that cracks again and again, each crack ending at the ones before it. The cells of such a *primary mosaic* have 6 faces
 /// and 8 corners in the mean, as natural fragments do [DKST15, DJKT20].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Natural {
     /// Number of cells, from 1 to 10000.
@@ -24,6 +25,7 @@ pub struct Natural {
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

@@ -9,21 +9,24 @@ use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Slices across an axis: bread, slate, a log that is sawn up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Slices {
     /// Number of slices, from 1 to 10000.
     pub cells: usize,
     /// Across what they lie; any length but zero. z is the collision normal, x the longest direction across it.
+    #[schemars(with = "[f64; 3]")]
     pub axis: DVec3,
     /// How irregular, from 0 (equally thick, parallel) to 1 (neighbours nearly touch at an edge of the box).
     pub jitter: f64,
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

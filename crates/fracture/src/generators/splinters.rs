@@ -9,6 +9,7 @@ use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ use std::f64::consts::TAU;
 ///
 /// Cracks run along the grain around random lines, and each splinter between them is broken across, where it pleases, at a steep
 /// angle.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Splinters {
     /// Number of splinters side by side, from 1 to 10000 with their pieces.
@@ -32,6 +33,7 @@ pub struct Splinters {
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter. A long one suits what is long along the grain.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

@@ -9,10 +9,11 @@ use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Cells of random points: stone.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Voronoi {
     /// Number of cells, from 1 to 10000.
@@ -22,10 +23,12 @@ pub struct Voronoi {
     pub clustering: f64,
     /// From -10 to 10 along each axis. The points are `exp(2 grading)` times as dense at the box's upper end of an axis as at
     /// its lower, growing exponentially: small pieces at one end, large ones at the other.
+    #[schemars(with = "[f64; 3]")]
     pub grading: DVec3,
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter. A flat one suits walls that are struck on their face.
+    #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
 

@@ -2,11 +2,12 @@
 
 use super::defaults;
 use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// How a body breaks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BreakingDesc {
     /// What it bears.
@@ -22,7 +23,7 @@ pub struct BreakingDesc {
 }
 
 /// What a body bears: an impulse, or what its material bears.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
     expecting = "a number in N s, the name of a material (glass, concrete, brick, wood, ice), or its properties: \
@@ -45,7 +46,7 @@ impl From<f64> for StrengthDesc {
 
 /// What decides how a material breaks. The pieces that a blow can make are bounded by its energy: cracks take it from the bodies'
 /// relative motion.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialDesc {
     /// Of a body as it is described; its fragments are stronger [Pa].
@@ -60,7 +61,7 @@ pub struct MaterialDesc {
 }
 
 /// Materials of the table. Densities are the body's own business.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MaterialName {
     /// Soda-lime glass.
@@ -91,7 +92,7 @@ impl MaterialName {
 }
 
 /// A body of glued pieces: a bond for each face that two of them share. It moves as one body until bonds break.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsDesc {
     /// How a box, a hull or a compound is cut into pieces; without it, a compound's parts are the pieces.
@@ -113,7 +114,7 @@ pub struct BondsDesc {
 }
 
 /// A box along the world's axes, where things are fixed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnchorDesc {
     /// Lowest corner [m].
@@ -123,7 +124,7 @@ pub struct AnchorDesc {
 }
 
 /// How space is prescored [Su09 sec. 4.3]: a generator with its parameters, each of which has a default, or a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PatternDesc {
     /// Wedges around the line of impact, and rings, as glass breaks.
@@ -145,7 +146,7 @@ pub enum PatternDesc {
 }
 
 /// Where a pattern is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatternFile {
     /// What [`Pattern::load`](frangible_fracture::Pattern::load) reads: a pattern that was saved, or a mesh file, each closed part of
