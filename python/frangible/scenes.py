@@ -232,9 +232,9 @@ def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], s
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """", did you mean 'wall'?" where a known word is near, else nothing."""
-    near = difflib.get_close_matches(word, [*known], 1, 0.7)
-    return f", did you mean {near[0]!r}?" if near else ""
+    """The question " (did you mean 'wall'?)" where a known word is near, else nothing."""
+    near = difflib.get_close_matches(word, [*known], 1, 0.6)
+    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 def _shown(value: Any) -> str:

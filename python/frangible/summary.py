@@ -63,6 +63,7 @@ def summarise(
             "end": bodies[1],
             "quarantined": sum(len(report["quarantined"]) for report in reports),
         },
+        "quarantine_causes": sorted({taken["cause"] for report in reports for taken in report["quarantined"]}),
         "mass_kg": {"start": mass[0], "end": mass[1]},
         "energy_J": {
             "start": sum(energy),
@@ -97,7 +98,8 @@ def describe(summary: Summary, seconds: float) -> str:
     ]
     if bodies["quarantined"]:
         were = "body was" if bodies["quarantined"] == 1 else "bodies were"
-        lines.append(f"{bodies['quarantined']} {were} taken out of the world, as their numbers went bad")
+        causes = ", ".join(summary["quarantine_causes"])
+        lines.append(f"{bodies['quarantined']} {were} taken out of the world: {causes}")
     return "\n".join(lines)
 
 
@@ -108,7 +110,7 @@ def _pieces(reports: Sequence[StepReport]) -> int:
         for fracture in report["fractures"]:
             pieces.discard(fracture["body"])
             pieces.update(fracture["fragments"])
-        pieces.difference_update(report["quarantined"])
+        pieces.difference_update(taken["body"] for taken in report["quarantined"])
     return len(pieces)
 
 

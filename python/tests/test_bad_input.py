@@ -37,13 +37,13 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["run", "wal-ball"], ["wal-ball", "(did you mean wall-ball?)"]),
+        (["run", "wal-ball"], ["wal-ball", "(did you mean 'wall-ball'?)"]),
         (["rnu", "wall"], ["'rnu'", "did you mean 'run'?"]),
         (["run", "wall", "--frmes", "3"], ["--frmes", "did you mean '--frames'?"]),
         (["run", "scene.json"], ["scene.json", "no such file"]),
         (["run", "./wall"], ["./wall", "no such file"]),
-        (["verify", "hea"], ["hea", "(did you mean heap?)"]),
-        (["pattern", "voronio"], ["voronio", "(did you mean voronoi?)"]),
+        (["verify", "hea"], ["hea", "(did you mean 'heap'?)"]),
+        (["pattern", "voronio"], ["voronio", "(did you mean 'voronoi'?)"]),
         (["run", "wall", "--frames", "0"], ["--frames", "'0'", "> 0"]),
         (["run", "wall", "--frames", "-3"], ["--frames", "'-3'", "> 0"]),
         (["run", "wall", "--frames", "two"], ["--frames", "'two'"]),

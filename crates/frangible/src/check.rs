@@ -66,13 +66,13 @@ impl BuildError {
     }
 }
 
-/// " (did you mean wall?)" where one of the known words is near, else nothing.
+/// " (did you mean 'wall'?)" where one of the known words is near, else nothing.
 pub fn nearest(word: &str, known: &[&str]) -> String {
     const LEAST: f64 = 0.6;
     let likeness = |other: &str| strsim::normalized_damerau_levenshtein(word, other);
     let best = known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
     best.filter(|best| word.len() < 100 && likeness(best) >= LEAST)
-        .map_or_else(String::new, |best| format!(" (did you mean {best}?)"))
+        .map_or_else(String::new, |best| format!(" (did you mean '{best}'?)"))
 }
 
 /// A place in a description.

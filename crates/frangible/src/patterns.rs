@@ -174,11 +174,11 @@ mod tests {
         assert_eq!(sentence(r#"{"kind": "file", "path": "no.json"}"#), "no.json: no such file");
         let unknown = sentence(r#"{"kind": "bricks", "course": 2}"#);
         assert!(unknown.starts_with("course: an unknown field, must be one of "), "{unknown}");
-        assert!(unknown.ends_with("(did you mean courses?)"), "{unknown}");
+        assert!(unknown.ends_with("(did you mean 'courses'?)"), "{unknown}");
         assert_eq!(
             sentence(r#"{"kind": "radail"}"#),
             "kind: \"radail\", must be one of radial, voronoi, natural, slices, bricks, splinters, concrete, file \
-             (did you mean radial?)"
+             (did you mean 'radial'?)"
         );
         assert_eq!(
             PatternDesc::named("bubbles", None, None).unwrap_err().to_string(),
