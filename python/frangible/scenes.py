@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import difflib
 import json
 import math
 import os
@@ -16,6 +15,7 @@ from ._frangible import BuildError, shot_scene
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .usd_mesh import ENDINGS as USD_ENDINGS
 from .usd_mesh import readable_mesh
+from .words import did_you_mean
 
 #: What `docs/scene_format.md` describes.
 Scene = dict[str, Any]
@@ -229,12 +229,6 @@ def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], s
         return [int(step)], after
     rule = f"a number below {len(place)}" + (f", or a name: {', '.join(sorted(names))}" if names else "")
     raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """The question " (did you mean 'wall'?)" where a known word is near, else nothing."""
-    near = difflib.get_close_matches(word, [*known], 1, 0.6)
-    return f" (did you mean {near[0]!r}?)" if near else ""
 
 
 def _shown(value: Any) -> str:

@@ -12,7 +12,7 @@ from threading import Thread
 from typing import Any, TypedDict
 
 from . import _frangible
-from .scenes import did_you_mean
+from .words import did_you_mean
 
 #: Claims that are measured at a time. Each has one thread, so that those that measure time have a core of their own.
 AT_A_TIME = 2

@@ -54,8 +54,8 @@ impl World {
         let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) = build_body(body, scene.method, &at, &mut library)
-                .map_err(|error| error.in_body(&names))?;
+            let (new_body, label) =
+                build_body(body, scene.method, &at, &mut library).map_err(|error| error.in_body(&names))?;
             world.spawn(new_body, label);
         }
         Ok(world)
@@ -98,7 +98,9 @@ fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildE
     let (mass, moments) = (density * shape.volume, density * shape.unit_moments);
     if !is_representable(&Inertia::new(mass, moments)) {
         let least = moments.min_element();
-        let what = format!("{density:?} kg/m^3, which gives {mass:.3e} kg and a moment of inertia of {least:.3e} kg m^2");
+        let what = format!(
+            "{density:?} kg/m^3, which gives {mass:.3e} kg and a moment of inertia of {least:.3e} kg m^2"
+        );
         return Err(at.field("density").broken(&what, "such that both lie between 1e-30 and 1e30"));
     }
     Ok(())

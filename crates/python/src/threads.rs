@@ -46,12 +46,17 @@ pub(crate) fn shared() -> PyResult<Arc<ThreadPool>> {
 }
 
 /// Does work without the interpreter lock, on the threads of this process.
-pub(crate) fn detached<T: Ungil + Send>(py: Python<'_>, work: impl FnOnce() -> T + Ungil + Send) -> PyResult<T> {
+pub(crate) fn detached<T: Ungil + Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Ungil + Send,
+) -> PyResult<T> {
     let pool = shared()?;
     Ok(py.detach(|| pool.install(work)))
 }
 
 /// Somebody else uses a world.
 pub(crate) fn busy() -> PyErr {
-    PyRuntimeError::new_err("the world is in use by another thread: only one thread at a time may use a world")
+    PyRuntimeError::new_err(
+        "the world is in use by another thread: only one thread at a time may use a world",
+    )
 }

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from .. import _frangible
-from ..scenes import did_you_mean
+from ..words import did_you_mean
 
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
