@@ -90,10 +90,17 @@ def frame_recording(recording: Recording, aspect: float) -> Camera:
     reach; without a break it sees what moves.
     """
     subject = find_subject(recording)
-    cameras = [_from_side(subject, front, side, aspect) for front, side in _sides(subject)]
     # The first from which nothing in between hides more than from the others.
-    hidden = [_hidden(subject, camera) for camera in cameras]
-    return cameras[int(np.argmin(np.array(hidden).round(1)))]
+    best, least = None, np.inf
+    for front, side in _sides(subject):
+        camera = _from_side(subject, front, side, aspect)
+        hidden = round(_hidden(subject, camera), 1)
+        if best is None or hidden < least:
+            best, least = camera, hidden
+        if hidden == 0.0:
+            break
+    assert best is not None
+    return best
 
 
 def _from_side(subject: Subject, front: Float64, side: float, aspect: float) -> Camera:

@@ -9,8 +9,11 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from .paths import unique_names
-from .recording import Body, Bool
+from .recording import Body, Bool, Float64
 from .skin import NO_MATERIAL
+
+# Steps of the two-dimensional golden-ratio sequence, which fills a square evenly (M. Roberts, 2018).
+GOLDEN_STEPS = np.array([0.7548776662466927, 0.5698402909980532])
 
 Colour = tuple[float, float, float]
 
@@ -106,6 +109,21 @@ def source_colours(families: dict[int, list[Body]]) -> dict[int, Colour]:
 def plain(colour: Colour) -> Look:
     """The look of a body that nobody gave one."""
     return Look(Material(colour, OUTSIDE_ROUGHNESS), Material(INSIDE, INSIDE_ROUGHNESS), 0.34)
+
+
+def look_of(body: Body) -> Look:
+    """What a body is drawn as; the colours of one without a look are its source's, not these."""
+    return plain(SCENERY) if body.look is None else LOOKS[body.look]
+
+
+def tint(body: Body, look: Look) -> Float64:
+    """(3,) factor of a piece's colours: pieces differ by a touch of brightness and warmth, so that they can be told apart."""
+    if body.parent is None:
+        return np.ones(3)
+    brightness, warmth = (body.id * GOLDEN_STEPS) % 1.0
+    shade = 1.0 + look.variation * (brightness - 0.53)
+    factor: Float64 = shade * (1.0 + 0.3 * look.variation * (warmth - 0.5) * np.array([1.0, 0.0, -1.2]))
+    return factor
 
 
 class Palette(Generic[Handle]):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .recording import Body, Bool, Float32, UInt32
+from .recording import Body, Bool, Float32, Float64, UInt32
 
 #: Faces that meet at a flatter angle look like one bent surface [degrees]; broken edges are far sharper.
 CREASE_DEGREES = 30.0
@@ -25,6 +25,22 @@ class ShadedMesh(NamedTuple):
 
 def shaded_mesh(vertices: Float32, triangles: UInt32, interior: Bool) -> ShadedMesh:
     """Split the vertices (v, 3) of triangles (t, 3) wherever the surface creases or a crack begins (t,)."""
+    corner_normals = smooth_normals(vertices, triangles, interior)
+
+    # Corners of one vertex with the same normal and side become one split vertex.
+    corner_vertex = triangles.ravel().astype(np.int64)
+    side = np.repeat(interior, 3).astype(np.int64)
+    key = np.column_stack([corner_vertex, side, np.round(corner_normals * 1e4).astype(np.int64)])
+    _, keep, split = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    return ShadedMesh(
+        vertex=corner_vertex[keep].astype(np.uint32),
+        normals=corner_normals[keep].astype(np.float32),
+        triangles=split.reshape(-1, 3).astype(np.uint32),
+    )
+
+
+def smooth_normals(vertices: Float32, triangles: UInt32, interior: Bool) -> Float64:
+    """(3 t, 3) unit normals of the corners of triangles (t, 3), smooth up to creases and cracks (t,)."""
     # Area-weighted and unit normals of the triangles; a sliver without area takes any normal.
     corners = vertices.astype(np.float64)[triangles]
     area_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -50,19 +66,9 @@ def shaded_mesh(vertices: Float32, triangles: UInt32, interior: Bool) -> ShadedM
         axis=1,
     )
     lengths = np.linalg.norm(corner_normals, axis=1, keepdims=True)
-    corner_normals = np.where(
-        lengths > 0.0, corner_normals / np.where(lengths > 0.0, lengths, 1.0), unit_normals.repeat(3, axis=0)
-    )
-
-    # Corners of one vertex with the same normal and side become one split vertex.
-    side = np.repeat(interior, 3).astype(np.int64)
-    key = np.column_stack([corner_vertex, side, np.round(corner_normals * 1e4).astype(np.int64)])
-    _, keep, split = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    return ShadedMesh(
-        vertex=corner_vertex[keep].astype(np.uint32),
-        normals=corner_normals[keep].astype(np.float32),
-        triangles=split.reshape(-1, 3).astype(np.uint32),
-    )
+    scale = np.where(lengths > 0.0, lengths, 1.0)
+    smooth: Float64 = np.where(lengths > 0.0, corner_normals / scale, unit_normals.repeat(3, axis=0))
+    return smooth
 
 
 def corner_normals(body: Body, shaded: ShadedMesh) -> Float32:
