@@ -1,0 +1,44 @@
+// What plays when.
+
+/** The time of a recording, in frames. */
+export class Clock {
+  /** From 0 to the last frame; a fraction lies between two frames. */
+  time = 0;
+  playing = false;
+  /** Seconds of the recording in a second. */
+  speed = 1;
+
+  constructor(
+    readonly frames: number,
+    private readonly fps: number,
+  ) {}
+
+  /** The frame that is shown: bodies are born and die at whole frames. */
+  get frame(): number {
+    return Math.floor(this.time);
+  }
+
+  /** Let time pass [s]; at the end the recording stops. */
+  advance(seconds: number): void {
+    if (!this.playing) return;
+    this.time = Math.min(this.time + seconds * this.speed * this.fps, this.frames);
+    if (this.time === this.frames) this.playing = false;
+  }
+
+  /** Play from here, or from the start if this is the end. */
+  toggle(): void {
+    this.playing = !this.playing;
+    if (this.playing && this.time >= this.frames) this.time = 0;
+  }
+
+  /** Go to a time in frames and stay there. */
+  seek(time: number): void {
+    this.playing = false;
+    this.time = Math.min(Math.max(time, 0), this.frames);
+  }
+
+  /** Go to the next whole frame in a direction, 1 or -1. */
+  step(direction: number): void {
+    this.seek(direction > 0 ? Math.floor(this.time) + 1 : Math.ceil(this.time) - 1);
+  }
+}

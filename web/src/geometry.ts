@@ -1,0 +1,83 @@
+// All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up in.
+import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
+import { TEXELS } from "./poses";
+import type { Recording } from "./recording";
+import { TABLE_WIDTH } from "./shaders/place";
+
+/** What each kind of grain is for the shaders. */
+const GRAINS = ["", "wood", "concrete"];
+
+export interface Geometries {
+  solid: BufferGeometry;
+  /** What lets light pass; `null` without any. */
+  glass: BufferGeometry | null;
+}
+
+/** One solid and one clear surface, whatever the number of bodies. */
+export function mergeBodies({ bodies, meshes, materials }: Recording): Geometries {
+  const count = bodies.reduce((sum, body) => sum + meshes[body.mesh]!.slots.length, 0);
+  const positions = new Float32Array(3 * count);
+  const normals = new Int16Array(4 * count);
+  const ids = new Uint32Array(2 * count);
+  const solid: number[] = [];
+  const glass: number[] = [];
+  let first = 0;
+  bodies.forEach((body, row) => {
+    const mesh = meshes[body.mesh]!;
+    positions.set(mesh.positions, 3 * first);
+    mesh.slots.forEach((slot, vertex) => {
+      const at = first + vertex;
+      for (let axis = 0; axis < 3; axis++) normals[4 * at + axis] = Math.round(32767 * mesh.normals[3 * vertex + axis]!);
+      ids[2 * at] = row;
+      ids[2 * at + 1] = body.materials[slot] ?? 0;
+    });
+    for (let i = 0; i < mesh.triangles.length; i += 3) {
+      const material = materials[ids[2 * (first + mesh.triangles[i]!) + 1]!]!;
+      const into = material.clear > 0 ? glass : solid;
+      for (let corner = 0; corner < 3; corner++) into.push(first + mesh.triangles[i + corner]!);
+    }
+    first += mesh.slots.length;
+  });
+
+  const attributes = {
+    position: new BufferAttribute(positions, 3),
+    normal: new BufferAttribute(normals, 4, true),
+    ids: new BufferAttribute(ids, 2),
+  };
+  const geometry = (indices: number[]): BufferGeometry => {
+    const made = new BufferGeometry();
+    for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
+    return made.setIndex(new BufferAttribute(new Uint32Array(indices), 1));
+  };
+  return { solid: geometry(solid), glass: glass.length > 0 ? geometry(glass) : null };
+}
+
+/** A texture of single-precision numbers, four to a texel. */
+export function table(texels: number): DataTexture {
+  const height = Math.max(1, Math.ceil(texels / TABLE_WIDTH));
+  const texture = new DataTexture(new Float32Array(4 * TABLE_WIDTH * height), TABLE_WIDTH, height, RGBAFormat, FloatType);
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** The numbers of a table. */
+export function numbers(texture: DataTexture): Float32Array {
+  return texture.image.data as Float32Array;
+}
+
+/** Tint and grain of every body. */
+export function pieceTable({ bodies }: Recording): DataTexture {
+  const texture = table(TEXELS * bodies.length);
+  bodies.forEach((body, row) => numbers(texture).set([...body.tint, 0, ...body.grain], 4 * TEXELS * row));
+  return texture;
+}
+
+/** Colour and clearness of every material, then how metallic it is, its grain, and whether it is an inside. */
+export function materialTable({ materials }: Recording): DataTexture {
+  const texture = table(2 * materials.length);
+  materials.forEach((material, row) => {
+    const grain = Math.max(GRAINS.indexOf(material.grain), 0);
+    numbers(texture).set([...material.colour, material.clear, material.metallic, grain, material.inside ? 1 : 0, 0], 8 * row);
+  });
+  return texture;
+}

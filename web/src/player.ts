@@ -1,0 +1,136 @@
+// Plays a recording on a canvas: time, camera, and when to draw.
+import { MOUSE, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Clock } from "./clock";
+import type { Recording } from "./recording";
+import { type Quality, Stage } from "./stage";
+
+/** Width over height that the first view was made for: a narrower window sees as far to the sides. */
+const ASPECT = 16 / 9;
+/** Pictures of the same that are averaged while nothing moves, and the time after which they are enough [ms]. */
+const PICTURES = 32;
+const PATIENCE = 6000;
+/** From best to cheapest; a step down is taken when a picture takes longer than that [ms]. */
+const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
+  { pixelRatio: 2, taps: 24, ambient: true },
+  { pixelRatio: 1, taps: 12, ambient: true },
+  { pixelRatio: 0.75, taps: 6, ambient: false },
+];
+const TOO_LONG = 45;
+const BEST = 0;
+
+/** No more is drawn here: the driver took the context away. */
+export type OnLost = () => void;
+
+export class Player {
+  readonly clock: Clock;
+  /** By how much pieces are pulled apart. */
+  explode = 0;
+  /** Called after every picture. */
+  onDraw: (settled: boolean) => void = () => {};
+  private readonly renderer: WebGLRenderer;
+  private readonly camera: PerspectiveCamera;
+  private readonly orbit: OrbitControls;
+  private readonly stage: Stage;
+  private level = BEST;
+  private durations: number[] = [];
+  private picture = 0;
+  private still = 0;
+  private last = performance.now();
+  private state = "";
+
+  constructor(
+    readonly recording: Recording,
+    private readonly canvas: HTMLCanvasElement,
+    onLost: OnLost,
+  ) {
+    this.clock = new Clock(recording.frames, recording.fps);
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, powerPreference: "high-performance" });
+    this.renderer.autoClear = false;
+    canvas.addEventListener("webglcontextlost", onLost);
+
+    // The stage's origin is what the first view looks at.
+    const { eye, target, fieldOfView } = recording.camera;
+    this.camera = new PerspectiveCamera(fieldOfView);
+    this.camera.position.fromArray(eye.map((part, axis) => part - target[axis]!));
+    this.camera.lookAt(new Vector3());
+    this.orbit = new OrbitControls(this.camera, canvas);
+    this.orbit.enableDamping = true;
+    this.orbit.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
+    if (recording.bodies.some((body) => body.floor)) this.orbit.maxPolarAngle = 0.495 * Math.PI;
+    const distance = this.camera.position.length();
+    this.orbit.minDistance = 0.02 * distance;
+    this.orbit.maxDistance = 12 * distance;
+    this.orbit.saveState();
+    this.stage = new Stage(this.renderer, recording, this.camera);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  /** Go on for ever. */
+  start(): void {
+    const turn = (now: number): void => {
+      this.update(now);
+      requestAnimationFrame(turn);
+    };
+    requestAnimationFrame(turn);
+  }
+
+  /** Back to where it was seen from at first. */
+  resetView(): void {
+    this.orbit.reset();
+  }
+
+  private update(now: number): void {
+    // A tab that was in the background does not jump ahead.
+    this.clock.advance(Math.min((now - this.last) / 1000, 0.25));
+    const duration = now - this.last;
+    this.last = now;
+    this.orbit.update();
+    const state = [this.clock.time, this.explode, ...this.camera.position.toArray(), ...this.orbit.target.toArray(), this.level].join();
+    if (state !== this.state) {
+      this.adapt(duration);
+      this.state = state;
+      this.picture = 0;
+      this.still = now;
+    } else if (this.picture >= PICTURES || (now - this.still > PATIENCE && this.picture >= 4)) {
+      this.durations = [];
+      return;
+    }
+    this.draw();
+  }
+
+  private draw(): void {
+    const distance = this.camera.position.distanceTo(this.orbit.target);
+    this.camera.near = 0.01 * distance;
+    this.camera.far = 100 * distance;
+    this.camera.updateProjectionMatrix();
+    this.stage.pose(this.clock.time, this.explode);
+    this.stage.draw(this.camera, this.orbit.target, LEVELS[this.level]!, this.picture);
+    this.picture++;
+    this.onDraw(this.picture >= 4);
+  }
+
+  /** Spend less on a picture where the last ones took too long. */
+  private adapt(duration: number): void {
+    this.durations.push(duration);
+    if (this.durations.length < 12) return;
+    const median = this.durations.sort((a, b) => a - b)[6]!;
+    this.durations = [];
+    if (median <= TOO_LONG || this.level === LEVELS.length - 1) return;
+    this.level++;
+    this.resize();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    const [width, height] = [Math.max(clientWidth, 1), Math.max(clientHeight, 1)];
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, LEVELS[this.level]!.pixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    const halfHeight = Math.tan((this.recording.camera.fieldOfView * Math.PI) / 360) * Math.max(1, ASPECT / this.camera.aspect);
+    this.camera.fov = (Math.atan(halfHeight) * 360) / Math.PI;
+    this.stage.resize(this.canvas.width, this.canvas.height);
+    this.state = "";
+  }
+}

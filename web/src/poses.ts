@@ -1,0 +1,49 @@
+// Where everything is between two frames, as the shaders read it.
+import type { Body, Recording } from "./recording";
+
+/** Texels of a body in the texture of poses: place and whether it is shown, then its quaternion. */
+export const TEXELS = 2;
+
+/** Fill (place, shown) and quaternions, eight numbers a body, for a time in frames; places are relative to an origin [m]. */
+export function fillPoses(recording: Recording, time: number, explode: number, origin: readonly number[], into: Float32Array): void {
+  const frame = Math.floor(time);
+  const part = time - frame;
+  recording.bodies.forEach((body, row) => {
+    const at = 4 * TEXELS * row;
+    const shown = body.birth <= frame && frame < body.end;
+    into[at + 3] = shown ? 1 : 0;
+    if (shown) interpolate(recording, body, frame, part, explode, origin, into, at);
+  });
+}
+
+function interpolate(
+  { positions, orientations, positionStep }: Recording,
+  body: Body,
+  frame: number,
+  part: number,
+  explode: number,
+  origin: readonly number[],
+  into: Float32Array,
+  at: number,
+): void {
+  // The frame of its death no longer shows a body: on the way there it stays where it was.
+  const last = Math.min(body.poses, body.end - body.birth) - 1;
+  const here = body.pose + Math.min(frame - body.birth, last);
+  const next = body.pose + Math.min(frame - body.birth + 1, last);
+  for (let axis = 0; axis < 3; axis++) {
+    const column = positions[axis]!;
+    const place = column[here]! + part * (column[next]! - column[here]!);
+    into[at + axis] = place * positionStep - origin[axis]! + explode * body.pull[axis]!;
+  }
+
+  // Neighbours never flip sign, so that the straight way is the short one.
+  let length = 0;
+  for (let axis = 0; axis < 4; axis++) {
+    const column = orientations[axis]!;
+    const value = column[here]! + part * (column[next]! - column[here]!);
+    into[at + 4 + axis] = value;
+    length += value * value;
+  }
+  const scale = 1 / (Math.sqrt(length) || 1);
+  for (let axis = 0; axis < 4; axis++) into[at + 4 + axis]! *= scale;
+}

@@ -1,0 +1,181 @@
+// A recording as the player draws it: materials, meshes, bodies and where they were at every frame.
+import { Blob32 } from "./streams";
+
+/** The version of the data that this player reads. */
+const FORMAT = 1;
+
+export interface Material {
+  name: string;
+  /** Linear RGB. */
+  colour: [number, number, number];
+  metallic: number;
+  /** Share of the light that passes. */
+  clear: number;
+  /** What is drawn on it by position: "wood", "concrete" or nothing. */
+  grain: string;
+  /** Whether cracks laid it bare. */
+  inside: boolean;
+}
+
+/** A surface in the body frame [m]. */
+export interface Mesh {
+  /** Three numbers a vertex. */
+  positions: Float32Array;
+  normals: Float32Array;
+  /** Which of the body's materials each vertex has. */
+  slots: Int32Array;
+  /** Three vertices a triangle. */
+  triangles: Int32Array;
+}
+
+export interface Body {
+  /** First frame that shows it, and the first that no longer does. */
+  birth: number;
+  end: number;
+  /** Index of what it broke off from; -1 for the bodies of the scene. */
+  parent: number;
+  /** Whether it is everything below the plane y = 0 of its own frame. */
+  floor: boolean;
+  mesh: number;
+  /** Material of each slot of its mesh. */
+  materials: number[];
+  /** Factor of its colours. */
+  tint: [number, number, number];
+  /** Rotation from the body frame to that of its grain, x, y, z, w. */
+  grain: [number, number, number, number];
+  /** By how much it moves when pieces are pulled apart to twice their distance [m]. */
+  pull: [number, number, number];
+  /** Its first pose, and how many it has; the last one holds on. */
+  pose: number;
+  poses: number;
+}
+
+export interface Recording {
+  shot: string;
+  fps: number;
+  /** Last frame; frame 0 is the state before the first step. */
+  frames: number;
+  camera: { eye: [number, number, number]; target: [number, number, number]; fieldOfView: number };
+  materials: Material[];
+  meshes: Mesh[];
+  bodies: Body[];
+  /** All poses: x, y, z as multiples of the step, and quaternions up to a factor. */
+  positions: Int32Array[];
+  orientations: Int32Array[];
+  /** What positions are multiples of [m]. */
+  positionStep: number;
+}
+
+/** A break: how many pieces appeared at a frame. */
+export interface Break {
+  frame: number;
+  pieces: number;
+}
+
+/** Read an inflated blob. */
+export function readRecording(bytes: Uint8Array): Recording {
+  const blob = new Blob32(bytes);
+  const header = blob.header as unknown as Recording & { format: number; steps: Record<string, number> };
+  if (header.format !== FORMAT) throw new Error(`the recording has format ${header.format}, and this player reads ${FORMAT}`);
+  const step = (name: string): number => header.steps[name] ?? 1;
+  return {
+    shot: header.shot,
+    fps: header.fps,
+    frames: header.frames,
+    camera: header.camera,
+    materials: header.materials,
+    meshes: readMeshes(blob, step("normal")),
+    bodies: readBodies(blob, step),
+    positions: blob.columns("positions"),
+    orientations: blob.columns("orientations"),
+    positionStep: step("position"),
+  };
+}
+
+/** The breaks, in order. */
+export function breaks(recording: Recording): Break[] {
+  const pieces = new Map<number, number>();
+  for (const body of recording.bodies)
+    if (body.parent >= 0) pieces.set(body.birth, (pieces.get(body.birth) ?? 0) + 1);
+  return [...pieces].map(([frame, count]) => ({ frame, pieces: count })).sort((a, b) => a.frame - b.frame);
+}
+
+/** How many bodies a frame shows. */
+export function countAlive(recording: Recording, frame: number): number {
+  return recording.bodies.filter((body) => body.birth <= frame && frame < body.end).length;
+}
+
+function readBodies(blob: Blob32, step: (name: string) => number): Body[] {
+  const [birth, end, parent, floor, mesh, poses, slots, material] = (
+    ["birth", "end", "parent", "floor", "mesh", "poses", "slots", "materials"] as const
+  ).map((name) => blob.column(name)) as [Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array];
+  const [pull, tint, grain] = [blob.columns("pull"), blob.columns("tint"), blob.columns("grain")];
+  let pose = 0;
+  let slot = 0;
+  return Array.from(birth, (first, row) => {
+    const body: Body = {
+      birth: first,
+      end: end[row]!,
+      parent: parent[row]!,
+      floor: floor[row] === 1,
+      mesh: mesh[row]!,
+      materials: Array.from(material.subarray(slot, slot + slots[row]!)),
+      tint: scaled(tint, row, step("tint")) as Body["tint"],
+      grain: scaled(grain, row, step("orientation")) as Body["grain"],
+      pull: scaled(pull, row, step("position")) as Body["pull"],
+      pose,
+      poses: poses[row]!,
+    };
+    pose += body.poses;
+    slot += slots[row]!;
+    return body;
+  });
+}
+
+function readMeshes(blob: Blob32, normalStep: number): Mesh[] {
+  const low = blob.columns("mesh_low").map(floats);
+  const scale = floats(blob.column("mesh_scale"));
+  const counts = (["mesh_corners", "mesh_vertices", "mesh_triangles"] as const).map((name) => blob.column(name));
+  const [corners, normals] = [blob.columns("corners"), blob.columns("normals")];
+  const [vertices, slots, triangles] = [blob.column("vertices"), blob.column("vertex_slots"), blob.column("triangles")];
+  let [corner, vertex, index] = [0, 0, 0];
+  return Array.from(scale, (size, row) => {
+    const [cornerCount, vertexCount, triangleCount] = counts.map((count) => count[row]!) as [number, number, number];
+    const positions = new Float32Array(3 * vertexCount);
+    const directions = new Float32Array(3 * vertexCount);
+    for (let i = 0; i < vertexCount; i++) {
+      const at = corner + vertices[vertex + i]!;
+      for (let axis = 0; axis < 3; axis++) positions[3 * i + axis] = low[axis]![row]! + size * corners[axis]![at]!;
+      const [x, y] = normals as [Int32Array, Int32Array];
+      directions.set(unfold(x[vertex + i]! * normalStep, y[vertex + i]! * normalStep), 3 * i);
+    }
+    const mesh = {
+      positions,
+      normals: directions,
+      slots: slots.subarray(vertex, vertex + vertexCount),
+      triangles: triangles.subarray(index, index + 3 * triangleCount),
+    };
+    corner += cornerCount;
+    vertex += vertexCount;
+    index += 3 * triangleCount;
+    return mesh;
+  });
+}
+
+/** The unit normal of a point of the unfolded octahedron. */
+export function unfold(x: number, y: number): [number, number, number] {
+  const z = 1 - Math.abs(x) - Math.abs(y);
+  const back = Math.max(-z, 0);
+  const [a, b] = [x - Math.sign(x) * back, y - Math.sign(y) * back];
+  const length = Math.hypot(a, b, z) || 1;
+  return [a / length, b / length, z / length];
+}
+
+function scaled(columns: Int32Array[], row: number, step: number): number[] {
+  return columns.map((column) => column[row]! * step);
+}
+
+/** The single-precision numbers with the same bits. */
+function floats(column: Int32Array): Float32Array {
+  return new Float32Array(column.slice().buffer);
+}

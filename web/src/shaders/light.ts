@@ -1,0 +1,237 @@
+// Fragment shaders: the light of the gallery's pictures (`python/frangible/render.py`), without rays.
+
+/** Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando 2005). */
+const LAMP = /* glsl */ `
+uniform sampler2D lampDepth;
+uniform sampler2D glassDepth;
+uniform mat4 lampMatrix;
+uniform vec3 lamp;
+/** Half the width and the depth of what the lamp sees, and the width of a texel [m]. */
+uniform vec3 lampReach;
+uniform bool hasGlass;
+uniform int taps;
+uniform float seed;
+
+const float LAMP_RADIUS = 0.06;
+const float GLASS_SHADOW = 0.78;
+
+float noise(vec2 pixel) {
+  return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + seed);
+}
+
+vec2 disk(int i, int count, float turn) {
+  float angle = 2.39996323 * float(i) + turn;
+  return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
+}
+
+/** Share of the lamp's light that arrives at a point. */
+float lampShare(vec3 point, vec3 n) {
+  float facing = dot(n, lamp);
+  if (facing <= 0.0) return 0.0;
+  vec3 lifted = point + n * lampReach.z * (1.0 + 1.5 * sqrt(1.0 - facing * facing));
+  vec3 at = (lampMatrix * vec4(lifted, 1.0)).xyz * 0.5 + 0.5;
+  vec2 away = abs(at.xy - 0.5) * 2.0;
+  if (max(away.x, away.y) >= 1.0) return 1.0;
+
+  // How far the surface itself rises towards the lamp across the map, in the map's units.
+  vec3 across = vec3(lampMatrix[0][0], lampMatrix[1][0], lampMatrix[2][0]);
+  vec3 along = vec3(lampMatrix[0][1], lampMatrix[1][1], lampMatrix[2][1]);
+  vec2 slope = vec2(dot(n, normalize(across)), dot(n, normalize(along))) / max(facing, 0.15) * lampReach.x / lampReach.y;
+
+  float turn = 6.2831853 * noise(gl_FragCoord.xy);
+  float wide = min(LAMP_RADIUS * lampReach.y * 0.12 / lampReach.x, 0.06);
+  float above = 0.0, blockers = 0.0;
+  for (int i = 0; i < taps; i++) {
+    vec2 offset = wide * 0.5 * disk(i, taps, turn);
+    float surface = at.z + 2.0 * dot(offset, slope);
+    float depth = texture(lampDepth, at.xy + offset).r;
+    if (depth < surface) { above += surface - depth; blockers += 1.0; }
+  }
+  float share = 1.0;
+  if (blockers > 0.0) {
+    float radius = clamp(LAMP_RADIUS * above / blockers * lampReach.y / lampReach.x, lampReach.z / lampReach.x, wide);
+    float open = 0.0;
+    for (int i = 0; i < taps; i++) {
+      vec2 offset = radius * 0.5 * disk(i, taps, turn);
+      open += step(at.z + 2.0 * dot(offset, slope), texture(lampDepth, at.xy + offset).r);
+    }
+    share = open / float(taps);
+  }
+  if (hasGlass) {
+    float clear = 0.0;
+    for (int i = 0; i < 4; i++)
+      clear += step(at.z, texture(glassDepth, at.xy + lampReach.z / lampReach.x * disk(i, 4, turn)).r);
+    share *= mix(GLASS_SHADOW, 1.0, clear / 4.0);
+  }
+  return mix(share, 1.0, smoothstep(0.85, 1.0, max(away.x, away.y)));
+}
+`;
+
+const SKY = /* glsl */ `
+uniform sampler2D ambient;
+uniform bool hasAmbient;
+uniform vec2 pixels;
+
+const vec3 LAMP_COLOUR = vec3(2.55, 2.25, 1.85);
+const vec3 SKY_COLOUR = vec3(0.56, 0.68, 0.88);
+const vec3 BOUNCE_COLOUR = vec3(0.16, 0.145, 0.13);
+const vec3 FLOOR_COLOUR = vec3(0.25, 0.26, 0.28);
+const vec3 HAZE_COLOUR = vec3(0.52, 0.57, 0.64);
+const vec3 ZENITH_COLOUR = vec3(0.20, 0.27, 0.38);
+
+vec3 backdrop(vec3 direction) {
+  return mix(HAZE_COLOUR, ZENITH_COLOUR, clamp(2.2 * direction.y, 0.0, 1.0));
+}
+
+/** Light of the sky over the half sphere: its lower part sees the floor instead. */
+vec3 skyLight(vec3 n) {
+  float open = hasAmbient ? texture(ambient, gl_FragCoord.xy / pixels).r : 0.9;
+  float free = open * (0.5 + 0.5 * n.y);
+  float height = 0.35 + 0.65 * mix(0.75, 0.97, max(n.y, 0.0));
+  return free * height * SKY_COLOUR + (1.0 - free) * BOUNCE_COLOUR;
+}
+`;
+
+/** Grain of wood and gravel in concrete, drawn by position as `python/frangible/textures.py` does. */
+const GRAIN = /* glsl */ `
+float hashed(ivec3 at) {
+  uvec3 v = uvec3(at) * 1664525u + 1013904223u;
+  v += v.yzx * v.zxy;
+  v ^= v >> 16u;
+  v += v.yzx * v.zxy;
+  return float(v.x >> 8u) / 16777216.0;
+}
+
+float valueNoise(vec3 point) {
+  ivec3 cell = ivec3(floor(point));
+  vec3 part = fract(point);
+  part *= part * (3.0 - 2.0 * part);
+  vec4 low = vec4(hashed(cell), hashed(cell + ivec3(1, 0, 0)), hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
+  cell.z += 1;
+  vec4 high = vec4(hashed(cell), hashed(cell + ivec3(1, 0, 0)), hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
+  vec4 four = mix(low, high, part.z);
+  vec2 two = mix(four.xy, four.zw, part.y);
+  return mix(two.x, two.y, part.x);
+}
+
+vec3 wood(vec3 p) {
+  float wander = 0.5 * valueNoise(p * vec3(1.3, 9.0, 9.0)) + 0.12 * valueNoise(p * vec3(6.0, 60.0, 60.0));
+  float late = fract(length(p.yz + vec2(0.09, 0.05)) / 0.011 + 2.0 * wander);
+  float fibre = 0.06 * (valueNoise(p * vec3(25.0, 900.0, 900.0)) - 0.5);
+  return 1.0 + fibre - late * late * late * vec3(0.34, 0.44, 0.50);
+}
+
+vec3 concrete(vec3 p, bool inside) {
+  float sand = 0.16 * (valueNoise(p / 0.005) - 0.5) + 0.14 * (valueNoise(p / 0.15) - 0.5);
+  if (!inside) return vec3(1.0 + sand);
+  float gravel = clamp((valueNoise(p / 0.022) - 0.56) * 9.0, 0.0, 1.0);
+  return 1.0 + sand + gravel * (vec3(-0.34, -0.32, -0.28) + 0.45 * valueNoise(p / 0.055 + 17.0));
+}
+`;
+
+const SHADE = /* glsl */ `
+vec3 shade(vec3 albedo, float metallic, vec3 point, vec3 n, vec3 ray) {
+  vec3 light = lampShare(point, n) * LAMP_COLOUR;
+  float facing = max(dot(n, lamp), 0.0);
+  float gloss = max(dot(n, normalize(lamp - ray)), 0.0);
+  float sheen = 0.14 * pow(gloss, 48.0) * (1.0 - metallic) + 0.9 * pow(gloss, 140.0) * metallic;
+  vec3 mirrored = albedo * backdrop(reflect(ray, n)) * metallic;
+  return albedo * (light * facing + skyLight(n)) * (1.0 - 0.6 * metallic) + mirrored + sheen * light;
+}
+`;
+
+const HEAD = /* glsl */ `
+precision highp float;
+precision highp int;
+uniform vec3 eye;
+out vec4 radiance;
+`;
+
+/** Bodies: what is solid, or one of two layers of what is clear. */
+export const SURFACE_FRAGMENT = /* glsl */ `
+${HEAD}
+in vec3 world;
+in vec3 normalWorld;
+in vec3 grainPoint;
+flat in vec4 colour;
+flat in vec4 finish;
+${LAMP}${SKY}${GRAIN}${SHADE}
+
+vec3 grained(vec3 albedo) {
+  if (finish.y == 1.0) return albedo * wood(grainPoint);
+  if (finish.y == 2.0) return albedo * concrete(grainPoint, finish.z > 0.5);
+  return albedo;
+}
+
+void main() {
+  vec3 n = normalize(normalWorld) * (gl_FrontFacing ? 1.0 : -1.0);
+  vec3 ray = normalize(world - eye);
+#ifdef GLASS
+  // Schlick's formula, for both sides of the glass.
+  float clear = colour.a;
+  float cosine = clamp(-dot(n, ray), 0.0, 1.0);
+  float reflectance = 0.045 + 0.955 * pow(1.0 - cosine, 5.0);
+#if GLASS == 1
+  radiance = vec4(sqrt(clear) * (1.0 - reflectance) * pow(colour.rgb, vec3(1.0 - clear)), 1.0);
+#else
+  vec3 mirror = reflect(ray, n);
+  vec3 sky = mirror.y > 0.0 ? 1.7 * backdrop(mirror) : FLOOR_COLOUR;
+  vec3 sparkle = 6.0 * pow(max(dot(mirror, lamp), 0.0), 700.0) * LAMP_COLOUR;
+  vec3 own = 0.5 * (1.0 - clear) * shade(colour.rgb, finish.x, world, n, ray);
+  radiance = vec4(own + reflectance * sky + sparkle, 1.0);
+#endif
+#else
+  radiance = vec4(shade(grained(colour.rgb), finish.x, world, n, ray), 1.0);
+#endif
+}
+`;
+
+export const FLOOR_VERTEX = /* glsl */ `
+precision highp float;
+in vec3 position;
+uniform mat4 viewProjection;
+uniform mat4 floorMatrix;
+out vec3 world;
+void main() {
+  world = (floorMatrix * vec4(position, 1.0)).xyz;
+  gl_Position = viewProjection * vec4(world, 1.0);
+}
+`;
+
+/** A half-space: a faint grid that dissolves into the haze. */
+export const FLOOR_FRAGMENT = /* glsl */ `
+${HEAD}
+in vec3 world;
+uniform vec3 floorNormal;
+/** Distance of the camera from what it looks at [m]. */
+uniform float distance0;
+/** Width of the grid's squares, and the stage's origin within them [m]. */
+uniform float spacing;
+uniform vec3 gridOrigin;
+${LAMP}${SKY}
+
+void main() {
+  float depth = length(world - eye);
+  vec3 ray = (world - eye) / depth;
+  vec2 cell = abs(fract((world + gridOrigin).xz / spacing + 0.5) - 0.5) * spacing;
+  float pixel = max(1.1e-3 * depth, 1e-9);
+  float line = clamp(1.5 - min(cell.x, cell.y) / pixel, 0.0, 1.0);
+  vec3 albedo = FLOOR_COLOUR * (1.0 - 0.22 * line * exp(-pow(depth / (2.0 * distance0), 2.0)));
+  vec3 light = lampShare(world, floorNormal) * LAMP_COLOUR * max(dot(floorNormal, lamp), 0.0);
+  vec3 lit = albedo * (light + skyLight(floorNormal));
+  float haze = 1.0 - exp(-pow(depth / (5.0 * distance0), 2.0));
+  radiance = vec4(mix(lit, HAZE_COLOUR, haze), 1.0);
+}
+`;
+
+/** What is behind everything. */
+export const BACKDROP_FRAGMENT = /* glsl */ `
+${HEAD}
+in vec2 screen;
+uniform mat4 inverseViewProjection;
+${SKY}
+void main() {
+  vec4 far = inverseViewProjection * vec4(screen, 1.0, 1.0);
+  radiance = vec4(backdrop(normalize(far.xyz / far.w - eye)), 1.0);
+}
+`;

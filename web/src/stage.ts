@@ -1,0 +1,148 @@
+// Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin is the first target.
+import {
+  CustomBlending, DataTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
+  PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
+  WebGLRenderTarget, ZeroFactor,
+} from "three";
+import { Film } from "./film";
+import { materialTable, mergeBodies, numbers, pieceTable, table } from "./geometry";
+import { Lamp } from "./lamp";
+import { Occlusion } from "./occlusion";
+import { TEXELS, fillPoses } from "./poses";
+import type { Recording } from "./recording";
+import { BACKDROP_FRAGMENT, FLOOR_FRAGMENT, FLOOR_VERTEX, SURFACE_FRAGMENT } from "./shaders/light";
+import { SURFACE_VERTEX } from "./shaders/place";
+import { SCREEN_VERTEX } from "./shaders/screen";
+import { type Uniform, type Uniforms, makeUniforms } from "./uniforms";
+
+/** Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze. */
+const FLOOR_REACH = 40;
+
+/** How much is spent on a picture. */
+export interface Quality {
+  /** Samples of shadows and of ambient light. */
+  taps: number;
+  ambient: boolean;
+}
+
+export class Stage {
+  readonly uniforms: Uniforms;
+  private readonly poses: DataTexture;
+  private readonly scene = new Scene();
+  private readonly lamp: Lamp;
+  private readonly occlusion: Occlusion;
+  private readonly film: Film;
+  private readonly target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, samples: 4 });
+  private readonly floors: { mesh: Mesh; body: number; matrix: Uniform<Matrix4>; normal: Uniform<Vector3> }[] = [];
+
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly recording: Recording,
+    camera: PerspectiveCamera,
+  ) {
+    this.poses = table(TEXELS * recording.bodies.length);
+    this.uniforms = makeUniforms(this.poses, pieceTable(recording), materialTable(recording));
+    const geometries = mergeBodies(recording);
+    const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion);
+    this.lamp = new Lamp(geometries, right, this.uniforms);
+    this.occlusion = new Occlusion(renderer, geometries.solid, this.uniforms);
+    this.film = new Film(renderer);
+
+    this.add(new Mesh(geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide })), 0);
+    recording.bodies.forEach((body, index) => body.floor && this.addFloor(index));
+    const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
+    this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
+
+    // Glass dims what lies behind it, then adds its own light: in which order panes are drawn makes no difference.
+    if (geometries.glass !== null) {
+      const layers = [
+        { defines: { GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },
+        { defines: { GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
+      ] as const;
+      layers.forEach((layer, index) => {
+        const rest = { ...layer, side: DoubleSide, depthWrite: false, blending: CustomBlending } as const;
+        this.add(new Mesh(geometries.glass!, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, rest)), 3 + index);
+      });
+    }
+  }
+
+  /** Width and height in pixels. */
+  resize(width: number, height: number): void {
+    this.target.setSize(width, height);
+    this.occlusion.resize(width, height);
+    this.film.resize(width, height);
+    this.uniforms.pixels.value.set(width, height);
+  }
+
+  /** Move the bodies to a time in frames, pulled apart so far. */
+  pose(time: number, explode: number): void {
+    const origin = this.recording.camera.target;
+    fillPoses(this.recording, time, explode, origin, numbers(this.poses));
+    this.poses.needsUpdate = true;
+  }
+
+  /** Draw; of several pictures of the same, number them from 0, and each smooths those before. */
+  draw(camera: PerspectiveCamera, target: Vector3, quality: Quality, picture: number): void {
+    const { uniforms } = this;
+    const distance = camera.position.distanceTo(target);
+    const [width, height] = uniforms.pixels.value.toArray() as [number, number];
+    const [x, y] = picture === 0 ? [0, 0] : [((picture * 0.7548776662466927) % 1) - 0.5, ((picture * 0.5698402909980532) % 1) - 0.5];
+    camera.setViewOffset(width, height, x, y, width, height);
+    camera.updateMatrixWorld();
+    uniforms.eye.value.copy(camera.position);
+    uniforms.view.value.copy(camera.matrixWorldInverse);
+    uniforms.projection.value.copy(camera.projectionMatrix);
+    uniforms.inverseProjection.value.copy(camera.projectionMatrixInverse);
+    uniforms.viewProjection.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    uniforms.inverseViewProjection.value.copy(uniforms.viewProjection.value).invert();
+    uniforms.taps.value = quality.taps;
+    uniforms.seed.value = (picture * 0.618033988749895) % 1;
+    uniforms.hasAmbient.value = quality.ambient;
+    uniforms.reach.value = 0.09 * distance;
+    uniforms.distance0.value = distance;
+    uniforms.spacing.value = 10 ** Math.max(Math.ceil(Math.log10(distance / 30)), -6);
+    uniforms.gridOrigin.value.fromArray(this.recording.camera.target.map((part) => part % uniforms.spacing.value));
+
+    this.lamp.draw(this.renderer, target, distance, uniforms);
+    this.placeFloors(target, distance);
+    if (quality.ambient) this.occlusion.draw(camera);
+    this.renderer.setRenderTarget(this.target);
+    this.renderer.clear();
+    this.renderer.render(this.scene, camera);
+    this.film.show(this.target.texture, picture);
+  }
+
+  private add(mesh: Mesh, order: number): void {
+    mesh.frustumCulled = false;
+    mesh.renderOrder = order;
+    this.scene.add(mesh);
+  }
+
+  private material(vertexShader: string, fragmentShader: string, rest: ShaderMaterialParameters): RawShaderMaterial {
+    return new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms: { ...this.uniforms }, ...rest });
+  }
+
+  private addFloor(body: number): void {
+    const matrix = { value: new Matrix4() };
+    const normal = { value: new Vector3() };
+    const material = this.material(FLOOR_VERTEX, FLOOR_FRAGMENT, { side: DoubleSide });
+    Object.assign(material.uniforms, { floorMatrix: matrix, floorNormal: normal });
+    const mesh = new Mesh(new PlaneGeometry(2, 2).rotateX(-Math.PI / 2), material);
+    this.add(mesh, 1);
+    this.floors.push({ mesh, body, matrix, normal });
+  }
+
+  /** Half-spaces are shown around what the camera looks at. */
+  private placeFloors(target: Vector3, distance: number): void {
+    const poses = numbers(this.poses);
+    for (const { mesh, body, matrix, normal } of this.floors) {
+      const at = 4 * TEXELS * body;
+      mesh.visible = poses[at + 3] === 1;
+      const turn = new Quaternion().fromArray(poses, at + 4);
+      normal.value.set(0, 1, 0).applyQuaternion(turn);
+      const place = target.clone().sub(new Vector3().fromArray(poses, at)).projectOnPlane(normal.value).add(new Vector3().fromArray(poses, at));
+      const size = FLOOR_REACH * distance;
+      matrix.value.compose(place, turn, new Vector3(size, size, size));
+    }
+  }
+}
