@@ -1,5 +1,5 @@
 # One command from a fresh clone: `make demo` shows it at work, `make test` checks everything.
-# Needs Rust 1.95, Python 3.11, Node 20 (for the tests), and compilers for C and C++.
+# Needs Rust 1.95, Python 3.11, Node 20.19 (for the player), and compilers for C and C++.
 
 PYTHON ?= python3
 VENV := .venv
@@ -14,16 +14,22 @@ DEMO_FRAME := 14
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
 
-.PHONY: help build demo verify claims soak explore test test-rust test-python test-blender clean
+# What `--out FILE.html` writes a recording into.
+PLAYER := python/frangible/player.html
+PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src -type f)
+
+.PHONY: help build demo verify claims soak explore test test-rust test-python test-web test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
 
 build: $(VENV)/.installed ## Build the Python package into .venv
 
-demo: build ## Simulate the wall and write it to out/ as USD, glTF and a picture
+demo: build ## Simulate the wall; write a page that plays it, USD, glTF and a picture to out/
 	@mkdir -p $(OUT)
-	$(BIN)/frangible run wall --out $(OUT)/wall.usdc --out $(OUT)/wall.glb --out $(OUT)/wall.png --frame $(DEMO_FRAME)
+	$(BIN)/frangible run wall --out $(OUT)/wall.html --out $(OUT)/wall.usdc --out $(OUT)/wall.glb \
+	  --out $(OUT)/wall.png --frame $(DEMO_FRAME)
+	@echo "Open $(OUT)/wall.html in a browser: it plays the wall."
 
 verify: build ## Measure what the paper and we promise, on this machine
 	$(BIN)/frangible verify
@@ -41,7 +47,7 @@ explore: ## Check properties on other cases than the tests draw, from the seed i
 	seed=$$(date +%s); echo "PROPTEST_RNG_SEED=$$seed"; \
 	  PROPTEST_RNG_SEED=$$seed cargo test --release --workspace --locked
 
-test: test-rust test-python ## Check everything, as continuous integration does
+test: test-rust test-python test-web ## Check everything, as continuous integration does
 
 test-rust: tests/tools/node_modules/.package-lock.json
 	cargo fmt --check
@@ -50,6 +56,9 @@ test-rust: tests/tools/node_modules/.package-lock.json
 	cargo test --workspace --locked --doc
 	cargo test --workspace --locked --lib --exclude frangible-dynamics --exclude frangible-python
 	cargo test --package frangible-dynamics --locked --lib --profile unit
+
+test-web: web/node_modules/.package-lock.json
+	cd web && npm test --silent
 
 test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/mypy
@@ -65,7 +74,7 @@ $(BLENDER)/.installed:
 	touch $@
 
 clean: ## Remove what the other targets made
-	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules
+	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules $(PLAYER)
 
 # The environment may be there already, without pip or without our tools.
 $(VENV)/.tools: pyproject.toml
@@ -81,12 +90,19 @@ $(VENV)/.tools: pyproject.toml
 
 # The tests use the wheel that a user gets, not the source tree. Where its panics come from is told without the folders of the
 # machine that built it.
-$(VENV)/.installed: $(VENV)/.tools $(RUST_SOURCES) $(PYTHON_SOURCES)
+$(VENV)/.installed: $(VENV)/.tools $(PLAYER) $(RUST_SOURCES) $(PYTHON_SOURCES)
 	rm -rf target/wheels
 	cargo fetch --locked --quiet --target "$$(rustc --print host-tuple)"
 	RUSTFLAGS="$$RUSTFLAGS $$(printf -- '--remap-path-prefix=%s=crates.io ' "$${CARGO_HOME:-$$HOME/.cargo}"/registry/src/*)" \
 	  $(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out target/wheels
 	$(BIN)/python -m pip install --quiet --no-deps --no-index --force-reinstall target/wheels/frangible-*.whl
+	touch $@
+
+$(PLAYER): web/node_modules/.package-lock.json $(PLAYER_SOURCES)
+	cd web && npm run build --silent
+
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json
+	cd web && npm ci --no-audit --no-fund
 	touch $@
 
 tests/tools/node_modules/.package-lock.json: tests/tools/package.json tests/tools/package-lock.json

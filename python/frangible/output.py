@@ -62,6 +62,12 @@ def _write_glb(recording: Recording, path: str, frame: int | None) -> None:
     write_glb(recording, path)
 
 
+def _write_html(recording: Recording, path: str, frame: int | None) -> None:
+    from .page import write_html
+
+    write_html(recording, path)
+
+
 def _write_png(recording: Recording, path: str, frame: int | None) -> None:
     from .render import write_png
 
@@ -79,6 +85,7 @@ _EXTRAS = {"exact": ("manifold3d",), "gltf": ("DracoPy",), "plot": ("matplotlib"
 
 _FORMATS = {
     ".glb": _Format(_write_glb),
+    ".html": _Format(_write_html),
     ".npz": _Format(_write_npz),
     ".png": _Format(_write_png, "render"),
     ".usda": _Format(_write_usd, "usd"),

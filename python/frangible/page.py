@@ -6,7 +6,7 @@ import base64
 import html
 from pathlib import Path
 
-from .camera import Camera, frame_bodies
+from .camera import frame_recording
 from .page_data import encode
 from .recording import Recording
 
@@ -16,8 +16,6 @@ PLAYER = Path(__file__).with_name("player.html")
 TITLE, DATA = "FRANGIBLE_TITLE", "FRANGIBLE_RECORDING"
 #: Width over height of the window that the first view is made for.
 ASPECT = 16 / 9
-#: The first view shows what flies apart so long after the last break [s].
-AFTER_BREAK = 0.25
 
 
 class PlayerError(ValueError):
@@ -30,15 +28,7 @@ def write_html(recording: Recording, path: str) -> None:
         template = PLAYER.read_text(encoding="utf-8")
     except FileNotFoundError as error:
         raise PlayerError(f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/") from error
-    data = base64.b64encode(encode(recording, first_view(recording))).decode("ascii")
+    data = base64.b64encode(encode(recording, frame_recording(recording, ASPECT))).decode("ascii")
     page = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1).replace(DATA, data, 1)
     with open(path, "w", encoding="utf-8") as file:
         file.write(page)
-
-
-def first_view(recording: Recording) -> Camera:
-    """A camera that sees what broke shortly after it did."""
-    breaks = [body.birth_frame for body in recording.bodies if body.parent is not None]
-    after = round(AFTER_BREAK * recording.fps)
-    frame = min(breaks[0] + after, recording.frames) if breaks else 0
-    return frame_bodies(recording.bodies, frame, ASPECT)

@@ -130,7 +130,7 @@ class Recording:
         return [body for body in self.bodies if body.alive(frame)]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, or .png for a picture."""
+        """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, .html to play it, .png for a picture."""
         from .output import open_output
 
         open_output(os.fspath(path)).write(self)

@@ -38,7 +38,7 @@ def test_a_failed_write_leaves_what_was_there(failure: type[BaseException], tmp_
     assert os.listdir(tmp_path) == ["file.txt"]
 
 
-@pytest.mark.parametrize("ending", ["usda", "usdc", "glb", "npz", "png"])
+@pytest.mark.parametrize("ending", ["usda", "usdc", "glb", "html", "npz", "png"])
 def test_every_writer_leaves_nothing_of_a_recording_that_it_cannot_write(
     ending: str, scripted: Recording, tmp_path: Path
 ) -> None:
@@ -177,8 +177,8 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
     ("name", "rule"),
     [
         ("missing/wall.glb", "does not exist"),
-        ("wall.fbx", "must be one of .glb, .npz, .png, .usda, .usdc"),
-        ("wall", "must be one of .glb, .npz, .png, .usda, .usdc"),
+        ("wall.fbx", "must be one of .glb, .html, .npz, .png, .usda, .usdc"),
+        ("wall", "must be one of .glb, .html, .npz, .png, .usda, .usdc"),
         ("folder.glb", "must be a file"),
     ],
 )

@@ -11,6 +11,8 @@ export interface Geometries {
   solid: BufferGeometry;
   /** What lets light pass; `null` without any. */
   glass: BufferGeometry | null;
+  /** Whether corners have a place in an image, and a colour. */
+  skinned: boolean;
 }
 
 /** One solid and one clear surface, whatever the number of bodies. */
@@ -21,10 +23,16 @@ export function mergeBodies({ bodies, meshes, materials }: Recording): Geometrie
   const ids = new Uint32Array(2 * count);
   const solid: number[] = [];
   const glass: number[] = [];
+  // Only what a mesh's file says has images or colours of its corners.
+  const skinned = meshes.some((mesh) => mesh.places !== null || mesh.colours !== null);
+  const places = skinned ? new Float32Array(2 * count) : null;
+  const colours = skinned ? new Uint8Array(4 * count).fill(255) : null;
   let first = 0;
   bodies.forEach((body, row) => {
     const mesh = meshes[body.mesh]!;
     positions.set(mesh.positions, 3 * first);
+    if (mesh.places !== null) places?.set(mesh.places, 2 * first);
+    if (mesh.colours !== null) colours?.set(mesh.colours.map((part) => Math.round(255 * part)), 4 * first);
     mesh.slots.forEach((slot, vertex) => {
       const at = first + vertex;
       for (let axis = 0; axis < 3; axis++) normals[4 * at + axis] = Math.round(32767 * mesh.normals[3 * vertex + axis]!);
@@ -33,23 +41,27 @@ export function mergeBodies({ bodies, meshes, materials }: Recording): Geometrie
     });
     for (let i = 0; i < mesh.triangles.length; i += 3) {
       const material = materials[ids[2 * (first + mesh.triangles[i]!) + 1]!]!;
-      const into = material.clear > 0 ? glass : solid;
+      const into = material.clear > 0 || material.blended ? glass : solid;
       for (let corner = 0; corner < 3; corner++) into.push(first + mesh.triangles[i + corner]!);
     }
     first += mesh.slots.length;
   });
 
-  const attributes = {
+  const attributes: Record<string, BufferAttribute> = {
     position: new BufferAttribute(positions, 3),
     normal: new BufferAttribute(normals, 4, true),
     ids: new BufferAttribute(ids, 2),
   };
+  if (places !== null && colours !== null) {
+    attributes["place"] = new BufferAttribute(places, 2);
+    attributes["cornerColour"] = new BufferAttribute(colours, 4, true);
+  }
   const geometry = (indices: number[]): BufferGeometry => {
     const made = new BufferGeometry();
     for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
     return made.setIndex(new BufferAttribute(new Uint32Array(indices), 1));
   };
-  return { solid: geometry(solid), glass: glass.length > 0 ? geometry(glass) : null };
+  return { solid: geometry(solid), glass: glass.length > 0 ? geometry(glass) : null, skinned };
 }
 
 /** A texture of single-precision numbers, four to a texel. */
@@ -72,12 +84,17 @@ export function pieceTable({ bodies }: Recording): DataTexture {
   return texture;
 }
 
-/** Colour and clearness of every material, then how metallic it is, its grain, and whether it is an inside. */
+/**
+ * Of every material: colour and clearness; how metallic it is, its grain, whether it is an inside, its image; what it
+ * shines with, and its cutoff, or 2 where opacity lets light through.
+ */
 export function materialTable({ materials }: Recording): DataTexture {
-  const texture = table(2 * materials.length);
+  const texture = table(3 * materials.length);
   materials.forEach((material, row) => {
     const grain = Math.max(GRAINS.indexOf(material.grain), 0);
-    numbers(texture).set([...material.colour, material.clear, material.metallic, grain, material.inside ? 1 : 0, 0], 8 * row);
+    const finish = [material.metallic, grain, material.inside ? 1 : 0, material.image];
+    const shine = [...material.emission, material.blended ? 2 : material.cutoff];
+    numbers(texture).set([...material.colour, material.clear, ...finish, ...shine], 12 * row);
   });
   return texture;
 }

@@ -1,4 +1,5 @@
 // The page: reads the recording inside it and plays it.
+import { loadImages } from "./images";
 import { Panel, element } from "./panel";
 import { Player } from "./player";
 import { readRecording } from "./recording";
@@ -28,7 +29,8 @@ async function main(): Promise<void> {
   const recording = readRecording(await inflate(element("recording").textContent ?? ""));
   element("recording").remove();
   const canvas = element("view") as HTMLCanvasElement;
-  const player = new Player(recording, canvas, () => say("The graphics driver gave up on this page: load it again."));
+  const images = await loadImages(recording.images);
+  const player = new Player(recording, images, canvas, () => say("The graphics driver gave up on this page: load it again."));
   const panel = new Panel(player);
   const state = document.documentElement.dataset;
   player.onDraw = (settled) => {

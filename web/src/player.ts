@@ -1,5 +1,5 @@
 // Plays a recording on a canvas: time, camera, and when to draw.
-import { MOUSE, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
+import { type DataArrayTexture, MOUSE, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Clock } from "./clock";
 import type { Recording } from "./recording";
@@ -41,6 +41,7 @@ export class Player {
 
   constructor(
     readonly recording: Recording,
+    images: DataArrayTexture,
     private readonly canvas: HTMLCanvasElement,
     onLost: OnLost,
   ) {
@@ -62,7 +63,7 @@ export class Player {
     this.orbit.minDistance = 0.02 * distance;
     this.orbit.maxDistance = 12 * distance;
     this.orbit.saveState();
-    this.stage = new Stage(this.renderer, recording, this.camera);
+    this.stage = new Stage(this.renderer, recording, images, this.camera);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
   }

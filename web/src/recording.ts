@@ -11,10 +11,25 @@ export interface Material {
   metallic: number;
   /** Share of the light that passes. */
   clear: number;
+  /** What it shines with, linear RGB. */
+  emission: [number, number, number];
+  /** Index of the image that is laid on it; -1 without one. */
+  image: number;
+  /** Of what has less opacity than that, nothing is drawn. */
+  cutoff: number;
+  /** Whether the opacity of image and corners lets light through. */
+  blended: boolean;
   /** What is drawn on it by position: "wood", "concrete" or nothing. */
   grain: string;
   /** Whether cracks laid it bare. */
   inside: boolean;
+}
+
+/** An image as its file holds it. */
+export interface Image {
+  mime: string;
+  /** Base64. */
+  data: string;
 }
 
 /** A surface in the body frame [m]. */
@@ -24,6 +39,9 @@ export interface Mesh {
   normals: Float32Array;
   /** Which of the body's materials each vertex has. */
   slots: Int32Array;
+  /** Texture coordinates, two a vertex, v up, and factors of the colour, four a vertex; `null` where none matters. */
+  places: Float32Array | null;
+  colours: Float32Array | null;
   /** Three vertices a triangle. */
   triangles: Int32Array;
 }
@@ -57,6 +75,7 @@ export interface Recording {
   frames: number;
   camera: { eye: [number, number, number]; target: [number, number, number]; fieldOfView: number };
   materials: Material[];
+  images: Image[];
   meshes: Mesh[];
   bodies: Body[];
   /** All poses: x, y, z as multiples of the step, and quaternions up to a factor. */
@@ -84,7 +103,8 @@ export function readRecording(bytes: Uint8Array): Recording {
     frames: header.frames,
     camera: header.camera,
     materials: header.materials,
-    meshes: readMeshes(blob, step("normal")),
+    images: header.images,
+    meshes: readMeshes(blob, step),
     bodies: readBodies(blob, step),
     positions: blob.columns("positions"),
     orientations: blob.columns("orientations"),
@@ -132,12 +152,14 @@ function readBodies(blob: Blob32, step: (name: string) => number): Body[] {
   });
 }
 
-function readMeshes(blob: Blob32, normalStep: number): Mesh[] {
+function readMeshes(blob: Blob32, step: (name: string) => number): Mesh[] {
   const low = blob.columns("mesh_low").map(floats);
   const scale = floats(blob.column("mesh_scale"));
   const counts = (["mesh_corners", "mesh_vertices", "mesh_triangles"] as const).map((name) => blob.column(name));
   const [corners, normals] = [blob.columns("corners"), blob.columns("normals")];
   const [vertices, slots, triangles] = [blob.column("vertices"), blob.column("vertex_slots"), blob.column("triangles")];
+  const [places, colours] = [blob.columns("places"), blob.columns("colours")];
+  const normalStep = step("normal");
   let [corner, vertex, index] = [0, 0, 0];
   return Array.from(scale, (size, row) => {
     const [cornerCount, vertexCount, triangleCount] = counts.map((count) => count[row]!) as [number, number, number];
@@ -153,6 +175,9 @@ function readMeshes(blob: Blob32, normalStep: number): Mesh[] {
       positions,
       normals: directions,
       slots: slots.subarray(vertex, vertex + vertexCount),
+      places: interleaved(places, vertex, vertexCount, (value) => value * step("coordinate")),
+      // What is missing to white.
+      colours: interleaved(colours, vertex, vertexCount, (value) => 1 - value * step("colour")),
       triangles: triangles.subarray(index, index + 3 * triangleCount),
     };
     corner += cornerCount;
@@ -169,6 +194,16 @@ export function unfold(x: number, y: number): [number, number, number] {
   const [a, b] = [x - Math.sign(x) * back, y - Math.sign(y) * back];
   const length = Math.hypot(a, b, z) || 1;
   return [a / length, b / length, z / length];
+}
+
+/** Rows of columns, one after the other; `null` if all are 0. */
+function interleaved(columns: Int32Array[], first: number, count: number, value: (stored: number) => number): Float32Array | null {
+  if (columns.every((column) => column.subarray(first, first + count).every((stored) => stored === 0))) return null;
+  const rows = new Float32Array(columns.length * count);
+  columns.forEach((column, index) => {
+    for (let row = 0; row < count; row++) rows[columns.length * row + index] = value(column[first + row]!);
+  });
+  return rows;
 }
 
 function scaled(columns: Int32Array[], row: number, step: number): number[] {

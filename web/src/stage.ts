@@ -1,6 +1,6 @@
 // Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin is the first target.
 import {
-  CustomBlending, DataTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
+  CustomBlending, type DataArrayTexture, type DataTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
   PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
   WebGLRenderTarget, ZeroFactor,
 } from "three";
@@ -38,17 +38,19 @@ export class Stage {
   constructor(
     private readonly renderer: WebGLRenderer,
     private readonly recording: Recording,
+    images: DataArrayTexture,
     camera: PerspectiveCamera,
   ) {
     this.poses = table(TEXELS * recording.bodies.length);
-    this.uniforms = makeUniforms(this.poses, pieceTable(recording), materialTable(recording));
+    this.uniforms = makeUniforms(this.poses, pieceTable(recording), materialTable(recording), images);
     const geometries = mergeBodies(recording);
+    const skinned: Record<string, string> = geometries.skinned ? { SKINNED: "" } : {};
     const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion);
     this.lamp = new Lamp(geometries, right, this.uniforms);
     this.occlusion = new Occlusion(renderer, geometries.solid, this.uniforms);
     this.film = new Film(renderer);
 
-    this.add(new Mesh(geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide })), 0);
+    this.add(new Mesh(geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
     recording.bodies.forEach((body, index) => body.floor && this.addFloor(index));
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
@@ -56,8 +58,8 @@ export class Stage {
     // Glass dims what lies behind it, then adds its own light: in which order panes are drawn makes no difference.
     if (geometries.glass !== null) {
       const layers = [
-        { defines: { GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },
-        { defines: { GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
+        { defines: { ...skinned, GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },
+        { defines: { ...skinned, GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
       ] as const;
       layers.forEach((layer, index) => {
         const rest = { ...layer, side: DoubleSide, depthWrite: false, blending: CustomBlending } as const;

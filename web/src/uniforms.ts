@@ -1,5 +1,5 @@
 // What the shaders share.
-import { type DataTexture, Matrix4, type Texture, Vector2, Vector3 } from "three";
+import { type DataArrayTexture, type DataTexture, Matrix4, type Texture, Vector2, Vector3 } from "three";
 
 /** A value that all materials read which hold the same object. */
 export interface Uniform<T> {
@@ -8,11 +8,12 @@ export interface Uniform<T> {
 
 export type Uniforms = ReturnType<typeof makeUniforms>;
 
-export function makeUniforms(poses: DataTexture, pieces: DataTexture, materials: DataTexture) {
+export function makeUniforms(poses: DataTexture, pieces: DataTexture, materials: DataTexture, images: DataArrayTexture) {
   return {
     poses: { value: poses },
     pieces: { value: pieces },
     materials: { value: materials },
+    images: { value: images },
     /** The eye's. */
     eye: { value: new Vector3() },
     view: { value: new Matrix4() },

@@ -33,7 +33,7 @@ def add_run(commands: Any) -> None:
     )
     run.add_argument("--threads", type=natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
     run.add_argument(
-        "--out", action="append", default=[], metavar="FILE", help=".usda, .usdc, .glb, .npz or .png; may be repeated"
+        "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png; may be repeated"
     )
     add_pose_time(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")

@@ -155,7 +155,26 @@ in vec3 normalWorld;
 in vec3 grainPoint;
 flat in vec4 colour;
 flat in vec4 finish;
+flat in vec4 shine;
+#ifdef SKINNED
+precision highp sampler2DArray;
+uniform sampler2DArray images;
+in vec2 imagePlace;
+in vec4 corner;
+#endif
 ${LAMP}${SKY}${GRAIN}${SHADE}
+
+/** Colour and opacity of what the mesh's file lays on the material. */
+vec4 skin() {
+#ifdef SKINNED
+  vec4 image = vec4(1.0);
+  if (finish.w >= 0.0) image = texture(images, vec3(imagePlace, finish.w));
+  image.rgb = mix(pow((image.rgb + 0.055) / 1.055, vec3(2.4)), image.rgb / 12.92, lessThanEqual(image.rgb, vec3(0.04045)));
+  return image * corner;
+#else
+  return vec4(1.0);
+#endif
+}
 
 vec3 grained(vec3 albedo) {
   if (finish.y == 1.0) return albedo * wood(grainPoint);
@@ -166,22 +185,35 @@ vec3 grained(vec3 albedo) {
 void main() {
   vec3 n = normalize(normalWorld) * (gl_FrontFacing ? 1.0 : -1.0);
   vec3 ray = normalize(world - eye);
+  vec4 laid = skin();
+  vec3 albedo = colour.rgb * laid.rgb;
 #ifdef GLASS
+  if (shine.a == 2.0) {
+    // What is painted with less than full opacity.
+    float opaque = laid.a * (1.0 - colour.a);
+#if GLASS == 1
+    radiance = vec4(vec3(1.0 - opaque), 1.0);
+#else
+    radiance = vec4(opaque * (shade(albedo, finish.x, world, n, ray) + shine.rgb), 1.0);
+#endif
+    return;
+  }
   // Schlick's formula, for both sides of the glass.
   float clear = colour.a;
   float cosine = clamp(-dot(n, ray), 0.0, 1.0);
   float reflectance = 0.045 + 0.955 * pow(1.0 - cosine, 5.0);
 #if GLASS == 1
-  radiance = vec4(sqrt(clear) * (1.0 - reflectance) * pow(colour.rgb, vec3(1.0 - clear)), 1.0);
+  radiance = vec4(sqrt(clear) * (1.0 - reflectance) * pow(albedo, vec3(1.0 - clear)), 1.0);
 #else
   vec3 mirror = reflect(ray, n);
   vec3 sky = mirror.y > 0.0 ? 1.7 * backdrop(mirror) : FLOOR_COLOUR;
   vec3 sparkle = 6.0 * pow(max(dot(mirror, lamp), 0.0), 700.0) * LAMP_COLOUR;
-  vec3 own = 0.5 * (1.0 - clear) * shade(colour.rgb, finish.x, world, n, ray);
+  vec3 own = 0.5 * (1.0 - clear) * shade(albedo, finish.x, world, n, ray);
   radiance = vec4(own + reflectance * sky + sparkle, 1.0);
 #endif
 #else
-  radiance = vec4(shade(grained(colour.rgb), finish.x, world, n, ray), 1.0);
+  if (laid.a < shine.a) discard;
+  radiance = vec4(shade(grained(albedo), finish.x, world, n, ray) + shine.rgb, 1.0);
 #endif
 }
 `;

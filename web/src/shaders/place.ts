@@ -9,6 +9,10 @@ precision highp int;
 in vec3 position;
 in vec4 normal;
 in uvec2 ids;
+#ifdef SKINNED
+in vec2 place;
+in vec4 cornerColour;
+#endif
 uniform sampler2D poses;
 
 vec4 entry(sampler2D table, uint index) {
@@ -20,10 +24,10 @@ vec3 turned(vec4 q, vec3 v) {
 }
 
 /** Where the corner is, relative to the stage's origin; outside of everything for a body that is not shown. */
-vec4 place(mat4 matrix, out vec3 world) {
-  vec4 place = entry(poses, 2u * ids.x);
-  world = place.xyz + turned(entry(poses, 2u * ids.x + 1u), position);
-  return place.w > 0.5 ? matrix * vec4(world, 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
+vec4 placed(mat4 matrix, out vec3 world) {
+  vec4 pose = entry(poses, 2u * ids.x);
+  world = pose.xyz + turned(entry(poses, 2u * ids.x + 1u), position);
+  return pose.w > 0.5 ? matrix * vec4(world, 1.0) : vec4(0.0, 0.0, 2.0, 1.0);
 }
 `;
 
@@ -34,7 +38,7 @@ uniform mat4 lampMatrix;
 
 void main() {
   vec3 world;
-  gl_Position = place(lampMatrix, world);
+  gl_Position = placed(lampMatrix, world);
   gl_Position.z = max(gl_Position.z, -gl_Position.w);
 }
 `;
@@ -54,7 +58,7 @@ out vec3 normalView;
 
 void main() {
   vec3 world;
-  gl_Position = place(viewProjection, world);
+  gl_Position = placed(viewProjection, world);
   normalView = mat3(view) * turned(entry(poses, 2u * ids.x + 1u), normal.xyz);
 }
 `;
@@ -80,13 +84,23 @@ out vec3 normalWorld;
 out vec3 grainPoint;
 flat out vec4 colour;
 flat out vec4 finish;
+flat out vec4 shine;
+#ifdef SKINNED
+out vec2 imagePlace;
+out vec4 corner;
+#endif
 
 void main() {
-  gl_Position = place(viewProjection, world);
+  gl_Position = placed(viewProjection, world);
   normalWorld = turned(entry(poses, 2u * ids.x + 1u), normal.xyz);
   grainPoint = turned(entry(pieces, 2u * ids.x + 1u), position);
-  colour = entry(materials, 2u * ids.y);
+  colour = entry(materials, 3u * ids.y);
   colour.rgb *= entry(pieces, 2u * ids.x).rgb;
-  finish = entry(materials, 2u * ids.y + 1u);
+  finish = entry(materials, 3u * ids.y + 1u);
+  shine = entry(materials, 3u * ids.y + 2u);
+#ifdef SKINNED
+  imagePlace = place;
+  corner = cornerColour;
+#endif
 }
 `;
