@@ -7,6 +7,7 @@ import html
 from pathlib import Path
 
 from .camera import frame_recording
+from .output import OutputError
 from .page_data import encode
 from .recording import Recording
 
@@ -18,16 +19,12 @@ TITLE, DATA = "FRANGIBLE_TITLE", "FRANGIBLE_RECORDING"
 ASPECT = 16 / 9
 
 
-class PlayerError(ValueError):
-    """The player is not there, in one sentence."""
-
-
 def write_html(recording: Recording, path: str) -> None:
-    """Write a page that needs no other file and no network."""
+    """Write a page that needs no other file and no network; `OutputError` without the player."""
     try:
         template = PLAYER.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        raise PlayerError(f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/") from error
+        raise OutputError(f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/") from error
     data = base64.b64encode(encode(recording, frame_recording(recording, ASPECT))).decode("ascii")
     page = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1).replace(DATA, data, 1)
     with open(path, "w", encoding="utf-8") as file:

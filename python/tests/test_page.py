@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frangible import Recording
-from frangible.page import ASPECT, DATA, PLAYER, TITLE, PlayerError
-from frangible.page_data import encode
+from frangible import OutputError, Recording
 from frangible.camera import frame_recording
+from frangible.page import ASPECT, DATA, PLAYER, TITLE
+from frangible.page_data import encode
 from support import TOOLS
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
@@ -116,7 +116,7 @@ def test_a_missing_player_is_a_sentence(
     scripted: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("frangible.page.PLAYER", PLAYER.with_name("nothing.html"))
-    with pytest.raises(PlayerError, match=r"npm ci && npm run build"):
+    with pytest.raises(OutputError, match=r"npm ci && npm run build"):
         scripted.save(tmp_path / "slab.html")
     assert os.listdir(tmp_path) == []
 
