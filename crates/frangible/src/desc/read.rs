@@ -1,5 +1,5 @@
-//! Descriptions from plain data. What does not fit is named by path, value and rule: the data is checked against the schema
-//! that the descriptions themselves make, before it becomes one.
+//! Descriptions from plain data. What does not fit is named by path, value and rule: the data is
+//! checked against the schema that the descriptions themselves make, before it becomes one.
 
 use super::SceneDesc;
 use crate::check::{BuildError, nearest};
@@ -7,13 +7,14 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-/// An object with this key alone stands for what JSON has no word for: its text is what a sentence shows.
+/// An object with this key alone stands for what JSON has no word for: its text is what a sentence
+/// shows.
 const NO_JSON: &str = "";
 
 /// Longer texts are shortened in sentences [characters].
 const LONGEST_SHOWN: usize = 40;
 
-/// A value that no description takes, for sentences: not a number, a number without bounds, a foreign type.
+/// A value that no description takes, for sentences: NaN, a number out of all bounds, a foreign type.
 pub fn no_json(shown: &str) -> Value {
     Value::Object([(NO_JSON.to_owned(), shown.into())].into_iter().collect())
 }
@@ -23,8 +24,8 @@ pub fn schema<T: JsonSchema>() -> Value {
     SchemaGenerator::default().into_root_schema_for::<T>().to_value()
 }
 
-/// A description from plain data that stands at `path`, which is empty for a scene. A number without a fraction may be written
-/// as one with a fraction.
+/// A description from plain data that stands at `path`, which is empty for a scene. A whole number
+/// may be written with a point.
 ///
 /// # Errors
 /// The first thing that does not fit: its path, its value and the rule.
