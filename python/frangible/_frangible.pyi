@@ -16,6 +16,7 @@ __all__ = [
     "BuildError",
     "Pattern",
     "World",
+    "__version__",
     "break_mesh_on_grid",
     "check_claim",
     "claims",
