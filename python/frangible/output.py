@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from .whole import whole_file as whole_file
+from .whole import whole_folder
 from .whole import whole_path as whole_path
 
 if TYPE_CHECKING:
@@ -27,11 +29,13 @@ class Output:
     writer: Callable[[Recording, str, int | None], None]
     #: The frame that a picture shows; the last one if not given.
     frame: int | None
+    is_folder: bool = False
 
     def write(self, recording: Recording) -> None:
         """Write the whole file or none; an `OSError` names it."""
+        whole = whole_folder if self.is_folder else whole_file
         try:
-            with whole_file(self.path) as part:
+            with whole(self.path) as part:
                 self.writer(recording, part, self.frame)
         except OSError as error:
             raise OSError(error.errno, error.strerror or str(error), self.path) from error
@@ -68,10 +72,36 @@ def _write_html(recording: Recording, path: str, frame: int | None) -> None:
     write_html(recording, path)
 
 
-def _write_png(recording: Recording, path: str, frame: int | None) -> None:
-    from .render import write_png
+@dataclass(frozen=True, slots=True)
+class View:
+    """How pictures and films are taken."""
 
-    write_png(recording, path, recording.frames if frame is None else frame)
+    #: ``fit``, or the file of a camera.
+    camera: str = "fit"
+    #: Width and height [pixels]; `None` for what a picture or a film has by default.
+    size: tuple[int, int] | None = None
+    #: Called with how much is drawn, and of how much.
+    progress: Callable[[int, int], None] | None = None
+
+
+def _drawn(ending: str, view: View) -> Callable[[Recording, str, int | None], None]:
+    """Writes a picture, or with any other ending a film."""
+
+    def write(recording: Recording, path: str, frame: int | None) -> None:
+        if ending == ".png":
+            from .camera import camera_for
+            from .render import HEIGHT, WIDTH, write_png
+
+            size = view.size or (WIDTH, HEIGHT)
+            camera = camera_for(recording, view.camera, size[0] / size[1])
+            shown = recording.frames if frame is None else frame
+            write_png(recording, path, shown, camera, size, view.progress)
+        else:
+            from .film import write_film
+
+            write_film(recording, path, ending, view.camera, view.size, view.progress)
+
+    return write
 
 
 def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
@@ -81,23 +111,54 @@ def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
 
 
 #: Modules that each extra of the installation brings.
-_EXTRAS = {"exact": ("manifold3d",), "gltf": ("DracoPy",), "plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
+_EXTRAS = {"exact": ("manifold3d",), "film": ("embreex", "PIL", "imageio_ffmpeg"), "gltf": ("DracoPy",), "plot": ("matplotlib",), "render": ("embreex", "PIL"), "usd": ("pxr",)}
 
 _FORMATS = {
     ".glb": _Format(_write_glb),
+    ".gif": _Format(_drawn(".gif", View()), "film"),
     ".html": _Format(_write_html),
+    ".mp4": _Format(_drawn(".mp4", View()), "film"),
     ".npz": _Format(_write_npz),
-    ".png": _Format(_write_png, "render"),
+    ".png": _Format(_drawn(".png", View()), "render"),
     ".usda": _Format(_write_usd, "usd"),
     ".usdc": _Format(_write_usd, "usd"),
 }
 
+#: What is drawn from a camera.
+DRAWN = (".gif", ".mp4", ".png")
+
 _PLOTS = {ending: _Format(_write_plot, "plot") for ending in (".pdf", ".png", ".svg")}
 
 
-def open_output(path: str, frame: int | None = None) -> Output:
-    """Check that a file can be written there, before anything is simulated; `OutputError` if not."""
-    return _open(path, _FORMATS, frame)
+def open_output(path: str, frame: int | None = None, view: View | None = None) -> Output:
+    """Check that a file can be written there, before anything is simulated; `OutputError` if not.
+
+    A path that ends in a slash is a folder, which a film's frames fill.
+    """
+    if view is not None and view.camera != "fit":
+        from .camera import read_camera
+
+        read_camera(view.camera)
+    if path.endswith("/"):
+        return _open_folder(path.rstrip("/") or "/", view or View())
+    output = _open(path, _FORMATS, frame)
+    ending = os.path.splitext(path)[1].lower()
+    if view is not None and ending in DRAWN:
+        output = replace(output, writer=_drawn(ending, view))
+    return output
+
+
+def _open_folder(path: str, view: View) -> Output:
+    if os.path.lexists(path) and not os.path.isdir(path):
+        raise OutputError(f"{path}: is a file, must be a folder")
+    check_folder(path, os.path.dirname(path) or ".")
+    if os.path.isdir(path):
+        for name in sorted(os.listdir(path)):
+            if not re.fullmatch(r"frame_\d+\.png", name):
+                raise OutputError(f"{path}: holds {name!r}, must be new, or hold frames alone")
+    if hint := missing_packages("render"):
+        raise OutputError(f"{path}: {hint}")
+    return Output(path, _drawn("", view), None, is_folder=True)
 
 
 def open_plot(path: str) -> Output:

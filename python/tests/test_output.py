@@ -177,8 +177,8 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
     ("name", "rule"),
     [
         ("missing/wall.glb", "does not exist"),
-        ("wall.fbx", "must be one of .glb, .html, .npz, .png, .usda, .usdc"),
-        ("wall", "must be one of .glb, .html, .npz, .png, .usda, .usdc"),
+        ("wall.fbx", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
+        ("wall", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
         ("folder.glb", "must be a file"),
     ],
 )

@@ -12,6 +12,7 @@ from typing import NoReturn
 
 from .. import _frangible
 from ..cache import CacheError
+from ..camera import CameraError
 from ..output import OutputError
 from ..reading import FileNote
 from ..stepping import BenchError
@@ -21,12 +22,13 @@ from .breaking import add_break
 from .files import add_info, add_plot, add_shots
 from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, Parser
 from .pattern import add_pattern
+from .render import add_render
 from .run import add_run
 from .scene import add_scene, add_schema
 from .verify import add_verify
 
 #: In the order in which the help lists them.
-COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_verify, add_pattern, add_shots, add_info, add_schema)
+COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_render, add_verify, add_pattern, add_shots, add_info, add_schema)
 
 
 #: Signals that ask a program to end.
@@ -60,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status: int = options.command(options) or 0
         sys.stdout.flush()
         return status
-    except (_frangible.BuildError, BenchError, CacheError, ClaimError, OutputError) as error:
+    except (_frangible.BuildError, BenchError, CacheError, CameraError, ClaimError, OutputError) as error:
         print(f"frangible: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except BrokenPipeError:

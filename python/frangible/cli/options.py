@@ -112,3 +112,30 @@ def readable(value: object) -> str:
         between = "; " if value and isinstance(value[0], list) else " "
         return between.join(readable(item) for item in value)
     return str(value)
+
+
+def size(text: str) -> tuple[int, int]:
+    """Width and height of a picture or a film [pixels]."""
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isdecimal() for part in parts):
+        raise argparse.ArgumentTypeError(f"{text!r}, must be WIDTHxHEIGHT, like 1280x720")
+    width, height = int(parts[0]), int(parts[1])
+    if not (16 <= width <= 8192 and 16 <= height <= 8192) or width % 2 or height % 2:
+        raise argparse.ArgumentTypeError(f"{text!r}, must be even numbers from 16 to 8192")
+    return width, height
+
+
+def add_view(command: argparse.ArgumentParser) -> None:
+    """What says how pictures and films are taken."""
+    command.add_argument(
+        "--camera",
+        default="fit",
+        metavar="fit|FILE",
+        help="where pictures and films are taken from; FILE: docs/films.md [fit]",
+    )
+    command.add_argument(
+        "--size",
+        type=size,
+        metavar="WxH",
+        help="of pictures and films [1280x720, films 960x540]",
+    )

@@ -2,12 +2,34 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
+from collections.abc import Callable
 
-from ..output import Output
+from ..output import Output, View, open_output
 from ..recording import Recording
 from .options import EXIT_FAILED
+
+
+def open_outputs(options: argparse.Namespace) -> list[Output]:
+    """The outputs that ``--out`` names, seen as ``--camera`` and ``--size`` say."""
+    outputs = []
+    for path in options.out:
+        progress = None if options.quiet else _progress(path)
+        view = View(options.camera, options.size, progress)
+        outputs.append(open_output(path, options.frame, view))
+    return outputs
+
+
+def _progress(path: str) -> Callable[[int, int], None]:
+    """Says for every tenth how much is drawn."""
+
+    def line(done: int, whole: int) -> None:
+        if done * 10 // whole > (done - 1) * 10 // whole:
+            print(f"drawing {path}: {100 * done // whole} %", file=sys.stderr, flush=True)
+
+    return line
 
 
 def write(outputs: list[Output], recording: Recording, quiet: bool = False) -> int:

@@ -12,15 +12,15 @@ import numpy.typing as npt
 
 from .. import _frangible
 from ..interrupts import stop_when_asked
-from ..output import OutputError, open_output
+from ..output import OutputError
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scenes import find_scene, readable_scene
 from ..stepping import moving_mass
 from ..summary import describe, summarise
-from .options import MOST_THREADS, add_pose_time, add_scene_options, natural, positive
-from .outputs import write
+from .options import MOST_THREADS, add_pose_time, add_scene_options, add_view, natural, positive
+from .outputs import open_outputs, write
 
 
 def add_run(commands: Any) -> None:
@@ -33,9 +33,10 @@ def add_run(commands: Any) -> None:
     )
     run.add_argument("--threads", type=natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
     run.add_argument(
-        "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png; may be repeated"
+        "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for its frames; may be repeated"
     )
     add_pose_time(run)
+    add_view(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--quiet", action="store_true", help="no progress and no list of what was written")
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
@@ -43,7 +44,7 @@ def add_run(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
-    outputs = [open_output(path, options.frame) for path in options.out]
+    outputs = open_outputs(options)
     scene, frames, name = find_scene(
         options.shot,
         mesh=options.mesh,
