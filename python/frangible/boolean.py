@@ -21,8 +21,8 @@ Cutter = tuple[Float64, UInt32, UInt32]
 LEAST_PART = 1e-12
 #: Cells whose parts make up the whole but for this part of its volume fit: the rest is rounding.
 FITS = 1e-9
-#: Of a surface that crosses itself this part of its area may lie in the solid: folds that are hardly to be seen.
-MOST_BURIED = 1e-3
+#: Of a surface that crosses itself this part of its area may lie in the solid: folds whose volume is below a percent.
+MOST_BURIED = 0.01
 #: Solids that are united in one call.
 AT_ONCE = 16
 #: Volumes that differ by less are the same, relatively.

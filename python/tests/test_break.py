@@ -238,7 +238,7 @@ def test_grid_pieces_are_those_of_the_exact_path(mesh: str, pattern: str, broken
 
 def test_the_report_says_how_a_mesh_was_closed(broken: Callable[..., Pieces], mesh_file: Callable[..., Path]) -> None:
     assert broken("sphere", "voronoi", True).notes == ["2 holes closed by triangles between the rim's vertices"]
-    assert broken("cross", "voronoi", True).notes == ["2 parts that cross or lie in one another made one"]
+    assert broken("cross", "voronoi", True).notes == ["2 parts that cross, touch or lie in one another made one"]
     assert broken("torus", "voronoi", True).notes == broken("hollow", "voronoi", True).notes == []
     crossing = break_mesh(
         mesh_file(knotted_tube(), "knot"), Pattern.named("voronoi", cells=8), exact=True, voxels=40
