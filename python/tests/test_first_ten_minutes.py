@@ -27,7 +27,7 @@ shape = { kind = "half-space" }
 [[bodies]]
 name = "arch"
 shape = { kind = "mesh", path = "arch.obj", resolution = { voxels = [24, 20, 8] } }
-breaking = { strength = 2e5, pattern = { kind = "voronoi", cells = 30 } }
+breaking = { strength = 50, pattern = { kind = "voronoi", cells = 30 } }
 [[bodies]]
 name = "ball"
 shape = { kind = "sphere", radius = 0.1 }
