@@ -92,6 +92,21 @@ class Pattern:
     def load(path: str) -> Pattern:
         """Read a pattern from a file; `BuildError` says what is wrong with it."""
 
+    def with_pieces(
+        self,
+        pieces: int,
+        mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]] | None = None,
+        at: Sequence[float] = ...,
+        normal: Sequence[float] = ...,
+        voxels: int = 48,
+        smallest_voxels: float = 27.0,
+    ) -> tuple[Pattern, int]:
+        """The pattern, finer, coarser or larger, that breaks a mesh into about so many pieces, and how many it is on a grid of so many
+        voxels along the mesh's longest side. Without a mesh: with so many cells.
+
+        A pattern from a file has the cells that it has, and can be laid on the mesh larger, not smaller.
+        """
+
     def save(self, path: str) -> None:
         """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be written."""
 

@@ -34,7 +34,8 @@ impl Placement {
     /// encloses the body.
     ///
     /// The twist about the normal is free. The pattern's x axis follows the grid axis along which the body is longest
-    /// across the normal, so that long pieces of a pattern lie along a long body, and equal blows break equally.
+    /// across the normal, so that long pieces of a pattern lie along a long body, and equal blows break equally. A magnified
+    /// pattern's box is larger by as much.
     pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
         let grid_from_body = struck.body_from_grid.inverse();
         let impact_grid = Impact {
@@ -61,6 +62,7 @@ impl Placement {
             let to_lower = -reach / (pattern.half_extent + pattern.center);
             scale = scale.max(to_upper.max(to_lower).max_element());
         }
+        scale *= pattern.magnification;
         Self { grid_from_pattern, scale, center_pattern: pattern.center, point_grid }
     }
 

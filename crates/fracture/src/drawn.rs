@@ -95,8 +95,7 @@ impl Pattern {
         });
         let drawn = Drawn::new(moved.collect(), middle).map_err(wrong)?;
         let half_extent = 0.5 * (high - low);
-        let cells = Cells::Drawn(drawn);
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells })
+        Ok(Self { cells: Cells::Drawn(drawn), ..Self::planar_in_box(half_extent, Vec::new()) })
     }
 
     /// The cells of a mesh: its connected parts.

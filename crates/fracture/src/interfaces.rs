@@ -33,8 +33,9 @@ pub struct Interface {
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces between the two make a
 /// staircase, whose area is too large by up to the root of 3; the sum of their vectors is right. It is taken for each crack
-/// plane that the two pieces share. Where they share none, as along a rough crack or one that merging a sliver has bent, it is
-/// taken in each cube of four voxels a side: ripples below that are left out. A voxel that the parent fills in part counts
+/// plane that the two pieces share, and along a rough crack for each face with the crack's own normal. Where they share
+/// neither, as where merging a sliver has bent a crack, it is taken in each cube of four voxels a side: ripples below that
+/// are left out. A voxel that the parent fills in part counts
 /// in part. Areas of contacts ten voxels across and more are within a few percent on planes; without planes all areas
 /// together are, but flat wedges at the body's surface lose much of theirs.
 ///

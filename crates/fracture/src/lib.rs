@@ -27,7 +27,7 @@ pub use bonds::{BondStrength, Giving, Glued, PointLoad};
 pub use drawn::Drawn;
 pub use generators::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 pub use interfaces::{CutPiece, Interface, interfaces, mesh_interfaces};
-pub use mesh_break::{Cutter, MeshBreakError, break_on_grid, cutters, resurfaced};
+pub use mesh_break::{Cutter, MeshBreakError, break_on_grid, cutters, resurfaced, sampled_body};
 pub use noise::Noise;
 pub use pattern::{Cells, Cut, Pattern, PatternError, Region};
 pub use rough::Rough;

@@ -128,14 +128,22 @@ pub fn break_on_grid(
     impact: &Impact,
     voxels: usize,
 ) -> Result<(f64, Vec<Fragment>), MeshBreakError> {
-    // Nobody collides with the pieces, so no sample is needed.
-    let (level_set, bounds) = sampled(mesh, voxels)?;
-    let solid = GridSolid::from_level_set(level_set);
-    let mut parent = Shape::from_grid_solid(solid, Vec::new())?;
-    parent.body_from_grid = RigidTransform::IDENTITY;
-    parent.bounds = bounds;
+    let parent = sampled_body(mesh, voxels)?;
     let pieces = shatter(&parent, pattern, impact, &ShatterSettings::default());
     Ok((parent.volume, pieces))
+}
+
+/// A mesh on a grid, as a body whose frame is the mesh's; see [`break_on_grid`].
+///
+/// # Errors
+/// As for [`break_on_grid`].
+pub fn sampled_body(mesh: &TriMesh, voxels: usize) -> Result<Shape, MeshBreakError> {
+    // Nobody collides with the pieces, so no sample is needed.
+    let (level_set, bounds) = sampled(mesh, voxels)?;
+    let mut body = Shape::from_grid_solid(GridSolid::from_level_set(level_set), Vec::new())?;
+    body.body_from_grid = RigidTransform::IDENTITY;
+    body.bounds = bounds;
+    Ok(body)
 }
 
 /// The surface of what a mesh encloses, closed and free of crossings: made anew by dual contouring of the level set on a grid of

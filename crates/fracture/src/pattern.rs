@@ -18,11 +18,23 @@ pub struct Pattern {
     pub half_extent: DVec3,
     /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
+    /// How many times larger its box is than the smallest that encloses what it breaks, at least 1: the larger, the fewer cells
+    /// meet the body.
+    #[serde(default = "unmagnified", skip_serializing_if = "is_unmagnified")]
+    pub magnification: f64,
     /// The cells that are mortar between others, in ascending order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<usize>,
     /// They tile the box, and go on beyond it.
     pub cells: Cells,
+}
+
+fn unmagnified() -> f64 {
+    1.0
+}
+
+fn is_unmagnified(magnification: &f64) -> bool {
+    *magnification == 1.0
 }
 
 /// What a pattern's cells are made of.
@@ -153,6 +165,17 @@ pub(crate) fn nearest_region(regions: &[Region], point: DVec3) -> Option<usize> 
 }
 
 impl Pattern {
+    /// A pattern of convex cells in a centred box, none of them mortar.
+    pub(crate) fn planar_in_box(half_extent: DVec3, regions: Vec<Region>) -> Self {
+        Self {
+            half_extent,
+            center: DVec3::ZERO,
+            magnification: unmagnified(),
+            joints: Vec::new(),
+            cells: Cells::Planar(regions),
+        }
+    }
+
     /// The regions of a pattern of convex cells; `None` for one with other cells.
     pub fn planar(&self) -> Option<&[Region]> {
         match &self.cells {

@@ -76,6 +76,9 @@ impl Pattern {
         if !(self.center.is_finite() && self.center.abs().cmplt(e).all()) {
             return Err(format!("center: {}, must lie inside of the box of half_extent {e}", self.center));
         }
+        if !(self.magnification.is_finite() && self.magnification >= 1.0) {
+            return Err(format!("magnification: {}, must be finite and at least 1", self.magnification));
+        }
         if self.is_empty() {
             return Err("has no cells, must have at least 1".to_owned());
         }

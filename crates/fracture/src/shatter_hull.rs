@@ -93,7 +93,7 @@ pub(crate) fn cut_hull(
         let Ok(shape) = Shape::convex_with_mass(hull, &mass, parent.sample_spacing()) else {
             return Vec::new();
         };
-        fragments.push(Fragment::new(parent, shape, cell));
+        fragments.push(Fragment::new(parent, shape.cut_from(parent), cell));
     }
 
     // Nothing is lost, and nothing is there twice.

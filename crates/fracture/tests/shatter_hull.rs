@@ -150,7 +150,7 @@ fn grid_pattern(axes: usize) -> Pattern {
         Region::from_half_spaces(&sides, DVec3::ONE)
     };
     let cells = Cells::Planar((0..1 << axes).map(region).collect());
-    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, cells, joints: Vec::new() }
+    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, magnification: 1.0, cells, joints: Vec::new() }
 }
 
 #[test]
@@ -222,6 +222,7 @@ fn a_sliver_that_fits_to_nothing_stays() {
         half_extent: DVec3::ONE,
         center: DVec3::ZERO,
         cells: Cells::Planar(pinwheel),
+        magnification: 1.0,
         joints: Vec::new(),
     };
     let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.4, 0.3) }, 0.1);

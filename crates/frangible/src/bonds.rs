@@ -340,6 +340,7 @@ fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
             impulse: *impulse,
             borne: *borne,
             energy: 0.0,
+            wanted: None,
             fragments: vec![0; born.len() - first],
             imbalance: if world.bodies.inertias[*body].is_infinite() {
                 Imbalance::default()

@@ -53,7 +53,7 @@ pub(crate) fn break_bodies(
             let label = fragment_label(world, &broken, index, &fragment);
             born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
-        let Break { blow, parent, spent, .. } = broken;
+        let Break { blow, parent, spent, breaking, .. } = broken;
         fractures.push(Fracture {
             body: id_number(blow.body),
             striker: id_number(blow.striker),
@@ -61,6 +61,7 @@ pub(crate) fn break_bodies(
             impulse: blow.impulse,
             borne: blow.borne,
             energy: spent,
+            wanted: breaking.pieces.as_ref().map(|(wanted, _)| *wanted),
             fragments: vec![0; born.len() - first],
             imbalance: imbalance(&world.bodies, parent, born[first..].iter().map(|(body, _)| body)),
         });
@@ -88,8 +89,9 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
         if energy_per_area > 0.0 { energy_at(&world.bodies, pair, blow.acts_at) } else { f64::INFINITY };
 
     let mut can_split = false;
-    for pattern in &breaking.patterns {
-        let fragments = shatter(&world.bodies.shapes[parent], pattern, &impact, &breaking.shatter);
+    let shape = world.bodies.shapes[parent].clone();
+    let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
+    for (pattern, fragments) in (0..).map_while(|step| breaking.cut(step, cut)) {
         if fragments.len() < 2 {
             continue;
         }
@@ -103,7 +105,6 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
             if spent > 0.0 {
                 pay_at(&mut world.bodies, pair, blow.acts_at, spent, tally);
             }
-            let pattern = pattern.clone();
             return Some(Break { blow: *blow, parent, breaking, pattern, fragments, spent });
         }
     }

@@ -5,6 +5,7 @@ use crate::bonds::{Bonds, build_bonds};
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
+use crate::fineness::Fineness;
 use crate::patterns::build_pattern;
 use crate::quarantine::is_representable;
 use crate::shapes::{Make, ShapeLibrary};
@@ -16,7 +17,7 @@ use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity};
-use frangible_fracture::{ShatterSettings, Smallest};
+use frangible_fracture::{ShatterSettings, Smallest, generators::MOST_CELLS};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use std::sync::Arc;
 
@@ -202,7 +203,14 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
     // What a blow must have energy for has coarser patterns, too.
     let at_pattern = at.field("pattern");
     let mut patterns = vec![Arc::new(build_pattern(&desc.pattern, &at_pattern)?)];
-    if strength.fracture_energy() > 0.0 {
+    let pieces = match desc.pieces {
+        Some(pieces) => {
+            let wanted = at.field("pieces").count(pieces, 2, MOST_CELLS)?;
+            Some((wanted, Arc::new(Fineness::new(desc.pattern.clone(), patterns[0].clone()))))
+        }
+        None => None,
+    };
+    if strength.fracture_energy() > 0.0 && pieces.is_none() {
         let mut coarser = desc.pattern.coarser();
         while let Some(pattern) = coarser {
             patterns.push(Arc::new(build_pattern(&pattern, &at_pattern)?));
@@ -212,7 +220,7 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
 
     patterns.iter().for_each(|pattern| pattern.prepare());
     let shatter = ShatterSettings::default();
-    Ok(Breaking { patterns, strength, shatter, generations: desc.generations, smallest })
+    Ok(Breaking { patterns, pieces, strength, shatter, generations: desc.generations, smallest })
 }
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {

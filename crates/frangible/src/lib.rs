@@ -25,6 +25,7 @@ mod break_bodies;
 mod build;
 mod check;
 mod desc;
+mod fineness;
 mod patterns;
 mod quarantine;
 mod report;
@@ -40,6 +41,7 @@ pub use desc::{
     AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method, MotionDesc,
     PartDesc, PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
 };
+pub use fineness::{Fineness, Found};
 pub use frangible_dynamics as dynamics;
 pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;

@@ -74,6 +74,28 @@ impl PatternDesc {
 }
 
 impl PatternDesc {
+    /// The same with about so many cells, its other parameters as they are; `None` for a file, which is what it is.
+    pub fn with_cells(&self, cells: usize) -> Option<Self> {
+        Some(match self {
+            Self::Radial(radial) => {
+                // As many rings as keep the spokes about as many as they are.
+                let rings = (cells as f64 / radial.spokes.max(3) as f64).round().max(1.0);
+                let spokes = ((cells as f64 / rings).round() as usize).max(3);
+                Self::Radial(Radial { spokes, rings: rings as usize - 1, ..radial.clone() })
+            }
+            Self::Voronoi(voronoi) => Self::Voronoi(Voronoi { cells, ..voronoi.clone() }),
+            Self::Natural(natural) => Self::Natural(Natural { cells, ..natural.clone() }),
+            Self::Slices(slices) => Self::Slices(Slices { cells, ..slices.clone() }),
+            Self::Bricks(bricks) => Self::Bricks(more_bricks(bricks, cells)),
+            Self::Splinters(splinters) => {
+                let fibres = cells.div_ceil(splinters.pieces.max(1));
+                Self::Splinters(Splinters { fibres, ..splinters.clone() })
+            }
+            Self::Concrete(concrete) => Self::Concrete(Concrete { cells, ..concrete.clone() }),
+            Self::File(_) => return None,
+        })
+    }
+
     /// The same with half as many cells; `None` if that is no pattern any more: masonry breaks along its joints, and a file is
     /// what it is.
     pub(crate) fn coarser(&self) -> Option<Self> {
@@ -122,6 +144,16 @@ fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     let columns = (cells as f64 / 3.0 / BRICK_RATIO).sqrt().round().max(1.0);
     let courses = (cells as f64 / 3.0 / (columns + 0.5)).round().max(1.0) as usize;
     PatternDesc::Bricks(Bricks { columns: columns as usize, courses, seed, ..default })
+}
+
+/// Bricks of about the same proportions: each has its joints beside it and above it, unless there is no mortar.
+fn more_bricks(bricks: &Bricks, cells: usize) -> Bricks {
+    let parts = if bricks.mortar > 0.0 { 3.0 } else { 1.0 };
+    let wanted = cells as f64 / parts;
+    let courses_per_column = bricks.courses.max(1) as f64 / bricks.columns.max(1) as f64;
+    let columns = (wanted / courses_per_column).sqrt().round().max(1.0);
+    let courses = (wanted / (columns + 0.5)).round().max(1.0);
+    Bricks { columns: columns as usize, courses: courses as usize, ..bricks.clone() }
 }
 
 /// Each splinter in two pieces.

@@ -147,6 +147,8 @@ pub struct Fracture {
     pub borne: f64,
     /// What its cracks took from the motion of the two against each other [J]; zero where strength is an impulse.
     pub energy: f64,
+    /// How many pieces its description asks for, if it does.
+    pub wanted: Option<usize>,
     /// What it broke into.
     pub fragments: Vec<u64>,
     /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the break: round-off.

@@ -4,6 +4,7 @@ use crate::bonds::Bonds;
 use crate::books::{Books, Totals};
 use crate::check::{BuildError, Checker};
 use crate::desc::{LookDesc, Method};
+use crate::fineness::Fineness;
 use crate::report::id_number;
 use crate::strength::Strength;
 use frangible_dynamics::birth_fits::BirthFits;
@@ -12,7 +13,7 @@ use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::penetration::find_penetrations;
 use frangible_dynamics::warm_start::WarmStart;
 use frangible_dynamics::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
-use frangible_fracture::{Pattern, ShatterSettings};
+use frangible_fracture::{Fragment, Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
 use std::sync::Arc;
@@ -55,12 +56,17 @@ pub struct Label {
     pub bonds: Option<Box<Bonds>>,
 }
 
+/// A break need not meet the number of pieces that is asked for more closely: each try costs a break.
+const PIECES_WITHIN: f64 = 0.1;
+
 /// How a body breaks.
 #[derive(Clone, Debug)]
 pub struct Breaking {
     /// How space is prescored: first as described, then ever more coarsely, for blows that have not the energy for so many
     /// cracks.
     pub patterns: Vec<Arc<Pattern>>,
+    /// Into how many pieces, if that is given, and the patterns to choose from.
+    pub pieces: Option<(usize, Arc<Fineness>)>,
     /// What it bears.
     pub strength: Strength,
     /// Resolution of the fragments.
@@ -69,6 +75,30 @@ pub struct Breaking {
     pub generations: u32,
     /// What is shorter does not break [m].
     pub smallest: f64,
+}
+
+impl Breaking {
+    /// The pattern of a step, at first as fine as described, then ever coarser, and the fragments that it makes; `None` beyond the
+    /// coarsest.
+    pub(crate) fn cut(
+        &self,
+        step: usize,
+        shatter: impl Fn(&Pattern) -> Vec<Fragment>,
+    ) -> Option<(Arc<Pattern>, Vec<Fragment>)> {
+        let Some((pieces, fineness)) = &self.pieces else {
+            return self.patterns.get(step).map(|pattern| (pattern.clone(), shatter(pattern)));
+        };
+        let wanted = pieces >> step.min(usize::BITS as usize - 1);
+        if wanted < 2 {
+            return None;
+        }
+        let attempt = |pattern: &Pattern| {
+            let fragments = shatter(pattern);
+            (fragments.len(), fragments)
+        };
+        let found = fineness.search(wanted, PIECES_WITHIN, attempt)?;
+        Some((found.pattern, found.made))
+    }
 }
 
 impl World {

@@ -1,5 +1,6 @@
 //! Triangles on closed forms, for drawing.
 
+use crate::hull::DRAWN_SIDES;
 use crate::{ClosedForm, TriMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -70,9 +71,9 @@ fn cuboid(half: DVec3) -> TriMesh {
     TriMesh { positions, triangles }
 }
 
-/// A prism of 48 sides and two fans.
+/// A prism and two fans.
 fn cylinder(radius: f64, half_height: f64) -> TriMesh {
-    const SIDES: u32 = 48;
+    const SIDES: u32 = DRAWN_SIDES;
     let mut positions = vec![DVec3::new(0.0, -half_height, 0.0), DVec3::new(0.0, half_height, 0.0)];
     let mut triangles = Vec::with_capacity(4 * SIDES as usize);
     for side in 0..SIDES {

@@ -37,6 +37,8 @@ pub struct Outline {
     pub root: Root,
     /// The cracks: each fragment lies inside of all of these, up to merged slivers.
     pub cuts: Vec<HalfSpace>,
+    /// The same for cracks that are no planes: samples of the distance to the cell, negative inside.
+    pub rough: Vec<Arc<LevelSet>>,
 }
 
 /// The surface of a body before any break.
@@ -110,7 +112,7 @@ impl GridSolid {
             shift: [0; 3],
             parts: Vec::new(),
             convex: false,
-            outline: Outline { root, cuts: Vec::new() },
+            outline: Outline { root, cuts: Vec::new(), rough: Vec::new() },
             nodes: OnceLock::new(),
         }
     }
@@ -148,14 +150,16 @@ impl GridSolid {
         let mut part = self.part(portion);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
-        let nodes = part.sample_nodes(distance);
+        let cell = Arc::new(LevelSet::sample(part.grid, distance));
+        let nodes = part.sample_nodes(|[i, j, k]| cell.at(i, j, k));
+        part.outline.rough.push(cell);
         part.sampled_as(nodes)
     }
 
     /// The same solid with its distance sampled at its own nodes. Where this solid's material ends, its inside does: what
     /// else the planes would hold belongs to others.
     pub fn sampled(self) -> Self {
-        let nodes = self.sample_nodes(|_| f64::NEG_INFINITY);
+        let nodes = self.sample_nodes(|_| f32::NEG_INFINITY);
         self.sampled_as(nodes)
     }
 
@@ -259,7 +263,7 @@ impl GridSolid {
         if self.parts.is_empty() {
             return &self.field;
         }
-        self.nodes.get_or_init(|| Arc::new(self.sample_nodes(|_| f64::NEG_INFINITY)))
+        self.nodes.get_or_init(|| Arc::new(self.sample_nodes(|_| f32::NEG_INFINITY)))
     }
 
     /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most` [m] need only be known to
@@ -336,7 +340,7 @@ impl GridSolid {
     /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s. Own nodes are inside if
     /// they were inside of the field. Nodes of others are not: of another component of the same region, or of what a
     /// sliver was cut off from.
-    fn sample_nodes(&self, cell: impl Fn(DVec3) -> f64) -> LevelSet {
+    fn sample_nodes(&self, cell: impl Fn([usize; 3]) -> f32) -> LevelSet {
         let [width, rows_y, rows_z] = self.grid.dims;
         let [on_crack, half_cell] = [OUTSIDE, 0.5].map(|part| (part * self.grid.spacing) as f32);
         let mut phi = Vec::with_capacity(self.grid.len());
@@ -351,7 +355,7 @@ impl GridSolid {
             }
             let first = phi.len();
             for (i, &region) in region.iter().enumerate() {
-                let of_cell = cell(self.grid.node(i, j, k)) as f32;
+                let of_cell = cell([i, j, k]);
                 phi.push(larger(larger(self.field_at([i, j, k]), region), of_cell));
             }
 

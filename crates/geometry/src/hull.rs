@@ -8,6 +8,7 @@ mod loops;
 mod net;
 mod of_points;
 mod round;
+mod rounded;
 mod samples;
 mod weld;
 
@@ -15,6 +16,7 @@ pub use carve::Carver;
 pub use clip::Clipper;
 pub use columns::{COLUMN, Column, Columns};
 pub use of_points::HullError;
+pub(crate) use rounded::{DRAWN_SIDES, rounded_surface};
 pub use samples::hull_samples;
 pub use weld::weld_hulls;
 

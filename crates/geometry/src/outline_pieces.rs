@@ -35,9 +35,11 @@ impl<'a> OutlinePieces<'a> {
         let grid = solid.grid();
         pieces.retain(|piece| piece.reaches(grid));
         let of_root = pieces.len();
-        pieces.extend(
-            solid.outline.cuts.iter().map(|&cut| Piece::Plane(cut)).filter(|piece| piece.reaches(grid)),
-        );
+        let cuts =
+            solid.outline.cuts.iter().map(|&cut| Piece::Plane(cut)).filter(|piece| piece.reaches(grid));
+        let cracks: Vec<Piece> = cuts.filter(|cut| parts_nodes(grid, &pieces, cut)).collect();
+        pieces.extend(cracks);
+        pieces.extend(solid.outline.rough.iter().map(|cell| Piece::Sampled(cell)));
         Self { pieces, of_root }
     }
 
@@ -55,7 +57,7 @@ impl<'a> OutlinePieces<'a> {
         self.of_root < self.pieces.len()
     }
 
-    /// The piece that is known from samples only.
+    /// The piece of the root that is known from samples only.
     pub(crate) fn sampled(&self) -> Option<usize> {
         (0..self.of_root).find(|&piece| !self.is_formula(piece))
     }
@@ -91,6 +93,15 @@ impl<'a> OutlinePieces<'a> {
         }
         largest
     }
+}
+
+/// Whether any node of the body before it broke lies beyond a cut. If not, what the cut parted from the solid is thinner than a voxel,
+/// and is the solid's own: no crack ends it there.
+fn parts_nodes(grid: &Grid, root: &[Piece], cut: &Piece) -> bool {
+    let [nx, ny, nz] = grid.dims;
+    let nodes = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+    let mut points = nodes.map(|[i, j, k]| grid.node(i, j, k));
+    points.any(|point| cut.value(point) > 0.0 && root.iter().all(|piece| piece.value(point) < 0.0))
 }
 
 /// The faces of a closed form.

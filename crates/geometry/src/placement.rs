@@ -146,9 +146,12 @@ impl Placement<'_> {
         let value = |root, point: DVec3| {
             self.pieces.value(root, middle + point * self.grid.spacing) / self.grid.spacing
         };
-        let known = |index: &u32| self.crossings[*index as usize].piece.is_some();
-        let Some(root) = self.pieces.sampled().filter(|_| sheet.crossings[..sheet.count].iter().all(known))
-        else {
+        let pieces =
+            || sheet.crossings[..sheet.count].iter().map(|&index| self.crossings[index as usize].piece);
+        let mut crossed = pieces().flatten().filter(|&piece| !self.pieces.is_formula(piece));
+        let root = crossed.next().or_else(|| self.pieces.sampled());
+        let is_one = crossed.all(|piece| Some(piece) == root) && pieces().all(|piece| piece.is_some());
+        let Some(root) = root.filter(|_| is_one) else {
             return sampled.minimize_along(&free, foot, SAMPLED_TRUNCATION, CREASE_REACH);
         };
         if sampled.is_empty() && value(root, foot) < 0.02 {

@@ -88,7 +88,7 @@ mod tests {
         let distance =
             |p: DVec3| cuts.iter().fold(form.distance_and_gradient(p).0, |d, cut| d.max(cut.distance(p)));
         let mut solid = GridSolid::from_level_set(LevelSet::sample(grid, distance));
-        solid.outline = Outline { root: Root::ClosedForm(form), cuts };
+        solid.outline = Outline { root: Root::ClosedForm(form), cuts, rough: Vec::new() };
         solid
     }
 
@@ -266,6 +266,7 @@ mod tests {
             solid.outline = Outline {
                 root: Root::Sampled(Arc::new(solid.level_set().clone())),
                 cuts: vec![HalfSpace { normal, offset }, HalfSpace { normal: -normal, offset: -0.8 * offset }],
+                rough: Vec::new(),
             };
             prop_assert!(is_closed(&polygonize(&solid)));
         }

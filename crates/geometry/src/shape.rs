@@ -2,7 +2,7 @@
 
 use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;
-use crate::hull::hull_samples;
+use crate::hull::{hull_samples, rounded_surface};
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
@@ -28,6 +28,8 @@ pub struct Shape {
     pub hull: Option<Arc<Hull>>,
     /// What is made of several of them, as such, in the body frame; `None` for all else.
     pub compound: Option<Arc<Compound>>,
+    /// The ball or the cylinder that a polyhedron is a part of, in the frame of both: what its surface is drawn as.
+    part_of: Option<ClosedForm>,
     /// Between samples [m]; zero if they were given.
     sample_spacing: f64,
     samples: OnceLock<ClusteredSamples>,
@@ -89,6 +91,7 @@ impl Shape {
             unit_moments,
             hull,
             compound: None,
+            part_of: None,
             sample_spacing,
             samples: OnceLock::new(),
         }
@@ -149,9 +152,22 @@ impl Shape {
             unit_moments,
             hull: Some(Arc::new(in_body)),
             compound: None,
+            part_of: None,
             sample_spacing,
             samples: OnceLock::new(),
         })
+    }
+
+    /// The same, drawn as the part of a round body that it was cut out of: its parent, or what that was cut out of, in the same
+    /// grid frame.
+    pub fn cut_from(self, parent: &Self) -> Self {
+        let part_of = match parent.geometry {
+            Geometry::ClosedForm(form @ (ClosedForm::Sphere { .. } | ClosedForm::Cylinder { .. })) => {
+                Some(form)
+            }
+            _ => parent.part_of,
+        };
+        Self { part_of, ..self }
     }
 
     /// Convex polyhedra that are one body: its mass is the sum of theirs. Samples lie about `sample_spacing` [m] apart.
@@ -170,6 +186,7 @@ impl Shape {
             unit_moments,
             hull: None,
             compound: Some(Arc::new(in_body)),
+            part_of: None,
             sample_spacing,
             samples: OnceLock::new(),
         })
@@ -198,6 +215,7 @@ impl Shape {
             unit_moments,
             hull: None,
             compound: None,
+            part_of: None,
             sample_spacing: 0.0,
             samples: OnceLock::from(surface),
         }
@@ -261,7 +279,10 @@ impl Shape {
     pub fn surface(&self) -> Surface {
         let mut surface = match &self.geometry {
             Geometry::ClosedForm(form) => without_cracks(closed_form_surface(form)),
-            Geometry::Hull(hull) => hull.tagged_surface(),
+            Geometry::Hull(hull) => {
+                let rounded = self.part_of.and_then(|form| rounded_surface(&form, hull));
+                rounded.unwrap_or_else(|| hull.tagged_surface())
+            }
             Geometry::Compound(compound) => compound.surface(),
             Geometry::Grid(solid) => polygonize(solid),
         };

@@ -72,7 +72,7 @@ fn octants(root: &Arc<LevelSet>, planes: [HalfSpace; 3]) -> Vec<GridSolid> {
             cuts.iter().fold(f64::from(root.value(point)), |largest, cut| largest.max(cut.distance(point)))
         };
         let mut solid = GridSolid::from_level_set(LevelSet::sample(*root.grid(), distance));
-        solid.outline = Outline { root: Root::Sampled(root.clone()), cuts };
+        solid.outline = Outline { root: Root::Sampled(root.clone()), cuts, rough: Vec::new() };
         solid
     };
     (0..8).map(part).collect()

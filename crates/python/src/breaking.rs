@@ -93,7 +93,7 @@ pub(crate) struct PyMesh<'py>(PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, 
 
 impl PyMesh<'_> {
     /// Checked: indices are in range, coordinates finite.
-    fn to_mesh(&self) -> PyResult<TriMesh> {
+    pub(crate) fn to_mesh(&self) -> PyResult<TriMesh> {
         let (vertices, triangles) = (self.0.as_array(), self.1.as_array());
         if vertices.ncols() != 3 || triangles.ncols() != 3 {
             return Err(build_error("the mesh: rows of another length than 3, must be points and triangles"));

@@ -1,15 +1,22 @@
 //! Patterns, by name and from files.
 
+use crate::breaking::PyMesh;
 use crate::{build_error, convert, threads};
-use frangible::{PatternDesc, fracture};
+use frangible::fracture::generators::MOST_CELLS;
+use frangible::fracture::{Impact, MeshBreakError, ShatterSettings, shatter};
+use frangible::{Fineness, PatternDesc, PatternFile, fracture};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// A box broken into cells.
+/// Offline a pattern is searched for until the number of pieces is right up to this part of it: a try costs little.
+const PIECES_WITHIN: f64 = 0.02;
+
+/// A box broken into cells, and the description that it was made by, if it was.
 #[pyclass(frozen, module = "frangible._frangible")]
-pub(crate) struct Pattern(pub(crate) fracture::Pattern);
+pub(crate) struct Pattern(pub(crate) fracture::Pattern, Option<PatternDesc>);
 
 /// Vertices (v, 3) and triangles (t, 3).
 type Mesh<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
@@ -33,10 +40,28 @@ impl Pattern {
                     return Err(PyValueError::new_err(sentence));
                 }
             }
-            return fracture::Pattern::load(Path::new(name)).map(Self).map_err(build_error);
+            return Self::of_file(Path::new(name));
         }
         let desc = PatternDesc::named(name, cells, seed).map_err(build_error)?;
-        desc.pattern().map(Self).map_err(build_error)
+        let pattern = desc.pattern().map_err(build_error)?;
+        Ok(Self(pattern, Some(desc)))
+    }
+
+    fn of_file(path: &Path) -> PyResult<Self> {
+        fracture::Pattern::load(path).map(|pattern| Self(pattern, None)).map_err(build_error)
+    }
+
+    /// The pattern that `attempt` makes about so many pieces with, and how many.
+    fn searched(
+        &self,
+        pieces: usize,
+        mut attempt: impl FnMut(&fracture::Pattern) -> usize,
+    ) -> Option<(Self, usize)> {
+        // What was not made by a description cannot be made finer, as a file cannot.
+        let desc = self.1.clone().unwrap_or_else(|| PatternDesc::File(PatternFile { path: PathBuf::new() }));
+        let fineness = Fineness::new(desc, Arc::new(self.0.clone()));
+        let found = fineness.search(pieces, PIECES_WITHIN, |pattern| (attempt(pattern), ()))?;
+        Some((Self(fracture::Pattern::clone(&found.pattern), self.1.clone()), found.count))
     }
 
     fn check(&self, cell: usize) -> PyResult<()> {
@@ -56,11 +81,44 @@ impl Pattern {
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        threads::detached(py, || fracture::Pattern::load(&path))?.map(Self).map_err(build_error)
+        threads::detached(py, || Self::of_file(&path))?
     }
 
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         threads::detached(py, || self.0.save(&path))?.map_err(build_error)
+    }
+
+    #[pyo3(signature = (pieces, mesh=None, at=[0.0; 3], normal=[0.0, 1.0, 0.0], voxels=48, smallest_voxels=27.0))]
+    fn with_pieces(
+        &self,
+        py: Python<'_>,
+        pieces: usize,
+        mesh: Option<PyMesh<'_>>,
+        at: [f64; 3],
+        normal: [f64; 3],
+        voxels: usize,
+        smallest_voxels: f64,
+    ) -> PyResult<(Self, usize)> {
+        if !(1..=MOST_CELLS).contains(&pieces) {
+            return Err(build_error(format!("pieces: {pieces}, must be from 1 to {MOST_CELLS}")));
+        }
+        let found = match mesh {
+            None => threads::detached(py, || self.searched(pieces, fracture::Pattern::len))?,
+            Some(mesh) => {
+                let mesh = mesh.to_mesh()?;
+                let impact = Impact { point_body: at.into(), normal_body: normal.into() };
+                let settings = ShatterSettings {
+                    smallest_fragment_voxels: smallest_voxels,
+                    ..ShatterSettings::default()
+                };
+                threads::detached(py, || {
+                    let body = fracture::sampled_body(&mesh, voxels)?;
+                    Ok(self.searched(pieces, |pattern| shatter(&body, pattern, &impact, &settings).len()))
+                })?
+                .map_err(|error: MeshBreakError| build_error(error))?
+            }
+        };
+        found.ok_or_else(|| build_error("pattern: has no cells, must have at least 1"))
     }
 
     fn __len__(&self) -> usize {

@@ -1,10 +1,7 @@
 //! Masonry.
 
 use super::{MOST_CELLS, deviation, require, require_box};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
@@ -93,7 +90,7 @@ impl Pattern {
                 joints.extend(brick..regions.len());
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, joints, cells: Cells::Planar(regions) })
+        Ok(Self { joints, ..Self::planar_in_box(half_extent, regions) })
     }
 }
 

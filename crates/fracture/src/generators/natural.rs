@@ -1,10 +1,7 @@
 //! Natural rubble.
 
 use super::{deviation, direction, require, require_box, require_count};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -119,7 +116,7 @@ impl Pattern {
             Region::from_half_spaces(&half_spaces, half_extent)
         };
         let regions = parts.iter().map(region).collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
+        Ok(Self::planar_in_box(half_extent, regions))
     }
 }
 

@@ -1,10 +1,7 @@
 //! Struck glass.
 
 use super::{MOST_CELLS, deviation, require};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
@@ -98,6 +95,6 @@ impl Pattern {
                 regions.push(Region::from_half_spaces(&half_spaces, half_extent));
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
+        Ok(Self::planar_in_box(half_extent, regions))
     }
 }

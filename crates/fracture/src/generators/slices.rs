@@ -1,10 +1,7 @@
 //! Parallel cracks.
 
 use super::{deviation, require, require_box, require_count};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
@@ -77,6 +74,6 @@ impl Pattern {
                 Region::from_half_spaces(&sides, half_extent)
             })
             .collect();
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
+        Ok(Self::planar_in_box(half_extent, regions))
     }
 }

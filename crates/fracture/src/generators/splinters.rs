@@ -1,10 +1,7 @@
 //! Wood.
 
 use super::{deviation, require, require_box, require_count, voronoi::voronoi_regions};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;
@@ -103,7 +100,7 @@ impl Pattern {
                 regions.push(Region::from_half_spaces(&around, half_extent));
             }
         }
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
+        Ok(Self::planar_in_box(half_extent, regions))
     }
 }
 

@@ -1,10 +1,7 @@
 //! Cells around random points.
 
 use super::{deviation, require, require_box, require_count};
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-};
+use crate::{Pattern, PatternError, pattern::Region};
 use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -57,7 +54,7 @@ impl Pattern {
         require_box(half_extent)?;
 
         let regions = voronoi_regions(&draw_sites(voronoi), half_extent);
-        Ok(Self { half_extent, center: DVec3::ZERO, joints: Vec::new(), cells: Cells::Planar(regions) })
+        Ok(Self::planar_in_box(half_extent, regions))
     }
 }
 /// Points in the box: distributed along each axis as the grading says, kept with the Gaussian's probability.

@@ -22,8 +22,15 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
     let spacing = lattice.grid.spacing;
     let mut planes: BTreeMap<(u32, u32), Vec<HalfSpace>> = BTreeMap::new();
     let mut parts: BTreeMap<(u32, u32, Part), PartSum> = BTreeMap::new();
+    let mut contacts = Contacts::default();
     lattice.for_each_face(|face| {
         let (a, b) = face.pieces;
+        // Of a smooth surface the faces across an axis have the area of its shadow along it.
+        if let Some(normal) = rough_normal(solids[a as usize], solids[b as usize], face.center) {
+            let area = spacing * spacing * face.filled * normal.dot(face.direction).max(0.0);
+            contacts.add((a as usize, b as usize), area * normal, face.center);
+            return;
+        }
         let shared = planes
             .entry(face.pieces)
             .or_insert_with(|| shared_planes(solids[a as usize], solids[b as usize], spacing));
@@ -44,7 +51,6 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
     });
 
     // A part on a plane has the plane's normal; what its staircase has across it comes from its rim.
-    let mut contacts = Contacts::default();
     for ((a, b, part), sum) in parts {
         let vector = match part {
             Part::OnPlane(plane) => {
@@ -162,6 +168,18 @@ fn shared_planes(a: &GridSolid, b: &GridSolid, spacing: f64) -> Vec<HalfSpace> {
     };
     let is_shared = |cut: &&HalfSpace| b.outline.cuts.iter().any(|other| other_side(cut, other));
     a.outline.cuts.iter().filter(is_shared).copied().collect()
+}
+
+/// Unit normal, from `a` to `b`, of the rough crack that passes between the two within a voxel of a point.
+fn rough_normal(a: &GridSolid, b: &GridSolid, point: DVec3) -> Option<DVec3> {
+    let near = AT_PLANE * a.grid().spacing;
+    let nearest = |solid: &GridSolid| {
+        let here = solid.outline.rough.iter().map(|cell| cell.value_and_gradient(point));
+        let found = here.min_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
+        let (_, gradient) = found.filter(|(distance, _)| f64::from(distance.abs()) <= near)?;
+        gradient.as_dvec3().try_normalize()
+    };
+    (nearest(a)? - nearest(b)?).try_normalize()
 }
 
 /// The part of the lattice that holds all pieces.

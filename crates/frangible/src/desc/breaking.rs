@@ -14,6 +14,10 @@ pub struct BreakingDesc {
     pub strength: StrengthDesc,
     /// How space is prescored.
     pub pattern: PatternDesc,
+    /// Into about how many pieces each break cuts what is struck, from 2 to 10000: the pattern gets as many cells as that takes where
+    /// the blow lands, or, from a file, is magnified. Unless told otherwise the pattern is as it is described.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pieces: Option<usize>,
     /// How many times in a row: 1 means that fragments do not break.
     #[serde(default = "defaults::generations")]
     pub generations: u32,
@@ -158,6 +162,6 @@ impl BreakingDesc {
     /// Breaks once.
     pub fn once(strength: impl Into<StrengthDesc>, pattern: PatternDesc) -> Self {
         let generations = defaults::generations();
-        Self { strength: strength.into(), pattern, generations, smallest: 0.0 }
+        Self { strength: strength.into(), pattern, pieces: None, generations, smallest: 0.0 }
     }
 }

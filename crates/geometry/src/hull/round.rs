@@ -29,26 +29,7 @@ impl Hull {
     pub fn cylinder(radius: f64, half_height: f64) -> Self {
         // The circle around a polygon whose area is that of the cylinder's.
         let turn = TAU / f64::from(CYLINDER_SIDES);
-        let outer = radius * (turn / libm::sin(turn)).sqrt();
-        let inner = outer * libm::cos(0.5 * turn);
-        let mut vertices = Vec::with_capacity(2 * CYLINDER_SIDES as usize);
-        let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(CYLINDER_SIDES as usize + 2));
-        for side in 0..CYLINDER_SIDES {
-            let angle = turn * f64::from(side);
-            let (x, z) = (outer * libm::cos(angle), outer * libm::sin(angle));
-            vertices.extend([DVec3::new(x, -half_height, z), DVec3::new(x, half_height, z)]);
-            let middle = angle + 0.5 * turn;
-            let normal = DVec3::new(libm::cos(middle), 0.0, libm::sin(middle));
-            planes.push(HalfSpace { normal, offset: inner });
-            let (low, next) = (2 * side, 2 * ((side + 1) % CYLINDER_SIDES));
-            loops.push(false, [low, low + 1, next + 1, next]);
-        }
-        for (normal, top) in [(DVec3::NEG_Y, false), (DVec3::Y, true)] {
-            planes.push(HalfSpace { normal, offset: half_height });
-            let around = (0..CYLINDER_SIDES).map(|side| 2 * side + u32::from(top));
-            if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
-        }
-        Self::new(vertices, planes, Net::of(&loops).unwrap_or_default())
+        prism(radius * (turn / libm::sin(turn)).sqrt(), half_height, CYLINDER_SIDES)
     }
 
     /// Larger by a factor, all faces outer ones.
@@ -57,6 +38,30 @@ impl Hull {
         let vertices = self.vertices.iter().map(|&vertex| factor * vertex).collect();
         Self::new(vertices, self.planes.iter().map(plane).collect(), self.net.all_outer())
     }
+}
+
+/// A regular prism around the y axis whose edges lie at a radius [m].
+pub(super) fn prism(radius: f64, half_height: f64, sides: u32) -> Hull {
+    let turn = TAU / f64::from(sides);
+    let inner = radius * libm::cos(0.5 * turn);
+    let mut vertices = Vec::with_capacity(2 * sides as usize);
+    let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(sides as usize + 2));
+    for side in 0..sides {
+        let angle = turn * f64::from(side);
+        let (x, z) = (radius * libm::cos(angle), radius * libm::sin(angle));
+        vertices.extend([DVec3::new(x, -half_height, z), DVec3::new(x, half_height, z)]);
+        let middle = angle + 0.5 * turn;
+        let normal = DVec3::new(libm::cos(middle), 0.0, libm::sin(middle));
+        planes.push(HalfSpace { normal, offset: inner });
+        let (low, next) = (2 * side, 2 * ((side + 1) % sides));
+        loops.push(false, [low, low + 1, next + 1, next]);
+    }
+    for (normal, top) in [(DVec3::NEG_Y, false), (DVec3::Y, true)] {
+        planes.push(HalfSpace { normal, offset: half_height });
+        let around = (0..sides).map(|side| 2 * side + u32::from(top));
+        if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
+    }
+    Hull::new(vertices, planes, Net::of(&loops).unwrap_or_default())
 }
 
 /// The nodes of an icosahedron's faces, each divided into triangles, moved to the unit sphere.

@@ -1,0 +1,180 @@
+//! Patterns as fine as it takes to break a body into a number of pieces.
+//!
+//! How many pieces a pattern makes depends on the body and on the place that is struck: cells that miss the body make none. So the
+//! number of cells is searched for, and where steps between numbers of cells are too long, or the cells are given, the pattern is
+//! magnified.
+
+use crate::desc::PatternDesc;
+use frangible_fracture::{Pattern, generators::MOST_CELLS};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Patterns that are tried for each of the two searches.
+const MOST_TRIES: usize = 10;
+
+/// Numbers of cells above this are rounded to as many different ones in each doubling or so: bodies share patterns.
+const STEPS: usize = 64;
+
+/// A pattern magnified by more has hardly a crack left in the body.
+const MOST_MAGNIFICATION: f64 = 16.0;
+
+/// A description of a pattern, and the finer and coarser patterns that have been made of it.
+#[derive(Debug)]
+pub struct Fineness {
+    desc: PatternDesc,
+    /// The pattern as it is described.
+    plain: Arc<Pattern>,
+    /// By number of cells.
+    made: Mutex<BTreeMap<usize, Option<Arc<Pattern>>>>,
+}
+
+/// What came nearest to the number of pieces that was asked for.
+#[derive(Clone, Debug)]
+pub struct Found<T> {
+    /// The pattern that made them.
+    pub pattern: Arc<Pattern>,
+    /// How many there are.
+    pub count: usize,
+    /// What was made with them.
+    pub made: T,
+}
+
+impl Fineness {
+    /// Of a description and its pattern.
+    pub fn new(desc: PatternDesc, plain: Arc<Pattern>) -> Self {
+        Self { desc, plain, made: Mutex::default() }
+    }
+
+    /// Tries patterns until one makes `wanted` pieces but for a part of `within`; of those that were tried, the one that came nearest.
+    /// `attempt` breaks something, and says how many pieces there are. The same description and the same attempts find the same.
+    pub fn search<T>(
+        &self,
+        wanted: usize,
+        within: f64,
+        mut attempt: impl FnMut(&Pattern) -> (usize, T),
+    ) -> Option<Found<T>> {
+        let mut best: Option<Found<T>> = None;
+        let off = |count: usize| count.abs_diff(wanted);
+        let good = |best: &Option<Found<T>>| {
+            best.as_ref().is_some_and(|best| off(best.count) as f64 <= within * wanted as f64)
+        };
+        let mut try_one = |pattern: Arc<Pattern>, best: &mut Option<Found<T>>| {
+            let (count, made) = attempt(&pattern);
+            if best.as_ref().is_none_or(|best| off(count) < off(best.count)) {
+                *best = Some(Found { pattern, count, made });
+            }
+            count.max(1)
+        };
+
+        // The number of cells; the fewest that make more pieces than are wanted can be magnified.
+        let mut coarsest: Option<Arc<Pattern>> = None;
+        if self.desc.with_cells(1).is_some() {
+            let mut bracket = Bracket::new(wanted, (1.0, MOST_CELLS as f64));
+            let mut next = Some(wanted as f64);
+            let mut tried: Vec<usize> = Vec::new();
+            while let Some(cells) = next.map(rounded_cells).filter(|cells| !tried.contains(cells)) {
+                tried.push(cells);
+                let Some(pattern) = self.with_cells(cells) else { break };
+                let count = try_one(pattern.clone(), &mut best);
+                if good(&best) {
+                    return best;
+                }
+                if bracket.is_lowest_above(cells as f64, count) {
+                    coarsest = Some(pattern);
+                }
+                bracket.add(cells as f64, count);
+                next = (tried.len() < MOST_TRIES).then(|| bracket.next()).flatten();
+            }
+        } else {
+            let count = try_one(self.plain.clone(), &mut best);
+            coarsest = (count > wanted).then(|| self.plain.clone());
+        }
+
+        // How large they are.
+        let Some(pattern) = coarsest.filter(|_| !good(&best)) else { return best };
+        let mut bracket = Bracket::new(wanted, (1.0 / MOST_MAGNIFICATION, 1.0));
+        let mut next = Some(0.9);
+        for _ in 0..MOST_TRIES {
+            let Some(size) = next else { break };
+            let magnified =
+                Pattern { magnification: pattern.magnification / size, ..Pattern::clone(&pattern) };
+            bracket.add(size, try_one(Arc::new(magnified), &mut best));
+            if good(&best) {
+                break;
+            }
+            next = bracket.next();
+        }
+        best
+    }
+
+    /// The pattern with about so many cells; `None` if a parameter forbids that.
+    fn with_cells(&self, cells: usize) -> Option<Arc<Pattern>> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || self.desc.with_cells(cells)?.pattern().ok().map(Arc::new);
+        made.entry(cells).or_insert_with(make).clone()
+    }
+}
+
+/// A number of cells that others ask for, too.
+fn rounded_cells(cells: f64) -> usize {
+    let cells = cells.round() as usize;
+    let step = (cells / STEPS).max(1);
+    (cells / step * step).clamp(1, MOST_CELLS)
+}
+
+/// Where a count that rises with x is what is wanted.
+struct Bracket {
+    wanted: f64,
+    range: (f64, f64),
+    /// The nearest x with too low a count and with too high a one, and these counts.
+    low: Option<(f64, f64)>,
+    high: Option<(f64, f64)>,
+}
+
+impl Bracket {
+    fn new(wanted: usize, range: (f64, f64)) -> Self {
+        Self { wanted: wanted as f64, range, low: None, high: None }
+    }
+
+    /// Whether no lower x is known to give more than is wanted.
+    fn is_lowest_above(&self, x: f64, count: usize) -> bool {
+        count as f64 > self.wanted && self.high.is_none_or(|(known, _)| x < known)
+    }
+
+    fn add(&mut self, x: f64, count: usize) {
+        let count = count as f64;
+        if count < self.wanted {
+            if self.low.is_none_or(|(known, _)| x > known) {
+                self.low = Some((x, count));
+            }
+        } else if self.high.is_none_or(|(known, _)| x < known) {
+            self.high = Some((x, count));
+        }
+    }
+
+    /// Where to look next: on a straight line through the logarithms, inside of what is known; `None` at the end of the range.
+    fn next(&self) -> Option<f64> {
+        const LONGEST_STEP: f64 = 16.0;
+        // No nearer to an end of the bracket than this part of it.
+        const LEAST_PART: f64 = 0.1;
+        let (least, most) = self.range;
+        match (self.low, self.high) {
+            (Some((low, few)), Some((high, many))) => {
+                // Counts that do not rise with x leave the bracket turned round.
+                let (low, high) = (low.min(high), low.max(high));
+                let part = libm::log(self.wanted / few) / libm::log(many / few);
+                let part = if part.is_finite() { part.clamp(LEAST_PART, 1.0 - LEAST_PART) } else { 0.5 };
+                Some(low * libm::pow(high / low, part))
+            }
+            (Some((low, few)), None) => {
+                let step = (self.wanted / few).clamp(1.1, LONGEST_STEP);
+                (low < most).then(|| (low * step).max(low + least.min(1.0)).min(most))
+            }
+            (None, Some((high, many))) => {
+                let step = (many / self.wanted).clamp(1.1, LONGEST_STEP);
+                (high > least).then(|| (high / step).max(least))
+            }
+            (None, None) => None,
+        }
+    }
+}
