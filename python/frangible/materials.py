@@ -93,6 +93,7 @@ LOOKS: dict[str, Look] = {
     "concrete": Look(Material((0.37, 0.365, 0.35), 0.85), Material((0.47, 0.44, 0.39), 0.95), 0.06),
     "brick": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.50, 0.175, 0.10), 0.95), 0.45),
     "mortar": Look(Material((0.56, 0.53, 0.47), 0.95), Material((0.58, 0.55, 0.49), 0.95), 0.10),
+    "masonry": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.56, 0.53, 0.47), 0.95), 0.12),
     "wood": Look(Material((0.58, 0.37, 0.18), 0.65), Material((0.70, 0.47, 0.20), 0.85), 0.22),
     "stone": Look(Material((0.46, 0.43, 0.38), 0.85), Material((0.55, 0.52, 0.46), 0.95), 0.15),
     "metal": Look(Material((0.12, 0.12, 0.125), 0.35, metallic=1.0), Material((0.32, 0.32, 0.33), 0.5, metallic=1.0), 0.1),

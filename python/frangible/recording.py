@@ -49,7 +49,7 @@ class Body:
     death_frame: int | None
     #: [kg]; infinite for static and kinematic bodies.
     mass: float
-    #: What it is drawn as: glass, concrete, brick, mortar, wood, stone or metal; ``None`` for a colour of no meaning.
+    #: What it is drawn as: glass, concrete, brick, mortar, masonry, wood, stone or metal; ``None`` for a colour of no meaning.
     look: str | None
     #: (v, 3), body frame [m].
     vertices: Float32

@@ -1,8 +1,8 @@
 //! Pieces that are glued together, and when the glue gives way.
 
 use crate::align::align_pattern;
-use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use crate::shatter_hull::cut_hull;
+use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, Smallest, interfaces, polygon};
 use frangible_geometry::mass_properties::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, RigidTransform, Shape};
@@ -22,6 +22,8 @@ pub struct BondStrength {
 #[derive(Clone, Debug)]
 pub struct Glued {
     hulls: Vec<Arc<Hull>>,
+    /// For each piece; no bond breaks between two of one block.
+    blocks: Vec<u32>,
     pieces: Vec<RigidPiece>,
     bonds: Vec<Interface>,
     strength: BondStrength,
@@ -54,8 +56,9 @@ const NEARLY: f64 = 0.8;
 const MOST_ROUNDS: u32 = 32;
 
 impl Glued {
-    /// Pieces that touch, of which some cannot move.
-    pub fn new(hulls: Vec<Hull>, anchored: impl Fn(DVec3) -> bool, strength: BondStrength) -> Self {
+    /// Pieces that touch, of which some cannot move. Those of one block stay together.
+    pub fn new(prescored: Prescored, anchored: impl Fn(DVec3) -> bool, strength: BondStrength) -> Self {
+        let Prescored { hulls, blocks } = prescored;
         let piece = |hull: &Hull| {
             let mass = hull.mass_properties();
             RigidPiece {
@@ -68,7 +71,14 @@ impl Glued {
         let pieces: Vec<RigidPiece> = hulls.iter().map(piece).collect();
         let bonds = touching(&hulls);
         let displacements = vec![Wrench::default(); pieces.len()];
-        Self { hulls: hulls.into_iter().map(Arc::new).collect(), pieces, bonds, strength, displacements }
+        Self {
+            hulls: hulls.into_iter().map(Arc::new).collect(),
+            blocks,
+            pieces,
+            bonds,
+            strength,
+            displacements,
+        }
     }
 
     /// In the pieces' frame.
@@ -91,7 +101,16 @@ impl Glued {
         self.pieces.iter().any(|piece| piece.anchored)
     }
 
-    /// How near each bond is to breaking, 1 if it just does not, under point loads and an acceleration that all pieces feel [m/s^2] at a
+    /// Whether a bond holds that could break.
+    pub fn can_break(&self) -> bool {
+        self.bonds.iter().any(|bond| !self.is_within_block(bond))
+    }
+
+    fn is_within_block(&self, bond: &Interface) -> bool {
+        self.blocks[bond.a] == self.blocks[bond.b]
+    }
+
+    /// How near each bond is to breaking, 1 if it just does not, and 0 within a block, under point loads and an acceleration that all pieces feel [m/s^2] at a
     /// density [kg/m^3].
     pub fn strains(&mut self, loads: &[PointLoad], field: DVec3, density: f64) -> Vec<f64> {
         let mut wrenches: Vec<Wrench> = self
@@ -108,10 +127,9 @@ impl Glued {
         }
         let strength = self.strength;
         let strain = |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
-        bond_stresses(&self.pieces, &self.bonds, &wrenches, &mut self.displacements)
-            .into_iter()
-            .map(strain)
-            .collect()
+        let stresses = bond_stresses(&self.pieces, &self.bonds, &wrenches, &mut self.displacements);
+        let bonds = self.bonds.iter().zip(stresses);
+        bonds.map(|(bond, stress)| if self.is_within_block(bond) { 0.0 } else { strain(stress) }).collect()
     }
 
     /// Breaks bonds under loads, as in [`Glued::strains`], until none gives. Returns those that broke.
@@ -153,6 +171,7 @@ impl Glued {
         }
         let part = |(island, members): (usize, &Vec<usize>)| Self {
             hulls: members.iter().map(|&piece| self.hulls[piece].clone()).collect(),
+            blocks: members.iter().map(|&piece| self.blocks[piece]).collect(),
             pieces: members.iter().map(|&piece| self.pieces[piece]).collect(),
             bonds: self
                 .bonds
@@ -231,33 +250,66 @@ impl Glued {
     }
 }
 
+/// What a body of glued pieces is cut into.
+#[derive(Clone, Debug)]
+pub struct Prescored {
+    /// In the frame of the body's grid.
+    pub hulls: Vec<Hull>,
+    /// For each of them; pieces of one block stay together: mortar sticks to the brick that it was laid on.
+    pub blocks: Vec<u32>,
+}
+
+impl From<Vec<Hull>> for Prescored {
+    /// Each a block.
+    fn from(hulls: Vec<Hull>) -> Self {
+        Self { blocks: (0..hulls.len() as u32).collect(), hulls }
+    }
+}
+
+impl Prescored {
+    fn with_capacity(pieces: usize) -> Self {
+        Self { hulls: Vec::with_capacity(pieces), blocks: Vec::with_capacity(pieces) }
+    }
+
+    /// Adds what a cell of a pattern cut out of one of a body's parts. A joint is in the block of the last cell before it that is
+    /// none, and of another material than what it is a part of.
+    fn add(&mut self, hull: Hull, pattern: &Pattern, part: usize, cell: usize) {
+        let owner = (0..=cell).rev().find(|&cell| !pattern.is_joint(cell)).unwrap_or(cell);
+        self.hulls.push(if pattern.is_joint(cell) { hull.all_inner() } else { hull });
+        self.blocks.push((part * pattern.len() + owner) as u32);
+    }
+}
+
 /// The pieces of a body that is one convex polyhedron or several, in the frame of its grid: each cut along a pattern, that is laid on
 /// the body as for an impact, if there is one. `None` if the body, or a cell of the pattern, is not made of convex polyhedra.
-pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Vec<Hull>> {
+pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Prescored> {
     let parts: Vec<Hull> = match &body.geometry {
         Geometry::Compound(compound) => compound.parts().iter().map(|part| part.hull.clone()).collect(),
         _ => vec![body.breaks_as()?.clone()],
     };
-    let Some(pattern) = pattern else { return Some(parts) };
+    let Some(pattern) = pattern else { return Some(parts.into()) };
     pattern.planar()?;
     if body.breaks_as().is_some() {
-        let hull = |fragment: Fragment| fragment.shape.breaks_as().cloned();
         let settings = ShatterSettings { smallest: Smallest::of_first(body), ..ShatterSettings::default() };
-        return cut_hull(body, pattern, impact, &settings, false)
-            .into_iter()
-            .map(hull)
-            .collect();
+        let fragments = cut_hull(body, pattern, impact, &settings, false);
+        let mut pieces = Prescored::with_capacity(fragments.len());
+        for fragment in fragments {
+            pieces.add(fragment.shape.breaks_as()?.clone(), pattern, 0, fragment.cell as usize);
+        }
+        return Some(pieces);
     }
 
     // Each part of a compound is cut by itself.
     let regions = align_pattern(pattern, impact, body);
     let mut clipper = Clipper::default();
-    let mut pieces = Vec::new();
-    for part in &parts {
-        for region in &regions {
+    let mut pieces = Prescored::with_capacity(parts.len());
+    for (number, part) in parts.iter().enumerate() {
+        for (cell, region) in regions.iter().enumerate() {
             let cuts: Vec<HalfSpace> = region.cuts.iter().map(|cut| cut.half_space).collect();
             let piece = clipper.clipped(part, &cuts);
-            pieces.extend(piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume));
+            if let Some(piece) = piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume) {
+                pieces.add(piece, pattern, number, cell);
+            }
         }
     }
     Some(pieces)

@@ -3,8 +3,8 @@
 //! Each cell of a planar pattern cuts its part out of the parent. Fragments are snug: neighbours share the vertices of their crack
 //! bit for bit, and what was the parent's surface keeps its planes. Mass follows from the divergence theorem.
 
-use crate::pattern::Region;
 use crate::interfaces::contacts_of_some;
+use crate::pattern::Region;
 use crate::slivers::Groups;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, Smallest, polygon};
 use frangible_geometry::hull::weld_hulls;
@@ -194,12 +194,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Joins pieces that are too small with their neighbours.
-    fn merge_slivers(
-        &mut self,
-        mut pieces: Vec<Piece>,
-        smallest: &Smallest,
-        absorbs: bool,
-    ) -> Vec<Piece> {
+    fn merge_slivers(&mut self, mut pieces: Vec<Piece>, smallest: &Smallest, absorbs: bool) -> Vec<Piece> {
         let volumes: Vec<f64> = pieces.iter().map(|piece| piece.mass.volume).collect();
         let least = smallest.least(&volumes);
         let is_small = |mass: &MassProperties| mass.volume < least || smallest.is_slender(mass);
@@ -216,7 +211,8 @@ impl<'a> Workshop<'a> {
             pieces[host] = self.join(&pieces[sliver], &pieces[host])?;
             Some(is_small(&pieces[host].mass))
         });
-        let tiny = Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }.least(&volumes);
+        let tiny =
+            Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }.least(&volumes);
         let mut absorb = |sliver: usize, host: usize| {
             let own = pieces[sliver].mass;
             let is_absorbed = absorbs && (own.volume < tiny || smallest.is_slender(&own));

@@ -121,7 +121,8 @@ impl Groups {
         while let Some(at) = self.lightest(&open) {
             let sliver = open.swap_remove(at);
             let around = self.hosts(sliver, &touching, &host_of);
-            let mut join = |host: usize| Some((host, fits(sliver, host, self.volumes[sliver] + self.volumes[host])?));
+            let mut join =
+                |host: usize| Some((host, fits(sliver, host, self.volumes[sliver] + self.volumes[host])?));
             let Some((host, is_small)) = around.iter().find_map(|&(host, _)| join(host)) else { continue };
             let own = std::mem::take(&mut self.members[sliver]);
             own.iter().for_each(|&member| host_of[member] = host);

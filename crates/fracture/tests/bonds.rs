@@ -20,7 +20,7 @@ fn row(count: usize, edge: f64, axis: DVec3) -> Vec<Hull> {
 }
 
 fn glued(hulls: Vec<Hull>, anchored: impl Fn(DVec3) -> bool, tension: f64, shear: f64) -> Glued {
-    Glued::new(hulls, anchored, BondStrength { tension, shear })
+    Glued::new(hulls.into(), anchored, BondStrength { tension, shear })
 }
 
 /// A beam of square section out of a wall: sigma = M c / I at the root, by its weight and by a load on its end.

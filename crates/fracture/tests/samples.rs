@@ -5,7 +5,8 @@
 mod common;
 
 use frangible_fracture::{
-    Bricks, Concrete, Fragment, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters, Voronoi, shatter,
+    Bricks, Concrete, Fragment, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters, Voronoi,
+    shatter,
 };
 use frangible_geometry::{Geometry, Shape};
 use glam::DVec3;
@@ -30,7 +31,11 @@ fn body(kind: usize) -> Shape {
     match kind {
         // A U.
         0 => sampled([60, 40, 20], &|point| {
-            to_box(point, DVec3::ZERO, half).max(-to_box(point, DVec3::Y * 10.0, DVec3::new(18.0, 18.0, 30.0)))
+            to_box(point, DVec3::ZERO, half).max(-to_box(
+                point,
+                DVec3::Y * 10.0,
+                DVec3::new(18.0, 18.0, 30.0),
+            ))
         }),
         // A ring.
         1 => sampled([60, 40, 20], &|point| {
@@ -68,7 +73,9 @@ fn pattern(kind: usize, seed: u64) -> Pattern {
         0 => Pattern::radial(&Radial { spokes: 9, rings: 2, jitter: 0.7, seed }),
         1 => Pattern::voronoi(&Voronoi { cells: 25, seed, ..Voronoi::default() }),
         2 => Pattern::natural(&Natural { cells: 30, seed, ..Natural::default() }),
-        3 => Pattern::slices(&Slices { cells: 12, seed, axis: DVec3::new(1.0, 0.3, 0.2), ..Slices::default() }),
+        3 => {
+            Pattern::slices(&Slices { cells: 12, seed, axis: DVec3::new(1.0, 0.3, 0.2), ..Slices::default() })
+        }
         4 => Pattern::bricks(&Bricks { seed, ..Bricks::default() }),
         5 => Pattern::splinters(&Splinters { seed, ..Splinters::default() }),
         _ => Pattern::concrete(&Concrete { cells: 20, seed, ..Concrete::default() }),

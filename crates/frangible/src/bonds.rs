@@ -294,7 +294,9 @@ fn strain(world: &mut World, body: usize, coming: &Coming, side: usize, frame: &
     let strains = bonds.glued.strains(&[load], field, density);
     let worst = strains.into_iter().fold(0.0, f64::max);
     if worst > 1.0 {
-        bonds.glued.give_way(&[load], field, density, Giving::All);
+        // What is anchored holds until the bonds around the blow have given: their loss relieves those that lead to the anchors.
+        let giving = if bonds.is_anchored() { Giving::Worst } else { Giving::All };
+        bonds.glued.give_way(&[load], field, density, giving);
     }
     worst
 }
@@ -370,7 +372,7 @@ fn island_body(world: &World, parent: usize, index: usize, glued: Glued) -> Opti
     };
     let shape = shape.ok()?;
     let is_anchored = glued.is_anchored();
-    let holds = !glued.bonds().is_empty();
+    let holds = glued.can_break();
     let bonds = holds.then(|| Box::new(Bonds { glued, carried: Vec::new(), sample_spacing }));
     let label = Label {
         name: format!("{}.{index}", world.labels[parent].name),

@@ -109,6 +109,8 @@ pub enum LookDesc {
     Brick,
     /// Between bricks; pieces of a joint look like it whatever their parent does.
     Mortar,
+    /// Bricks with mortar between them: joints, and what cracks lay bare, look like mortar.
+    Masonry,
     /// Softwood.
     Wood,
     /// Limestone.
@@ -125,6 +127,7 @@ impl LookDesc {
             Self::Concrete => "concrete",
             Self::Brick => "brick",
             Self::Mortar => "mortar",
+            Self::Masonry => "masonry",
             Self::Wood => "wood",
             Self::Stone => "stone",
             Self::Metal => "metal",

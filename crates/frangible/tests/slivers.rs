@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 
-use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use frangible::fracture::{Bricks, Natural, Radial, Slices, Splinters, Voronoi};
+use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -31,7 +31,8 @@ fn run(scene: &SceneDesc, frames: u32, what: &str) -> usize {
         assert!((report.mass / mass - 1.0).abs() < 1e-9, "{what}: {} of {mass} kg", report.mass);
         for fracture in &report.fractures {
             let imbalance = &fracture.imbalance;
-            let worst = [imbalance.mass, imbalance.momentum, imbalance.angular_momentum, imbalance.kinetic_energy];
+            let worst =
+                [imbalance.mass, imbalance.momentum, imbalance.angular_momentum, imbalance.kinetic_energy];
             assert!(worst.into_iter().all(|part| part < 1e-9), "{what}: {imbalance:?}");
             breaks += 1;
         }

@@ -169,6 +169,11 @@ impl Hull {
         }
     }
 
+    /// The same polyhedron with all of its faces tagged as a crack's: of another material than what it is a part of.
+    pub fn all_inner(self) -> Self {
+        Self { net: Arc::new(self.net.all_made_by_cuts(true)), ..self }
+    }
+
     /// Volume, centre and inertia at unit density, by the divergence theorem.
     pub fn mass_properties(&self) -> MassProperties {
         // From the middle of the vertices, so that nothing large cancels.

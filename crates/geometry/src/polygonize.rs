@@ -16,18 +16,44 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
     let mut normals = Vec::with_capacity(2 * contour.quads.len());
     for quad in &contour.quads {
         let [a, b, c, d] = quad.vertices;
-        triangles.extend(if splits_at_first(&contour, quad, solid.grid().spacing) {
+        let halves = if splits_at_first(&contour, quad, solid.grid().spacing) {
             [[a, b, c], [a, c, d]]
         } else {
             [[b, c, d], [b, d, a]]
-        });
-        // What the outline does not know was made by a merged sliver's cracks.
-        let cracked = quad.piece.map_or(contour.pieces.has_cuts(), |piece| contour.pieces.is_cut(piece));
-        interior.extend([cracked; 2]);
-        normals.extend([quad.normal; 2]);
+        };
+        for half in halves {
+            let (normal, cracked) = side_of(&contour, quad, half, solid.grid().spacing);
+            normals.push(normal);
+            interior.push(cracked);
+        }
+        triangles.extend(halves);
     }
     let positions = contour.vertices.iter().map(|vertex| vertex.position).collect();
     Surface::with_coordinates(TriMesh { positions, triangles }, interior, &normals)
+}
+
+/// Normal of the surface that a triangle of a quad lies on, and whether a crack made it. At a rim the quad's two triangles may lie on
+/// two sides of it: one whose corners are all on a flat crack is a part of that crack, and one with a corner off it is none.
+fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64) -> (DVec3, bool) {
+    // Relative to the spacing; and the cosine of how far a triangle may lean from its crack.
+    const ON_CRACK: f64 = 1e-3;
+    const LEANS: f64 = 0.9;
+    let pieces = &contour.pieces;
+    let corners = triangle.map(|vertex| contour.vertices[vertex as usize].position);
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+    let lies_on =
+        |piece: usize| corners.iter().all(|&corner| pieces.value(piece, corner).abs() < ON_CRACK * spacing);
+    let faces = |piece: usize| pieces.normal(piece, corners[0]).dot(normal) > LEANS;
+    let flat = |piece: usize| pieces.is_cut(piece) && pieces.is_plane(piece);
+    match quad.piece {
+        Some(piece) if flat(piece) => (quad.normal, lies_on(piece) || normal == DVec3::ZERO || faces(piece)),
+        // What the outline does not know was made by a merged sliver's cracks.
+        None => (quad.normal, pieces.has_cuts()),
+        Some(piece) => {
+            let crack = (0..pieces.len()).find(|&cut| flat(cut) && faces(cut) && lies_on(cut));
+            crack.map_or((quad.normal, pieces.is_cut(piece)), |cut| (pieces.normal(cut, corners[0]), true))
+        }
+    }
 }
 
 /// Whether a quad's diagonal from its first vertex is the better one.

@@ -1,11 +1,8 @@
-//! A brick wall, struck by a ball: it comes apart along its joints.
+//! A brick wall, struck by a ball: mortar gives way where it is struck, and holds elsewhere.
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Bricks;
-use frangible::{
-    BodyDesc, BreakingDesc, LookDesc, MaterialName, PatternDesc, Resolution, SceneDesc, ShapeDesc,
-    StrengthDesc,
-};
+use frangible::{AnchorDesc, BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;
 
 /// Bricks.
@@ -24,6 +21,10 @@ const WALL: [f64; 3] = [3.2, 2.2, 0.24];
 /// Of fired clay [kg/m^3].
 const CLAY: f64 = 1800.0;
 
+/// Of joints of cement mortar [Pa]: across them, and along them with what the weight above adds.
+const TENSION: f64 = 0.4e6;
+const SHEAR: f64 = 0.6e6;
+
 /// Of the ball, of steel [kg/m^3].
 const STEEL: f64 = 7800.0;
 
@@ -32,6 +33,9 @@ const RADIUS: f64 = 0.2;
 
 /// Of the ball [m/s].
 const SPEED: f64 = 11.0;
+
+/// Width of the strips at both ends and at the foot of the wall that are built into a house [m].
+const BUILT_IN: [f64; 2] = [0.2, 0.08];
 
 fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let pattern = Bricks {
@@ -42,16 +46,31 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         half_extent: DVec3::new(1.0, 0.7, 0.25),
         ..Bricks::default()
     };
-    let breaking = BreakingDesc::once(StrengthDesc::Named(MaterialName::Brick), PatternDesc::Bricks(pattern));
-    let resolution = Resolution { voxels: Some([160, 110, 12]), sample_spacing: None };
+    let [half_width, foot] = [0.5 * WALL[0] - BUILT_IN[0], BUILT_IN[1]];
+    let strip = |low: [f64; 2], high: [f64; 2]| AnchorDesc {
+        low: [low[0], low[1], -WALL[2]],
+        high: [high[0], high[1], WALL[2]],
+    };
+    let bonds = BondsDesc {
+        pattern: Some(PatternDesc::Bricks(pattern)),
+        point: None,
+        normal: [0.0, 0.0, 1.0],
+        tensile_strength: TENSION,
+        shear_strength: SHEAR,
+        anchors: vec![
+            strip([-WALL[0], 0.0], [WALL[0], foot]),
+            strip([-WALL[0], 0.0], [-half_width, WALL[1]]),
+            strip([half_width, 0.0], [WALL[0], WALL[1]]),
+        ],
+    };
     let wall = BodyDesc {
         position: [0.0, 0.5 * WALL[1], 0.0],
         density: CLAY,
         friction: 0.7,
         restitution: 0.05,
-        breaking: Some(breaking),
-        look: Some(LookDesc::Brick),
-        ..BodyDesc::new("wall", ShapeDesc::Box { size: WALL, resolution })
+        bonds: Some(bonds),
+        look: Some(LookDesc::Masonry),
+        ..BodyDesc::new("wall", ShapeDesc::Box { size: WALL, resolution: Resolution::default() })
     };
     let ball = ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() };
     let ball = BodyDesc {

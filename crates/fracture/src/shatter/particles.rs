@@ -10,9 +10,9 @@ use super::{
 use crate::Placement;
 use crate::pattern::Region;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
-use owners::Owners;
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
 use glam::{DMat3, DVec3, Vec3};
+use owners::Owners;
 
 /// A body with fewer samples cannot stand on anything.
 const FEWEST_SAMPLES: usize = 4;
@@ -125,7 +125,8 @@ pub(crate) fn assign_to_sampled(
             for &piece in own.iter().filter(|_| on_parent) {
                 // Where a sliver joined from across, the crack is healed: the point is deep inside.
                 if sharing.is_beside(piece as usize, point)
-                    && f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h {
+                    && f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h
+                {
                     let collector = &mut collectors[piece as usize];
                     collector.cracks.push(collector.body_from_grid.point(point));
                 }

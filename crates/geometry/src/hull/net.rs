@@ -135,12 +135,12 @@ impl Net {
         })
     }
 
-    /// The same faces, none of them made by a cut.
-    pub(super) fn all_outer(&self) -> Self {
+    /// The same faces, all or none of them made by a cut.
+    pub(super) fn all_made_by_cuts(&self, inner: bool) -> Self {
         let (indices, edges) = (self.indices.clone(), self.edges.clone());
         let mut net = Self { sides: self.sides, indices, edges, half_edges: OnceLock::new() };
         for end in &mut net.indices[2 * self.sides..] {
-            *end &= !INNER;
+            *end = face_end((*end & !INNER) as usize, inner);
         }
         net
     }

@@ -36,7 +36,7 @@ impl Hull {
     fn scaled(self, factor: f64) -> Self {
         let plane = |plane: &HalfSpace| HalfSpace { offset: factor * plane.offset, ..*plane };
         let vertices = self.vertices.iter().map(|&vertex| factor * vertex).collect();
-        Self::new(vertices, self.planes.iter().map(plane).collect(), self.net.all_outer())
+        Self::new(vertices, self.planes.iter().map(plane).collect(), self.net.all_made_by_cuts(false))
     }
 }
 
