@@ -21,6 +21,7 @@ __all__ = [
     "check_claim",
     "claims",
     "clean_mesh",
+    "join_slivers",
     "load_mesh",
     "mesh_info",
     "mesh_mass",
@@ -159,6 +160,12 @@ def resurface(
 def mesh_mass(mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]) -> dict[str, Any]:
     """`volume_m3`, `center_m` (3) and `unit_inertia_m5` (3, 3) about it, of what a closed mesh encloses."""
 
+def join_slivers(volumes: list[float], contacts: list[tuple[list[int], float]], smallest: float) -> list[int]:
+    """For each piece the number of the one that it joins, its own for most, so that none is smaller than `smallest` of the mean.
+
+    `contacts` are pairs of pieces and areas [m^2]: a piece joins the neighbour that it touches over the largest.
+    """
+
 def piece_contacts(
     pieces: list[tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], npt.NDArray[np.bool_]]],
 ) -> list[Contact]:
@@ -176,8 +183,11 @@ def break_mesh_on_grid(
     at: Sequence[float],
     normal: Sequence[float],
     voxels: int,
+    smallest: float = 1e-4,
 ) -> dict[str, Any]:
     """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
+
+    What is smaller than `smallest` of the mean piece joins a neighbour.
 
     A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3), `inner` (t,): whether a crack made each, and
     texture `coordinates` (t, 3, 2) of their corners [m].

@@ -114,9 +114,9 @@ def arrays(solid: Manifold) -> Mesh:
     return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.uint32)
 
 
-def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
+def cut(solid: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> list[Part]:
     """The connected parts of a solid in each cell, cell by cell, the largest first. Together they are the solid, even if the cells leave
-    gaps or overlap."""
+    gaps or overlap. One of less than ``smallest`` of the mean volume joins its neighbour."""
     # Body and cells are told apart by the ids of their triangles, faces by numbers of their own.
     first = Manifold.reserve_ids(len(cutters) + 1)
     body = _manifold(*arrays(solid), first)
@@ -129,11 +129,42 @@ def cut(solid: Manifold, cutters: list[Cutter]) -> list[Part]:
             count += int(face.max()) + 1
     if abs(sum(inside.volume() for inside in cells) - body.volume()) > FITS * body.volume():
         cells = _fitted(body, cells, least)
-    parts = []
+    groups: list[list[Manifold]] = []
     for inside in cells:
-        shells = [shell for shell in inside.decompose() if abs(shell.volume()) > least]
-        parts += [_part(group, face_of) for group in _with_cavities(shells)]
-    return parts
+        groups += _connected(inside, least)
+    parts = [_part(group, face_of) for group in groups]
+    return _without_slivers(groups, parts, face_of, smallest, least)
+
+
+def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
+    """The connected parts of a solid, each an outer shell and its cavities, the largest first."""
+    return _with_cavities([shell for shell in solid.decompose() if abs(shell.volume()) > least])
+
+
+def _without_slivers(
+    groups: list[list[Manifold]],
+    parts: list[Part],
+    face_of: dict[int, npt.NDArray[np.int64]],
+    smallest: float,
+    least: float,
+) -> list[Part]:
+    """The parts, with those that are too small united with the neighbour that they have the largest surface in common with."""
+    volumes = [sum(shell.volume() for shell in group) for group in groups]
+    if not volumes or min(volumes) >= smallest * sum(volumes) / len(volumes):
+        return parts
+    surfaces = [((part.vertices, part.triangles), part.inner) for part in parts]
+    contacts = [([contact["a"], contact["b"]], contact["area_m2"]) for contact in _frangible.piece_contacts(surfaces)]
+    hosts = _frangible.join_slivers(volumes, contacts, smallest)
+    kept = []
+    for number, part in enumerate(parts):
+        members = [other for other, host in enumerate(hosts) if host == number]
+        if members == [number]:
+            kept.append(part)
+        elif members:
+            solids = [Manifold.compose(groups[member]) for member in members]
+            united = Manifold.batch_boolean(solids, OpType.Add)
+            kept += [_part(group, face_of) for group in _connected(united, least)]
+    return kept
 
 
 def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:

@@ -12,6 +12,7 @@ import numpy as np
 from . import _frangible
 from .cleaning import CleanMesh
 from .output import missing_packages
+from .piece_count import break_into
 from .pieces import Contact, Piece, Pieces
 from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
@@ -21,6 +22,8 @@ from .usd_mesh import readable_mesh
 DEFAULT_VOXELS = 128
 #: The largest number that is worth waiting for; the grid has to fit into memory as well.
 MOST_VOXELS = 1024
+#: A piece of less than this part of the mean piece's volume joins its neighbour.
+DEFAULT_SMALLEST = 1e-4
 #: Up.
 DEFAULT_NORMAL = (0.0, 1.0, 0.0)
 
@@ -35,6 +38,8 @@ def break_mesh(
     voxels: int = DEFAULT_VOXELS,
     pose_time: float | None = None,
     stage: StageCallback = no_stage,
+    pieces: int | None = None,
+    smallest: float = DEFAULT_SMALLEST,
 ) -> Pieces:
     """Break a mesh file along a pattern; `BuildError` if that cannot be done.
 
@@ -44,6 +49,9 @@ def break_mesh(
     By default the mesh is sampled on a grid of ``voxels`` along its longest side, so that holes and crossings do no harm. ``exact``
     keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there. What moves in a glTF or
     USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what begins.
+
+    With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until there are about so many; a note
+    says if it does not come within a tenth. A piece of less than ``smallest`` of the mean piece's volume joins its neighbour.
     """
     stage("reading the mesh")
     # Where the blow lands.
@@ -60,16 +68,21 @@ def break_mesh(
         raise _frangible.BuildError(f"at: {_listed(point)}, must be finite")
     if not 1 <= voxels <= MOST_VOXELS:
         raise _frangible.BuildError(f"voxels: {voxels}, must be 1 to {MOST_VOXELS}")
+    if not 0.0 <= smallest <= 1.0:
+        raise _frangible.BuildError(f"smallest: {smallest:g}, must be from 0 to 1")
 
     # Cut.
     name = os.path.splitext(os.path.basename(os.fspath(path)))[0]
-    if exact:
-        if hint := missing_packages("exact"):
-            raise _frangible.BuildError(f"exact: {hint}")
-        stage("cutting the mesh along the pattern")
-        return _break_exactly(name, clean, pattern, (point, direction), voxels)
-    stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
-    return _break_on_grid(name, clean, pattern, (point, direction), voxels)
+    blow = (point, direction)
+    if exact and (hint := missing_packages("exact")):
+        raise _frangible.BuildError(f"exact: {hint}")
+    break_it = _break_exactly if exact else _break_on_grid
+
+    def cut(chosen: _frangible.Pattern) -> Pieces:
+        stage("cutting the mesh along the pattern" if exact else f"breaking the mesh on a grid of {voxels} voxels along its longest side")
+        return break_it(name, clean, chosen, blow, voxels, smallest)
+
+    return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, blow, cut)
 
 
 def _listed(vector: Float64) -> str:
@@ -98,11 +111,16 @@ def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
 
 
 def _break_on_grid(
-    name: str, clean: CleanMesh, pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
+    name: str,
+    clean: CleanMesh,
+    pattern: _frangible.Pattern,
+    blow: tuple[Float64, Float64],
+    voxels: int,
+    smallest: float,
 ) -> Pieces:
     at, normal = blow
     mesh = (clean["vertices"], clean["triangles"])
-    broken = _frangible.break_mesh_on_grid(pattern, mesh, at.tolist(), normal.tolist(), voxels)
+    broken = _frangible.break_mesh_on_grid(pattern, mesh, at.tolist(), normal.tolist(), voxels, smallest)
     notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
     # What is smaller than a voxel has no surface there.
     specks = [number for number, piece in enumerate(broken["pieces"]) if len(piece["triangles"]) == 0]
@@ -128,14 +146,20 @@ def _break_on_grid(
 
 
 def _break_exactly(
-    name: str, clean: CleanMesh, pattern: _frangible.Pattern, blow: tuple[Float64, Float64], voxels: int
+    name: str,
+    clean: CleanMesh,
+    pattern: _frangible.Pattern,
+    blow: tuple[Float64, Float64],
+    voxels: int,
+    smallest: float,
 ) -> Pieces:
     from .boolean import closed, crack_coordinates, cut
 
     at, normal = blow
     solid, notes = closed(clean, voxels)
     box = solid.bounding_box()
-    parts = cut(solid, _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at.tolist(), normal.tolist()))
+    cutters = _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at.tolist(), normal.tolist())
+    parts = cut(solid, cutters, smallest)
     pieces: list[Piece] = []
     for part in parts:
         surface = (part.vertices, part.triangles)

@@ -106,6 +106,8 @@ class Fracture(TypedDict):
     borne: float
     #: What its cracks took from the motion of the two against each other [J].
     energy: float
+    #: How many pieces its description asks for, if it does.
+    wanted: int | None
     #: What it broke into.
     fragments: list[int]
     imbalance: Imbalance

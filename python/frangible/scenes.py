@@ -131,6 +131,7 @@ def find_scene(
     seed: int | None = None,
     assignments: Iterable[str] = (),
     pose_time: float | None = None,
+    pieces: int | None = None,
 ) -> tuple[Scene, int, str]:
     """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many frames it takes; its name.
 
@@ -138,6 +139,7 @@ def find_scene(
     """
     if isinstance(source, str) and not is_scene_file(source):
         scene = _shot(source, mesh, fps, method, seed, pose_time)
+        _set_pieces(scene, pieces)
         for assignment in assignments:
             set_field(scene, assignment)
         return scene, _frames(scene), source
@@ -152,6 +154,7 @@ def find_scene(
         scene["frames_per_second"] = fps
     if method is not None:
         scene["method"] = method
+    _set_pieces(scene, pieces)
     for assignment in assignments:
         set_field(scene, assignment)
     name = scene.get("name") or ("scene" if isinstance(source, dict) else _stem(source))
@@ -167,6 +170,19 @@ def _shot(
     for holder in _path_holders(scene):
         holder["path"] = mesh if holder["path"] == readable else holder["path"]
     return scene
+
+
+def _set_pieces(scene: Scene, pieces: int | None) -> None:
+    """Into how many pieces a break cuts each body that breaks; `BuildError` if none does."""
+    if pieces is None:
+        return
+    bodies = scene.get("bodies")
+    found = [body.get("breaking") for body in bodies if isinstance(body, dict)] if isinstance(bodies, list) else []
+    breaking = [description for description in found if isinstance(description, dict)]
+    if not breaking:
+        raise BuildError(f"pieces: {pieces}, must come with a scene in which a body has 'breaking'")
+    for description in breaking:
+        description["pieces"] = pieces
 
 
 def _stem(path: str | os.PathLike[str]) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .piece_count import difference
 from .report import StepReport
 
 Summary = dict[str, Any]
@@ -54,6 +55,7 @@ def summarise(
         "frames": len(reports),
         "dt": dt,
         "state_hash": state_hash,
+        "pieces_asked": _asked(reports),
         "fractures": sum(len(report["fractures"]) for report in reports),
         "pieces": _pieces(reports),
         **(first[0] if first else {}),
@@ -96,6 +98,7 @@ def describe(summary: Summary, seconds: float) -> str:
         f"{summary['shot']}: {frames * summary['dt']:.3g} s in {_count(frames, 'frame')}, simulated in {seconds:.2g} s{method}",
         f"{_broken(summary)}; {_dissipated(energy)}; {_gained(energy)}",
     ]
+    lines += [f"  pieces    {line}" for wanted, count in summary["pieces_asked"] if (line := difference(count, wanted))]
     if bodies["quarantined"]:
         were = "body was" if bodies["quarantined"] == 1 else "bodies were"
         causes = ", ".join(summary["quarantine_causes"])
@@ -133,6 +136,12 @@ def _gained(energy: dict[str, float]) -> str:
     if gain <= NO_GAIN * scale:
         return "no frame gained energy"
     return f"A FRAME GAINED ENERGY: {gain:.3g} J, {100.0 * gain / scale:.2g} % of what is in play"
+
+
+def _asked(reports: Sequence[StepReport]) -> list[tuple[int, int]]:
+    """For each break that was asked for a number of pieces, that number and how many there are."""
+    breaks = [fracture for report in reports for fracture in report["fractures"]]
+    return [(wanted, len(each["fragments"])) for each in breaks if (wanted := each.get("wanted")) is not None]
 
 
 def _count(number: int, noun: str) -> str:

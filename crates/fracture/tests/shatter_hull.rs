@@ -366,7 +366,8 @@ fn areas(surface: &Surface, inner: bool) -> (f64, f64) {
 #[test]
 fn surfaces_are_closed_tagged_and_laid_out() {
     let mut random = common::random(31);
-    let mut parent = Shape::breakable(ClosedForm::Sphere { radius: 0.4 }, 0.05).unwrap();
+    let half = DVec3::new(0.4, 0.35, 0.3);
+    let mut parent = Shape::breakable(ClosedForm::Box { half }, 0.05).unwrap();
     assert!(!parent.surface().interior.contains(&true));
     for pattern in common::patterns(5).into_iter().skip(1) {
         let impact = common::random_impact(&parent, &mut random);

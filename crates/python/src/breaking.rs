@@ -4,7 +4,8 @@ use crate::interrupt::interruptible;
 use crate::patterns::Pattern;
 use crate::{build_error, convert};
 use frangible::fracture::{
-    CutPiece, Impact, Interface, break_on_grid, cutters, interfaces, mesh_interfaces, resurfaced,
+    CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces, resurfaced, sampled_body,
+    shatter,
 };
 use frangible::geometry::{MassProperties, TriMesh, mesh_io};
 use glam::DVec3;
@@ -40,6 +41,7 @@ pub(crate) fn pattern_cutters<'py>(
 
 /// Break a mesh on a grid.
 #[pyfunction]
+#[pyo3(signature = (pattern, mesh, at, normal, voxels, smallest=Smallest::default().part))]
 pub(crate) fn break_mesh_on_grid<'py>(
     py: Python<'py>,
     pattern: &Pattern,
@@ -47,12 +49,16 @@ pub(crate) fn break_mesh_on_grid<'py>(
     at: [f64; 3],
     normal: [f64; 3],
     voxels: usize,
+    smallest: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mesh = mesh.to_mesh()?;
+    let smallest = Smallest { part: smallest, ..Smallest::default() };
+    let settings = ShatterSettings { smallest, ..ShatterSettings::default() };
     let impact = Impact { point_body: at.into(), normal_body: DVec3::from(normal) };
     let pattern = pattern.0.clone();
     let broken = interruptible(py, move || {
-        break_on_grid(&mesh, &pattern, &impact, voxels).map(|(volume, pieces)| {
+        sampled_body(&mesh, voxels).map(|body| {
+            let (volume, pieces) = (body.volume, shatter(&body, &pattern, &impact, &settings));
             let surfaces: Vec<_> = pieces.iter().map(|piece| piece.shape.surface()).collect();
             let contacts = interfaces(&pieces);
             (volume, pieces, surfaces, contacts)
@@ -181,6 +187,20 @@ pub(crate) fn resurface<'py>(py: Python<'py>, mesh: PyMesh<'_>, voxels: usize) -
 #[pyfunction]
 pub(crate) fn mesh_mass<'py>(py: Python<'py>, mesh: PyMesh<'_>) -> PyResult<Bound<'py, PyDict>> {
     mass_dict(py, &mesh.to_mesh()?.mass_properties())
+}
+
+/// Which pieces stay together so that none is smaller than a part of the mean one: for each the number of the one that it joins.
+#[pyfunction]
+pub(crate) fn join_slivers(
+    volumes: Vec<f64>,
+    contacts: Vec<([usize; 2], f64)>,
+    smallest: f64,
+) -> PyResult<Vec<usize>> {
+    if contacts.iter().any(|(pair, _)| pair.iter().any(|&piece| piece >= volumes.len())) {
+        return Err(build_error("contacts: a number of no piece, must be those of the volumes"));
+    }
+    let smallest = Smallest { part: smallest, ..Smallest::default() };
+    Ok(frangible::fracture::join_slivers(&volumes, &contacts, &smallest))
 }
 
 /// The contacts of pieces that were cut out of a mesh.

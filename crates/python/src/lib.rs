@@ -190,6 +190,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::mesh_mass, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::piece_contacts, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::join_slivers, module)?)?;
     module.add_function(wrap_pyfunction!(meshopt::decode_meshopt, module)?)?;
     module.add_function(wrap_pyfunction!(mesh_info, module)?)
 }

@@ -9,12 +9,12 @@ import time
 from typing import Any
 
 from .. import _frangible
-from ..breaking import DEFAULT_NORMAL, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
+from ..breaking import DEFAULT_NORMAL, DEFAULT_SMALLEST, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
 from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..progress import report_stages
 from ..usd_mesh import readable_mesh
-from .options import add_pose_time, finite, natural, positive
+from .options import MOST_PIECES, add_pose_time, check_pieces, finite, natural, positive
 
 
 def add_break(commands: Any) -> None:
@@ -24,6 +24,19 @@ def add_break(commands: Any) -> None:
     breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
     breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
     breaker.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="number of cells [the pattern's]")
+    breaker.add_argument(
+        "--pieces",
+        type=natural(MOST_PIECES),
+        metavar="N",
+        help="about so many pieces: as many cells as that takes [what the cells make]",
+    )
+    breaker.add_argument(
+        "--smallest",
+        type=finite,
+        default=DEFAULT_SMALLEST,
+        metavar="FRACTION",
+        help="smaller pieces join a neighbour; of the mean piece's volume [%(default)g]",
+    )
     breaker.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
     breaker.add_argument(
         "--at",
@@ -59,6 +72,7 @@ def add_break(commands: Any) -> None:
 
 
 def _break(options: argparse.Namespace) -> None:
+    check_pieces(options.pieces, options.cells)
     output = open_pieces_output(options.out)
     with readable_mesh(options.pattern) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
@@ -71,6 +85,8 @@ def _break(options: argparse.Namespace) -> None:
             normal=options.normal,
             exact=options.exact,
             voxels=options.voxels,
+            pieces=options.pieces,
+            smallest=options.smallest,
             pose_time=options.pose_time,
             stage=stage,
         )

@@ -15,6 +15,8 @@ from ..words import did_you_mean
 
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
+#: As many as a pattern may have cells.
+MOST_PIECES = 10_000
 
 EXIT_FAILED = 1
 #: Bad input, as for `argparse`.
@@ -55,6 +57,9 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--fps", type=positive(float, "a number"), metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
     parser.add_argument("--method", help=f"which step advances a frame [{defaults['method']}, or the file's]")
+    parser.add_argument(
+        "--pieces", type=natural(MOST_PIECES), metavar="N", help="each break makes about so many pieces [what its pattern makes]"
+    )
     parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
 
 
@@ -66,6 +71,14 @@ def add_pose_time(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="how long after its beginning an animation in a .gltf, .glb or .usd stands still [its rest pose]",
     )
+
+
+def check_pieces(pieces: int | None, cells: int | None) -> None:
+    """`BuildError` unless at most one of the two is given, and it is at least 1."""
+    if pieces == 0:
+        raise _frangible.BuildError(f"--pieces: 0, must be from 1 to {MOST_PIECES}")
+    if pieces is not None and cells is not None:
+        raise _frangible.BuildError(f"--pieces: {pieces}, must come without --cells, which follow from it")
 
 
 def finite(text: str) -> float:

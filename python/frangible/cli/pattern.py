@@ -11,7 +11,7 @@ from typing import Any
 from .. import _frangible
 from ..output import OutputError
 from ..usd_mesh import readable_mesh
-from .options import natural, positive, readable
+from .options import MOST_PIECES, check_pieces, natural, positive, readable
 
 
 def add_pattern(commands: Any) -> None:
@@ -25,6 +25,9 @@ def add_pattern(commands: Any) -> None:
     pattern.set_defaults(command=_pattern)
     pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
     pattern.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="about so many pieces [the kind's]")
+    pattern.add_argument(
+        "--pieces", type=natural(MOST_PIECES), metavar="N", help="so many pieces, as nearly as the kind has them [the cells']"
+    )
     pattern.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
     pattern.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
@@ -35,6 +38,9 @@ def add_pattern(commands: Any) -> None:
 
 def _pattern(options: argparse.Namespace) -> None:
     from ..pattern import check_pattern_file, describe_pattern, write_pattern
+    from ..piece_count import difference
+
+    check_pieces(options.pieces, options.cells)
 
     # Whatever can be wrong is found before anything is drawn.
     if options.picture is not None and not options.picture.lower().endswith(".png"):
@@ -44,6 +50,10 @@ def _pattern(options: argparse.Namespace) -> None:
         check_pattern_file(path)
     with readable_mesh(options.name) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
+    if options.pieces is not None:
+        pattern, count = pattern.with_pieces(options.pieces)
+        if sentence := difference(count, options.pieces):
+            print(sentence, file=sys.stderr)
     facts = describe_pattern(pattern)
     if options.json:
         print(json.dumps(facts))

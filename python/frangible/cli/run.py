@@ -51,6 +51,7 @@ def _run(options: argparse.Namespace) -> int:
         fps=options.fps,
         method=options.method,
         seed=options.seed,
+        pieces=options.pieces,
         assignments=options.assignments,
         pose_time=options.pose_time,
     )

@@ -26,6 +26,7 @@ def _scene(options: argparse.Namespace) -> None:
         fps=options.fps,
         method=options.method,
         seed=options.seed,
+        pieces=options.pieces,
         assignments=options.assignments,
     )
     print(as_json(scene))

@@ -1,0 +1,53 @@
+"""As many pieces as are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from . import _frangible
+from .pieces import Pieces
+from .recording import Float64, UInt32
+
+#: Breaks that are tried: the number of pieces is first found on a coarse grid, which resolves no small ones.
+TRIES = 4
+#: How far the number of pieces may be from what is asked for without another try.
+WITHIN = 0.05
+#: How far it may be without a word.
+SILENT_WITHIN = 0.1
+#: Voxels along the longest side of a mesh on the coarse grid.
+VOXELS = 48
+
+
+def break_into(
+    pieces: int,
+    pattern: _frangible.Pattern,
+    mesh: tuple[Float64, UInt32],
+    blow: tuple[Float64, Float64],
+    cut: Callable[[_frangible.Pattern], Pieces],
+) -> Pieces:
+    """What ``cut`` breaks a mesh into along the pattern, made finer, coarser or larger until there are about so many pieces."""
+    at, normal = blow[0].tolist(), blow[1].tolist()
+    best: Pieces | None = None
+    aim, tried = pieces, set[int]()
+    for _ in range(TRIES):
+        tried.add(aim)
+        chosen, _count = pattern.with_pieces(aim, mesh, at, normal, voxels=VOXELS, smallest_voxels=1.0)
+        broken = cut(chosen)
+        count = len(broken.pieces)
+        if best is None or abs(count - pieces) < abs(len(best.pieces) - pieces):
+            best = broken
+        # More pieces than the grid shows ask for fewer there.
+        aim = max(1, round(aim * pieces / max(count, 1)))
+        if abs(count - pieces) <= WITHIN * pieces or aim in tried:
+            break
+    assert best is not None
+    if sentence := difference(len(best.pieces), pieces):
+        best.notes.append(sentence)
+    return best
+
+
+def difference(count: int, wanted: int) -> str | None:
+    """The sentence that there are not as many pieces as were asked for; `None` if it is nearly so many."""
+    if abs(count - wanted) <= SILENT_WITHIN * wanted:
+        return None
+    return f"{wanted} pieces were asked for, and {count} is as near as this pattern comes"
