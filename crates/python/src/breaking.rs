@@ -4,8 +4,8 @@ use crate::interrupt::interruptible;
 use crate::patterns::Pattern;
 use crate::{build_error, convert};
 use frangible::fracture::{
-    CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces, resurfaced, sampled_body,
-    shatter,
+    CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces, resurfaced,
+    sampled_body, shatter,
 };
 use frangible::geometry::{MassProperties, TriMesh, mesh_io};
 use glam::DVec3;
