@@ -1,0 +1,107 @@
+"""Films: whole files of the right size, length and rate, from one camera."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from frangible import OutputError, Recording
+from frangible.cli import main
+from frangible.output import View, open_output
+from PIL import Image
+
+SIZE = (64, 36)
+
+
+def test_an_mp4_has_every_frame(scripted: Recording, tmp_path: Path) -> None:
+    from imageio_ffmpeg import count_frames_and_secs, read_frames
+
+    path = tmp_path / "slab.mp4"
+    open_output(str(path), view=View(size=SIZE)).write(scripted)
+    count, seconds = count_frames_and_secs(str(path))
+    assert (count, round(seconds * scripted.fps)) == (scripted.frames + 1, scripted.frames + 1)
+    assert next(read_frames(str(path)))["size"] == SIZE
+    assert os.listdir(tmp_path) == ["slab.mp4"]
+
+
+def test_a_gif_has_every_frame_and_goes_on(scripted: Recording, tmp_path: Path) -> None:
+    path = tmp_path / "slab.gif"
+    open_output(str(path), view=View(size=SIZE)).write(scripted)
+    with Image.open(path) as film:
+        assert (film.n_frames, film.size, film.info["loop"]) == (scripted.frames + 1, SIZE, 0)
+
+
+def test_a_folder_holds_the_pictures_of_one_camera(scripted: Recording, tmp_path: Path) -> None:
+    from frangible.camera import frame_recording
+    from frangible.render import picture
+
+    output = open_output(f"{tmp_path}/frames/", view=View(size=SIZE))
+    output.write(scripted)
+    names = sorted(os.listdir(tmp_path / "frames"))
+    assert names == [f"frame_{frame:04}.png" for frame in range(scripted.frames + 1)]
+    camera = frame_recording(scripted, 64 / 36)
+    with Image.open(tmp_path / "frames" / "frame_0004.png") as image:
+        assert np.array_equal(np.asarray(image), picture(scripted, 4, *SIZE, camera))
+    # A second film takes the first one's place.
+    open_output(f"{tmp_path}/frames/", view=View(size=SIZE)).write(scripted)
+    assert os.listdir(tmp_path) == ["frames"]
+
+
+def test_a_folder_with_anything_else_stays(tmp_path: Path) -> None:
+    (tmp_path / "letter.txt").write_text("dear")
+    with pytest.raises(OutputError, match="letter.txt"):
+        open_output(f"{tmp_path}/")
+
+
+@pytest.mark.parametrize("ending", [".mp4", ".gif", "/"])
+def test_an_interrupted_film_leaves_nothing(ending: str, scripted: Recording, tmp_path: Path) -> None:
+    def interrupt(done: int, _: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    output = open_output(f"{tmp_path}/slab{ending}", view=View(size=SIZE, progress=interrupt))
+    with pytest.raises(KeyboardInterrupt):
+        output.write(scripted)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_cache_is_drawn_without_simulating(scripted: Recording, tmp_path: Path) -> None:
+    cache, path, again = (tmp_path / name for name in ("slab.npz", "slab.png", "again.npz"))
+    scripted.save(cache)
+    out = ["--out", str(path), "--out", str(again), "--frame", "3", "--size", "64x36", "--quiet"]
+    assert main(["render", str(cache), *out]) == 0
+    with Image.open(path) as image:
+        assert image.size == SIZE
+    assert Recording.load(again).frames == scripted.frames
+
+
+@pytest.mark.parametrize("size", ["64", "64x", "0x0", "65x36", "99999x36", "x"])
+def test_a_wrong_size_is_a_sentence(size: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["render", "none.npz", "--out", "a.png", "--size", size])
+    assert "must be" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_a_floor_has_no_speckles(scale: float, scripted: Recording) -> None:
+    from dataclasses import replace
+
+    from frangible.render import picture
+
+    cube = scripted.body(5)
+    turn = np.array([0.0, 0.0, -0.2, np.sqrt(1.0 - 0.04)])
+    ground = replace(
+        cube, id=9, source=9, parent=None, birth_frame=0, death_frame=None, mass=np.inf, look=None,
+        vertices=np.zeros((0, 3), np.float32), triangles=np.zeros((0, 3), np.uint32),
+        interior=np.zeros(0, np.bool_), coordinates=np.zeros((0, 3, 2), np.float32),
+        positions=np.zeros((7, 3)), orientations=np.tile(turn, (7, 1)),
+    )  # fmt: skip
+    small = replace(
+        cube, id=8, source=8, parent=None, birth_frame=0, look=None,
+        vertices=cube.vertices * np.float32(scale), positions=np.full((7, 3), 1.0) * scale,
+        orientations=np.tile([0.0, 0.0, 0.0, 1.0], (7, 1)),
+    )  # fmt: skip
+    image = picture(replace(scripted, bodies=[ground, small]), 0, 320, 180).astype(int)
+    # Far from the cube the floor changes smoothly, apart from faint lines.
+    floor = image[120:, :80].sum(axis=2)
+    assert np.abs(np.diff(floor, axis=1)).max() < 90
