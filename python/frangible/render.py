@@ -34,7 +34,7 @@ BAND = 24
 #: Surfaces of glass that a ray passes, one behind the other; what lies behind more is not seen.
 GLASS_LAYERS = 12
 #: Pixels whose colours differ by more are an edge, which is sampled again, at these places.
-CONTRAST = 0.04
+CONTRAST = 0.05
 PLACES = ((0.125, 0.625), (0.375, 0.125), (0.625, 0.875), (0.875, 0.375))
 #: Samples on edges that are worked on at once.
 CHUNK = 30_000

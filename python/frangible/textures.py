@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .recording import Bool, Float64
+from .recording import Bool, Float32, Float64
 
 #: Width of a year's growth [m].
 RING = 0.011
@@ -17,7 +17,7 @@ def longest_first(vertices: Float64) -> Float64:
     """Axes (3, 3), rows, of points (v, 3): along their longest extent, then across it."""
     if len(vertices) < 2:
         return np.eye(3)
-    axes: Float64 = np.linalg.svd(vertices - vertices.mean(axis=0), full_matrices=True)[2]
+    axes: Float64 = np.linalg.svd(vertices - vertices.mean(axis=0), full_matrices=len(vertices) < 3)[2]
     return axes
 
 
@@ -45,21 +45,35 @@ def concrete(points: Float64, interior: Bool) -> Float64:
 def _noise(points: Float64) -> Float64:
     """Smooth values (n,) from 0 to 1 that change over a distance of about 1 (value noise)."""
     cell = np.floor(points)
-    part = points - cell
+    part = (points - cell).astype(np.float32)
     part = part * part * (3.0 - 2.0 * part)
-    lattice = cell.astype(np.int64)
-    total = np.zeros(len(points))
-    for corner in range(8):
-        offset = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
-        weight = np.prod(np.where(offset, part, 1.0 - part), axis=1)
-        total += weight * _hashed(lattice + offset)
-    return total
+    lattice = cell.astype(np.int64).astype(np.uint64)
+    # What each axis adds to the key of its lower and of its upper corners.
+    keys = [(lattice[:, axis] * prime, (lattice[:, axis] + _ONE) * prime) for axis, prime in enumerate(_PRIMES)]
+    x, y, z = part.T
+    lower, upper = (
+        _mixed(
+            _mixed(_hashed(keys[0][0] ^ key ^ deep), _hashed(keys[0][1] ^ key ^ deep), x),
+            _mixed(_hashed(keys[0][0] ^ far ^ deep), _hashed(keys[0][1] ^ far ^ deep), x),
+            y,
+        )
+        for key, far, deep in ((*keys[1], keys[2][0]), (*keys[1], keys[2][1]))
+    )
+    return _mixed(lower, upper, z).astype(np.float64)
 
 
-def _hashed(lattice: npt.NDArray[np.int64]) -> Float64:
-    """A number (n,) from 0 to 1 for each lattice point (n, 3)."""
-    x, y, z = lattice.astype(np.uint64).T
-    key = x * np.uint64(0x9E3779B97F4A7C15) ^ y * np.uint64(0xC2B2AE3D27D4EB4F) ^ z * np.uint64(0x165667B19E3779F9)
+_ONE = np.uint64(1)
+_PRIMES = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
+
+
+def _mixed(first: Float32, second: Float32, part: Float32) -> Float32:
+    mixed: Float32 = first + part * (second - first)
+    return mixed
+
+
+def _hashed(key: npt.NDArray[np.uint64]) -> Float32:
+    """A number (n,) from 0 to 1 for each key of a lattice point (n,)."""
     key = (key ^ key >> np.uint64(29)) * np.uint64(0xBF58476D1CE4E5B9)
-    values: Float64 = (key >> np.uint64(40)).astype(np.float64) / 2.0**24
+    values: Float32 = (key >> np.uint64(40)).astype(np.float32)
+    values *= np.float32(2.0**-24)
     return values
