@@ -132,6 +132,8 @@ class StepReport(TypedDict):
     bodies: int
     #: How many of them slept in this frame, where the scene has ``"sleep": true``.
     asleep: int
+    #: Pairs of overlapping bounds that were not looked at, because too many bodies were in one place; 0 without such crowds.
+    pairs_left_out: int
     #: Of all dynamic bodies [kg].
     mass: float
     energy: Energy

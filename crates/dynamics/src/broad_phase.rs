@@ -1,5 +1,6 @@
 //! Pairs of bodies whose bounds overlap.
 
+mod crowd;
 mod strips;
 
 use crate::detection::{moved, radius};
@@ -94,7 +95,7 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
         .zip(poses)
         .map(|(shape, pose)| Bounds::of(shape, pose).grown(0.5 * margin))
         .collect();
-    overlapping_pairs(bodies, &bounds, &[poses])
+    overlapping_pairs(bodies, &bounds, &[poses], false).0
 }
 
 /// What turns by more than this [rad] within a frame may have any turn in it.
@@ -107,16 +108,18 @@ const HARDLY: f64 = 0.01;
 pub struct Swept {
     /// Around the way of each body, enlarged by half of a margin.
     pub bounds: Vec<Bounds>,
-    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order.
+    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order; of crowds, the nearest.
     pub pairs: Vec<Pair>,
+    /// How many pairs of crowds are not among them.
+    pub left_out: usize,
 }
 
 impl Swept {
     /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
         let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
-        let pairs = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends]);
-        Self { bounds, pairs }
+        let (pairs, left_out) = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends], true);
+        Self { bounds, pairs, left_out }
     }
 }
 
@@ -173,10 +176,16 @@ fn swept_bounds_with<I: Instructions>(
     bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
 }
 
-/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`.
-fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> Vec<Pair> {
+/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`; and, if crowds are thinned,
+/// how many of them are left out.
+fn overlapping_pairs(
+    bodies: &Bodies,
+    bounds: &[Bounds],
+    poses: &[&[Pose]],
+    thins: bool,
+) -> (Vec<Pair>, usize) {
     let moves: Vec<bool> = bodies.inertias.iter().map(|inertia| !inertia.is_infinite()).collect();
-    let mut pairs = overlapping_bounded(bounds, &moves);
+    let (mut pairs, left_out) = overlapping_bounded(bounds, &moves, thins);
 
     // What is boundless meets everything, but for what is above ground.
     let mut with_boundless = Vec::new();
@@ -191,7 +200,7 @@ fn overlapping_pairs(bodies: &Bodies, bounds: &[Bounds], poses: &[&[Pose]]) -> V
         }
     }
     pairs.push(with_boundless);
-    sorted(&pairs, bodies.len())
+    (sorted(&pairs, bodies.len()), left_out)
 }
 
 /// A half-space that does not move.

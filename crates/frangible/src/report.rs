@@ -14,6 +14,9 @@ pub struct StepReport {
     pub bodies: usize,
     /// How many of them slept in this frame.
     pub asleep: usize,
+    /// Pairs of overlapping bounds that were not looked at, because too many bodies were in one place: each of those meets its
+    /// nearest. Zero in scenes without such crowds.
+    pub pairs_left_out: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
     /// The energy books.

@@ -63,7 +63,7 @@ fn advance(world: &mut World) -> StepReport {
         Method::Paper => move_by_newmark(world, &frame, &mut clock),
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
-    let Moved { fractures, flight, gravity, mut tally, mut quarantined, before: solved_from } = moved;
+    let Moved { fractures, flight, gravity, mut tally, left_out, mut quarantined, before: solved_from } = moved;
     world.end_sparing();
     tally.add(bonds_tally);
     broken.extend(fractures);
@@ -93,6 +93,7 @@ fn advance(world: &mut World) -> StepReport {
         frame: world.frame,
         time: world.time(),
         bodies: world.bodies.len(),
+        pairs_left_out: left_out,
         asleep: world.bodies.ids.iter().filter(|&&id| world.is_asleep(id)).count(),
         mass: after.mass,
         energy,
@@ -123,6 +124,8 @@ struct Moved {
     gravity: (DVec3, DVec3),
     /// What static and kinematic bodies contributed.
     tally: Tally,
+    /// Pairs of crowds that nobody looked at.
+    left_out: usize,
     /// Whom the solver was spared.
     quarantined: Vec<Quarantined>,
     /// What the solver began with.
@@ -169,7 +172,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     bodies.velocities = velocities;
     tally.add(velocity_tally);
     clock.lap("velocity_contact");
-    Moved { fractures, flight, gravity, tally, quarantined: Vec::new(), before }
+    Moved { fractures, flight, gravity, tally, left_out: 0, quarantined: Vec::new(), before }
 }
 
 /// One detection at x^n, then substeps of sequential impulses.
@@ -209,7 +212,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         note_carried(world, &forces);
     }
     clock.lap("solve");
-    Moved { fractures, flight, gravity, tally, quarantined, before }
+    Moved { fractures, flight, gravity, tally, left_out: swept.left_out, quarantined, before }
 }
 
 /// What is known when nothing breaks any more.

@@ -2,6 +2,7 @@
 //! [Bar92]. Time grows as the number of boxes and of overlaps, in flat piles, tall ones and rows.
 
 use super::Bounds;
+use super::crowd::{most_pairs, thinned};
 use crate::pair::Pair;
 use crate::threads;
 use glam::DVec3;
@@ -35,9 +36,14 @@ struct Layout {
 /// Lists of pairs, as many as there may be threads.
 const SHARES: usize = 16;
 
-/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in no order. Boxes that are apart by no
-/// more than the rounding of single precision may count as overlapping.
-pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<Pair>> {
+/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in no order. Boxes that are
+/// apart by no more than the rounding of single precision may count as overlapping. Of crowds, if they are to be thinned, the
+/// [deepest](thinned); how many are left out comes with them.
+pub(crate) fn overlapping_bounded(
+    bounds: &[Bounds],
+    moves: &[bool],
+    thins: bool,
+) -> (Vec<Vec<Pair>>, usize) {
     let is_bounded = |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
     let layout = Layout::of(bounds, &bounded);
@@ -75,17 +81,34 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool]) -> Vec<Vec<
 
     let strips: Vec<usize> = (0..layout.strips).collect();
     let shares: Vec<&[usize]> = strips.chunks(layout.strips.div_ceil(SHARES)).collect();
-    threads::map(shares, bounded.len(), |strips| {
+    let most = if thins { most_pairs(bounded.len()) } else { usize::MAX };
+    let pairs = threads::map(shares, bounded.len(), |strips| {
         let mut pairs = Vec::new();
         for &strip in strips {
-            sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, &mut pairs);
+            sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, most, &mut pairs);
         }
         pairs
-    })
+    });
+    if pairs.iter().map(Vec::len).sum::<usize>() <= most {
+        return (pairs, 0);
+    }
+    drop(pairs);
+    let (pairs, left_out) = thinned(bounds, |take| {
+        let mut of_one = Vec::new();
+        for strip in 0..layout.strips {
+            let entries = &entries[begin[strip]..begin[strip + 1]];
+            for at in 0..entries.len() {
+                of_one.clear();
+                sweep_one(entries, at, strip as u32, &mut of_one);
+                of_one.iter().for_each(|&pair| take(pair));
+            }
+        }
+    });
+    (vec![pairs], left_out)
 }
 
-/// The pairs that overlap and whose later one begins in this strip.
-fn sweep_strip(entries: &[Entry], strip: u32, pairs: &mut Vec<Pair>) {
+/// The pairs that overlap and whose later one begins in this strip; no more once there are more than `most`.
+fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>) {
     // Which ones overlap nobody can foresee: all are noted, and those that do not are written over.
     let mut with = vec![0; entries.len()];
     for (at, a) in entries.iter().enumerate() {
@@ -102,11 +125,32 @@ fn sweep_strip(entries: &[Entry], strip: u32, pairs: &mut Vec<Pair>) {
             with[count] = b.index;
             count += usize::from(overlaps & is_here & (a.moves | b.moves));
         }
+        if pairs.len() > most {
+            return;
+        }
         pairs.extend(with[..count].iter().map(|&other| {
             let (first, second) = (a.index.min(other) as usize, a.index.max(other) as usize);
             Pair { first, second }
         }));
     }
+}
+
+/// Those of one box with later ones.
+fn sweep_one(entries: &[Entry], at: usize, strip: u32, pairs: &mut Vec<Pair>) {
+    let a = &entries[at];
+    let later = entries[at + 1..].iter().take_while(|b| b.along[0] <= a.along[1]);
+    let meets = |b: &&Entry| {
+        b.across[0] <= a.across[1]
+            && a.across[0] <= b.across[1]
+            && b.third[0] <= a.third[1]
+            && a.third[0] <= b.third[1]
+            && (a.first_strip == strip || b.first_strip == strip)
+            && (a.moves || b.moves)
+    };
+    pairs.extend(later.filter(meets).map(|b| {
+        let (first, second) = (a.index.min(b.index) as usize, a.index.max(b.index) as usize);
+        Pair { first, second }
+    }));
 }
 
 impl Layout {
