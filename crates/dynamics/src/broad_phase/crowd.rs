@@ -8,8 +8,8 @@ use crate::pair::Pair;
 /// Pairs of each body that are looked at in a crowd. Twelve equal balls fit around one.
 const NEAREST: usize = 24;
 
-/// Pairs for each body, in the mean, from which on there is a crowd: in a heap at rest there are 8, and where pieces come
-/// flying together 20. And the fewest pairs of one: they take a tenth of a second.
+/// Pairs for each body, in the mean, from which on there is a crowd, more than neighbours have room for; and the fewest pairs
+/// of one, which are soon looked at.
 const MEAN: usize = 40;
 const FEWEST: usize = 10_000;
 
