@@ -21,8 +21,10 @@ __all__ = [
     "check_claim",
     "claims",
     "clean_mesh",
+    "closest_triangles",
     "join_slivers",
     "load_mesh",
+    "mesh_attributes",
     "mesh_info",
     "mesh_mass",
     "pattern_cutters",
@@ -144,6 +146,24 @@ def decode_meshopt(data: bytes, count: int, stride: int, mode: str, filter: str)
 
 def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
     """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file; `BuildError` if it cannot be read."""
+
+def mesh_attributes(path: str) -> dict[str, Any] | None:
+    """What a mesh file says of its triangles (t,) besides their shape; `None` if it says nothing.
+
+    `corners` (t, 3, 3) [m]; `object` (t,), index into `objects`, each a list of names, the root's first; `material` (t,), index
+    into `materials`: names in OBJ, numbers in glTF; -1 is none. `coordinates` (t, 3, 2) with v up, `normals` (t, 3, 3), unit, and
+    `colours` (t, 3, 4), linear, of the corners; NaN where there is nothing. `BuildError` if the file cannot be read.
+    """
+
+def closest_triangles(
+    corners: npt.NDArray[np.float64],
+    groups: npt.NDArray[np.int64],
+    points: npt.NDArray[np.float64],
+    normals: npt.NDArray[np.float64],
+    wanted: npt.NDArray[np.int64],
+) -> npt.NDArray[np.int64]:
+    """For each point (n, 3) the index of the closest of triangles (t, 3, 3) of groups (t,): of the `wanted` group (n,), -1 for
+    any, and facing to the side of its normal (n, 3), as far as there is such a one."""
 
 def clean_mesh(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = "the mesh"
@@ -270,6 +290,12 @@ class World:
     @property
     def looks(self) -> list[str | None]:
         """(n) what each body is drawn as: glass, concrete, brick, mortar, wood, stone or metal; `None` if nobody said."""
+
+    def material_frame(self, id: int) -> tuple[list[float], list[float]]:
+        """The frame of a body's material, which is a mesh's own in metres, seen from its body frame: origin [m] and quaternion.
+
+        Fragments keep that of the body that they broke off from. `KeyError` if no living body has the id.
+        """
 
     def set_velocity(
         self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike

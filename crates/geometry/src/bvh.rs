@@ -122,6 +122,17 @@ impl Bvh {
 
     /// The closest point of the surface nearer than `bound_squared` [m^2]; `None` if there is none.
     pub fn closest(&self, point: DVec3, bound_squared: f64) -> Option<Closest> {
+        self.closest_of(point, bound_squared, |_| true)
+    }
+
+    /// The same of those triangles, given by their positions in the list, that are `wanted`.
+    #[inline]
+    pub fn closest_of(
+        &self,
+        point: DVec3,
+        bound_squared: f64,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Option<Closest> {
         let mut best_squared = bound_squared;
         let mut best = None;
         let mut stack = [(0, 0.0); 64];
@@ -138,7 +149,7 @@ impl Bvh {
                 for slot in node.range() {
                     let candidate = closest_point_on_triangle(point, &self.triangles[slot]);
                     let squared = (point - candidate).length_squared();
-                    if squared < best_squared {
+                    if squared < best_squared && wanted(self.source[slot] as usize) {
                         best_squared = squared;
                         best = Some((slot, candidate));
                     }

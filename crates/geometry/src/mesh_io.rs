@@ -1,5 +1,6 @@
 //! Mesh files.
 
+mod attributes;
 mod gltf;
 mod obj;
 mod ply;
@@ -7,6 +8,8 @@ mod stl;
 
 use crate::polygon::triangulate;
 use crate::{MeshError, TriMesh, read_file};
+use attributes::Parsed;
+pub use attributes::{CornerAttributes, FaceAttributes, MeshAttributes};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -16,6 +19,14 @@ use std::path::Path;
 /// without area. The vertices of an STL file are welded. A mesh that faces inward as a whole is turned. Lengths are
 /// taken for metres, and no axis is changed.
 pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
+    load_with_attributes(path).map(|(mesh, _)| mesh)
+}
+
+/// The same mesh, and what the file says of its triangles besides their shape.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_with_attributes(path: &Path) -> Result<(TriMesh, MeshAttributes), MeshError> {
     // Read the file.
     let name = path.display().to_string();
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -54,13 +65,13 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
 
     // Turn it into a mesh that keeps the rules.
-    let mut mesh = parse(&File { name: &name, path, bytes })?;
-    mesh.check(&name)?;
-    mesh.drop_unused();
-    if mesh.mass_properties().volume < 0.0 {
-        mesh.flip();
+    let mut parsed = parse(&File { name: &name, path, bytes })?;
+    parsed.mesh.check(&name)?;
+    parsed.drop_unused();
+    if parsed.mesh.mass_properties().volume < 0.0 {
+        parsed.flip();
     }
-    Ok(mesh)
+    Ok((parsed.mesh, parsed.attributes))
 }
 
 /// Whether a file begins as text in UTF-16 does: with its mark, or with characters and zeros by turns.
@@ -74,7 +85,7 @@ fn is_utf16(bytes: &[u8]) -> bool {
 }
 
 /// Reads what a format says, without judging it.
-type Parser = fn(&File) -> Result<TriMesh, MeshError>;
+type Parser = fn(&File) -> Result<Parsed, MeshError>;
 
 /// A file in memory.
 struct File<'a> {

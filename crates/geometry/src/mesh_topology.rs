@@ -86,13 +86,17 @@ impl TriMesh {
         self.drop_unused();
     }
 
+    /// Whether a triangle has an area.
+    pub(crate) fn has_area(&self, triangle: usize) -> bool {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(c - a) != DVec3::ZERO
+    }
+
     /// Removes triangles without area, and vertices that no triangle uses.
     pub fn drop_unused(&mut self) {
-        let positions = &self.positions;
-        self.triangles.retain(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-            (b - a).cross(c - a) != DVec3::ZERO
-        });
+        let kept = (0..self.triangles.len()).filter(|&triangle| self.has_area(triangle));
+        let kept: Vec<[u32; 3]> = kept.map(|triangle| self.triangles[triangle]).collect();
+        self.triangles = kept;
 
         // Renumber the vertices in use, in their order.
         let mut number = vec![0; self.positions.len()];

@@ -1,5 +1,6 @@
 //! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi` documents it.
 
+mod attributes;
 mod breaking;
 mod convert;
 mod interrupt;
@@ -187,6 +188,8 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(breaking::break_mesh_on_grid, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::clean_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(attributes::mesh_attributes, module)?)?;
+    module.add_function(wrap_pyfunction!(attributes::closest_triangles, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::mesh_mass, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::piece_contacts, module)?)?;

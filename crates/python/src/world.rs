@@ -190,6 +190,15 @@ impl World {
         Ok(self.inner()?.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect())
     }
 
+    /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame: origin [m] and orientation.
+    fn material_frame(&self, id: u64) -> PyResult<([f64; 3], [f64; 4])> {
+        let bodies = self.world.bodies();
+        let dense = bodies.index_of(id_from_number(id));
+        let dense = dense.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
+        let frame = &bodies.shapes[dense].body_from_grid;
+        Ok((frame.translation.to_array(), frame.rotation.to_array()))
+    }
+
     /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.
     fn set_velocity(
         &self,

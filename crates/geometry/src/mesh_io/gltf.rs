@@ -1,7 +1,10 @@
 //! glTF and GLB: the triangles of the default scene, where its nodes put them.
 
+mod attributes;
+
 use super::File;
-use crate::{MeshError, TriMesh, read_file};
+use super::attributes::{FaceAttributes, Parsed, number_of};
+use crate::{MeshError, read_file};
 use base64::Engine;
 use glam::{DMat4, DVec3};
 use gltf::accessor::{DataType, Dimensions};
@@ -11,22 +14,28 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use std::path::{Component, Path};
 
-pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let malformed = |reason: String| file.malformed("glTF", reason);
     let (document, buffers) = open(file).map_err(malformed)?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| malformed("it has no scene".to_owned()))?;
 
     // Walk down the scene's nodes.
-    let mut mesh = TriMesh::default();
+    let mut parsed = Parsed::default();
+    let (mesh, said) = (&mut parsed.mesh, &mut parsed.attributes);
+    said.materials = (0..document.materials().len()).map(|number| number.to_string()).collect();
     let mut seen = vec![false; document.nodes().len()];
-    let mut waiting: Vec<(Node, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-    while let Some((node, scene_from_parent)) = waiting.pop() {
+    let mut waiting: Vec<(Node, DMat4, Vec<String>)> =
+        scene.nodes().map(|node| (node, DMat4::IDENTITY, Vec::new())).collect();
+    while let Some((node, scene_from_parent, above)) = waiting.pop() {
         if std::mem::replace(&mut seen[node.index()], true) {
             return Err(malformed(format!("node {} is the child of more than one node", node.index())));
         }
         let columns = node.transform().matrix().map(|column| column.map(f64::from));
         let scene_from_node = scene_from_parent * DMat4::from_cols_array_2d(&columns);
+
+        let mut path = above;
+        path.extend(attributes::name(&node));
 
         // Append the node's triangles.
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
@@ -42,13 +51,25 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
             let mirrored = scene_from_node.determinant() < 0.0;
             mesh.positions
                 .extend(positions.iter().map(|&position| scene_from_node.transform_point3(position)));
-            mesh.triangles.extend(triangles(primitive.mode(), &indices).iter().map(|&[a, b, c]| {
-                if mirrored { [base + a, base + c, base + b] } else { [base + a, base + b, base + c] }
+            let turned = triangles(primitive.mode(), &indices)
+                .into_iter()
+                .map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+            let own: Vec<[u32; 3]> = turned.collect();
+            mesh.triangles.extend(own.iter().map(|corners| corners.map(|corner| base + corner)));
+
+            // What they have besides.
+            let corners = attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
+            let material = primitive.material().index().map(|index| index as u32);
+            let object = (!path.is_empty()).then(|| number_of(&mut said.objects, path.clone()));
+            said.faces.extend(own.iter().map(|triangle| FaceAttributes {
+                object,
+                material,
+                corners: triangle.map(|corner| corners[corner as usize]),
             }));
         }
-        waiting.extend(node.children().map(|child| (child, scene_from_node)));
+        waiting.extend(node.children().map(|child| (child, scene_from_node, path.clone())));
     }
-    Ok(mesh)
+    Ok(parsed)
 }
 
 /// The document and the bytes of its buffers; the error completes the sentence "it is not a valid glTF file".

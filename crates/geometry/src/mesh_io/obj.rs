@@ -1,16 +1,28 @@
-//! Wavefront OBJ: the statements `v` and `f`.
+//! Wavefront OBJ: the statements `v`, `vt`, `vn`, `f`, `o`, `g` and `usemtl`.
 //!
 //! Read here and not with a library, because a sentence about a bad vertex or index needs the file's own numbers, and
 //! because nothing about normals, colours, texture coordinates and materials should be able to refuse a shape.
 
+use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, number_of, unit};
 use super::{File, push_polygon};
-use crate::{MeshError, TriMesh};
-use glam::DVec3;
+use crate::MeshError;
+use glam::{DVec3, Vec2, Vec3};
 
-pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+/// What vertices and corners have besides places.
+#[derive(Default)]
+struct Lists {
+    colours: Vec<Option<[f32; 4]>>,
+    coordinates: Vec<Option<Vec2>>,
+    normals: Vec<Option<Vec3>>,
+}
+
+pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let text = String::from_utf8_lossy(file.bytes);
-    let mut mesh = TriMesh::default();
-    let mut polygon = Vec::new();
+    let mut parsed = Parsed::default();
+    let mut lists = Lists::default();
+    let (mut object, mut group): (Option<String>, Option<String>) = (None, None);
+    let (mut owner, mut material) = (None, None);
+    let (mut polygon, mut corners) = (Vec::new(), Vec::new());
     let mut lines = text.lines().enumerate();
     while let Some((number, line)) = lines.next() {
         // A backslash joins a line to the next one.
@@ -35,23 +47,76 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
                         )
                     })?;
                 }
-                mesh.positions.push(position);
+                parsed.mesh.positions.push(position);
+                lists.colours.push(colour(words));
+            }
+            Some("vt") => lists.coordinates.push(numbers(words).map(|[u, v]| Vec2::new(u, v))),
+            Some("vn") => {
+                let normal = numbers(words).and_then(|normal| unit(Vec3::from_array(normal).as_dvec3()));
+                lists.normals.push(normal);
+            }
+            // Names reach to the end of the line.
+            Some(word @ ("o" | "g" | "usemtl")) => {
+                let name = line.trim_start()[word.len()..].trim();
+                let name = (!name.is_empty()).then(|| name.to_owned());
+                let attributes = &mut parsed.attributes;
+                match word {
+                    "usemtl" => material = name.map(|name| number_of(&mut attributes.materials, name)),
+                    "o" => (object, group) = (name, None),
+                    _ => group = name.filter(|name| name != "default"),
+                }
+                let names: Vec<String> = object.iter().chain(&group).cloned().collect();
+                owner = (!names.is_empty()).then(|| number_of(&mut attributes.objects, names));
             }
             // A face: three or more corners, each with the vertex before the first slash.
             Some("f") => {
                 polygon.clear();
+                corners.clear();
                 for word in words {
-                    polygon.push(corner(file, &place, word, mesh.positions.len())?);
+                    let vertex = corner(file, &place, word, parsed.mesh.positions.len())?;
+                    polygon.push(vertex);
+                    corners.push(lists.corner(word, vertex));
                 }
-                push_polygon(&mut mesh, &polygon);
+                push_polygon(&mut parsed.mesh, &polygon);
+                parsed.describe(owner, material, &polygon, &corners);
             }
             _ => {}
         }
     }
-    if mesh.positions.is_empty() {
+    if parsed.mesh.positions.is_empty() {
         return Err(file.malformed("OBJ", "it has 0 vertices (lines that begin with v)"));
     }
-    Ok(mesh)
+    Ok(parsed)
+}
+
+/// The first numbers of a line; `None` if there are not so many.
+fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f32; N]> {
+    let found: Vec<f32> = words.map_while(|word| word.parse().ok()).take(N).collect();
+    found.try_into().ok().filter(|numbers: &[f32; N]| numbers.iter().all(|number| number.is_finite()))
+}
+
+/// Three numbers behind a vertex's place; one alone is a weight.
+fn colour<'a>(words: impl Iterator<Item = &'a str>) -> Option<[f32; 4]> {
+    let srgb: [f32; 3] = numbers(words)?;
+    colour_from_srgb(srgb.map(f64::from), 1.0)
+}
+
+impl Lists {
+    /// What a corner such as `7/1/3` has; nothing where a number is missing or out of range.
+    fn corner(&self, word: &str, vertex: u32) -> CornerAttributes {
+        let mut parts = word.split('/').skip(1).map(|number| number.parse::<i64>().ok());
+        let index = |number: Option<i64>, count: usize| {
+            let number = number?;
+            usize::try_from(if number < 0 { count as i64 + number } else { number - 1 }).ok()
+        };
+        let coordinates = index(parts.next().flatten(), self.coordinates.len());
+        let normal = index(parts.next().flatten(), self.normals.len());
+        CornerAttributes {
+            coordinates: coordinates.and_then(|index| *self.coordinates.get(index)?),
+            normal: normal.and_then(|index| *self.normals.get(index)?),
+            colour: self.colours.get(vertex as usize).copied().flatten(),
+        }
+    }
 }
 
 /// The vertex of a face's corner such as `7`, `7/1/3`, `7//3` or, counted back from the last vertex, `-1`.

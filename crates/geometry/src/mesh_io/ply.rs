@@ -2,9 +2,10 @@
 //!
 //! A library reads the header. The numbers after it are read here, because its text form knows neither `nan` nor `1.`.
 
+use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, unit};
 use super::{File, push_polygon};
-use crate::{MeshError, TriMesh};
-use glam::DVec3;
+use crate::MeshError;
+use glam::{DVec3, Vec2};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
 use std::str::SplitWhitespace;
@@ -12,7 +13,7 @@ use std::str::SplitWhitespace;
 /// Characters of a line that a sentence shows.
 const MOST_SHOWN: usize = 60;
 
-pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     // Read the header.
     let mut reader = Reader::new(file.bytes);
     let header = Parser::<DefaultElement>::new().read_header(&mut reader);
@@ -27,8 +28,8 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
     };
 
     // Read the elements in the order of the header; others than vertices and faces only to get past them.
-    let mut mesh = TriMesh::default();
-    let mut faces = Vec::new();
+    let mut parsed = Parsed::default();
+    let (mut corners_of_vertices, mut faces) = (Vec::new(), Vec::new());
     for element in header.elements.values() {
         let name = &element.name;
         if element.properties.is_empty() || element.count > body.len() {
@@ -39,6 +40,7 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
         let axes = ["x", "y", "z"].map(|axis| element.properties.get_index_of(axis));
         let corners =
             ["vertex_indices", "vertex_index"].iter().find_map(|list| element.properties.get_index_of(*list));
+        let besides = Besides::of(element);
         for count in 0..element.count {
             let values = numbers.element(element).ok_or_else(|| {
                 file.malformed("PLY", format!("element \"{name}\" {count} has a number missing or misspelt"))
@@ -46,10 +48,11 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
             match (name.as_str(), axes, corners) {
                 ("vertex", [Some(x), Some(y), Some(z)], _) => {
                     let coordinate = |at: usize| values[at].first().copied().unwrap_or(f64::NAN);
-                    mesh.positions.push(DVec3::new(coordinate(x), coordinate(y), coordinate(z)));
+                    parsed.mesh.positions.push(DVec3::new(coordinate(x), coordinate(y), coordinate(z)));
+                    corners_of_vertices.push(besides.corner(&values));
                 }
                 ("vertex", _, _) => return Err(file.malformed("PLY", "its vertices have no x, y and z")),
-                ("face", _, Some(corners)) => faces.push(values[corners].clone()),
+                ("face", _, Some(corners)) => faces.push((values[corners].clone(), besides.face(&values))),
                 ("face", _, None) => return Err(file.malformed("PLY", "its faces have no vertex_indices")),
                 _ => {}
             }
@@ -57,16 +60,86 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
     }
 
     // Make triangles of the faces, with each index checked.
-    let last = mesh.positions.len() as i64 - 1;
-    for (face, corners) in faces.iter().enumerate() {
+    let last = parsed.mesh.positions.len() as i64 - 1;
+    for (face, (corners, own)) in faces.iter().enumerate() {
         if let Some(&index) = corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64)) {
             let (mesh, place) = (file.name.to_owned(), format!("face {face}"));
             return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
         }
         let polygon: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
-        push_polygon(&mut mesh, &polygon);
+        push_polygon(&mut parsed.mesh, &polygon);
+        let corners = polygon.iter().zip(0..).map(|(&vertex, at)| {
+            let corner = corners_of_vertices[vertex as usize];
+            let coordinates = own.coordinates.get(at).copied().or(corner.coordinates);
+            CornerAttributes { coordinates, colour: corner.colour.or(own.colour), ..corner }
+        });
+        let corners: Vec<CornerAttributes> = corners.collect();
+        parsed.describe(None, None, &polygon, &corners);
     }
-    Ok(mesh)
+    Ok(parsed)
+}
+
+/// Where an element has colours, normals and texture coordinates, if it has any.
+struct Besides {
+    /// Red, green, blue and alpha, and the number that stands for all of a channel.
+    colour: Option<([usize; 3], Option<usize>, f64)>,
+    normal: Option<[usize; 3]>,
+    coordinates: Option<[usize; 2]>,
+    /// Texture coordinates of a face's corners, one after the other.
+    list: Option<usize>,
+}
+
+/// What a face has of its own.
+struct OfFace {
+    colour: Option<[f32; 4]>,
+    coordinates: Vec<Vec2>,
+}
+
+impl Besides {
+    fn of(element: &ElementDef) -> Self {
+        let index = |name: &str| element.properties.get_index_of(name);
+        let all = |names: [&str; 3]| Some([index(names[0])?, index(names[1])?, index(names[2])?]);
+        let rgb = all(["red", "green", "blue"]).or_else(|| all(["diffuse_red", "diffuse_green", "diffuse_blue"]));
+        let full = |channel: usize| match element.properties[channel].data_type {
+            PropertyType::Scalar(ScalarType::Float | ScalarType::Double) => 1.0,
+            PropertyType::Scalar(ScalarType::Short | ScalarType::UShort) => f64::from(u16::MAX),
+            _ => f64::from(u8::MAX),
+        };
+        let pairs = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+        Self {
+            colour: rgb.map(|rgb| (rgb, index("alpha"), full(rgb[0]))),
+            normal: all(["nx", "ny", "nz"]),
+            coordinates: pairs.iter().find_map(|[u, v]| Some([index(u)?, index(v)?])),
+            list: index("texcoord"),
+        }
+    }
+
+    fn colour(&self, values: &[Vec<f64>]) -> Option<[f32; 4]> {
+        let (rgb, alpha, full) = self.colour?;
+        let alpha = alpha.map_or(1.0, |channel| number(values, channel) / full);
+        colour_from_srgb(rgb.map(|channel| number(values, channel) / full), alpha)
+    }
+
+    fn corner(&self, values: &[Vec<f64>]) -> CornerAttributes {
+        let [normal, coordinates] = [self.normal.map(Vec::from), self.coordinates.map(Vec::from)]
+            .map(|places| places.map(|places| places.iter().map(|&at| number(values, at)).collect::<Vec<_>>()));
+        CornerAttributes {
+            coordinates: coordinates.map(|place| Vec2::new(place[0] as f32, place[1] as f32)).filter(|p| p.is_finite()),
+            normal: normal.and_then(|normal| unit(DVec3::from_slice(&normal))),
+            colour: self.colour(values),
+        }
+    }
+
+    fn face(&self, values: &[Vec<f64>]) -> OfFace {
+        let places = self.list.map_or(&[][..], |list| &values[list][..]);
+        let place = |pair: &[f64]| Vec2::new(pair[0] as f32, pair[1] as f32);
+        OfFace { colour: self.colour(values), coordinates: places.chunks_exact(2).map(place).collect() }
+    }
+}
+
+/// A scalar of an element.
+fn number(values: &[Vec<f64>], at: usize) -> f64 {
+    values[at].first().copied().unwrap_or(f64::NAN)
 }
 
 /// What is wrong with a header, by the line that the library's words begin with.

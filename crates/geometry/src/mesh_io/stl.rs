@@ -4,6 +4,7 @@
 //! word `solid` too; and a text file may hold several solids.
 
 use super::File;
+use super::attributes::Parsed;
 use crate::{MeshError, TriMesh};
 use glam::{DVec3, Vec3};
 
@@ -11,7 +12,7 @@ const HEADER_BYTES: usize = 80;
 /// A normal and three corners of three f32 each, and two bytes of attributes.
 const TRIANGLE_BYTES: usize = 50;
 
-pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
+pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let corners = match binary_triangles(file.bytes) {
         Some(triangles) => binary_corners(triangles),
         None => text_corners(file)?,
@@ -21,7 +22,7 @@ pub(super) fn parse(file: &File) -> Result<TriMesh, MeshError> {
     let mut mesh = TriMesh { positions: corners, triangles };
     mesh.check(file.name)?;
     mesh.weld();
-    Ok(mesh)
+    Ok(mesh.into())
 }
 
 /// The triangles of a binary file; `None` if it is none. Bytes after the last triangle are allowed.

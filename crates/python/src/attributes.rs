@@ -1,0 +1,88 @@
+//! What mesh files say besides the shape, and which of their triangles others lie on.
+
+use crate::{build_error, convert};
+use frangible::geometry::bvh::Bvh;
+use frangible::geometry::mesh_io::{self, CornerAttributes, FaceAttributes};
+use glam::DVec3;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// What a mesh file says of its triangles besides their shape; `None` if it says nothing.
+#[pyfunction]
+pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<Bound<'_, PyDict>>> {
+    let (mesh, said) = py.detach(|| mesh_io::load_with_attributes(&path)).map_err(build_error)?;
+    if said.is_empty() {
+        return Ok(None);
+    }
+    let count = said.faces.len();
+    let facts = PyDict::new(py);
+    let corners = (0..count).flat_map(|triangle| mesh.corners(triangle)).map(|corner| corner.to_array());
+    facts.set_item("corners", convert::rows(py, corners)?.reshape([count, 3, 3])?)?;
+    facts.set_item("objects", &said.objects)?;
+    facts.set_item("materials", &said.materials)?;
+    let index = |of: fn(&FaceAttributes) -> Option<u32>| {
+        PyArray1::from_iter(py, said.faces.iter().map(|face| of(face).map_or(-1, |index| index as i32)))
+    };
+    facts.set_item("object", index(|face| face.object))?;
+    facts.set_item("material", index(|face| face.material))?;
+
+    // Corner by corner; not a number where there is nothing.
+    let all = || said.faces.iter().flat_map(|face| &face.corners);
+    fn numbers<const N: usize>(values: Option<[f32; N]>) -> [f32; N] {
+        values.unwrap_or([f32::NAN; N])
+    }
+    let place = |corner: &CornerAttributes| numbers(corner.coordinates.map(|place| place.to_array()));
+    facts.set_item("coordinates", convert::rows(py, all().map(place))?.reshape([count, 3, 2])?)?;
+    let normal = |corner: &CornerAttributes| numbers(corner.normal.map(|normal| normal.to_array()));
+    facts.set_item("normals", convert::rows(py, all().map(normal))?.reshape([count, 3, 3])?)?;
+    let colour = |corner: &CornerAttributes| numbers(corner.colour);
+    facts.set_item("colours", convert::rows(py, all().map(colour))?.reshape([count, 3, 4])?)?;
+    Ok(Some(facts))
+}
+
+/// For each point the closest triangle: of its group and on the side that its normal faces, as far as there is one.
+#[pyfunction]
+pub(crate) fn closest_triangles<'py>(
+    py: Python<'py>,
+    corners: PyReadonlyArray3<'py, f64>,
+    groups: PyReadonlyArray1<'py, i64>,
+    points: PyReadonlyArray2<'py, f64>,
+    normals: PyReadonlyArray2<'py, f64>,
+    wanted: PyReadonlyArray1<'py, i64>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let (corners, groups, wanted) = (corners.as_array(), groups.as_array(), wanted.as_array());
+    let (points, normals) = (points.as_array(), normals.as_array());
+    let three = corners.shape()[1..] == [3, 3] && points.ncols() == 3 && normals.ncols() == 3;
+    let count = points.nrows();
+    if !three || corners.shape()[0] != groups.len() || normals.nrows() != count || wanted.len() != count {
+        return Err(build_error("the triangles: rows of another length than 3, or lists of different lengths"));
+    }
+    let corner =
+        |triangle: usize, at: usize| DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]));
+    let triangles: Vec<[DVec3; 3]> =
+        (0..groups.len()).map(|triangle| [0, 1, 2].map(|at| corner(triangle, at))).collect();
+    let groups = groups.to_vec();
+    let row = |array: &numpy::ndarray::ArrayView2<f64>, row: usize| {
+        DVec3::new(array[[row, 0]], array[[row, 1]], array[[row, 2]])
+    };
+    let queries: Vec<(DVec3, DVec3, i64)> =
+        (0..count).map(|n| (row(&points, n), row(&normals, n), wanted[n])).collect();
+    let found: Vec<i64> = py.detach(|| {
+        let tree = Bvh::new(&triangles);
+        let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
+        let closest = |&(point, normal, group): &(DVec3, DVec3, i64)| {
+            let own = |triangle: usize| group < 0 || groups[triangle] == group;
+            let facing = |triangle: usize| own(triangle) && faces[triangle].dot(normal) > 0.0;
+            let best = tree
+                .closest_of(point, f64::INFINITY, facing)
+                .or_else(|| tree.closest_of(point, f64::INFINITY, own))
+                .or_else(|| tree.closest(point, f64::INFINITY));
+            best.map_or(-1, |best| best.triangle as i64)
+        };
+        queries.par_iter().map(closest).collect()
+    });
+    Ok(PyArray1::from_vec(py, found))
+}
