@@ -97,9 +97,9 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
             *culprit = i;
         }
     }
-    let culprits = culprit_of.values().filter_map(|&i| {
-        faults[i].map(|cause| Quarantined { body: id_number(bodies.ids[i]), cause })
-    });
+    let culprits = culprit_of
+        .values()
+        .filter_map(|&i| faults[i].map(|cause| Quarantined { body: id_number(bodies.ids[i]), cause }));
     let culprits = culprits.collect();
 
     let ids: Vec<BodyId> = bad.iter().map(|&i| bodies.ids[i]).collect();

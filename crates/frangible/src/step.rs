@@ -63,7 +63,8 @@ fn advance(world: &mut World) -> StepReport {
         Method::Paper => move_by_newmark(world, &frame, &mut clock),
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
-    let Moved { fractures, flight, gravity, mut tally, left_out, mut quarantined, before: solved_from } = moved;
+    let Moved { fractures, flight, gravity, mut tally, left_out, mut quarantined, before: solved_from } =
+        moved;
     world.end_sparing();
     tally.add(bonds_tally);
     broken.extend(fractures);

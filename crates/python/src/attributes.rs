@@ -58,7 +58,9 @@ pub(crate) fn closest_triangles<'py>(
     let three = corners.shape()[1..] == [3, 3] && points.ncols() == 3 && normals.ncols() == 3;
     let count = points.nrows();
     if !three || corners.shape()[0] != groups.len() || normals.nrows() != count || wanted.len() != count {
-        return Err(build_error("the triangles: rows of another length than 3, or lists of different lengths"));
+        return Err(build_error(
+            "the triangles: rows of another length than 3, or lists of different lengths",
+        ));
     }
     let corner =
         |triangle: usize, at: usize| DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]));

@@ -192,7 +192,8 @@ impl World {
 
     /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame: origin [m] and orientation.
     fn material_frame(&self, id: u64) -> PyResult<([f64; 3], [f64; 4])> {
-        let bodies = self.world.bodies();
+        let inner = self.inner()?;
+        let bodies = inner.world.bodies();
         let dense = bodies.index_of(id_from_number(id));
         let dense = dense.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
         let frame = &bodies.shapes[dense].body_from_grid;

@@ -77,7 +77,8 @@ mod tests {
     /// Each of a crowd keeps as many pairs as it may, its nearest ones among them, and whoever stands aside keeps all.
     #[test]
     fn each_keeps_its_nearest() {
-        let cube = |x: f64| Bounds { low: DVec3::new(x - 1.0, -1.0, -1.0), high: DVec3::new(x + 1.0, 1.0, 1.0) };
+        let cube =
+            |x: f64| Bounds { low: DVec3::new(x - 1.0, -1.0, -1.0), high: DVec3::new(x + 1.0, 1.0, 1.0) };
         let mut bounds: Vec<Bounds> = (0..200).map(|n| cube(1e-3 * f64::from(n))).collect();
         bounds.push(cube(2.1));
         let visit = |take: &mut dyn FnMut(Pair)| {

@@ -39,11 +39,7 @@ const SHARES: usize = 16;
 /// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in no order. Boxes that are
 /// apart by no more than the rounding of single precision may count as overlapping. Of crowds, if they are to be thinned, the
 /// [deepest](thinned); how many are left out comes with them.
-pub(crate) fn overlapping_bounded(
-    bounds: &[Bounds],
-    moves: &[bool],
-    thins: bool,
-) -> (Vec<Vec<Pair>>, usize) {
+pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool], thins: bool) -> (Vec<Vec<Pair>>, usize) {
     let is_bounded = |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
     let layout = Layout::of(bounds, &bounded);

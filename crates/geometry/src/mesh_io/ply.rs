@@ -99,7 +99,8 @@ impl Besides {
     fn of(element: &ElementDef) -> Self {
         let index = |name: &str| element.properties.get_index_of(name);
         let all = |names: [&str; 3]| Some([index(names[0])?, index(names[1])?, index(names[2])?]);
-        let rgb = all(["red", "green", "blue"]).or_else(|| all(["diffuse_red", "diffuse_green", "diffuse_blue"]));
+        let rgb =
+            all(["red", "green", "blue"]).or_else(|| all(["diffuse_red", "diffuse_green", "diffuse_blue"]));
         let full = |channel: usize| match element.properties[channel].data_type {
             PropertyType::Scalar(ScalarType::Float | ScalarType::Double) => 1.0,
             PropertyType::Scalar(ScalarType::Short | ScalarType::UShort) => f64::from(u16::MAX),
@@ -121,10 +122,14 @@ impl Besides {
     }
 
     fn corner(&self, values: &[Vec<f64>]) -> CornerAttributes {
-        let [normal, coordinates] = [self.normal.map(Vec::from), self.coordinates.map(Vec::from)]
-            .map(|places| places.map(|places| places.iter().map(|&at| number(values, at)).collect::<Vec<_>>()));
+        let [normal, coordinates] =
+            [self.normal.map(Vec::from), self.coordinates.map(Vec::from)].map(|places| {
+                places.map(|places| places.iter().map(|&at| number(values, at)).collect::<Vec<_>>())
+            });
         CornerAttributes {
-            coordinates: coordinates.map(|place| Vec2::new(place[0] as f32, place[1] as f32)).filter(|p| p.is_finite()),
+            coordinates: coordinates
+                .map(|place| Vec2::new(place[0] as f32, place[1] as f32))
+                .filter(|p| p.is_finite()),
             normal: normal.and_then(|normal| unit(DVec3::from_slice(&normal))),
             colour: self.colour(values),
         }
