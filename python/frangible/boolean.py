@@ -121,19 +121,19 @@ def cut(solid: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> list[P
     first = Manifold.reserve_ids(len(cutters) + 1)
     body = _manifold(*arrays(solid), first)
     least = LEAST_PART * body.volume()
+    solids: list[Manifold] = []
     cells, face_of, count = [], {}, 0
     for cell, (vertices, triangles, face) in enumerate(cutters):
         if len(triangles) > 0:
-            cells.append(body ^ _manifold(vertices, triangles, first + 1 + cell))
+            solids.append(_manifold(vertices, triangles, first + 1 + cell))
+            cells.append(body ^ solids[-1])
             face_of[first + 1 + cell] = face.astype(np.int64) + count
             count += int(face.max()) + 1
     if abs(sum(inside.volume() for inside in cells) - body.volume()) > FITS * body.volume():
         cells = _fitted(body, cells, least)
-    groups: list[list[Manifold]] = []
-    for inside in cells:
-        groups += _connected(inside, least)
-    parts = [_part(group, face_of) for group in groups]
-    return _without_slivers(groups, parts, face_of, smallest, least)
+    groups = [(cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)]
+    parts = [_part(shells, face_of) for _, shells in groups]
+    return _without_slivers(body, solids, groups, parts, face_of, smallest)
 
 
 def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
@@ -142,14 +142,18 @@ def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
 
 
 def _without_slivers(
-    groups: list[list[Manifold]],
+    body: Manifold,
+    cutters: list[Manifold],
+    groups: list[tuple[int, list[Manifold]]],
     parts: list[Part],
     face_of: dict[int, npt.NDArray[np.int64]],
     smallest: float,
-    least: float,
 ) -> list[Part]:
-    """The parts, with those that are too small united with the neighbour that they have the largest surface in common with."""
-    volumes = [sum(shell.volume() for shell in group) for group in groups]
+    """The parts, with those that are too small united with the neighbour that they have the largest surface in common with.
+
+    ``groups`` are the shells of each part, and the number of the cutter that cut it out of the body.
+    """
+    volumes = [sum(shell.volume() for shell in shells) for _, shells in groups]
     if not volumes or min(volumes) >= smallest * sum(volumes) / len(volumes):
         return parts
     surfaces = [((part.vertices, part.triangles), part.inner) for part in parts]
@@ -161,10 +165,23 @@ def _without_slivers(
         if members == [number]:
             kept.append(part)
         elif members:
-            solids = [Manifold.compose(groups[member]) for member in members]
-            united = Manifold.batch_boolean(solids, OpType.Add)
-            kept += [_part(group, face_of) for group in _connected(united, least)]
+            kept.append(_part(_joined(body, cutters, [groups[member] for member in members]), face_of))
     return kept
+
+
+def _joined(body: Manifold, cutters: list[Manifold], members: list[tuple[int, list[Manifold]]]) -> list[Manifold]:
+    """Parts as one, without the cracks between them: what the united cells cut out. Cells share the corners of their faces bit for
+    bit, and parts of a body do not: those would touch without being one."""
+    whole = [Manifold.compose(shells) for _, shells in members]
+    volume = sum(solid.volume() for solid in whole)
+    united = Manifold.batch_boolean([cutters[cell] for cell in sorted({cell for cell, _ in members})], OpType.Add)
+    for shells in _connected(body ^ united, LEAST_PART * body.volume()):
+        solid = Manifold.compose(shells)
+        holds_all = all((solid ^ member).volume() > 0.5 * member.volume() for member in whole)
+        if holds_all and abs(solid.volume() - volume) <= FITS * body.volume():
+            return shells
+    # Where cells leave gaps or overlap.
+    return list(Manifold.batch_boolean(whole, OpType.Add).decompose())
 
 
 def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:

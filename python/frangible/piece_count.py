@@ -14,6 +14,8 @@ TRIES = 4
 WITHIN = 0.05
 #: How far it may be without a word.
 SILENT_WITHIN = 0.1
+#: As many as a pattern may have cells.
+MOST_PIECES = 10_000
 #: Voxels along the longest side of a mesh on the coarse grid.
 VOXELS = 48
 
@@ -37,7 +39,7 @@ def break_into(
         if best is None or abs(count - pieces) < abs(len(best.pieces) - pieces):
             best = broken
         # More pieces than the grid shows ask for fewer there.
-        aim = max(1, round(aim * pieces / max(count, 1)))
+        aim = min(max(1, round(aim * pieces / max(count, 1))), MOST_PIECES)
         if abs(count - pieces) <= WITHIN * pieces or aim in tried:
             break
     assert best is not None

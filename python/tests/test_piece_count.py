@@ -31,6 +31,10 @@ def box(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("pieces", [8, 30])
 def test_break_makes_the_pieces(box: Path, kind: str, pieces: int) -> None:
     broken = break_mesh(box, _frangible.Pattern.named(kind), normal=(0, 0, 1), exact=True, pieces=pieces)
+    if (kind, pieces) == ("bricks", 8):
+        # Whole courses come and go.
+        assert len(broken.pieces) == 7 and "8 pieces were asked for, and 7 is" in broken.notes[-1]
+        return
     assert abs(len(broken.pieces) - pieces) <= 0.1 * pieces
     assert not any("asked for" in note for note in broken.notes)
 
@@ -76,7 +80,8 @@ def test_patterns_have_the_cells() -> None:
     for kind in KINDS:
         for pieces in (7, 20, 133):
             _, count = _frangible.Pattern.named(kind).with_pieces(pieces)
-            assert difference(count, pieces) is None or kind == "bricks"
+            # Splinters come in twos, bricks with their joints in threes.
+            assert difference(count, pieces) is None or abs(count - pieces) <= {"splinters": 1, "bricks": 4}.get(kind, 0)
 
 
 def test_a_scene_asks_for_pieces() -> None:
