@@ -1,5 +1,7 @@
 //! Raw triangles made into solids: each kind of damage, in several sizes, places and orders.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 mod common;
 
 use common::{icosphere, joined, moved, open_box};

@@ -42,6 +42,7 @@ pub(crate) fn pattern_cutters<'py>(
 /// Break a mesh on a grid.
 #[pyfunction]
 #[pyo3(signature = (pattern, mesh, at, normal, voxels, smallest=Smallest::default().part))]
+#[allow(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
 pub(crate) fn break_mesh_on_grid<'py>(
     py: Python<'py>,
     pattern: &Pattern,

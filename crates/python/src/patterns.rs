@@ -89,6 +89,7 @@ impl Pattern {
     }
 
     #[pyo3(signature = (pieces, mesh=None, at=[0.0; 3], normal=[0.0, 1.0, 0.0], voxels=48, smallest_voxels=27.0))]
+    #[allow(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
     fn with_pieces(
         &self,
         py: Python<'_>,

@@ -70,10 +70,11 @@ impl Shell {
     /// Whether another shell has the same surface, perhaps in other triangles or turned round.
     fn repeats(&self, other: &Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
-        if !(self.surrounds(other) && other.surrounds(self))
-            || !close(self.volume.abs(), other.volume.abs())
-            || !close(self.area, other.area)
-        {
+        let alike = self.surrounds(other)
+            && other.surrounds(self)
+            && close(self.volume.abs(), other.volume.abs())
+            && close(self.area, other.area);
+        if !alike {
             return false;
         }
         let margin = SAME * self.diagonal();
