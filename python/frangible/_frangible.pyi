@@ -161,9 +161,10 @@ def closest_triangles(
     points: npt.NDArray[np.float64],
     normals: npt.NDArray[np.float64],
     wanted: npt.NDArray[np.int64],
+    reach: npt.NDArray[np.float64],
 ) -> npt.NDArray[np.int64]:
     """For each point (n, 3) the index of the closest of triangles (t, 3, 3) of groups (t,): of the `wanted` group (n,), -1 for
-    any, and facing to the side of its normal (n, 3), as far as there is such a one."""
+    any. One that faces to the side of the point's normal (n, 3) comes first, unless it is farther away by its `reach` (n,)."""
 
 def clean_mesh(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = "the mesh"

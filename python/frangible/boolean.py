@@ -10,7 +10,7 @@ import numpy.typing as npt
 from manifold3d import Manifold, Mesh64, OpType
 
 from . import _frangible
-from .cleaning import CleanMesh
+from .cleaning import MOST_BURIED, CleanMesh
 from .recording import Bool, Float32, Float64, UInt32
 
 Mesh = tuple[Float64, UInt32]
@@ -21,8 +21,6 @@ Cutter = tuple[Float64, UInt32, UInt32]
 LEAST_PART = 1e-12
 #: Cells whose parts make up the whole but for this part of its volume fit: the rest is rounding.
 FITS = 1e-9
-#: Of a surface that crosses itself this part of its area may lie in the solid: folds whose volume is below a percent.
-MOST_BURIED = 0.01
 #: Solids that are united in one call.
 AT_ONCE = 16
 #: Volumes that differ by less are the same, relatively.
@@ -37,6 +35,8 @@ class Part:
     triangles: UInt32
     #: (t,) the face of the cell, -1 on the mesh's own surface.
     face: npt.NDArray[np.int64]
+    #: (t,) the triangle of the solid that it is a part of, -1 in a crack.
+    source: npt.NDArray[np.int64]
 
     @property
     def inner(self) -> Bool:
@@ -225,7 +225,7 @@ def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
 
 def _part(shells: list[Manifold], face_of: dict[int, npt.NDArray[np.int64]]) -> Part:
     """The shells as one surface, with the face that each triangle comes from, by the ids of the cells' meshes."""
-    vertices, triangles, faces = [], [], []
+    vertices, triangles, faces, sources = [], [], [], []
     count = 0
     for shell in shells:
         mesh = shell.to_mesh64()
@@ -237,12 +237,13 @@ def _part(shells: list[Manifold], face_of: dict[int, npt.NDArray[np.int64]]) -> 
         for cutter in np.intersect1d(original, list(face_of)):
             own = original == cutter
             face[own] = face_of[int(cutter)][np.asarray(mesh.face_id, np.int64)[own]]
+        sources.append(np.where(face < 0, np.asarray(mesh.face_id, np.int64), -1))
         own_vertices, own_triangles = _merged(mesh)
         vertices.append(own_vertices)
         triangles.append(own_triangles + np.uint32(count))
         faces.append(face)
         count += len(own_vertices)
-    return Part(np.concatenate(vertices), np.concatenate(triangles), np.concatenate(faces))
+    return Part(*(np.concatenate(arrays) for arrays in (vertices, triangles, faces, sources)))
 
 
 def _merged(mesh: Any) -> Mesh:
@@ -253,8 +254,9 @@ def _merged(mesh: Any) -> Mesh:
     return np.array(mesh.vert_properties[used, :3]), triangles.reshape(-1, 3).astype(np.uint32)
 
 
-def crack_coordinates(part: Part) -> Float32:
-    """(t, 3, 2) coordinates of all corners in the mean planes of their cracks [m]; both sides of a crack have the same."""
+def texture_coordinates(part: Part) -> Float32:
+    """(t, 3, 2) coordinates of all corners [m]: in the mean planes of cracks, the same on both sides, and along the axes of the
+    mesh's frame on its own surface."""
     coordinates = np.zeros((len(part.triangles), 3, 2), np.float32)
     corners = part.vertices[part.triangles]
     area_vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -267,4 +269,10 @@ def crack_coordinates(part: Part) -> Float32:
         u = np.cross(normal, np.eye(3)[np.argmin(np.round(np.abs(normal), 6))])
         u /= np.linalg.norm(u)
         coordinates[triangles] = corners[triangles] @ np.column_stack([u, np.cross(normal, u)])
+
+    # Outer faces are seen along the axis that they face, as pieces of a grid are.
+    across = np.argmax(np.abs(area_vectors), axis=1)
+    for axis, seen in enumerate(([2, 1], [0, 2], [0, 1])):
+        faces = ~part.inner & (across == axis)
+        coordinates[faces] = corners[faces][:, :, seen]
     return coordinates

@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 
 from . import _frangible
-from .cleaning import CleanMesh
+from .cleaning import MOST_BURIED, CleanMesh
+from .mesh_skin import MeshSkin, read_skin
 from .output import missing_packages
 from .piece_count import break_into
 from .pieces import Contact, Piece, Pieces
 from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
 from .usd_mesh import readable_mesh
+from .volumes import volumes_differ
 
 #: Voxels along the longest side of a mesh that is broken, or closed, on a grid.
 DEFAULT_VOXELS = 128
@@ -34,8 +36,9 @@ def break_mesh(
     *,
     at: Sequence[float] | None = None,
     normal: Sequence[float] = DEFAULT_NORMAL,
-    exact: bool = False,
+    exact: bool | None = None,
     voxels: int = DEFAULT_VOXELS,
+    inside: str | None = None,
     pose_time: float | None = None,
     stage: StageCallback = no_stage,
     pieces: int | None = None,
@@ -46,8 +49,12 @@ def break_mesh(
     The pattern's centre is laid on ``at`` [m], and its z axis along ``normal``, out of the mesh and towards what strikes it. Without
     ``at`` the blow goes through the middle of the bounding box and lands where it first meets the mesh.
 
-    By default the mesh is sampled on a grid of ``voxels`` along its longest side, so that holes and crossings do no harm. ``exact``
-    keeps the mesh's own triangles and cuts them: the extra ``exact`` of the installation must be there. What moves in a glTF or
+    The mesh's own triangles are cut, wherever it bounds a solid or can be made to; what crosses itself gets a new surface from a
+    grid of ``voxels`` along the longest side. With ``exact`` the latter is an error, and so is a missing extra ``exact`` of the
+    installation, without which the mesh is broken on the grid as a whole, as it is where ``exact`` is false.
+
+    Pieces keep what the file says of their outer faces; ``inside`` names the material of the others: one of the file's, a look
+    such as concrete, or a new one. What moves in a glTF or
     USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what begins.
 
     With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until there are about so many; a note
@@ -57,6 +64,7 @@ def break_mesh(
     # Where the blow lands.
     with readable_mesh(path, pose_time) as file:
         clean = _frangible.clean_mesh(_frangible.load_mesh(file), file)
+        skin = read_skin(os.fspath(path), file, inside)
     mesh = (clean["vertices"], clean["triangles"])
     direction = np.array(normal, np.float64)
     length = np.linalg.norm(direction)
@@ -74,13 +82,24 @@ def break_mesh(
     # Cut.
     name = os.path.splitext(os.path.basename(os.fspath(path)))[0]
     blow = (point, direction)
-    if exact and (hint := missing_packages("exact")):
+    hint = missing_packages("exact")
+    if exact and hint:
         raise _frangible.BuildError(f"exact: {hint}")
-    break_it = _break_exactly if exact else _break_on_grid
+    crosses = int((clean["buried"] > MOST_BURIED).sum())
+    if exact and crosses:
+        surfaces = "a surface that crosses itself" if crosses == 1 else f"{crosses} surfaces that cross themselves"
+        raise _frangible.BuildError(f"{path}: has {surfaces}, must have none to be cut exactly; without --exact they are made anew")
+    is_cut = exact is not False and hint is None
 
     def cut(chosen: _frangible.Pattern) -> Pieces:
-        stage("cutting the mesh along the pattern" if exact else f"breaking the mesh on a grid of {voxels} voxels along its longest side")
-        return break_it(name, clean, chosen, blow, voxels, smallest)
+        if is_cut:
+            stage("cutting the mesh along the pattern")
+            return _break_exactly(name, clean, skin, chosen, blow, voxels, smallest)
+        stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
+        broken = _break_on_grid(name, clean, skin, chosen, blow, voxels, smallest)
+        if exact is None:
+            broken.notes.append(f"cutting the mesh itself {hint}")
+        return broken
 
     return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, blow, cut)
 
@@ -113,6 +132,7 @@ def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
 def _break_on_grid(
     name: str,
     clean: CleanMesh,
+    skin: MeshSkin | None,
     pattern: _frangible.Pattern,
     blow: tuple[Float64, Float64],
     voxels: int,
@@ -135,41 +155,69 @@ def _break_on_grid(
             continue
         number_of[number] = len(pieces)
         surface = (piece["vertices"], piece["triangles"])
-        pieces.append(_piece(len(pieces), surface, piece["inner"], piece["coordinates"], piece))
+        pieces.append(_piece(len(pieces), surface, piece["inner"], piece["coordinates"], skin))
     found: list[Contact] = broken["contacts"]
     contacts: list[Contact] = [
         {**contact, "a": number_of[contact["a"]], "b": number_of[contact["b"]]}
         for contact in found
         if contact["a"] in number_of and contact["b"] in number_of
     ]
-    return Pieces(name, pieces, contacts, broken["volume_m3"], at, normal, notes)
+    # Solids that meet have a volume of their own only where they were united.
+    is_known = not clean["meets"].any() and not (clean["buried"] > MOST_BURIED).any()
+    whole = _frangible.mesh_mass(mesh)["volume_m3"] if is_known else broken["volume_m3"]
+    written = math.fsum(piece.volume for piece in pieces)
+    if sentence := volumes_differ(mesh, whole, broken["volume_m3"], written, voxels):
+        notes.append(sentence)
+    return Pieces(name, pieces, contacts, whole, at, normal, notes)
 
 
 def _break_exactly(
     name: str,
     clean: CleanMesh,
+    skin: MeshSkin | None,
     pattern: _frangible.Pattern,
     blow: tuple[Float64, Float64],
     voxels: int,
     smallest: float,
 ) -> Pieces:
-    from .boolean import closed, crack_coordinates, cut
+    from .boolean import arrays, closed, cut, texture_coordinates
 
     at, normal = blow
     solid, notes = closed(clean, voxels)
     box = solid.bounding_box()
     cutters = _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at.tolist(), normal.tolist())
     parts = cut(solid, cutters, smallest)
+
+    # The triangle of the file that each of the solid's lies in, if its surface is the file's.
+    below = None
+    if skin is not None and not (clean["buried"] > MOST_BURIED).any():
+        vertices, triangles = arrays(solid)
+        corners = vertices[triangles]
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
+        below = skin.closest(corners.mean(axis=1), faces, reach)
     pieces: list[Piece] = []
     for part in parts:
         surface = (part.vertices, part.triangles)
-        mass = _frangible.mesh_mass(surface)
-        pieces.append(_piece(len(pieces), surface, part.inner, crack_coordinates(part), mass))
+        source = None if below is None else below[part.source]
+        pieces.append(_piece(len(pieces), surface, part.inner, texture_coordinates(part), skin, source))
     contacts = _frangible.piece_contacts([((part.vertices, part.triangles), part.inner) for part in parts])
     return Pieces(name, pieces, contacts, solid.volume(), at, normal, notes)
 
 
-def _piece(index: int, surface: tuple[Float64, UInt32], inner: Any, coordinates: Any, mass: dict[str, Any]) -> Piece:
+def _piece(
+    index: int,
+    surface: tuple[Float64, UInt32],
+    inner: Any,
+    coordinates: Any,
+    skin: MeshSkin | None,
+    source: Any = None,
+) -> Piece:
+    """A piece with the mass properties of its surface."""
+    own = None
+    if skin is not None:
+        own, coordinates = skin.lay_on(*surface, inner, coordinates, source)
+    mass = _frangible.mesh_mass(surface)
     return Piece(
         name=f"piece_{index:03}",
         vertices=surface[0],
@@ -179,4 +227,5 @@ def _piece(index: int, surface: tuple[Float64, UInt32], inner: Any, coordinates:
         volume=mass["volume_m3"],
         center=np.array(mass["center_m"]),
         unit_inertia=np.array(mass["unit_inertia_m5"]),
+        skin=own,
     )

@@ -8,6 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 
+#: Of a surface that crosses itself this part of its area may lie in the solid: folds whose volume is below a percent.
+MOST_BURIED = 0.01
+
+
 class CleanMesh(TypedDict):
     """Raw triangles made into solids."""
 

@@ -226,7 +226,7 @@ class _Gltf:
         """Attributes of the distinct corners of some triangles, and the three of each triangle."""
         columns = [normals.reshape(-1, 3), coordinates[faces].reshape(-1, 2)]
         if body.skin is not None and body.skin.colours is not None:
-            columns.append(body.skin.colours[faces].reshape(-1, 4))
+            columns.append(np.clip(body.skin.colours[faces].reshape(-1, 4), 0.0, 1.0))
         numbers = np.ascontiguousarray(np.concatenate(columns, axis=1), np.float32)
         rows = np.column_stack([body.triangles[faces].ravel(), numbers.view(np.uint32)])
         _, first, indices = np.unique(rows, axis=0, return_index=True, return_inverse=True)

@@ -8,19 +8,14 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
-from .materials import INSIDE, OUTSIDE, Colour
 from .output import OutputError, check_destination, check_folder
-from .pieces import Piece, Pieces
+from .pieces import Pieces
 from .whole import whole_file, whole_folder
 
-#: Names of the two materials.
-OUTER, INNER = "outer", "inner"
 #: The extra of the installation that each ending needs.
 _EXTRAS = {".glb": None, ".gltf": None, ".obj": None, ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
 #: What a folder of ours holds.
-_OURS = re.compile(r"piece_\d{3,}\.obj|materials\.mtl|pieces\.json")
+_OURS = re.compile(r"piece_\d{3,}\.obj|materials\.mtl|pieces\.json|textures")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,55 +82,22 @@ def _write_usd(pieces: Pieces, path: str) -> None:
 
 
 def _write_obj(pieces: Pieces, path: str) -> None:
+    from .obj_pieces import write_obj
+
     materials = os.path.splitext(path)[0] + ".mtl"
-    with whole_file(materials) as part:
-        _write_materials(part)
-    with whole_file(path) as part:
-        _write_obj_file(pieces.pieces, part, os.path.basename(materials))
+    with whole_file(materials) as materials_part, whole_file(path) as part:
+        write_obj(pieces, part, materials_part, os.path.basename(materials))
 
 
 def _write_folder(pieces: Pieces, path: str) -> None:
+    from .obj_pieces import write_folder
+
     # What an earlier break left goes away at the end: it may have had more pieces.
     with whole_folder(path) as part:
-        _write_materials(os.path.join(part, "materials.mtl"))
-        for piece in pieces.pieces:
-            _write_obj_file([piece], os.path.join(part, f"{piece.name}.obj"), "materials.mtl")
+        write_folder(pieces, part)
         _write_report(pieces, os.path.join(part, "pieces.json"))
 
 
 def _write_report(pieces: Pieces, path: str) -> None:
     with open(path, "w", encoding="utf-8") as file:
         json.dump(pieces.report(), file, indent=1)
-
-
-def _write_materials(path: str) -> None:
-    def material(name: str, colour: Colour) -> str:
-        return f"newmtl {name}\nKd {' '.join(f'{channel:g}' for channel in colour)}\n"
-
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(material(OUTER, OUTSIDE[0]) + material(INNER, INSIDE))
-
-
-def _write_obj_file(pieces: list[Piece], path: str, materials: str) -> None:
-    """One object for each piece; the faces of the cracks have texture coordinates."""
-    lines = [f"mtllib {materials}"]
-    vertex, coordinate = 1, 1
-    for piece in pieces:
-        lines.append(f"o {piece.name}")
-        # Python's shortest digits read back to the same numbers.
-        lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in piece.vertices.tolist()]
-        outer = piece.triangles[~piece.inner] + vertex
-        if len(outer):
-            lines.append(f"usemtl {OUTER}")
-            lines += [f"f {a} {b} {c}" for a, b, c in outer.tolist()]
-        inner = piece.triangles[piece.inner] + vertex
-        if len(inner):
-            places, index = np.unique(piece.coordinates[piece.inner].reshape(-1, 2), axis=0, return_inverse=True)
-            lines += [f"vt {u:.7g} {v:.7g}" for u, v in places.tolist()]
-            lines.append(f"usemtl {INNER}")
-            corners = zip(inner.tolist(), (index.reshape(-1, 3) + coordinate).tolist(), strict=True)
-            lines += [f"f {a}/{p} {b}/{q} {c}/{r}" for (a, b, c), (p, q, r) in corners]
-            coordinate += len(places)
-        vertex += len(piece.vertices)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")

@@ -17,6 +17,7 @@ from .skin import Skin
 
 if TYPE_CHECKING:
     from ._frangible import World
+    from .scene_skins import BodySkin
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -110,11 +111,17 @@ class Recording:
 
     @staticmethod
     def record(
-        world: World, frames: int, *, shot: str = "", fps: float | None = None, progress: ProgressCallback | None = None
+        world: World,
+        frames: int,
+        *,
+        shot: str = "",
+        fps: float | None = None,
+        progress: ProgressCallback | None = None,
+        skins: dict[int, BodySkin] | None = None,
     ) -> Recording:
         """Step a world and keep everything it shows; `ValueError` without a frame to record."""
         check_frames(frames)
-        recorder = Recorder(world)
+        recorder = Recorder(world, skins)
         step_frames(world, frames, on_step=recorder.capture, progress=progress)
         return recorder.finish(shot, fps if fps is not None else 1.0 / world.dt)
 
@@ -180,8 +187,13 @@ def step_frames(
 class Recorder:
     """Keeps the frames of a world that somebody steps, and each surface when its body is first seen."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, skins: dict[int, BodySkin] | None = None) -> None:
+        """``skins`` are those of `scene_skins`, for bodies that are meshes."""
         self.world = world
+        ids = world.ids.tolist()
+        self._skins = {ids[number]: skin for number, skin in (skins or {}).items()}
+        # Kept for each body, if there are skins.
+        self._material_frames: dict[int, tuple[list[float], list[float]]] = {}
         self.reports: list[StepReport] = []
         # Kept for each frame: ids (n,), positions (n, 3), orientations (n, 4).
         self._ids: list[npt.NDArray[np.uint64]] = []
@@ -221,6 +233,8 @@ class Recorder:
         for row in new:
             body_id = int(ids[row])
             self._seen[body_id] = (names[row], float(masses[row]), looks[row], *world.surface(body_id))
+            if self._skins:
+                self._material_frames[body_id] = world.material_frame(body_id)
             parent = parents[row]
             if parent is not None:
                 self._parents[body_id] = parent
@@ -241,13 +255,18 @@ class Recorder:
         bodies = []
         for body_id, begin, end in zip(unique_ids.tolist(), first.tolist(), past.tolist(), strict=True):
             name, mass, look, vertices, triangles, interior, coordinates = self._seen[body_id]
+            skin = None
+            source = self._source(body_id)
+            if source in self._skins:
+                surface = (vertices, triangles, interior, coordinates)
+                skin, coordinates = self._skins[source].lay_on(surface, self._material_frames[body_id])
             death = int(frame_of_row[end - 1]) + 1
             bodies.append(
                 Body(
                     id=body_id,
                     name=name,
                     parent=self._parents.get(body_id),
-                    source=self._source(body_id),
+                    source=source,
                     birth_frame=int(frame_of_row[begin]),
                     death_frame=None if death > last_frame else death,
                     mass=mass,
@@ -258,6 +277,7 @@ class Recorder:
                     coordinates=coordinates,
                     positions=positions[begin:end],
                     orientations=without_sign_flips(orientations[begin:end]),
+                    skin=skin,
                 )
             )
         return sorted(bodies, key=lambda body: (body.birth_frame, body.id))

@@ -6,7 +6,8 @@ import os
 
 from ._frangible import World
 from .recording import ProgressCallback, Recording, check_frames
-from .scenes import Scene, find_scene
+from .scene_skins import scene_skins
+from .scenes import Scene, find_scene, readable_scene
 
 
 def run(
@@ -19,13 +20,14 @@ def run(
     threads: int = 0,
     seed: int | None = None,
     progress: ProgressCallback | None = None,
+    inside: str | None = None,
 ) -> Recording:
     """Build a scene, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
 
     ``scene`` is the name of a shot, the path of a scene file (it ends in .json or .toml, or has a folder), or a scene as a
     dictionary. ``mesh`` is a file for shots that break one; without ``frames`` a shot takes as long as it is meant to, and a
     scene of one's own three seconds; what stands for `None` in ``fps``, ``method`` and ``seed`` of a shot, `shot_defaults`
-    says; 0 ``threads`` means one for every processor. `BuildError` if the scene cannot be built, `ValueError` without a frame
+    says; 0 ``threads`` means one for every processor. ``inside`` names the material of what cracks lay bare in meshes, as in `break_mesh`. `BuildError` if the scene cannot be built, `ValueError` without a frame
     to step.
     """
     # Before anything is built, which can take a while.
@@ -33,6 +35,8 @@ def run(
         check_frames(frames)
     mesh = None if mesh is None else os.fspath(mesh)
     found, own_frames, name = find_scene(scene, mesh=mesh, fps=fps, method=method, seed=seed)
-    world = World.build(found, threads)
+    with readable_scene(found) as readable:
+        world = World.build(readable, threads)
+        skins = scene_skins(found, readable, inside)
     rate = float(found.get("frames_per_second", 1.0 / world.dt))
-    return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress)
+    return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress, skins=skins)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import math
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -12,13 +13,15 @@ from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from .cache import CacheError
 from .ground import with_visible_ground
+from .image_folder import ImageFolder
 from .materials import Material, Palette
 from .normals import corner_normals, shaded_mesh
 from .paths import by_source, telling_samples, unique_names
 from .pieces import Pieces
 from .recording import Body, Recording
-from .usd_materials import ImageFolder, add_material
+from .usd_materials import add_material
 from .usd_stage import mark, open_stage, written_as
+from .whole import whole_path
 
 #: How long a body takes to appear and to vanish [frames].
 STEP = 1.0 / 64.0
@@ -30,7 +33,7 @@ def write_usd(recording: Recording, path: str) -> None:
     """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is up."""
     # Sample times and units.
     stage = Usd.Stage.CreateNew(path)
-    images = ImageFolder(path)
+    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     stage.SetMetadata("kilogramsPerUnit", 1.0)
@@ -71,7 +74,7 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     UsdGeom.Scope.Define(stage, f"/{name}/Materials")
-    images = ImageFolder(path)
+    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
     bodies = [piece.body(index) for index, piece in enumerate(pieces.pieces)]
     palette = Palette(
         by_source(bodies),

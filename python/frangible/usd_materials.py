@@ -2,37 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 from pxr import Gf, Sdf, UsdShade
 
-from .materials import Image, Material
-from .output import whole_path
-from .paths import unique_names
-
-
-class ImageFolder:
-    """The images of one USD file, written when the first material needs them."""
-
-    def __init__(self, path: str) -> None:
-        """``path`` is the USD file's, or that of its part while it is written."""
-        self._stem = os.path.splitext(whole_path(path))[0]
-        self._paths: dict[Image, str] = {}
-
-    def path(self, image: Image) -> str:
-        """Of the image's file, relative to the USD file."""
-        if image not in self._paths:
-            folder = f"{self._stem}_textures"
-            os.makedirs(folder, exist_ok=True)
-            stem, ending = os.path.splitext(image.name)
-            stems = [os.path.splitext(os.path.basename(path))[0] for path in self._paths.values()]
-            *_, own = unique_names([*stems, stem or "image"])
-            name = own + (ending or ("." + image.mime.rpartition("/")[2]))
-            with open(os.path.join(folder, name), "wb") as file:
-                file.write(image.data)
-            self._paths[image] = f"./{os.path.basename(folder)}/{name}"
-        return self._paths[image]
+from .image_folder import ImageFolder
+from .materials import Material
 
 
 def add_material(stage: Any, path: str, side: Material, images: ImageFolder) -> Any:
@@ -79,7 +54,7 @@ def _add_images(stage: Any, path: str, shader: Any, side: Material, images: Imag
         places = places or _reader(stage, f"{path}/st", "st", "float2")
         texture = UsdShade.Shader.Define(stage, f"{path}/{name}")
         texture.CreateIdAttr("UsdUVTexture")
-        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(images.path(image))
+        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{images.path(image)}")
         texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set(space)
         for wrap in ("wrapS", "wrapT"):
             texture.CreateInput(wrap, Sdf.ValueTypeNames.Token).Set("repeat")

@@ -70,7 +70,7 @@ def _convert(path: str, obj: str, pose_time: float | None) -> None:
         notes = [*_missing(stage), *reader.left_out_parts()]
         if not any(len(part.counts) for part in parts):
             raise BuildError("; ".join([f"{path}: has no mesh that can be seen", *notes]))
-        _write_obj(obj, parts)
+        _write_obj(obj, parts, reader.time)
     for note in notes:
         warnings.warn(f"{path}: {note}", FileNote, stacklevel=2)
 
@@ -91,6 +91,8 @@ class Part:
     #: The number in the prim's own order of each polygon, and of each corner.
     faces: Int64
     order: Int64
+    #: What its points were multiplied with so far; rows are.
+    linear: Float64 = field(default_factory=lambda: np.eye(3))
 
 
 @dataclass(slots=True)
@@ -296,7 +298,7 @@ def _moved(part: Part, matrix: Float64) -> Part:
     with np.errstate(invalid="ignore", over="ignore"):
         points = part.points @ matrix[:3, :3] + matrix[3, :3]
         is_mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
-    moved = replace(part, points=points)
+    moved = replace(part, points=points, linear=part.linear @ matrix[:3, :3])
     return _turned(moved) if is_mirrored else moved
 
 
@@ -319,14 +321,45 @@ def _kept(part: Part, keep: npt.NDArray[np.bool_]) -> Part:
     )
 
 
-def _write_obj(path: str, parts: list[Part]) -> None:
-    first = 1
+def _write_obj(path: str, parts: list[Part], time: Any) -> None:
+    """All parts, with what their prims say besides."""
+    from .usd_looks import said_of
+
+    vertex = place = normal = 1
     with open(path, "w", encoding="utf-8") as file:
         for part in parts:
-            file.write(f"o {part.name}\n")
-            file.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in part.points.tolist())
+            said = said_of(part, time)
+            points, corners = part.points, part.corners
+            lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+            if said.colours is not None:
+                # A vertex for each corner, as colours are the vertices'. Files of vertices have them in sRGB.
+                points, corners = points[corners], np.arange(len(corners))
+                rows = np.concatenate([points, _srgb(said.colours)], axis=1).tolist()
+                lines = [f"v {x!r} {y!r} {z!r} {r:.9g} {g:.9g} {b:.9g}" for x, y, z, r, g, b in rows]
+            words = [(corners + vertex).astype(str)]
+            if said.coordinates is not None:
+                lines += [f"vt {u:.9g} {v:.9g}" for u, v in said.coordinates.tolist()]
+                words.append((np.arange(len(corners)) + place).astype(str))
+                place += len(corners)
+            if said.normals is not None:
+                lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in said.normals.tolist()]
+                words += [np.full(len(corners), "")] if said.coordinates is None else []
+                words.append((np.arange(len(corners)) + normal).astype(str))
+                normal += len(corners)
+            file.write(f"o {part.name}\n" + "\n".join(lines) + "\n")
+            named = ["/".join(parts_of) for parts_of in zip(*(word.tolist() for word in words), strict=True)]
+            material = ""
             ends = np.cumsum(part.counts).tolist()
-            corners = (part.corners + first).tolist()
-            for end, count in zip(ends, part.counts.tolist(), strict=True):
-                file.write(f"f {' '.join(map(str, corners[end - count : end]))}\n")
-            first += len(part.points)
+            for end, count, own in zip(ends, part.counts.tolist(), said.materials, strict=True):
+                if own != material:
+                    material = own
+                    file.write(f"usemtl {own}\n")
+                file.write(f"f {' '.join(named[end - count : end])}\n")
+            file.write("usemtl\n")
+            vertex += len(points)
+
+
+def _srgb(linear: Float64) -> Float64:
+    """Channels from 0 to 1 with sRGB's transfer function."""
+    clipped = np.maximum(linear, 0.0)
+    return np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1.0 / 2.4) - 0.055)

@@ -83,7 +83,7 @@ def test_a_floor_that_is_left_out_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_long_work_says_what_it_does_and_stops_when_asked(number: signal.Signals, tmp_path: Path) -> None:
     path = written(tmp_path, [box()])
-    command = [sys.executable, "-m", "frangible", "break", path, "--pattern", "voronoi", "--voxels", "500"]
+    command = [sys.executable, "-m", "frangible", "break", path, "--pattern", "voronoi", "--grid", "--voxels", "500"]
     process = subprocess.Popen(
         [*command, "--out", str(tmp_path / "pieces.glb")], stderr=subprocess.PIPE, text=True
     )

@@ -43,7 +43,7 @@ pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<
     Ok(Some(facts))
 }
 
-/// For each point the closest triangle: of its group and on the side that its normal faces, as far as there is one.
+/// For each point the closest triangle of its group: one that faces as its normal does, if that is within reach of the closest of all.
 #[pyfunction]
 pub(crate) fn closest_triangles<'py>(
     py: Python<'py>,
@@ -52,15 +52,15 @@ pub(crate) fn closest_triangles<'py>(
     points: PyReadonlyArray2<'py, f64>,
     normals: PyReadonlyArray2<'py, f64>,
     wanted: PyReadonlyArray1<'py, i64>,
+    reach: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (corners, groups, wanted) = (corners.as_array(), groups.as_array(), wanted.as_array());
-    let (points, normals) = (points.as_array(), normals.as_array());
+    let (points, normals, reach) = (points.as_array(), normals.as_array(), reach.as_array());
     let three = corners.shape()[1..] == [3, 3] && points.ncols() == 3 && normals.ncols() == 3;
     let count = points.nrows();
-    if !three || corners.shape()[0] != groups.len() || normals.nrows() != count || wanted.len() != count {
-        return Err(build_error(
-            "the triangles: rows of another length than 3, or lists of different lengths",
-        ));
+    let lists = [normals.nrows(), wanted.len(), reach.len()];
+    if !three || corners.shape()[0] != groups.len() || lists != [count; 3] {
+        return Err(build_error("the triangles: rows of another length than 3, or lists of different lengths"));
     }
     let corner =
         |triangle: usize, at: usize| DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]));
@@ -70,19 +70,22 @@ pub(crate) fn closest_triangles<'py>(
     let row = |array: &numpy::ndarray::ArrayView2<f64>, row: usize| {
         DVec3::new(array[[row, 0]], array[[row, 1]], array[[row, 2]])
     };
-    let queries: Vec<(DVec3, DVec3, i64)> =
-        (0..count).map(|n| (row(&points, n), row(&normals, n), wanted[n])).collect();
+    let queries: Vec<(DVec3, DVec3, i64, f64)> =
+        (0..count).map(|n| (row(&points, n), row(&normals, n), wanted[n], reach[n])).collect();
     let found: Vec<i64> = py.detach(|| {
         let tree = Bvh::new(&triangles);
         let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
-        let closest = |&(point, normal, group): &(DVec3, DVec3, i64)| {
+        let closest = |&(point, normal, group, reach): &(DVec3, DVec3, i64, f64)| {
             let own = |triangle: usize| group < 0 || groups[triangle] == group;
-            let facing = |triangle: usize| own(triangle) && faces[triangle].dot(normal) > 0.0;
-            let best = tree
-                .closest_of(point, f64::INFINITY, facing)
-                .or_else(|| tree.closest_of(point, f64::INFINITY, own))
+            let any = tree
+                .closest_of(point, f64::INFINITY, own)
                 .or_else(|| tree.closest(point, f64::INFINITY));
-            best.map_or(-1, |best| best.triangle as i64)
+            let Some(any) = any else { return -1 };
+            // A sheet's other side is near, too.
+            let bound = any.distance_squared.sqrt() + reach;
+            let facing = |triangle: usize| own(triangle) && faces[triangle].dot(normal) > 0.0;
+            let best = tree.closest_of(point, bound * bound, facing).unwrap_or(any);
+            best.triangle as i64
         };
         queries.par_iter().map(closest).collect()
     });

@@ -14,7 +14,7 @@ from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..progress import report_stages
 from ..usd_mesh import readable_mesh
-from .options import MOST_PIECES, add_pose_time, check_pieces, finite, natural, positive
+from .options import MOST_PIECES, add_inside, add_pose_time, check_pieces, finite, natural, positive
 
 
 def add_break(commands: Any) -> None:
@@ -53,13 +53,21 @@ def add_break(commands: Any) -> None:
         metavar=("X", "Y", "Z"),
         help="from the point towards what strikes it [0 1 0: struck from above]",
     )
-    breaker.add_argument("--exact", action="store_true", help="cut the mesh's own triangles, not samples of it on a grid")
+    way = breaker.add_mutually_exclusive_group()
+    way.add_argument(
+        "--exact",
+        action="store_const",
+        const=True,
+        help="fail if the mesh's own triangles cannot be cut [they are wherever that can be]",
+    )
+    way.add_argument("--grid", dest="exact", action="store_const", const=False, help="break samples of the mesh on a grid")
+    add_inside(breaker)
     breaker.add_argument(
         "--voxels",
         type=natural(MOST_VOXELS),
         default=DEFAULT_VOXELS,
         metavar="N",
-        help="of the grid, along the mesh's longest side [%(default)s]; with --exact only for a mesh that must be closed so",
+        help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses itself, or with --grid",
     )
     add_pose_time(breaker)
     breaker.add_argument(
@@ -84,6 +92,7 @@ def _break(options: argparse.Namespace) -> None:
             at=options.at,
             normal=options.normal,
             exact=options.exact,
+            inside=options.inside,
             voxels=options.voxels,
             pieces=options.pieces,
             smallest=options.smallest,

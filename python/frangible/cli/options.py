@@ -63,6 +63,13 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
 
 
+def add_inside(parser: argparse.ArgumentParser) -> None:
+    """Add ``--inside``."""
+    parser.add_argument(
+        "--inside", metavar="NAME", help="material of what cracks lay bare: one of the mesh's file, a look, or a new one [inner]"
+    )
+
+
 def add_pose_time(parser: argparse.ArgumentParser) -> None:
     """When what moves in a mesh's file is read."""
     parser.add_argument(

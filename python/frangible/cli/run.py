@@ -16,10 +16,11 @@ from ..output import OutputError
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
+from ..scene_skins import scene_skins, volume_notes
 from ..scenes import find_scene, readable_scene
 from ..stepping import moving_mass
 from ..summary import describe, summarise
-from .options import MOST_THREADS, add_pose_time, add_scene_options, add_view, natural, positive
+from .options import MOST_THREADS, add_inside, add_pose_time, add_scene_options, add_view, natural, positive
 from .outputs import open_outputs, write
 
 
@@ -36,6 +37,7 @@ def add_run(commands: Any) -> None:
         "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for its frames; may be repeated"
     )
     add_pose_time(run)
+    add_inside(run)
     add_view(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--quiet", action="store_true", help="no progress and no list of what was written")
@@ -63,11 +65,15 @@ def _run(options: argparse.Namespace) -> int:
     with readable_scene(scene, options.pose_time) as readable, report_stages(options.quiet) as stage:
         stage("building the world")
         world = _frangible.World.build(readable, options.threads)
+        skins = scene_skins(scene, readable, options.inside) if outputs else {}
+        notes = volume_notes(readable, world.masses)
+    for note in notes:
+        print(f"frangible: {note}", file=sys.stderr, flush=True)
 
     # Simulate; surfaces are made and kept only if a file needs them.
     start_bodies, start_mass = len(world.ids), moving_mass(world)
     start_energy = world.energy
-    recorder = Recorder(world) if outputs else None
+    recorder = Recorder(world, skins) if outputs else None
     reports: list[StepReport] = []
     depths: list[npt.NDArray[np.float64]] = []
 

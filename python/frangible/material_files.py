@@ -1,0 +1,213 @@
+"""Materials of mesh files: MTL beside OBJ, and glTF's own."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .gltf_document import Document, open_document, own_file
+from .materials import Colour, Image, Material
+from .output import missing_packages
+from .reading import FileNote, file_fault, one_sentence
+from .usd_mesh import ENDINGS as USD_ENDINGS
+
+#: Of materials, by their numbers: what moves texture coordinates with v down (3, 3).
+Transforms = dict[int, npt.NDArray[np.float64]]
+
+#: What an OBJ file's material has if nobody says, as in glTF's default but without the gloss.
+ROUGHNESS = 0.7
+#: How files of images begin.
+_MAGIC = {b"\x89PNG": "image/png", b"\xff\xd8": "image/jpeg"}
+
+
+def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Material], Transforms]:
+    """The materials of those names: in OBJ and USD names or paths, in glTF numbers. One that is not found has a name only."""
+    if os.path.splitext(path)[1].lower() in USD_ENDINGS:
+        from .usd_looks import read_usd_materials
+
+        return read_usd_materials(path, names), {}
+    if os.path.splitext(plain)[1].lower() == ".obj":
+        found = _of_obj(path)
+        return [found.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names], {}
+    with one_sentence(path, "glTF file"):
+        document = open_document(plain)
+        return ([], {}) if document is None else _of_gltf(path, document)
+
+
+def image_file(path: str, uri: str) -> Image | None:
+    """An image in a file of its own, in the folder of the file at ``path`` or below; a note and nothing if it cannot be read."""
+    name = own_file(path, uri.replace("\\", "/"))
+    if name is None or file_fault(name):
+        warnings.warn(f"{path}: has no image {uri!r} in its own folder", FileNote, stacklevel=2)
+        return None
+    with open(name, "rb") as file:
+        return known_image(path, os.path.basename(name), file.read())
+
+
+def known_image(path: str, name: str, data: bytes) -> Image | None:
+    """An image that all our files can hold; others are turned into PNG where a library is there."""
+    for magic, mime in _MAGIC.items():
+        if data.startswith(magic):
+            return Image(name, mime, data)
+    if not missing_packages("render"):
+        from PIL import Image as Picture
+
+        try:
+            made = BytesIO()
+            Picture.open(BytesIO(data)).save(made, "PNG")
+            return Image(os.path.splitext(name)[0] + ".png", "image/png", made.getvalue())
+        except (OSError, ValueError, Picture.DecompressionBombError):
+            pass
+    warnings.warn(f"{path}: the image {name!r} is neither PNG nor JPEG, and is left out", FileNote, stacklevel=2)
+    return None
+
+
+def _of_obj(path: str) -> dict[str, Material]:
+    materials: dict[str, Material] = {}
+    with open(path, encoding="utf-8", errors="replace") as file:
+        libraries = [line.split(None, 1)[1].strip() for line in file if line.startswith("mtllib") and len(line.split()) > 1]
+    for library in dict.fromkeys(libraries):
+        # A line may name several files, and a file may have blanks in its name.
+        found = own_file(path, library)
+        names = [library] if found is not None and os.path.isfile(found) else library.split()
+        for name in names:
+            file_name = own_file(path, name)
+            if file_name is None or file_fault(file_name):
+                warnings.warn(f"{path}: has no materials {name!r} in its own folder", FileNote, stacklevel=2)
+                continue
+            with open(file_name, encoding="utf-8", errors="replace") as file:
+                for own, statements in _statements(file):
+                    materials.setdefault(own, _of_mtl(file_name, own, statements))
+    return materials
+
+
+def _statements(lines: Any) -> Iterator[tuple[str, dict[str, str]]]:
+    """Name and statements of each material."""
+    name: str | None = None
+    statements: dict[str, str] = {}
+    for line in lines:
+        word, _, rest = line.strip().partition(" ")
+        if word == "newmtl":
+            if name is not None:
+                yield name, statements
+            name, statements = rest.strip(), {}
+        elif word and not word.startswith("#"):
+            statements[word.lower()] = rest.strip()
+    if name is not None:
+        yield name, statements
+
+
+def _of_mtl(path: str, name: str, statements: dict[str, str]) -> Material:
+    def numbers(key: str, otherwise: list[float]) -> list[float]:
+        try:
+            found = [float(word) for word in statements[key].split()][: len(otherwise)]
+        except (KeyError, ValueError):
+            return otherwise
+        good = len(found) == len(otherwise) and bool(np.all(np.isfinite(found)))
+        return found if good else otherwise
+
+    def image(*keys: str) -> Image | None:
+        for key in keys:
+            if words := statements.get(key):
+                # Options come first; the name may have blanks without them.
+                return image_file(path, words.split()[-1] if words.startswith("-") else words)
+        return None
+
+    def share(value: float) -> float:
+        return min(max(value, 0.0), 1.0)
+
+    shine = numbers("ns", [-1.0])[0]
+    roughness = ROUGHNESS if shine < 0.0 else 1.0 - min(shine / 1000.0, 1.0) ** 0.5
+    picture = image("map_kd")
+    # An image stands for the colour if that is black, as exporters write it.
+    red, green, blue = map(share, numbers("kd", [0.8, 0.8, 0.8]))
+    if picture is not None and not red + green + blue:
+        red = green = blue = 1.0
+    opacity = numbers("d", [1.0 - numbers("tr", [0.0])[0]])[0]
+    glow: Colour = (share(numbers("ke", [0.0] * 3)[0]), share(numbers("ke", [0.0] * 3)[1]), share(numbers("ke", [0.0] * 3)[2]))
+    return Material(
+        (red, green, blue),
+        share(numbers("pr", [roughness])[0]),
+        share(numbers("pm", [0.0])[0]),
+        clear=1.0 - share(opacity),
+        name=name,
+        emission=glow,
+        image=picture,
+        normal_image=image("norm"),
+        emission_image=image("map_ke"),
+        blended="map_d" in statements,
+    )
+
+
+def _of_gltf(path: str, document: Document) -> tuple[list[Material], Transforms]:
+    images: dict[int, Image | None] = {}
+
+    def image(info: Any) -> Image | None:
+        if not isinstance(info, dict):
+            return None
+        source = document.item("textures", info["index"]).get("source")
+        if source is None:
+            return None
+        if source not in images:
+            images[source] = _gltf_image(path, document, source)
+        return images[source]
+
+    materials, transforms = [], {}
+    for number, item in enumerate(document.items("materials")):
+        materials.append(_gltf_material(number, item, image))
+        base = item.get("pbrMetallicRoughness", {}).get("baseColorTexture", {})
+        if (moved := base.get("extensions", {}).get("KHR_texture_transform")) is not None:
+            transforms[number] = _transform(moved)
+    return materials, transforms
+
+
+def _gltf_image(path: str, document: Document, number: int) -> Image | None:
+    item = document.item("images", number)
+    uri = item.get("uri")
+    name = str(item.get("name") or (os.path.basename(uri) if isinstance(uri, str) and not uri.startswith("data:") else f"image_{number}"))
+    if "bufferView" in item:
+        data, _ = document.view(item["bufferView"])
+    elif isinstance(uri, str) and uri.startswith("data:"):
+        data = document.read_uri(uri, f"image {number}")
+    else:
+        return image_file(path, str(uri))
+    found = known_image(path, name, data) if data else None
+    if found is None:
+        return None
+    ending = "." + found.mime.rpartition("/")[2]
+    stem, own = os.path.splitext(name)
+    return Image(name if own.lower() in (".png", ".jpg", ".jpeg") else stem + ending, found.mime, found.data)
+
+
+def _gltf_material(number: int, item: dict[str, Any], image: Callable[[Any], Image | None]) -> Material:
+    surface = item.get("pbrMetallicRoughness", {})
+    red, green, blue, opacity = (float(channel) for channel in surface.get("baseColorFactor", [1.0] * 4))
+    glow = [float(channel) for channel in item.get("emissiveFactor", [0.0] * 3)]
+    mode = item.get("alphaMode", "OPAQUE")
+    return Material(
+        (red, green, blue),
+        float(surface.get("roughnessFactor", 1.0)),
+        float(surface.get("metallicFactor", 1.0)),
+        clear=1.0 - opacity if mode == "BLEND" else 0.0,
+        name=str(item.get("name") or f"material_{number}"),
+        emission=(glow[0], glow[1], glow[2]),
+        image=image(surface.get("baseColorTexture")),
+        surface_image=image(surface.get("metallicRoughnessTexture")),
+        normal_image=image(item.get("normalTexture")),
+        emission_image=image(item.get("emissiveTexture")),
+        cutoff=float(item.get("alphaCutoff", 0.5)) if mode == "MASK" else None,
+        blended=mode == "BLEND",
+    )
+
+
+def _transform(moved: dict[str, Any]) -> npt.NDArray[np.float64]:
+    """Of `KHR_texture_transform`."""
+    (x, y), (across, down) = moved.get("offset", [0.0, 0.0]), moved.get("scale", [1.0, 1.0])
+    cosine, sine = np.cos(moved.get("rotation", 0.0)), np.sin(moved.get("rotation", 0.0))
+    return np.array([[cosine * across, sine * down, x], [-sine * across, cosine * down, y], [0.0, 0.0, 1.0]])
