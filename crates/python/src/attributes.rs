@@ -60,7 +60,9 @@ pub(crate) fn closest_triangles<'py>(
     let count = points.nrows();
     let lists = [normals.nrows(), wanted.len(), reach.len()];
     if !three || corners.shape()[0] != groups.len() || lists != [count; 3] {
-        return Err(build_error("the triangles: rows of another length than 3, or lists of different lengths"));
+        return Err(build_error(
+            "the triangles: rows of another length than 3, or lists of different lengths",
+        ));
     }
     let corner =
         |triangle: usize, at: usize| DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]));
@@ -77,9 +79,8 @@ pub(crate) fn closest_triangles<'py>(
         let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
         let closest = |&(point, normal, group, reach): &(DVec3, DVec3, i64, f64)| {
             let own = |triangle: usize| group < 0 || groups[triangle] == group;
-            let any = tree
-                .closest_of(point, f64::INFINITY, own)
-                .or_else(|| tree.closest(point, f64::INFINITY));
+            let any =
+                tree.closest_of(point, f64::INFINITY, own).or_else(|| tree.closest(point, f64::INFINITY));
             let Some(any) = any else { return -1 };
             // A sheet's other side is near, too.
             let bound = any.distance_squared.sqrt() + reach;
