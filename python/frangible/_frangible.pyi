@@ -22,6 +22,7 @@ __all__ = [
     "claims",
     "clean_mesh",
     "closest_triangles",
+    "decode_meshopt",
     "join_slivers",
     "load_mesh",
     "mesh_attributes",
@@ -167,7 +168,7 @@ def closest_triangles(
     any. One that faces to the side of the point's normal (n, 3) comes first, unless it is farther away by its `reach` (n,)."""
 
 def clean_mesh(
-    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = "the mesh"
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = ...
 ) -> CleanMesh:
     """The solids that raw triangles bound, part by part: welded, repeated triangles dropped, turned to
     agree, holes closed, open flat parts left out. `BuildError` if no part encloses a volume."""
@@ -204,7 +205,7 @@ def break_mesh_on_grid(
     at: Sequence[float],
     normal: Sequence[float],
     voxels: int,
-    smallest: float = 1e-4,
+    smallest: float = ...,
 ) -> dict[str, Any]:
     """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
 

@@ -43,8 +43,10 @@ pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<
     Ok(Some(facts))
 }
 
-/// For each point the closest triangle of its group: one that faces as its normal does, if that is within reach of the closest of all.
+/// For each point the closest triangle of its group: one that faces as its normal does, if that is
+/// within reach of the closest of all.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "each is an argument of the Python function")]
 pub(crate) fn closest_triangles<'py>(
     py: Python<'py>,
     corners: PyReadonlyArray3<'py, f64>,
