@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 
 class Causes(TypedDict):
@@ -107,7 +107,7 @@ class Fracture(TypedDict):
     #: What its cracks took from the motion of the two against each other [J].
     energy: float
     #: How many pieces its description asks for, if it does.
-    wanted: int | None
+    wanted: NotRequired[int]
     #: What it broke into.
     fragments: list[int]
     imbalance: Imbalance

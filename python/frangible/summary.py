@@ -141,7 +141,7 @@ def _gained(energy: dict[str, float]) -> str:
 def _asked(reports: Sequence[StepReport]) -> list[tuple[int, int]]:
     """For each break that was asked for a number of pieces, that number and how many there are."""
     breaks = [fracture for report in reports for fracture in report["fractures"]]
-    return [(wanted, len(each["fragments"])) for each in breaks if (wanted := each.get("wanted")) is not None]
+    return [(wanted, len(each["fragments"])) for each in breaks if (wanted := each.get("wanted"))]
 
 
 def _count(number: int, noun: str) -> str:

@@ -125,7 +125,7 @@ def test_a_plot_of_reports_without_books_is_one_sentence(
     scripted: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = changed(scripted, tmp_path / "a.npz", reports=json.dumps([{"energy": 1}] * 6))
-    assert main(["plot", path, "--out", str(tmp_path / "a.png")]) == 2
+    assert main(["plot", path, "--out", str(tmp_path / "a.png")]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert "is not a readable energy report" in line
 

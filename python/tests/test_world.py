@@ -95,7 +95,7 @@ def test_an_id_that_is_not_alive_is_a_key_error() -> None:
 def test_reports_have_the_fields_that_their_types_say(wall: Recording) -> None:
     def check(value: dict[str, Any], kind: type) -> None:
         hints = get_type_hints(kind)
-        assert set(value) == set(hints), kind.__name__
+        assert kind.__required_keys__ <= set(value) <= set(hints), kind.__name__
         for key, hint in hints.items():
             if is_typeddict(hint):
                 check(value[key], hint)
@@ -126,11 +126,11 @@ def test_equal_scenes_have_equal_hashes_and_others_do_not() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"density": -1.0}, ["bodies[0].density", "-1.0", "> 0"]),
-        ({"density": 0}, ["bodies[0].density", "> 0"]),
+        ({"density": -1.0}, ["bodies[0].density", "-1.0", "between 1e-6 and 1e9 kg/m^3"]),
+        ({"density": 0}, ["bodies[0].density", "between 1e-6 and 1e9 kg/m^3"]),
         ({"friction": -0.5}, ["bodies[0].friction", "-0.5", ">= 0"]),
         ({"restitution": 1.5}, ["bodies[0].restitution", "1.5", "between 0 and 1"]),
-        ({"position": [0, 1e999, 0]}, ["scene"]),
+        ({"position": [0, 1e999, 0]}, ["bodies[0].position[1]", "Infinity", "finite"]),
         ({"orientation": [0, 0, 0, 0]}, ["bodies[0].orientation", "zero"]),
         ({"shape": {"kind": "sphere", "radius": -2}}, ["bodies[0].shape.radius", "-2", "between 1e-6 and 1e6 m"]),
         (
@@ -150,9 +150,18 @@ def test_a_scene_that_breaks_a_rule_names_field_value_and_rule(change: dict[str,
     assert [word for word in words if word not in message] == [], message
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"bodies": 3}', '{"bodies": [], "gravity": [0, NaN, 0]}'])
-def test_a_scene_that_is_no_scene_says_where(text: str) -> None:
-    with pytest.raises(BuildError, match=r"^scene: .*line 1"):
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "^scene: .*line 1"),
+        ("{", "^scene: .*line 1"),
+        ("[]", "^scene: .*must be an object"),
+        ('{"bodies": 3}', "^bodies: 3, must be a list"),
+        ('{"bodies": [], "gravity": [0, NaN, 0]}', r"^gravity\[1\]: NaN, must be a finite number"),
+    ],
+)
+def test_a_scene_that_is_no_scene_says_where(text: str, sentence: str) -> None:
+    with pytest.raises(BuildError, match=sentence):
         World.build(text)
 
 

@@ -130,8 +130,9 @@ proptest! {
             let mesh = pattern.region_mesh(cell, f64::INFINITY);
             prop_assert!(mesh.is_watertight());
             volume += mesh.mass_properties().volume;
+            // A sample is as close to its crack as it pays to look for it.
             for point in pattern.crack_samples(cell, f64::INFINITY) {
-                prop_assert!(pattern.distance(cell, point).abs() < 1e-9);
+                prop_assert!(pattern.distance(cell, point).abs() < 1e-4 * half_extent.max_element());
             }
         }
         let whole = 8.0 * half_extent.element_product();

@@ -151,6 +151,7 @@ pub struct Fracture {
     /// What its cracks took from the motion of the two against each other [J]; zero where strength is an impulse.
     pub energy: f64,
     /// How many pieces its description asks for, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wanted: Option<usize>,
     /// What it broke into.
     pub fragments: Vec<u64>,

@@ -34,7 +34,7 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
     let cases = [
         (
             BodyDesc { density: -1.0, ..ball() },
-            "bodies[1].density: -1.0, must be > 0 and at most 1e12 kg/m^3",
+            "bodies[1].density: -1.0, must be between 1e-6 and 1e9 kg/m^3",
         ),
         (BodyDesc { friction: f64::NAN, ..ball() }, "bodies[1].friction: NaN, must be >= 0"),
         (BodyDesc { restitution: 1.5, ..ball() }, "bodies[1].restitution: 1.5, must be between 0 and 1"),
