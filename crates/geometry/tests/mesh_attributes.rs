@@ -21,19 +21,19 @@ fn polygons_keep_what_their_corners_have() {
         o left\nusemtl red\nf 1/1/1 2/2/1 3/3/1 4/4/1 5/5/1\nf 1 2 2\nusemtl blue\n\
         o right\ng door\nf 1 6 2\nusemtl red\nf -6 -2/-1 -1\n";
     let (mesh, said) = load("a.obj", text.as_bytes());
-    assert_eq!(said.objects, [vec!["left"], vec!["right", "door"]]);
+    let path = |face: usize| said.faces[face].object.map(|object| said.objects[object as usize].join("/"));
     assert_eq!(said.materials, ["red", "blue"]);
     assert_eq!(said.faces.len(), mesh.triangles.len());
     assert_eq!(mesh.triangles.len(), 5, "the one without an area is left out");
     for (triangle, face) in said.faces.iter().enumerate().take(3) {
-        assert_eq!((face.object, face.material), (Some(0), Some(0)));
+        assert_eq!((path(triangle).as_deref(), face.material), (Some("left"), Some(0)));
         for (corner, at) in face.corners.iter().zip(mesh.corners(triangle)) {
             assert_eq!(corner.coordinates, Some(at.truncate().as_vec2()));
             assert_eq!(corner.normal.map(|normal| normal.abs()), Some(Vec3::Z));
         }
     }
-    assert_eq!((said.faces[3].object, said.faces[3].material), (Some(1), Some(1)));
-    assert_eq!((said.faces[4].object, said.faces[4].material), (Some(1), Some(0)));
+    assert_eq!((path(3).as_deref(), said.faces[3].material), (Some("right/door"), Some(1)));
+    assert_eq!((path(4).as_deref(), said.faces[4].material), (Some("right/door"), Some(0)));
     let places: Vec<_> = said.faces[4].corners.iter().map(|corner| corner.coordinates).collect();
     assert!(places.contains(&Some(Vec2::new(0.0, 2.0))) && places.contains(&None));
 }
