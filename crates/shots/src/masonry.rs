@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Bricks.
 pub(crate) const MASONRY: Shot = Shot {
     name: "masonry",
-    caption: "a ball knocks a hole into a brick wall",
+    caption: "a ball loosens bricks of a mortared wall, which stands",
     frames: 90,
     takes_mesh: false,
     is_large: true,
