@@ -269,7 +269,7 @@ mod tests {
         };
         assert_eq!(known(1, 10), (20, true), "by either of the first two");
         assert_eq!(known(1, MOST_MORE + 100), (MOST_MORE, true), "pairs");
-        assert_eq!(known(MOST_STRIKES + 1, 10), (0, false), "strikes");
+        assert_eq!(known(MOST_STRIKES + 1, 10), (0, true), "the pairs of a crowd are thinned before");
     }
 
     /// The body that may push it furthest does not count for the pair of the two.
