@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _frangible
 from .cleaning import MOST_BURIED, CleanMesh
-from .mesh_skin import MeshSkin, read_skin
+from .mesh_skin import Below, MeshSkin, read_skin
 from .output import missing_packages
 from .piece_count import break_into
 from .pieces import Contact, Piece, Pieces
@@ -148,14 +148,11 @@ def _break_on_grid(
         part = math.fsum(broken["pieces"][number]["volume_m3"] for number in specks) / broken["volume_m3"]
         what = "1 speck" if len(specks) == 1 else f"{len(specks)} specks"
         notes.append(f"{what} smaller than a voxel left out, {part:.1g} of the volume")
-    pieces: list[Piece] = []
-    number_of: dict[int, int] = {}
-    for number, piece in enumerate(broken["pieces"]):
-        if number in specks:
-            continue
-        number_of[number] = len(pieces)
-        surface = (piece["vertices"], piece["triangles"])
-        pieces.append(_piece(len(pieces), surface, piece["inner"], piece["coordinates"], skin))
+    shown = [number for number in range(len(broken["pieces"])) if number not in specks]
+    number_of = {number: index for index, number in enumerate(shown)}
+    surfaces: list[Any] = [[broken["pieces"][number][key] for key in ("vertices", "triangles", "inner")] for number in shown]
+    coordinates = [broken["pieces"][number]["coordinates"] for number in shown]
+    pieces = _pieces(surfaces, coordinates, skin, None)
     found: list[Contact] = broken["contacts"]
     contacts: list[Contact] = [
         {**contact, "a": number_of[contact["a"]], "b": number_of[contact["b"]]}
@@ -196,36 +193,38 @@ def _break_exactly(
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
         below = skin.closest(corners.mean(axis=1), faces, reach)
-    pieces: list[Piece] = []
-    for part in parts:
-        surface = (part.vertices, part.triangles)
-        source = None if below is None else below[part.source]
-        pieces.append(_piece(len(pieces), surface, part.inner, texture_coordinates(part), skin, source))
+    surfaces = [(part.vertices, part.triangles, part.inner) for part in parts]
+    found: list[Below] | None = None
+    if below is not None:
+        outer = [below[part.source[~part.inner]] for part in parts]
+        found = [(own, np.repeat(own[:, None], 3, axis=1)) for own in outer]
+    pieces = _pieces(surfaces, [texture_coordinates(part) for part in parts], skin, found)
     contacts = _frangible.piece_contacts([((part.vertices, part.triangles), part.inner) for part in parts])
     return Pieces(name, pieces, contacts, solid.volume(), at, normal, notes)
 
 
-def _piece(
-    index: int,
-    surface: tuple[Float64, UInt32],
-    inner: Any,
-    coordinates: Any,
-    skin: MeshSkin | None,
-    source: Any = None,
-) -> Piece:
-    """A piece with the mass properties of its surface."""
-    own = None
+def _pieces(surfaces: Any, coordinates: list[Any], skin: MeshSkin | None, found: list[Below] | None) -> list[Piece]:
+    """Pieces with the mass properties of their surfaces: vertices, triangles, and which are inner. ``found`` is what lies below
+    them in the mesh's file, if that is known."""
+    skins: list[Any] = [None] * len(surfaces)
     if skin is not None:
-        own, coordinates = skin.lay_on(*surface, inner, coordinates, source)
-    mass = _frangible.mesh_mass(surface)
-    return Piece(
-        name=f"piece_{index:03}",
-        vertices=surface[0],
-        triangles=surface[1],
-        inner=inner,
-        coordinates=coordinates,
-        volume=mass["volume_m3"],
-        center=np.array(mass["center_m"]),
-        unit_inertia=np.array(mass["unit_inertia_m5"]),
-        skin=own,
-    )
+        found = skin.below(surfaces) if found is None else found
+        for index, (surface, own) in enumerate(zip(surfaces, found, strict=True)):
+            skins[index], coordinates[index] = skin.lay_on(surface[0], surface[1], surface[2], coordinates[index], own)
+    pieces = []
+    for index, (vertices, triangles, inner) in enumerate(surfaces):
+        mass = _frangible.mesh_mass((vertices, triangles))
+        pieces.append(
+            Piece(
+                name=f"piece_{index:03}",
+                vertices=vertices,
+                triangles=triangles,
+                inner=inner,
+                coordinates=coordinates[index],
+                volume=mass["volume_m3"],
+                center=np.array(mass["center_m"]),
+                unit_inertia=np.array(mass["unit_inertia_m5"]),
+                skin=skins[index],
+            )
+        )
+    return pieces

@@ -15,9 +15,13 @@ from .recording import Bool, Float32, Float64, UInt32
 from .skin import NO_MATERIAL, Skin
 
 Int64 = npt.NDArray[np.int64]
+#: The triangle of a mesh below each outer triangle of a surface (n,), and below each of its corners (n, 3).
+Below = tuple[Int64, Int64]
 
 #: A surface belongs to the deepest node of its file that this part of its area is of.
 OWNER = 0.9
+#: Texture coordinates may go on beyond a triangle by this part of it.
+MOST_BEYOND = 0.5
 #: Of what has colours of its corners and no material.
 CORNER_COLOURS = Material((1.0, 1.0, 1.0), OUTSIDE_ROUGHNESS, name="corner_colours", corner_colours=True)
 
@@ -77,40 +81,44 @@ class MeshSkin:
         arrays = (np.ascontiguousarray(points), np.ascontiguousarray(normals), wanted, np.ascontiguousarray(reach))
         return closest_triangles(self.corners, own, *arrays)
 
+    def below(self, surfaces: list[tuple[Float64, UInt32, Bool]]) -> list[Below]:
+        """What lies below the outer triangles of surfaces, vertices, triangles and which are inner, in the mesh's own frame.
+
+        It is the closest triangle; of a corner the closest within the same chart.
+        """
+        corners = np.concatenate([np.zeros((0, 3, 3)), *(vertices[triangles[~inner]] for vertices, triangles, inner in surfaces)])
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
+        below = self.closest(corners.mean(axis=1), faces, reach)
+        charts = np.repeat(self.charts[below], 3)
+        each = self.closest(corners.reshape(-1, 3), np.repeat(faces, 3, axis=0), np.repeat(reach, 3), charts)
+        ends = np.cumsum([int((~inner).sum()) for _, _, inner in surfaces])[:-1]
+        return list(zip(np.split(below, ends), np.split(each.reshape(-1, 3), ends), strict=True))
+
     def lay_on(
         self,
         vertices: Float64,
         triangles: UInt32,
         inner: Bool,
         coordinates: Float32,
-        source: Int64 | None = None,
+        found: Below,
     ) -> tuple[Skin, Float32]:
-        """The skin and the texture coordinates of a surface, in the mesh's own frame.
-
-        ``source`` (t,) is the triangle of the mesh that each outer triangle lies in; without it the closest one is looked for,
-        of each corner too, within the same chart.
-        """
-        # The triangle of the mesh below each outer corner.
+        """The skin and the texture coordinates of a surface, in the mesh's own frame, given what lies below it."""
         outer = np.flatnonzero(~inner)
         corners = vertices[triangles[outer]]
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        if source is None:
-            reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
-            below = self.closest(corners.mean(axis=1), faces, reach)
-            charts = np.repeat(self.charts[below], 3)
-            each = self.closest(corners.reshape(-1, 3), np.repeat(faces, 3, axis=0), np.repeat(reach, 3), charts).reshape(-1, 3)
-        else:
-            below = source[outer]
-            each = np.repeat(below[:, None], 3, axis=1)
+        below, each = found
         weights = _weights(corners, self.corners[each])[..., None]
 
-        def blended(values: Float32) -> Float32:
-            mixed: Float32 = (weights * values[each]).sum(axis=2).astype(np.float32)
+        def blended(values: Float32, beyond: float = 0.0) -> Float32:
+            bounded = np.maximum(weights, -beyond)
+            mixed: Float32 = (bounded / bounded.sum(axis=2, keepdims=True) * values[each]).sum(axis=2).astype(np.float32)
             return mixed
 
         # What the corners have.
         placed = coordinates.copy()
-        own = blended(self.coordinates)
+        # Across a seam an image goes on as before it.
+        own = blended(self.coordinates, MOST_BEYOND)
         placed[outer] = np.where(np.isfinite(own).all(axis=(1, 2), keepdims=True), own, coordinates[outer])
         colours = normals = None
         if self.has_colours:
@@ -147,7 +155,7 @@ class MeshSkin:
 
 
 def _weights(points: Float64, triangles: Float64) -> Float64:
-    """(t, 3, 3) weights of the corners of triangles (t, 3, 3, 3) for points (t, 3, 3) in or near them; none is negative."""
+    """(t, 3, 3) weights of the corners of triangles (t, 3, 3, 3) for points (t, 3, 3) in their planes."""
     a, b, c = np.moveaxis(triangles, 2, 0)
     ab, ac, ap = b - a, c - a, points - a
     d00, d01, d11 = (np.einsum("tkj,tkj->tk", x, y) for x, y in ((ab, ab), (ab, ac), (ac, ac)))
@@ -156,9 +164,7 @@ def _weights(points: Float64, triangles: Float64) -> Float64:
     safe = np.where(determinant > 0.0, determinant, 1.0)
     v = np.where(determinant > 0.0, (d11 * d20 - d01 * d21) / safe, 0.0)
     w = np.where(determinant > 0.0, (d00 * d21 - d01 * d20) / safe, 0.0)
-    weights = np.maximum(np.stack([1.0 - v - w, v, w], axis=2), 0.0)
-    total: Float64 = weights / weights.sum(axis=2, keepdims=True)
-    return total
+    return np.stack([1.0 - v - w, v, w], axis=2)
 
 
 def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:

@@ -252,21 +252,20 @@ class Recorder:
 
         # A body that the last frame does not show died the frame after its last row.
         last_frame = len(self._ids) - 1
+        laid = self._laid()
         bodies = []
         for body_id, begin, end in zip(unique_ids.tolist(), first.tolist(), past.tolist(), strict=True):
             name, mass, look, vertices, triangles, interior, coordinates = self._seen[body_id]
             skin = None
-            source = self._source(body_id)
-            if source in self._skins:
-                surface = (vertices, triangles, interior, coordinates)
-                skin, coordinates = self._skins[source].lay_on(surface, self._material_frames[body_id])
+            if body_id in laid:
+                skin, coordinates = laid[body_id]
             death = int(frame_of_row[end - 1]) + 1
             bodies.append(
                 Body(
                     id=body_id,
                     name=name,
                     parent=self._parents.get(body_id),
-                    source=source,
+                    source=self._source(body_id),
                     birth_frame=int(frame_of_row[begin]),
                     death_frame=None if death > last_frame else death,
                     mass=mass,
@@ -281,6 +280,15 @@ class Recorder:
                 )
             )
         return sorted(bodies, key=lambda body: (body.birth_frame, body.id))
+
+    def _laid(self) -> dict[int, tuple[Skin, Float32]]:
+        """Skin and texture coordinates of each body that is a part of a mesh, all parts of one at once."""
+        laid: dict[int, tuple[Skin, Float32]] = {}
+        for source, skin in self._skins.items():
+            own = [body_id for body_id in self._seen if self._source(body_id) == source]
+            found = skin.lay_on([(self._seen[body_id][3:], self._material_frames[body_id]) for body_id in own])
+            laid.update(zip(own, found, strict=True))
+        return laid
 
     def _source(self, body_id: int) -> int:
         while body_id in self._parents:

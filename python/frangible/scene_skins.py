@@ -16,8 +16,10 @@ from .volumes import volumes_differ
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
 DEFAULT_VOXELS = 64
-#: What a body of a scene weighs that does not say it [kg/m^3].
-DEFAULT_DENSITY = 2400.0
+
+
+#: Vertices, triangles, which are inner, and coordinates of a body, and the frame of its material in the body frame.
+Recorded = tuple[tuple[Float32, UInt32, Bool, Float32], tuple[list[float], list[float]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,20 +30,22 @@ class BodySkin:
     #: [m] for each unit of the mesh's file.
     scale: float
 
-    def lay_on(
-        self,
-        surface: tuple[Float32, UInt32, Bool, Float32],
-        material_frame: tuple[list[float], list[float]],
-    ) -> tuple[Skin, Float32]:
-        """The skin and the coordinates of a body's surface, given the frame of its material in the body frame."""
-        vertices, triangles, interior, coordinates = surface
-        origin, orientation = material_frame
-        turn = rotation_matrix(np.array(orientation))
-        in_mesh: Float64 = (vertices.astype(np.float64) - np.array(origin)) @ turn / self.scale
-        skin, placed = self.mesh.lay_on(in_mesh, triangles, interior, coordinates)
-        if skin.normals is None:
-            return skin, placed
-        return replace(skin, normals=(skin.normals @ turn.T).astype(np.float32)), placed
+    def lay_on(self, surfaces: list[Recorded]) -> list[tuple[Skin, Float32]]:
+        """The skins and the coordinates of the surfaces of bodies."""
+        turns = [rotation_matrix(np.array(orientation)) for _, (_, orientation) in surfaces]
+        in_mesh: list[Float64] = [
+            (surface[0].astype(np.float64) - np.array(origin)) @ turn / self.scale
+            for (surface, (origin, _)), turn in zip(surfaces, turns, strict=True)
+        ]
+        placed = [(vertices, surface[1], surface[2]) for vertices, (surface, _) in zip(in_mesh, surfaces, strict=True)]
+        found = self.mesh.below(placed)
+        laid = []
+        for own, (surface, _), turn, below in zip(placed, surfaces, turns, found, strict=True):
+            skin, coordinates = self.mesh.lay_on(*own, surface[3], below)
+            if skin.normals is not None:
+                skin = replace(skin, normals=(skin.normals @ turn.T).astype(np.float32))
+            laid.append((skin, coordinates))
+        return laid
 
 
 def _meshes(scene: Any) -> Iterator[tuple[int, dict[str, Any], dict[str, Any]]]:
@@ -70,6 +74,7 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
 def volume_notes(readable: Any, masses: Any) -> list[str]:
     """Sentences about meshes whose bodies have another volume than they, given the masses of all bodies [kg]."""
     notes = []
+    density = _frangible.scene_schema()["$defs"]["BodyDesc"]["properties"]["density"]["default"]
     for number, body, shape in _meshes(readable):
         mass = float(masses[number])
         if not np.isfinite(mass):
@@ -82,7 +87,7 @@ def volume_notes(readable: Any, masses: Any) -> list[str]:
         longest = int(np.argmax(np.ptp(mesh[0], axis=0)))
         voxels = ((shape.get("resolution") or {}).get("voxels") or [DEFAULT_VOXELS] * 3)[longest]
         whole = _frangible.mesh_mass(mesh)["volume_m3"]
-        on_grid = mass / float(body.get("density", DEFAULT_DENSITY))
+        on_grid = mass / float(body.get("density", density))
         how = "resolution.voxels of {} along the longest side"
         if sentence := volumes_differ(mesh, whole, on_grid, None, voxels, how):
             notes.append(f"bodies[{number}] ({body.get('name', '')}): {sentence}")
