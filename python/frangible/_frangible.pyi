@@ -149,7 +149,7 @@ def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32
     """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file; `BuildError` if it cannot be read."""
 
 def mesh_attributes(path: str) -> dict[str, Any] | None:
-    """What a mesh file says of its triangles (t,) besides their shape; `None` if it says nothing.
+    """Attributes of a mesh file's triangles (t,); `None` if it says nothing.
 
     `corners` (t, 3, 3) [m]; `object` (t,), index into `objects`, each a list of names, the root's first; `material` (t,), index
     into `materials`: names in OBJ, numbers in glTF; -1 is none. `coordinates` (t, 3, 2) with v up, `normals` (t, 3, 3), unit, and
@@ -209,7 +209,7 @@ def break_mesh_on_grid(
 ) -> dict[str, Any]:
     """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
 
-    What is smaller than `smallest` of the mean piece joins a neighbour.
+    Parts smaller than `smallest` of the mean piece join a neighbour.
 
     A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3), `inner` (t,): whether a crack made each, and
     texture `coordinates` (t, 3, 2) of their corners [m].

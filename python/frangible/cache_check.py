@@ -16,7 +16,8 @@ from .reading import MOST_BYTES
 Array = npt.NDArray[Any]
 Arrays = dict[str, Array]
 
-#: For each key its kind (of `numpy.dtype.kind`) and shape: b bodies, and v, t, p, c, n, i rows of parts.
+#: For each key its kind (of `numpy.dtype.kind`) and shape: b bodies, and v, t, p, c, n, i rows of
+#: parts.
 _TABLE: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "shot": ("U", ()),
     "method": ("U", ()),
@@ -50,7 +51,7 @@ _SKINS: dict[str, tuple[str, tuple[str | int, ...]]] = {
 #: The rows that each array of offsets shares out among the bodies.
 _OFFSETS = {"vertex_offsets": "v", "triangle_offsets": "t", "pose_offsets": "p"}
 _SKIN_OFFSETS = {"colour_offsets": "c", "normal_offsets": "n"}
-#: What every cache has.
+#: Arrays that every cache has.
 KEYS = ("format", *_TABLE, *_OFFSETS)
 #: How far the length of a quaternion may be off 1.
 _ROUNDING = 1e-6

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 
-#: Of a surface that crosses itself this part of its area may lie in the solid: folds whose volume is below a percent.
+#: Of a surface that crosses itself this part of its area may lie in the solid: folds whose volume
+#: is below a percent.
 MOST_BURIED = 0.01
 
 
@@ -30,5 +31,5 @@ class CleanMesh(TypedDict):
     buried: npt.NDArray[np.float64]
     #: How many were closed.
     holes: int
-    #: What had to be done, in sentences.
+    #: The repairs, in sentences.
     notes: list[str]

@@ -21,7 +21,7 @@ WIDTH, HEIGHT = 960, 540
 MOST_FPS = {".mp4": 60.0, ".gif": 50.0, "": math.inf}
 #: Of x264: smaller is better and larger, 18 looks like the pictures.
 QUALITY = 18
-#: What a .gif can show: 256 colours, those of the film itself.
+#: The palette of a .gif: 256 colours, those of the film itself.
 PALETTE = "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
 
 #: Called with the number of frames drawn, and of all.
@@ -73,7 +73,7 @@ def _encode(
 ) -> None:
     from imageio_ffmpeg import write_frames
 
-    # What other programs play: even sizes and 4:2:0.
+    # The format that other programs play: even sizes and 4:2:0.
     film = write_frames(
         path,
         (width, height),

@@ -1,4 +1,4 @@
-"""What a shot is about: what breaks, and without a break what moves."""
+"""The subject of a shot: the bodies that break, or without a break those that move."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .recording import Body, Bool, Float64, Recording
 
 #: Frames that are looked at, spread evenly; a shot changes little between two of them.
 SAMPLED_FRAMES = 32
-#: What breaks is seen this long before its first break [s].
+#: The subject is seen this long before its first break [s].
 BEFORE_BREAK = 0.4
 #: Part of the weight that lies outside the frame on each side of each axis, at most.
 STRAGGLERS = 0.06
@@ -25,7 +25,7 @@ REACH, FALL = 0.5, 1.5
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What the camera must see, world frame."""
+    """The points that the camera must see, world frame."""
 
     #: (n, 3) points [m].
     points: Float64
@@ -62,7 +62,7 @@ class _Boxes:
 
 
 def find_subject(recording: Recording) -> Subject:
-    """What the recording is about; a box on the floor if nothing has a surface."""
+    """The subject of the recording; a box on the floor if nothing has a surface."""
     solid = [body for body in recording.bodies if len(body.vertices)]
     broken = {body.source for body in solid if body.parent is not None and body.birth_frame > 0}
     if broken:
@@ -73,7 +73,7 @@ def find_subject(recording: Recording) -> Subject:
         points = np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])
         return Subject(points, np.ones(3), np.zeros(3), nothing, nothing.reshape(0, 2, 3))
 
-    # What is on rails, or comes from far away, is there for what it strikes.
+    # A body on rails, or from far away, is there for the body that it strikes.
     shown = _together([body for body in movable if np.isfinite(body.mass)] or movable)
     boxes = _boxes(shown, _spread(0, recording.frames))
     low, high = _typical(boxes, np.ones(len(boxes.masses)))
@@ -139,7 +139,7 @@ def _subject(
 
 
 def _stays(body: Body) -> bool:
-    """Whether it goes no farther than half its size."""
+    """True if it goes no farther than half its size."""
     way = np.linalg.norm(np.ptp(body.positions, axis=0))
     return bool(way < 0.5 * np.linalg.norm(np.ptp(body.vertices, axis=0)))
 

@@ -25,7 +25,7 @@ Array = npt.NDArray[Any]
 
 #: The most bytes that compressed or missing views may stand for.
 MOST_DECODED = 2**30
-#: What compresses views.
+#: Extensions that compress views.
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

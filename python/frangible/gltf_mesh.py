@@ -1,6 +1,6 @@
 """glTF files as they are shipped, made plain: the core reads single-precision vertices and lists of triangles.
 
-What is compressed, quantised or sparse is unpacked, skins and morph targets are posed, and instances become nodes.
+Compressed, quantised and sparse data is unpacked, skins and morph targets are posed, and instances become nodes.
 Materials, textures and names go on as they are.
 """
 
@@ -21,7 +21,7 @@ from .gltf_pose import joint_matrices, matrix, morphed, placed, pose, skinning, 
 from .output import missing_packages
 from .reading import FileNote, file_fault, one_sentence
 
-#: What glTF files end in.
+#: Endings of glTF files.
 ENDINGS = (".gltf", ".glb")
 
 DRACO = "KHR_draco_mesh_compression"
@@ -72,7 +72,7 @@ def _check_extensions(document: Document) -> None:
 
 
 def _needs_more(document: Document) -> bool:
-    """Whether there is something that the core does not read by itself."""
+    """True if there is something that the core does not read by itself."""
     used = set(document.json.get("extensionsUsed", [])) | set(document.json.get("extensionsRequired", []))
     if used & _READ or document.items("skins") or any("source" not in texture for texture in document.items("textures")):
         return True
@@ -112,7 +112,7 @@ class _Plain:
         self.new["nodes"] += extra
         self._textures()
 
-        # What is empty glTF does not have.
+        # glTF has no empty lists.
         document_json = {key: value for key, value in self.new.items() if value != []}
         if self.data:
             document_json["buffers"] = [{"byteLength": len(self.data)}]
@@ -168,7 +168,7 @@ class _Plain:
         return self.meshes[key]
 
     def _primitive(self, primitive: Json, weights: list[float], joints: Any) -> Json:
-        # What is there, as it is shipped.
+        # The parts as they are shipped.
         attributes = primitive["attributes"]
         draco = primitive.get("extensions", {}).get(DRACO)
         packed = {} if draco is None else self._draco(draco)

@@ -163,7 +163,7 @@ def skinning(
             blend += weights[:, column, None, None] * joints[which[:, column]]
         total += weights.sum(axis=1)
         number += 1
-    # What no joint holds follows the first one.
+    # A vertex that no joint holds follows the first one.
     free = ~(total > 0.0)
     blend[free], total[free] = joints[0], 1.0
     return blend / total[:, None, None]

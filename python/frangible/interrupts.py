@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-#: What Ctrl-C and a polite kill send.
+#: Signals of Ctrl-C and of a polite kill.
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Stop:
-    """Whether a run was asked to stop, and by which signal."""
+    """True if a run was asked to stop, and by which signal."""
 
     def __init__(self) -> None:
         self.signal: int | None = None

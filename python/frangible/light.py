@@ -18,7 +18,7 @@ from .tracing import openness, unit
 LAMP_RADIUS = 0.06
 LAMP_COLOUR = np.array([2.55, 2.25, 1.85], np.float32)
 SKY_COLOUR = np.array([0.56, 0.68, 0.88], np.float32)
-#: What comes back from a surface that blocks the sky.
+#: Light back from a surface that blocks the sky.
 BOUNCE_COLOUR = np.array([0.16, 0.145, 0.13], np.float32)
 #: How much of the lamp's light glass lets through.
 GLASS_SHADOW = 0.78
@@ -33,7 +33,8 @@ SAME_NORMAL, SAME_PLANE = 0.92, 1.5
 #: A pixel that shares with fewer asks more rays itself, of 16 at most.
 FEW = 5.0
 
-#: Light (n, 3): share of the lamp that is seen, light of the open sky, share of the sky that is blocked.
+#: Light (n, 3): share of the lamp that is seen, light of the open sky, share of the sky that is
+#: blocked.
 Light = Float32
 
 

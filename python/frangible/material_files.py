@@ -20,7 +20,7 @@ from .usd_mesh import ENDINGS as USD_ENDINGS
 #: Of materials, by their numbers: what moves texture coordinates with v down (3, 3).
 Transforms = dict[int, npt.NDArray[np.float64]]
 
-#: What an OBJ file's material has if nobody says, as in glTF's default but without the gloss.
+#: Defaults of an OBJ file's material: glTF's, without the gloss.
 ROUGHNESS = 0.7
 #: How files of images begin.
 _MAGIC = {b"\x89PNG": "image/png", b"\xff\xd8": "image/jpeg"}

@@ -12,7 +12,8 @@ from .paths import unique_names
 from .recording import Body, Bool, Float64
 from .skin import NO_MATERIAL
 
-# Steps of the two-dimensional golden-ratio sequence, which fills a square evenly (M. Roberts, 2018).
+# Steps of the two-dimensional golden-ratio sequence, which fills a square evenly (M. Roberts,
+# 2018).
 GOLDEN_STEPS = np.array([0.7548776662466927, 0.5698402909980532])
 
 Colour = tuple[float, float, float]
@@ -58,7 +59,7 @@ class Material:
     clear: float = 0.0
     #: In the mesh's file, or as the user chose; empty for what a look is made of.
     name: str = ""
-    #: What it shines with.
+    #: Emitted light.
     emission: Colour = (0.0, 0.0, 0.0)
     #: sRGB; its alpha is the opacity.
     image: Image | None = None
@@ -68,11 +69,11 @@ class Material:
     normal_image: Image | None = None
     #: sRGB.
     emission_image: Image | None = None
-    #: What has less opacity is not there at all; `None` where light passes by its share.
+    #: Points of less opacity are not drawn; `None` where light passes by its share.
     cutoff: float | None = None
-    #: Whether the alpha of the image, or of the corners' colours, lets light through.
+    #: True if the alpha of the image, or of the corners' colours, lets light through.
     blended: bool = False
-    #: Whether the colours of the corners are all that it shows.
+    #: True if the colours of the corners are all that it shows.
     corner_colours: bool = False
 
 
@@ -113,7 +114,7 @@ def plain(colour: Colour) -> Look:
 
 
 def look_of(body: Body) -> Look:
-    """What a body is drawn as; the colours of one without a look are its source's, not these."""
+    """The material that a body is drawn with; the colours of one without a look are its source's, not these."""
     return plain(SCENERY) if body.look is None else LOOKS[body.look]
 
 

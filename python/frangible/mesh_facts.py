@@ -1,4 +1,4 @@
-"""What a mesh encloses: the numbers that breaking it would begin with."""
+"""The solid that a mesh encloses: the numbers that breaking it would begin with."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a mesh's file says besides the shape, laid on the surfaces that are made of the mesh."""
+"""Attributes of a mesh file, laid on the surfaces that are made of the mesh."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from .recording import Bool, Float32, Float64, UInt32
 from .skin import NO_MATERIAL, Skin
 
 Int64 = npt.NDArray[np.int64]
-#: The triangle of a mesh below each outer triangle of a surface (n,), and below each of its corners (n, 3).
+#: The triangle of a mesh below each outer triangle of a surface (n,), and below each of its corners
+#: (n, 3).
 Below = tuple[Int64, Int64]
 
 #: A surface belongs to the deepest node of its file that this part of its area is of.
@@ -35,7 +36,8 @@ class MeshSkin:
     materials: tuple[Material, ...]
     #: (t,) index, `NO_MATERIAL` for none.
     material: npt.NDArray[np.int32]
-    #: Names of each object and of what is above it, and the index of each triangle's (t,), -1 for none.
+    #: Names of each object and of what is above it, and the index of each triangle's (t,), -1 for
+    #: none.
     paths: list[tuple[str, ...]]
     object: npt.NDArray[np.int32]
     #: (t, 3, n) of the corners; NaN where the file has none.
@@ -54,7 +56,8 @@ class MeshSkin:
         corner = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1, 3)
         label = np.arange(corner.max(initial=-1) + 1)
         while True:
-            # The lowest number of each triangle's corners goes to all of them, and on along what it stands for.
+            # The lowest number of each triangle's corners goes to all of them, and on along what it
+            # stands for.
             lowest = label[corner].min(axis=1)
             new = label.copy()
             np.minimum.at(new, corner.ravel(), np.repeat(lowest, 3))
@@ -65,12 +68,12 @@ class MeshSkin:
 
     @cached_property
     def has_colours(self) -> bool:
-        """Whether any corner has one."""
+        """True if any corner has one."""
         return bool(np.isfinite(self.colours).any())
 
     @cached_property
     def has_normals(self) -> bool:
-        """Whether any corner has one."""
+        """True if any corner has one."""
         return bool(np.isfinite(self.normals).any())
 
     def closest(self, points: Float64, normals: Float64, reach: Float64, charts: Int64 | None = None) -> Int64:
@@ -82,7 +85,8 @@ class MeshSkin:
         return closest_triangles(self.corners, own, *arrays)
 
     def below(self, surfaces: list[tuple[Float64, UInt32, Bool]]) -> list[Below]:
-        """What lies below the outer triangles of surfaces, vertices, triangles and which are inner, in the mesh's own frame.
+        """The file's triangles below the outer triangles of surfaces (vertices, triangles, inner), in the
+        mesh's own frame.
 
         It is the closest triangle; of a corner the closest within the same chart.
         """
@@ -115,7 +119,7 @@ class MeshSkin:
             mixed: Float32 = (bounded / bounded.sum(axis=2, keepdims=True) * values[each]).sum(axis=2).astype(np.float32)
             return mixed
 
-        # What the corners have.
+        # Attributes of the corners.
         placed = coordinates.copy()
         # Across a seam an image goes on as before it.
         own = blended(self.coordinates, MOST_BEYOND)
@@ -168,7 +172,7 @@ def _weights(points: Float64, triangles: Float64) -> Float64:
 
 
 def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
-    """What a file says besides the shape; ``plain`` is what `readable_mesh` made of it.
+    """Attributes of a file; ``plain`` is what `readable_mesh` made of it.
 
     ``inside`` names the material of what cracks lay bare: one of the file's, a look, or a new one. `None` if there is nothing.
     """

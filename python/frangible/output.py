@@ -124,7 +124,7 @@ _FORMATS = {
     ".usdc": _Format(_write_usd, "usd"),
 }
 
-#: What is drawn from a camera.
+#: Endings that are drawn from a camera.
 DRAWN = (".gif", ".mp4", ".png")
 
 _PLOTS = {ending: _Format(_write_plot, "plot") for ending in (".pdf", ".png", ".svg")}

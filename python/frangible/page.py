@@ -11,9 +11,9 @@ from .output import OutputError
 from .page_data import encode
 from .recording import Recording
 
-#: What `npm run build` in `web/` makes; it refers to nothing outside itself.
+#: The product of `npm run build` in `web/`; it refers to nothing outside itself.
 PLAYER = Path(__file__).with_name("player.html")
-#: What the recording takes the place of.
+#: The text that the recording replaces.
 TITLE, DATA = "FRANGIBLE_TITLE", "FRANGIBLE_RECORDING"
 #: Width over height of the window that the first view is made for.
 ASPECT = 16 / 9

@@ -1,4 +1,4 @@
-"""What a page plays: a recording in a few megabytes, as streams of small whole numbers."""
+"""The data of a page: a recording in a few megabytes, as streams of small whole numbers."""
 
 from __future__ import annotations
 

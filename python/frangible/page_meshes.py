@@ -21,7 +21,7 @@ NORMAL_STEPS = 2**10 - 1
 #: Texture coordinates are multiples of one over this, colours of corners too.
 COORDINATE_STEPS = 2**13
 COLOUR_STEPS = 2**8 - 1
-#: What looks draw by position besides their colours.
+#: Grains that looks draw by position.
 GRAINS = ("wood", "concrete")
 
 Json = dict[str, Any]
@@ -42,7 +42,7 @@ class _Surface(NamedTuple):
 
 
 def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
-    """What the header says of materials and images; the surfaces go into the streams."""
+    """The header's part on materials and images; the surfaces go into the streams."""
     table = _Materials()
     palette = Palette(by_source(bodies), table.add)
     meshes: dict[bytes, int] = {}

@@ -17,7 +17,7 @@ LARGEST = 4096
 
 @dataclass(frozen=True, slots=True)
 class Pictures:
-    """What each triangle of some bodies has of its file's materials."""
+    """Material of each triangle of some bodies, from their files."""
 
     #: Each image, and all of its halvings: (h, w, 3) linear RGB.
     images: list[list[Float32]]
@@ -34,7 +34,7 @@ class Pictures:
 
     @staticmethod
     def of(bodies: list[Body]) -> Pictures:
-        """What bodies with skins show; an image that cannot be read shows white."""
+        """The pictures of bodies with skins; an image that cannot be read shows white."""
         count = sum(len(body.triangles) for body in bodies)
         image = np.full(count, -1, np.int32)
         coordinates = np.zeros((count, 3, 2), np.float32)
@@ -72,7 +72,7 @@ class Pictures:
         shares[own] = self.shares[own]
 
     def tint(self, triangle: npt.NDArray[np.int32], weights: Float32, footprint: Float32) -> Float32 | None:
-        """What colours (n, 3) are multiplied with at places of triangles; `None` without any.
+        """The factors of colours (n, 3) at places of triangles; `None` without any.
 
         ``footprint`` (n,) is a pixel's width over the mean edge of the triangle.
         """

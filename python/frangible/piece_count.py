@@ -8,7 +8,8 @@ from . import _frangible
 from .pieces import Pieces
 from .recording import Float64, UInt32
 
-#: Breaks that are tried: the number of pieces is first found on a coarse grid, which resolves no small ones.
+#: Breaks that are tried: the number of pieces is first found on a coarse grid, which resolves no
+#: small ones.
 TRIES = 4
 #: How far the number of pieces may be from what is asked for without another try.
 WITHIN = 0.05
@@ -27,7 +28,8 @@ def break_into(
     blow: tuple[Float64, Float64],
     cut: Callable[[_frangible.Pattern], Pieces],
 ) -> Pieces:
-    """What ``cut`` breaks a mesh into along the pattern, made finer, coarser or larger until there are about so many pieces."""
+    """The pieces that ``cut`` makes of a mesh along the pattern, which is made finer, coarser or larger
+    until there are about so many."""
     at, normal = blow[0].tolist(), blow[1].tolist()
     best: Pieces | None = None
     aim, tried = pieces, set[int]()

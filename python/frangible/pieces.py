@@ -35,8 +35,9 @@ class Piece:
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     inner: Bool
-    #: (t, 3, 2) texture coordinates of the corners, v up: the file's on the mesh's own surface where it has some, else metres,
-    #: in the plane of the crack or along the axis that the surface faces.
+    #: (t, 3, 2) texture coordinates of the corners, v up: the file's on the mesh's own surface
+    #: where it has some, else metres, in the plane of the crack or along the axis that the surface
+    #: faces.
     coordinates: Float32
     #: [m^3].
     volume: float
@@ -44,7 +45,7 @@ class Piece:
     center: Float64
     #: (3, 3) about the centre of mass, at unit density [m^5].
     unit_inertia: Float64
-    #: What the mesh's file says besides; `None` if it says nothing.
+    #: Attributes of the mesh's file; `None` if it says nothing.
     skin: Skin | None = None
 
     def __repr__(self) -> str:

@@ -92,7 +92,7 @@ def _write_obj(pieces: Pieces, path: str) -> None:
 def _write_folder(pieces: Pieces, path: str) -> None:
     from .obj_pieces import write_folder
 
-    # What an earlier break left goes away at the end: it may have had more pieces.
+    # The files of an earlier break go away at the end: it may have had more pieces.
     with whole_folder(path) as part:
         write_folder(pieces, part)
         _write_report(pieces, os.path.join(part, "pieces.json"))

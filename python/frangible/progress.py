@@ -16,7 +16,7 @@ from .recording import ProgressCallback
 
 #: Told what begins.
 StageCallback = Callable[[str], None]
-#: What takes longer is worth a line [s].
+#: A stage that takes longer is worth a line [s].
 LONG_STAGE = 1.0
 
 

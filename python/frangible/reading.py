@@ -1,4 +1,4 @@
-"""What all readers of files share: bounds, and one sentence for whatever a library says about a damaged file."""
+"""Shared by all readers of files: bounds, and one sentence for a library's error about a damaged file."""
 
 from __future__ import annotations
 

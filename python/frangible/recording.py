@@ -50,7 +50,8 @@ class Body:
     death_frame: int | None
     #: [kg]; infinite for static and kinematic bodies.
     mass: float
-    #: What it is drawn as: glass, concrete, brick, mortar, masonry, wood, stone or metal; ``None`` for a colour of no meaning.
+    #: Its look: glass, concrete, brick, mortar, masonry, wood, stone or metal; ``None`` for a
+    #: colour of no meaning.
     look: str | None
     #: (v, 3), body frame [m].
     vertices: Float32
@@ -58,13 +59,14 @@ class Body:
     triangles: UInt32
     #: (t,) whether a crack made the triangle.
     interior: Bool
-    #: (t, 3, 2) texture coordinates of the triangles' corners, v up: those of the mesh's file where it has some, else [m].
+    #: (t, 3, 2) texture coordinates of the triangles' corners, v up: those of the mesh's file where
+    #: it has some, else [m].
     coordinates: Float32
     #: (k, 3) centre of mass, world frame [m].
     positions: Float64
     #: (k, 4) ``world_from_body`` as unit quaternions x, y, z, w; neighbours never flip sign.
     orientations: Float64
-    #: What the file of its mesh says besides; `None` for all else.
+    #: Attributes of its mesh's file; `None` for all else.
     skin: Skin | None = None
 
     def __repr__(self) -> str:

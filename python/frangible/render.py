@@ -96,7 +96,7 @@ def picture(
 
 @dataclass(frozen=True, slots=True)
 class _Canvas:
-    """What each pixel shows, filled step by step; arrays are (h w, ...)."""
+    """The picture, filled step by step; arrays are (h w, ...)."""
 
     stage: Stage
     camera: Camera
@@ -104,7 +104,8 @@ class _Canvas:
     height: int
     #: A pixel's width at a depth of 1.
     pixel: float
-    #: What glass on the way and the backdrop give, and the share of what lies behind that arrives.
+    #: Light of glass on the way and of the backdrop, and the share of light that arrives from
+    #: behind.
     front: Float32
     left: Float32
     #: The surface behind all glass: which, -1 for none, and where.
@@ -143,7 +144,7 @@ class _Canvas:
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """What rays (n,) meet, through glass; arrays as in `_Canvas`, of the surface behind for hits."""
+    """The surfaces that rays (n,) meet, through glass; arrays as in `_Canvas`, of the surface behind for hits."""
 
     front: Float32
     left: Float32

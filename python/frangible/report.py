@@ -117,7 +117,7 @@ class Quarantined(TypedDict):
     """A body that was taken out of the world."""
 
     body: int
-    #: What was wrong with it.
+    #: The fault of its numbers.
     cause: str
 
 
@@ -132,7 +132,8 @@ class StepReport(TypedDict):
     bodies: int
     #: How many of them slept in this frame, where the scene has ``"sleep": true``.
     asleep: int
-    #: Pairs of overlapping bounds that were not looked at, because too many bodies were in one place; 0 without such crowds.
+    #: Pairs of overlapping bounds that were not looked at, because too many bodies were in one
+    #: place; 0 without such crowds.
     pairs_left_out: int
     #: Of all dynamic bodies [kg].
     mass: float
@@ -142,7 +143,8 @@ class StepReport(TypedDict):
     impulses: Impulses
     #: In order.
     fractures: list[Fracture]
-    #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no books.
+    #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
+    #: books.
     quarantined: list[Quarantined]
     #: Wall-clock time of each stage [ms], in order.
     stages: list[tuple[str, float]]

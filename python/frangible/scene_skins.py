@@ -1,4 +1,4 @@
-"""What the meshes of a scene look like: laid on bodies and fragments as they are recorded."""
+"""Attributes of a scene's meshes, laid on bodies and fragments as they are recorded."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from .volumes import volumes_differ
 DEFAULT_VOXELS = 64
 
 
-#: Vertices, triangles, which are inner, and coordinates of a body, and the frame of its material in the body frame.
+#: Vertices, triangles, which are inner, and coordinates of a body, and the frame of its material in
+#: the body frame.
 Recorded = tuple[tuple[Float32, UInt32, Bool, Float32], tuple[list[float], list[float]]]
 
 

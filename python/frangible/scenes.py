@@ -17,10 +17,10 @@ from .usd_mesh import ENDINGS as USD_ENDINGS
 from .usd_mesh import readable_mesh
 from .words import did_you_mean
 
-#: What `docs/scene_format.md` describes.
+#: A scene as `docs/scene_format.md` describes it.
 Scene = dict[str, Any]
 
-#: What the names of scene files end in.
+#: Endings of scene files.
 ENDINGS = (".json", ".toml")
 
 #: How long a scene runs that does not say how many frames it takes [s].
@@ -31,7 +31,7 @@ LARGEST = 1 << 28
 
 
 def is_scene_file(name: str) -> bool:
-    """Whether this names a scene file, and not a shot: it ends like one, or has a folder."""
+    """True if this names a scene file, and not a shot: it ends like one, or has a folder."""
     return name.lower().endswith(ENDINGS) or "/" in name or os.sep in name
 
 
@@ -100,7 +100,7 @@ def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
 
 @contextmanager
 def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
-    """What the core can build, from JSON, a dictionary or a file's path, while the context lasts.
+    """A scene that the core can build, from JSON, a dictionary or a file's path, while the context lasts.
 
     USD and glTF files are read here, with what moves in them as it is at a pose time [s].
     """
@@ -166,7 +166,7 @@ def _shot(
 ) -> Scene:
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
         scene: Scene = json.loads(shot_scene(name, mesh=readable, fps=fps, method=method, seed=seed))
-    # Whoever builds it reads the mesh's file for himself.
+    # The reader of the scene reads the mesh's file too.
     for holder in _path_holders(scene):
         holder["path"] = mesh if holder["path"] == readable else holder["path"]
     return scene
@@ -200,7 +200,7 @@ def _frames(scene: Scene) -> int:
 def set_field(scene: Scene, assignment: str) -> None:
     """Set a field by its path, as in ``bodies.wall.breaking.strength=2e6``; bodies by name or number, values as JSON.
 
-    What is no JSON is text. All bodies of a name are set. `BuildError` names the part of the path that does not fit.
+    A value that is no JSON is text. All bodies of a name are set. `BuildError` names the part of the path that does not fit.
     """
     path, equals, text = assignment.partition("=")
     if not equals or not path.strip(". "):

@@ -1,4 +1,4 @@
-"""What surfaces look like in the light that reaches them."""
+"""Shading: the colour of surfaces in the light that reaches them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .tracing import Hits, dot, unit
 HAZE_COLOUR = np.array([0.52, 0.57, 0.64], np.float32)
 ZENITH_COLOUR = np.array([0.20, 0.27, 0.38], np.float32)
 EXPOSURE = 0.58
-#: What glass reflects face on, from both of its sides.
+#: Reflectance of glass face on, from both of its sides.
 GLASS_REFLECTANCE = 0.045
-#: What reaches glass itself, of which little comes back: the lamp, and most of the sky.
+#: Light on glass itself, of which little comes back: the lamp, and most of the sky.
 ON_GLASS = np.array([[1.0, 0.62, 0.2]], np.float32)
 
 
@@ -78,7 +78,7 @@ def _albedo(stage: Stage, at: Hits, width: Float32) -> Float32:
 
 
 def glass(stage: Stage, at: Hits, view: Float32) -> tuple[Float32, Float32]:
-    """What share a surface of glass reflects (n, 1), and the light that it does reflect (n, 3).
+    """The share that a surface of glass reflects (n, 1), and the light that it reflects (n, 3).
 
     By Schlick's formula.
     """

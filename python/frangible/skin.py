@@ -1,4 +1,4 @@
-"""What a mesh file says of a surface besides its shape: materials, colours, normals, and the names above it."""
+"""Attributes of a surface from a mesh file: materials, colours, normals, and the names above it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,11 @@ class Skin:
     materials: tuple[Material, ...]
     #: (t,) index of each triangle's material, `NO_MATERIAL` for what the body's look decides.
     material: npt.NDArray[np.int32]
-    #: (t, 3, 4) linear red, green, blue and opacity of the corners, to be multiplied with the material's; `None` without any.
+    #: (t, 3, 4) linear red, green, blue and opacity of the corners, to be multiplied with the
+    #: material's; `None` without any.
     colours: npt.NDArray[np.float32] | None = None
-    #: (t, 3, 3) unit normals of the corners, body frame, zero where the file gives none; `None` without any.
+    #: (t, 3, 3) unit normals of the corners, body frame, zero where the file gives none; `None`
+    #: without any.
     normals: npt.NDArray[np.float32] | None = None
     #: Names of the nodes above it in its file, the root's first.
     path: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""What a picture shows: the surfaces of a recording, and where they are at a frame."""
+"""The scene of a picture: the surfaces of a recording, and where they are at a frame."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Surfaces:
     interior: Bool
     #: (b, 3, 3) axes of each body, body frame, the longest first; none for looks without a grain.
     axes: Float64
-    #: What images show on them.
+    #: Images on them.
     pictures: Pictures
 
     def edge(self, triangle: Int32) -> Float32:

@@ -125,7 +125,7 @@ def _broken(summary: Summary) -> str:
 
 
 def _dissipated(energy: dict[str, float]) -> str:
-    # What comes in by kinematic bodies is there to be dissipated, too.
+    # Work of kinematic bodies is there to be dissipated, too.
     scale = energy["scale"] + max(energy["work"], 0.0)
     share = 100.0 * max(energy["dissipated"], 0.0) / scale if scale > 0.0 else 0.0
     return f"{share:.2g} % of the energy dissipated" if share >= 0.1 else "no energy dissipated"

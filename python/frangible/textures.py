@@ -48,7 +48,7 @@ def _noise(points: Float64) -> Float64:
     part = (points - cell).astype(np.float32)
     part = part * part * (3.0 - 2.0 * part)
     lattice = cell.astype(np.int64).astype(np.uint64)
-    # What each axis adds to the key of its lower and of its upper corners.
+    # The part of each axis in the key of its lower and of its upper corners.
     keys = [(lattice[:, axis] * prime, (lattice[:, axis] + _ONE) * prime) for axis, prime in enumerate(_PRIMES)]
     x, y, z = part.T
     lower, upper = (

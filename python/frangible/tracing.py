@@ -61,7 +61,7 @@ def trace(stage: Stage, origins: Float32, directions: Float32) -> Hits:
 
 
 def openness(stage: Stage, points: Float32, towards: Float32, through_glass: float) -> Float32:
-    """What share of the light (n,) arrives at points (n, 3) from directions (n, 3)."""
+    """The share of the light (n,) that arrives at points (n, 3) from directions (n, 3)."""
     is_open = stage.solid.run(points, towards, query="OCCLUDED") < 0
     for plane in stage.planes:
         above = points @ plane.normal - plane.height

@@ -25,7 +25,7 @@ from .whole import whole_path
 
 #: How long a body takes to appear and to vanish [frames].
 STEP = 1.0 / 64.0
-#: What a stage says that it is, if a recording was written as it.
+#: The marker of a stage that a recording was written as.
 RECORDING = "recording"
 
 

@@ -1,4 +1,4 @@
-"""What USD stages say of meshes besides the shape: material bindings, primvars, and UsdPreviewSurface."""
+"""Attributes of meshes in USD stages: material bindings, primvars, and UsdPreviewSurface."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Said:
 
 
 def said_of(part: Part, time: Any) -> Said:
-    """What the prim of a part says, corner by corner in the part's order."""
+    """Attributes of a part's prim, corner by corner in the part's order."""
     api = UsdGeom.PrimvarsAPI(part.prim)
     coordinates = next((found for name in _COORDINATES if (found := _primvar(api, name, part, time, 2)) is not None), None)
     colours = _primvar(api, "displayColor", part, time, 3)
@@ -142,7 +142,7 @@ def _material(path: str, material: Any, at: str) -> Material:
 
 
 def _source(shader: Any, name: str) -> Any:
-    """What gives an input its value; `None` without the input."""
+    """The source of an input's value; `None` without the input."""
     found = shader.GetInput(name)
     attributes = found.GetValueProducingAttributes() if found else []
     return attributes[0] if attributes else None

@@ -81,7 +81,7 @@ class Part:
 
     #: The prim's path; of an instance of an instancer with its number behind it.
     name: str
-    #: What materials are bound to, and primvars are of.
+    #: The prim that materials are bound to, and primvars are of.
     prim: Any
     #: (v, 3) [m], y up; in the prim's order.
     points: Float64
@@ -91,7 +91,7 @@ class Part:
     #: The number in the prim's own order of each polygon, and of each corner.
     faces: Int64
     order: Int64
-    #: What its points were multiplied with so far; rows are.
+    #: The matrix that its points were multiplied with so far, as rows.
     linear: Float64 = field(default_factory=lambda: np.eye(3))
 
 
@@ -99,14 +99,14 @@ class Part:
 class _Reader:
     path: str
     time: Any
-    #: Whether somebody asked for that time, at which skeletons would have moved.
+    #: True if somebody asked for that time, at which skeletons would have moved.
     is_posed: bool
     #: Points and parts that were made so far.
     points: int = 0
     parts: int = 0
-    #: What is in each prototype, by its path; `None` while it is read.
+    #: The parts of each prototype, by its path; `None` while it is read.
     prototypes: dict[str, list[Part] | None] = field(default_factory=dict)
-    #: What the library knows of skeletons so far.
+    #: The library's cache of skeletons.
     skeletons: Any = None
     #: First prim of each kind that is left out, and how many there are.
     left_out: dict[str, tuple[str, int]] = field(default_factory=dict)
@@ -151,7 +151,7 @@ class _Reader:
 
         if root.IsPseudoRoot():
             return bool(UsdGeom.Imageable(prim).ComputeVisibility(self.time) != UsdGeom.Tokens.invisible)
-        # What is above was visible, or its children would have been skipped.
+        # Its ancestors were visible, or its children would have been skipped.
         return bool(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible)
 
     def _gprim(self, prim: Any) -> list[Part]:
@@ -192,7 +192,7 @@ class _Reader:
         if len(gone):
             part = _kept(part, ~np.isin(part.faces, gone))
         is_left_handed = UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
-        # What is a formula faces outward by itself.
+        # A closed form faces outward by itself.
         return [_turned(part) if is_left_handed and kind == "Mesh" else part]
 
     def _skinned(self, prim: Any, parts: list[Part]) -> tuple[list[Part], Any]:
@@ -221,7 +221,8 @@ class _Reader:
     def _instances(self, instancer: Any) -> list[Part]:
         from pxr import UsdGeom
 
-        # Where each instance is, from its prototype's own transform on, and which of them are there.
+        # Where each instance is, from its prototype's own transform on, and which of them are
+        # there.
         path = instancer.GetPath()
         prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
         numbers = _array(instancer.GetProtoIndicesAttr(), self.time, np.int64)
@@ -245,7 +246,7 @@ class _Reader:
         return parts
 
     def _prototype(self, instancer: Any, path: Any) -> list[Part]:
-        """What a prototype is made of, read once."""
+        """The parts of a prototype, read once."""
         known = str(path)
         if known not in self.prototypes:
             prim = instancer.GetPrim().GetStage().GetPrimAtPath(path)
@@ -270,7 +271,7 @@ class _Reader:
         self.left_out[what] = (first, count + 1)
 
     def left_out_parts(self) -> list[str]:
-        """What is left out, each kind once, if there is something."""
+        """A note of the prims left out, each kind once, if there are any."""
         listed = (
             f"{what} ({first}{f' and {count - 1} more' if count > 1 else ''})"
             for what, (first, count) in sorted(self.left_out.items())
@@ -293,8 +294,8 @@ def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
 
 
 def _moved(part: Part, matrix: Float64) -> Part:
-    """A part under a transform; USD multiplies rows. What turns the inside out turns the polygons, too."""
-    # What is not finite the core refuses.
+    """A part under a transform; USD multiplies rows. A transform that mirrors turns the polygons round, too."""
+    # The core refuses numbers that are not finite.
     with np.errstate(invalid="ignore", over="ignore"):
         points = part.points @ matrix[:3, :3] + matrix[3, :3]
         is_mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
@@ -332,7 +333,8 @@ def _write_obj(path: str, parts: list[Part], time: Any) -> None:
             points, corners = part.points, part.corners
             lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
             if said.colours is not None:
-                # A vertex for each corner, as colours are the vertices'. Files of vertices have them in sRGB.
+                # A vertex for each corner, as colours are the vertices'. Files of vertices have
+                # them in sRGB.
                 points, corners = points[corners], np.arange(len(corners))
                 rows = np.concatenate([points, _srgb(said.colours)], axis=1).tolist()
                 lines = [f"v {x!r} {y!r} {z!r} {r:.9g} {g:.9g} {b:.9g}" for x, y, z, r, g, b in rows]

@@ -12,7 +12,8 @@ from pxr import UsdGeom
 
 from ._frangible import BuildError
 
-#: Points (v, 3) in the prim's frame, corners of each polygon, and their points, counter-clockwise from outside.
+#: Points (v, 3) in the prim's frame, corners of each polygon, and their points, counter-clockwise
+#: from outside.
 Faces = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], npt.NDArray[np.int64]]
 
 #: Sides of what is round: no face is farther from the surface than a thousandth of the radius.
@@ -22,7 +23,7 @@ BANDS = SIDES // 4
 
 
 def faces_of(path: str, prim: Any, time: Any) -> Faces | None:
-    """A cube, ball, cylinder, cone, capsule or plane; `None` for any other prim. What is round has its right volume."""
+    """A cube, ball, cylinder, cone, capsule or plane; `None` for any other prim. Round shapes have their exact volume."""
 
     def length(name: str) -> float:
         value = float(prim.GetAttribute(name).Get(time))
@@ -72,7 +73,7 @@ def _arc(radius: float, begin: float, end: float, centre: float) -> list[tuple[f
 
 
 def _lathe(profile: Sequence[tuple[float, float]], axis: str, volume: float) -> Faces:
-    """What a profile from the lower to the upper pole encloses as it turns, made wider until it has that volume."""
+    """The solid of revolution of a profile from the lower to the upper pole, made wider until it has that volume."""
     # Rings of points around z; a pole is one point.
     radii, places = np.array(profile, np.float64).T
     areas = 0.5 * SIDES * math.sin(2 * math.pi / SIDES)

@@ -23,7 +23,7 @@ MARKER = "frangible"
 def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]:
     """A stage while the context lasts; ``error`` in one sentence if the library says that it cannot be read.
 
-    What the library prints besides, by whichever way, goes nowhere: what is missing, the stage can tell.
+    Messages that the library prints go nowhere: the stage can tell what is missing.
     """
     silence = UsdUtils.CoalescingDiagnosticDelegate()
     try:
@@ -34,7 +34,7 @@ def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]
 
 
 def written_as(stage: Any) -> str | None:
-    """What we wrote the file as, such as ``recording``; `None` if somebody else wrote it."""
+    """The marker that we wrote, such as ``recording``; `None` if somebody else wrote it."""
     kind = stage.GetRootLayer().customLayerData.get(MARKER)
     return kind if isinstance(kind, str) else None
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 
 #: Marks the name of what is not whole yet.
 _PART = ".part"
-#: What ends a program, and must not come between two steps of a swap.
+#: Signals that end a program; they must not come between two steps of a swap.
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 

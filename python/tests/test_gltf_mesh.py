@@ -26,7 +26,8 @@ TRIANGLES = np.array(
     np.uint16,
 )  # fmt: skip
 
-#: The same, packed by meshoptimizer: corners as singles, as exponents and as 1000ths; triangles as a list and a sequence.
+#: The same, packed by meshoptimizer: corners as singles, as exponents and as 1000ths; triangles as
+#: a list and a sequence.
 SINGLES = "oAAAAQDAAAD/AQDAAAB+AAABDMwAAP///wEMzAAAfn1+AAABP/8AAP////////8BP/8AAH59fn1+fX4AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="
 EXPONENTS = "oAABAMAAAAgAAAABDMwAAAgHCAAAAAIIeHh4AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAD2AAAA9gAAAPY="
 THOUSANDTHS = "oAEAwAAALwEAwAAABgEMzAAALzAvAQzMAAAGBQYBP/8AAC8wLzAvMC8CBlZWVgAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA"
@@ -196,7 +197,7 @@ def test_what_draco_packed_is_unpacked(tmp_path: Path) -> None:
     data = DracoPy.encode(CORNERS + np.float32(3.0), TRIANGLES.astype(np.uint32), quantization_bits=14)
     view = made.view(data)
     made.primitive["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}}
-    # What is packed has no views.
+    # A packed file has no views.
     for accessor in made.json["accessors"]:
         del accessor["bufferView"]
     made.uses("KHR_draco_mesh_compression")

@@ -1,4 +1,4 @@
-"""What a mesh's file says besides the shape arrives in the pieces: both ways, all formats, through simulations too."""
+"""Attributes of a mesh's file arrive in the pieces: both ways, all formats, through simulations too."""
 
 import json
 from dataclasses import replace

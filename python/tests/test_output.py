@@ -85,7 +85,7 @@ def test_a_link_leads_to_what_is_written(tmp_path: Path) -> None:
             assert Path(part).parent == tmp_path / "there"
             Path(part).write_text(text)
         assert link.is_symlink() and target.read_text() == text
-    # What may be read by all, or by few, stays so.
+    # Permissions stay as they were.
     target.chmod(0o600)
     with whole_file(str(link)) as part:
         Path(part).write_text("secret")

@@ -30,7 +30,7 @@ Play = Callable[..., dict[str, Any]]
 
 @pytest.fixture
 def play() -> Play:
-    """What a page shows in headless Chromium: it plays by itself, then stops at the frames asked for."""
+    """The state of a page in headless Chromium: it plays by itself, then stops at the frames asked for."""
 
     def run(page: Path, frames: list[int], *pictures: str) -> dict[str, Any]:
         command = ["node", str(TOOLS / "play_page.js"), str(page), "--frames", ",".join(map(str, frames))]
@@ -101,7 +101,8 @@ def test_pieces_are_pulled_from_their_parents_centre_and_not_into_the_floor(scri
     camera = frame_recording(scripted, ASPECT)
     step = float((camera.target - camera.eye) @ camera.axes[2]) / 2**17
     pulls = {body.id: pull for body, pull in zip(scripted.bodies, columns(scripted, "pull") * step, strict=True)}
-    # 2 weighs 1 kg at x = -0.5; 4 and 5 weigh 0.5 kg at 0.25 and 0.75: their middle is 0. Of these 5 is the lowest, at y = 1.
+    # 2 weighs 1 kg at x = -0.5; 4 and 5 weigh 0.5 kg at 0.25 and 0.75: their middle is 0. Of these
+    # 5 is the lowest, at y = 1.
     expected = {0: [0, 0, 0], 1: [0, 0, 0], 2: [-0.5, 1.5, 0], 4: [0.25, 1.5, 0], 5: [0.75, 0, 0]}
     for body, pull in expected.items():
         assert np.allclose(pulls[body], pull, atol=step), body

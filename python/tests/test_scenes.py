@@ -344,6 +344,6 @@ def test_errors_of_momentum_are_relative_to_what_is_there() -> None:
         for _ in range(30):
             momentum = world.step()["momentum"]
             assert momentum["linear_error"] < 1e-12 and momentum["angular_error"] < 1e-12
-    # What is there is still measured: a body in flight has its own momentum for a scale.
+    # Real momentum is still measured: a body in flight has its own momentum for a scale.
     world = World.build({"bodies": [{**box(0, 0, still), "linear_velocity": [100, 0, 0]}]}, 1)
     assert world.step()["momentum"]["linear_error"] < 1e-15

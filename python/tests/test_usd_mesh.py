@@ -139,7 +139,8 @@ def test_a_bad_mesh_gets_a_sentence_with_its_path(saved: Any, fill: Callable[[An
     assert str(error.value).startswith(f"{path}: ")
 
 
-#: Each kind of shape that is a formula, with its attributes, its volume, and its size along x, y and z.
+#: Each kind of shape that is a formula, with its attributes, its volume, and its size along x, y
+#: and z.
 SHAPES = {
     "cube": (UsdGeom.Cube, {"size": 3.0}, 27.0, (3, 3, 3)),
     "ball": (UsdGeom.Sphere, {"radius": 0.5}, math.pi / 6, (1, 1, 1)),
@@ -211,7 +212,8 @@ def test_instances_of_an_instancer_are_moved_turned_scaled_and_hidden(saved: Any
 
     facts = info(saved(fill))
     assert facts["parts"] == 2 and facts["volume_m3"] == pytest.approx(8.0 + 24.0, rel=1e-3)
-    # The second is three times as far from its point as the first, and as long, and turned from x to y.
+    # The second is three times as far from its point as the first, and as long, and turned from x
+    # to y.
     assert facts["low_m"] == pytest.approx([101, -1, -1], abs=1e-2)
     assert facts["high_m"] == pytest.approx([111, 9, 1], abs=1e-2)
 
@@ -221,7 +223,7 @@ def test_instancers_of_instancers_and_of_prototypes_that_are_not_drawn(saved: An
         inner = instancer(stage, "/Outer/Inner", ["/Drawer/Cube", "/Outer/Inner/Ball"], [0, 1], [(0, 0, 0), (0, 5, 0)])
         UsdGeom.Sphere.Define(stage, "/Outer/Inner/Ball")
         instancer(stage, "/Outer", [str(inner.GetPath())], [0, 0, 0], [(0, 0, 0), (9, 0, 0), (0, 0, 9)])
-        # What is only `over` is a prototype, and nothing by itself.
+        # A prim that is only `over` is a prototype, and nothing by itself.
         cube(stage, "/Drawer/Cube")
         stage.GetPrimAtPath("/Drawer").SetSpecifier(Sdf.SpecifierOver)
 

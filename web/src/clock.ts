@@ -1,4 +1,4 @@
-// What plays when.
+// The clock: the frame that plays at a time.
 
 /** The time of a recording, in frames. */
 export class Clock {

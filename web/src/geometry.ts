@@ -1,4 +1,5 @@
-// All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up in.
+// All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up
+// in.
 import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
 import { TEXELS } from "./poses";
 import type { Recording } from "./recording";

@@ -1,4 +1,5 @@
-// The images of a recording, as layers of one texture: materials differ by the layer, not by the draw call.
+// The images of a recording, as layers of one texture: materials differ by the layer, not by the
+// draw call.
 import { DataArrayTexture, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping } from "three";
 import type { Image } from "./recording";
 

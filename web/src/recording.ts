@@ -176,7 +176,7 @@ function readMeshes(blob: Blob32, step: (name: string) => number): Mesh[] {
       normals: directions,
       slots: slots.subarray(vertex, vertex + vertexCount),
       places: interleaved(places, vertex, vertexCount, (value) => value * step("coordinate")),
-      // What is missing to white.
+      // The share that is missing to white.
       colours: interleaved(colours, vertex, vertexCount, (value) => 1 - value * step("colour")),
       triangles: triangles.subarray(index, index + 3 * triangleCount),
     };

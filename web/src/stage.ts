@@ -1,4 +1,5 @@
-// Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin is the first target.
+// Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin
+// is the first target.
 import {
   CustomBlending, type DataArrayTexture, type DataTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
   PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
@@ -55,7 +56,8 @@ export class Stage {
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
 
-    // Glass dims what lies behind it, then adds its own light: in which order panes are drawn makes no difference.
+    // Glass dims what lies behind it, then adds its own light: in which order panes are drawn makes
+    // no difference.
     if (geometries.glass !== null) {
       const layers = [
         { defines: { ...skinned, GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },

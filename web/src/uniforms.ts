@@ -1,4 +1,4 @@
-// What the shaders share.
+// Uniforms that the shaders share.
 import { type DataArrayTexture, type DataTexture, Matrix4, type Texture, Vector2, Vector3 } from "three";
 
 /** A value that all materials read which hold the same object. */

@@ -108,7 +108,8 @@ const HARDLY: f64 = 0.01;
 pub struct Swept {
     /// Around the way of each body, enlarged by half of a margin.
     pub bounds: Vec<Bounds>,
-    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order; of crowds, the nearest.
+    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order; of
+    /// crowds, the nearest.
     pub pairs: Vec<Pair>,
     /// How many pairs of crowds are not among them.
     pub left_out: usize,
@@ -176,8 +177,8 @@ fn swept_bounds_with<I: Instructions>(
     bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
 }
 
-/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of `poses`; and, if crowds are thinned,
-/// how many of them are left out.
+/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of
+/// `poses`; and, if crowds are thinned, how many of them are left out.
 fn overlapping_pairs(
     bodies: &Bodies,
     bounds: &[Bounds],

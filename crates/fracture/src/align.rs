@@ -33,9 +33,9 @@ impl Placement {
     /// The fracture centre on the impact point, the pattern's z axis along the normal, and its box as small as
     /// encloses the body.
     ///
-    /// The twist about the normal is free. The pattern's x axis follows the grid axis along which the body is longest
-    /// across the normal, so that long pieces of a pattern lie along a long body, and equal blows break equally. A magnified
-    /// pattern's box is larger by as much.
+    /// The twist about the normal is free. The pattern's x axis follows the grid axis along which
+    /// the body is longest across the normal, so that long pieces of a pattern lie along a long
+    /// body, and equal blows break equally. A magnified pattern's box is larger by as much.
     pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
         let grid_from_body = struck.body_from_grid.inverse();
         let impact_grid = Impact {

@@ -101,7 +101,7 @@ impl Glued {
         self.pieces.iter().any(|piece| piece.anchored)
     }
 
-    /// Whether a bond holds that could break.
+    /// True if a bond holds that could break.
     pub fn can_break(&self) -> bool {
         self.bonds.iter().any(|bond| !self.is_within_block(bond))
     }
@@ -110,8 +110,8 @@ impl Glued {
         self.blocks[bond.a] == self.blocks[bond.b]
     }
 
-    /// How near each bond is to breaking, 1 if it just does not, and 0 within a block, under point loads and an acceleration that all pieces feel [m/s^2] at a
-    /// density [kg/m^3].
+    /// How near each bond is to breaking, 1 if it just does not, and 0 within a block, under point
+    /// loads and an acceleration that all pieces feel [m/s^2] at a density [kg/m^3].
     pub fn strains(&mut self, loads: &[PointLoad], field: DVec3, density: f64) -> Vec<f64> {
         let mut wrenches: Vec<Wrench> = self
             .pieces
@@ -250,12 +250,13 @@ impl Glued {
     }
 }
 
-/// What a body of glued pieces is cut into.
+/// The pieces that a glued body is cut into.
 #[derive(Clone, Debug)]
 pub struct Prescored {
     /// In the frame of the body's grid.
     pub hulls: Vec<Hull>,
-    /// For each of them; pieces of one block stay together: mortar sticks to the brick that it was laid on.
+    /// For each of them; pieces of one block stay together: mortar sticks to the brick that it was
+    /// laid on.
     pub blocks: Vec<u32>,
 }
 
@@ -271,8 +272,8 @@ impl Prescored {
         Self { hulls: Vec::with_capacity(pieces), blocks: Vec::with_capacity(pieces) }
     }
 
-    /// Adds what a cell of a pattern cut out of one of a body's parts. A joint is in the block of the last cell before it that is
-    /// none, and of another material than what it is a part of.
+    /// Adds what a cell of a pattern cut out of one of a body's parts. A joint is in the block of
+    /// the last cell before it that is none, and of another material than what it is a part of.
     fn add(&mut self, hull: Hull, pattern: &Pattern, part: usize, cell: usize) {
         let owner = (0..=cell).rev().find(|&cell| !pattern.is_joint(cell)).unwrap_or(cell);
         self.hulls.push(if pattern.is_joint(cell) { hull.all_inner() } else { hull });

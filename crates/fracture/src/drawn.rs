@@ -33,11 +33,12 @@ pub struct Drawn {
     meshes: Vec<TriMesh>,
     /// Signed distance to each, on parts of one lattice.
     fields: Vec<LevelSet>,
-    /// Who is near whom in the box; made when a body breaks first.
+    /// The cells near each place of the box; made when a body breaks first.
     nearby: OnceLock<Arc<Nearby>>,
 }
 
-/// Linear between the nodes of a lattice, a distance changes by as much along each of three axes; a little more than that.
+/// Linear between the nodes of a lattice, a distance changes by as much along each of three axes; a
+/// little more than that.
 const STEEPEST: f64 = 1.8;
 
 /// Distances are made from the meshes.

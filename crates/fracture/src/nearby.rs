@@ -1,4 +1,5 @@
-//! Which cells of a pattern can be the nearest at a place: looked up, instead of sought among all of them.
+//! Which cells of a pattern can be the nearest at a place: looked up, instead of sought among all
+//! of them.
 
 use glam::DVec3;
 
@@ -11,7 +12,8 @@ const CUBES: usize = 1 << HALVINGS;
 /// No cell, or none that is known for sure.
 const NONE: u32 = u32::MAX;
 
-/// For each of the cuboids that a pattern's box is divided into, the cells that are nearest or second nearest to any of its points.
+/// For each of the cuboids that a pattern's box is divided into, the cells that are nearest or
+/// second nearest to any of its points.
 #[derive(Clone, Debug)]
 pub(crate) struct Nearby {
     half_extent: DVec3,
@@ -24,8 +26,8 @@ pub(crate) struct Nearby {
 }
 
 impl Nearby {
-    /// Of so many cells in the box of `half_extent`, with the distance of each to a point, which changes by at most `slope` times
-    /// the way between two points.
+    /// Of so many cells in the box of `half_extent`, with the distance of each to a point, which
+    /// changes by at most `slope` times the way between two points.
     pub(crate) fn new(
         half_extent: DVec3,
         count: usize,
@@ -45,7 +47,8 @@ impl Nearby {
         nearby
     }
 
-    /// The cells that are nearest or second nearest at a point, in ascending order, and perhaps others; `None` beyond the box.
+    /// The cells that are nearest or second nearest at a point, in ascending order, and perhaps
+    /// others; `None` beyond the box.
     #[inline]
     pub(crate) fn around(&self, point: DVec3) -> Option<&[u32]> {
         let at = self.cuboid(point)?;
@@ -75,7 +78,8 @@ struct Search<D> {
 }
 
 impl<D: Fn(usize, DVec3) -> f64> Search<D> {
-    /// What of some `cells` can be near in a cuboid, or in its parts: the one at a `place` among those of so many halvings.
+    /// Finds those of `cells` that can be near a cuboid, or its parts: the cuboid at a `place`
+    /// after so many halvings.
     fn divide(&self, place: [usize; 3], halvings: u32, cells: &[u32], found: &mut [(Vec<u32>, u32)]) {
         let along = (1_u32 << halvings) as f64;
         let half = self.half_extent / along;

@@ -18,8 +18,8 @@ pub struct Pattern {
     pub half_extent: DVec3,
     /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
-    /// How many times larger its box is than the smallest that encloses what it breaks, at least 1: the larger, the fewer cells
-    /// meet the body.
+    /// How many times larger its box is than the smallest that encloses what it breaks, at least 1:
+    /// the larger, the fewer cells meet the body.
     #[serde(default = "unmagnified", skip_serializing_if = "is_unmagnified")]
     pub magnification: f64,
     /// The cells that are mortar between others, in ascending order.
@@ -237,7 +237,8 @@ impl Pattern {
         }
     }
 
-    /// Samples cells that are not planar, as the first break would otherwise: takes some tenths of a second.
+    /// Samples cells that are not planar, as the first break would otherwise: takes some tenths of
+    /// a second.
     pub fn prepare(&self) {
         match &self.cells {
             Cells::Planar(_) => {}

@@ -14,9 +14,10 @@ use std::sync::{Arc, OnceLock};
 /// A point belongs to the region that holds the place to which the noise moves it. As the noise is one-to-one and keeps the box,
 /// the cells tile it as the regions do, and each stays in one piece.
 ///
-/// What breaks bodies is the noise as it is on the nodes of a lattice, and linear between them, sampled once for all breaks. The
-/// paper samples whole patterns and lays the nodes on the body's own, half a voxel off at most [Su09 sec. 4.2]; here the lattice
-/// may lie askew in the body, and the samples are as far apart.
+/// Bodies break along the noise on the nodes of a lattice, linear between them, sampled once for
+/// all breaks. The paper samples whole patterns and lays the nodes on the body's own, half a voxel
+/// off at most [Su09 sec. 4.2]; here the lattice may lie askew in the body, and the samples are as
+/// far apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rough {
@@ -48,8 +49,8 @@ struct Samples {
     nearby: Nearby,
 }
 
-/// Nodes along the shortest wave of the noise, and the most nodes in the box: finer bumps than those of a body of 64 voxels a side
-/// cannot be seen.
+/// Nodes along the shortest wave of the noise, and the most nodes in the box: finer bumps than
+/// those of a body of 64 voxels a side cannot be seen.
 const NODES: f64 = 4.0;
 const MOST_NODES: f64 = 4e5;
 
@@ -153,7 +154,8 @@ impl Samples {
 
     /// The point that is moved to `target`.
     fn origin_of(&self, target: DVec3, half_extent: DVec3) -> DVec3 {
-        // Steep noise takes hundreds of rounds to the last digit; a crack's sample is good enough long before.
+        // Steep noise takes hundreds of rounds to the last digit; a crack's sample is good enough
+        // long before.
         const MOST_ROUNDS: usize = 60;
         const CLOSE: f64 = 1e-6;
         let mut point = target;

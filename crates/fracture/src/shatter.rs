@@ -41,7 +41,7 @@ pub struct ShatterSettings {
     /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on a crack is found
     /// within one voxel of its place.
     pub sample_spacing_voxels: f64,
-    /// What is too small to be a piece, on a grid or without one.
+    /// The bounds below which a part is no piece, on a grid or without one.
     pub smallest: Smallest,
 }
 

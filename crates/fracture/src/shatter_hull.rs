@@ -50,10 +50,12 @@ struct Piece {
 /// fragments fill the parent, so that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and
 /// kinetic energy, are the parent's up to rounding.
 ///
-/// A piece that is too small joins the neighbour over their largest crack, if the two without it are convex. Where they are with none,
-/// its neighbour absorbs a sliver of less than a ten-thousandth of the mean piece, or a needle: the mass goes over, where it is, and
-/// the polyhedron stays as it is, beside a void that nobody sees. A larger one stays. Empty if the body has no polyhedron or the pattern
-/// is not planar, and if it is too thin for its length to be cut exactly.
+/// A piece that is too small joins the neighbour over their largest crack, if the two without it
+/// are convex. Where they are with none, its neighbour absorbs a sliver of less than a
+/// ten-thousandth of the mean piece, or a needle: the mass goes over, where it is, and the
+/// polyhedron stays as it is, beside a void that nobody sees. A larger one stays. Empty if the body
+/// has no polyhedron or the pattern is not planar, and if it is too thin for its length to be cut
+/// exactly.
 pub fn shatter_hull(
     parent: &Shape,
     pattern: &Pattern,
@@ -63,7 +65,8 @@ pub fn shatter_hull(
     cut_hull(parent, pattern, impact, settings, true)
 }
 
-/// The same; where nothing `absorbs`, each piece's mass is that of its polyhedron, and slivers that fit to nothing stay.
+/// The same; where nothing `absorbs`, each piece's mass is that of its polyhedron, and slivers that
+/// fit to nothing stay.
 pub(crate) fn cut_hull(
     parent: &Shape,
     pattern: &Pattern,
@@ -101,7 +104,7 @@ pub(crate) fn cut_hull(
     if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume { fragments } else { Vec::new() }
 }
 
-/// What a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
+/// Mass that a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
 fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
     if (parent.volume - hull.volume()).abs() <= SAME_VOLUME * parent.volume {
         return;
@@ -226,7 +229,8 @@ impl<'a> Workshop<'a> {
         pieces.into_iter().enumerate().filter_map(stays).collect()
     }
 
-    /// A sliver and a neighbour without the crack between them, if the two are convex: behind the largest face where that is so.
+    /// A sliver and a neighbour without the crack between them, if the two are convex: behind the
+    /// largest face where that is so.
     fn join(&mut self, sliver: &Piece, other: &Piece) -> Option<Piece> {
         let Piece { hull, cuts, mass, .. } = sliver;
         let area = |face: &HullFace<'_>| {

@@ -1,9 +1,9 @@
-//! What is too small to be a piece joins its neighbour: one rule for all ways of breaking.
+//! Slivers join a neighbour: one rule for all ways of breaking.
 
 use frangible_geometry::{MassProperties, Shape};
 use glam::DVec3;
 
-/// What is too small to be a piece of its own.
+/// The bounds below which a part is a sliver, and no piece of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smallest {
     /// Of the mean volume of the pieces of one break (a ratio). Default 1e-4.
@@ -17,13 +17,15 @@ pub struct Smallest {
 /// Of the mean volume of the pieces of one break.
 const PART: f64 = 1e-4;
 
-/// Of the volume of the first body, which was broken into pieces again and again: a cube a thousandth as wide.
+/// Of the volume of the first body, which was broken into pieces again and again: a cube a
+/// thousandth as wide.
 const OF_FIRST: f64 = 1e-9;
 
 /// Of no body [m^3]: a cube of a micrometre.
 const LEAST_VOLUME: f64 = 1e-18;
 
-/// Needles with moments that lie further apart turn about their axis by what single precision rounds off of their inverses.
+/// Needles with moments that lie further apart turn about their axis by what single precision
+/// rounds off of their inverses.
 const SLENDER: f64 = 1e-6;
 
 impl Default for Smallest {
@@ -33,8 +35,9 @@ impl Default for Smallest {
 }
 
 impl Smallest {
-    /// For a body of a scene and all that it breaks into, in a row: without an end, each break would leave pieces that are
-    /// smaller again. A body that is a needle itself breaks into needles.
+    /// For a body of a scene and all that it breaks into, in a row: without an end, each break
+    /// would leave pieces that are smaller again. A body that is a needle itself breaks into
+    /// needles.
     pub fn of_first(first: &Shape) -> Self {
         let slenderness = slenderness(first.unit_moments).min(1.0);
         Self {
@@ -44,8 +47,8 @@ impl Smallest {
         }
     }
 
-    /// The volume [m^3] below which none of these pieces, which have so much each, is one: the mean is that of the
-    /// pieces that stay.
+    /// The volume [m^3] below which none of these pieces, which have so much each, is one: the mean
+    /// is that of the pieces that stay.
     pub(crate) fn least(&self, volumes: &[f64]) -> f64 {
         let total: f64 = volumes.iter().sum();
         let mut least = self.volume;
@@ -59,7 +62,7 @@ impl Smallest {
         }
     }
 
-    /// Whether a piece is a needle.
+    /// True if a piece is a needle.
     pub(crate) fn is_slender(&self, mass: &MassProperties) -> bool {
         self.slenderness > 0.0 && slenderness(mass.principal_axes().0) < self.slenderness
     }
@@ -73,10 +76,12 @@ fn slenderness(moments: DVec3) -> f64 {
 /// Two pieces that touch, and over what area, in any unit.
 pub type Contact = ([usize; 2], f64);
 
-/// Which pieces stay together: for each the number of the one that it has joined, its own for those that have joined none.
+/// Which pieces stay together: for each the number of the one that it has joined, its own for those
+/// that have joined none.
 ///
-/// A piece that is too small joins the neighbour that it touches over the largest area, the lightest first. One that
-/// touches no other stays, but for one below [`Smallest::volume`], which joins the heaviest.
+/// A piece that is too small joins the neighbour that it touches over the largest area, the
+/// lightest first. One that touches no other stays, but for one below [`Smallest::volume`], which
+/// joins the heaviest.
 pub fn join_slivers(volumes: &[f64], contacts: &[Contact], smallest: &Smallest) -> Vec<usize> {
     let least = smallest.least(volumes);
     let too_small: Vec<bool> = volumes.iter().map(|&volume| volume < least).collect();
@@ -103,9 +108,10 @@ impl Groups {
         Self { volumes: volumes.to_vec(), too_small: too_small.to_vec(), members }
     }
 
-    /// Joins each that is too small with the neighbour over the largest area that it fits, the lightest first, the least
-    /// number of equals. `fits(sliver, host, volume)` is asked for the two, which have so much together [m^3]: `None` if they do
-    /// not fit. Otherwise they are one from then on, in the host's place, and it tells whether that is too small as well.
+    /// Joins each that is too small with the neighbour over the largest area that it fits, the
+    /// lightest first, the least number of equals. `fits(sliver, host, volume)` is asked for the
+    /// two, which have so much together [m^3]: `None` if they do not fit. Otherwise they are one
+    /// from then on, in the host's place, and it tells whether that is too small as well.
     pub(crate) fn join(
         &mut self,
         contacts: &[Contact],
@@ -136,7 +142,7 @@ impl Groups {
         }
     }
 
-    /// What is left of those that are too small joins the heaviest, if it `fits(sliver, heaviest)`.
+    /// A sliver that fits no neighbour joins the heaviest piece, if it `fits(sliver, heaviest)`.
     pub(crate) fn join_loose(&mut self, mut fits: impl FnMut(usize, usize) -> bool) {
         let heaviest = (0..self.volumes.len())
             .max_by(|&a, &b| self.volumes[a].total_cmp(&self.volumes[b]).then(b.cmp(&a)));
@@ -166,7 +172,8 @@ impl Groups {
         (0..open.len()).min_by(|&a, &b| volume(a).total_cmp(&volume(b)).then(open[a].cmp(&open[b])))
     }
 
-    /// The groups that a sliver touches, with the area: the largest first, the least number of equals.
+    /// The groups that a sliver touches, with the area: the largest first, the least number of
+    /// equals.
     fn hosts(&self, sliver: usize, touching: &[Vec<(usize, f64)>], host_of: &[usize]) -> Vec<(usize, f64)> {
         let mut around: Vec<(usize, f64)> = Vec::new();
         for &(other, area) in self.members[sliver].iter().flat_map(|&member| &touching[member]) {

@@ -1,4 +1,5 @@
-//! Whatever breaks a body, the faces that cracks lay bare are marked, and are as large as the contacts of both sides.
+//! Whatever breaks a body, the faces that cracks lay bare are marked, and are as large as the
+//! contacts of both sides.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -41,7 +42,8 @@ fn ratio(fragments: &[Fragment]) -> f64 {
     inner / (2.0 * interfaces(fragments).iter().map(|contact| contact.area).sum::<f64>())
 }
 
-/// How far the two areas may be apart. The wedges around a blow end in tips thinner than a voxel, which no voxel stands for.
+/// How far the two areas may be apart. The wedges around a blow end in tips thinner than a voxel,
+/// which no voxel stands for.
 fn most(pattern: &str) -> f64 {
     match pattern {
         "radial" => 0.1,

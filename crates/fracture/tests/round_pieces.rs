@@ -7,7 +7,8 @@ use frangible_geometry::{ClosedForm, Shape, Surface};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// The largest angle between two outer triangles that share an edge [degrees]; panics unless each edge has two triangles.
+/// The largest angle between two outer triangles that share an edge [degrees]; panics unless each
+/// edge has two triangles.
 fn bend(surface: &Surface) -> f64 {
     let normal = |triangle: usize| {
         let [a, b, c] = surface.mesh.corners(triangle);
@@ -66,7 +67,7 @@ fn outer_faces_lie_on_the_round_body() {
                         .chain([(&fragment.shape, fragment.parent_from_fragment)])
                     {
                         let surface = shape.surface();
-                        // What the polyhedron has beyond the ball is no part of it.
+                        // Parts of the polyhedron beyond the ball are not drawn.
                         if shape.volume < 2e-3 * body.volume {
                             continue;
                         }

@@ -1,4 +1,5 @@
-//! Samples lie on their own fragment, whatever form the body has that breaks [Su09 sec. 4.2 "Surface Particles"].
+//! Samples lie on their own fragment, whatever form the body has that breaks [Su09 sec. 4.2
+//! "Surface Particles"].
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a panic is how a test fails")]
 
@@ -83,7 +84,8 @@ fn pattern(kind: usize, seed: u64) -> Pattern {
     .unwrap()
 }
 
-/// The farthest that a sample lies from a voxel of its fragment, infinite beyond two or three, and from its surface [voxels].
+/// The farthest that a sample lies from a voxel of its fragment, infinite beyond two or three, and
+/// from its surface [voxels].
 fn farthest(fragments: &[Fragment]) -> [f64; 2] {
     let mut worst = [0.0f64; 2];
     for fragment in fragments {

@@ -127,7 +127,7 @@ fn assert_exact(parent: &Shape, fragments: &[Fragment]) {
             }
         }
         assert!(hull.surface().is_watertight());
-        // What it has absorbed lies at most as far off as the parent is long.
+        // The absorbed mass lies at most as far off as the parent is long.
         let in_parent = parent.body_from_grid.point(hull.mass_properties().center);
         let absorbed = (fragment.shape.volume - hull.volume()).max(0.0) / fragment.shape.volume;
         let most = (2.0 * absorbed + 1e-9) * size;

@@ -294,7 +294,8 @@ fn strain(world: &mut World, body: usize, coming: &Coming, side: usize, frame: &
     let strains = bonds.glued.strains(&[load], field, density);
     let worst = strains.into_iter().fold(0.0, f64::max);
     if worst > 1.0 {
-        // What is anchored holds until the bonds around the blow have given: their loss relieves those that lead to the anchors.
+        // Anchors hold until the bonds around the blow have given: their loss relieves those that
+        // lead to the anchors.
         let giving = if bonds.is_anchored() { Giving::Worst } else { Giving::All };
         bonds.glued.give_way(&[load], field, density, giving);
     }

@@ -8,7 +8,8 @@ use std::ops::Range;
 /// Bodies that a thread sums up together: some ten microseconds of work.
 const SHARE: usize = 512;
 
-/// What moves a body by less than this share of its size in a frame, errors of momentum are not measured against: contacts solve
+/// Motion by less than this share of a body's size in a frame is no scale for errors of momentum:
+/// contacts solve
 /// for positions, and those of a body at rest are rounded.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -25,11 +26,11 @@ pub(crate) struct Totals {
     pub(crate) momentum: DVec3,
     /// About the world's origin [kg m^2/s].
     pub(crate) angular_momentum: DVec3,
-    /// Sum of the lengths of the bodies' momenta, of what gravity gives them in one frame, and of what moves each by a share
-    /// of its size in one, as rounded positions do [kg m/s].
+    /// Sum of the lengths of the bodies' momenta, of what gravity gives them in one frame, and of
+    /// what moves each by a share of its size in one, as rounded positions do [kg m/s].
     pub(crate) momentum_scale: f64,
-    /// The same for angular momentum, orbital and spin; the levers of gravity and size reach to the far side of the body
-    /// [kg m^2/s].
+    /// The same for angular momentum, orbital and spin; the levers of gravity and size reach to the
+    /// far side of the body [kg m^2/s].
     pub(crate) angular_scale: f64,
 }
 

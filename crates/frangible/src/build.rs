@@ -88,7 +88,8 @@ fn check_density(density: f64, at: &Checker) -> Result<f64, BuildError> {
     Err(at.field("density").broken(&format!("{density:?}"), &rule))
 }
 
-/// A body must be of a size at which lengths, and of a mass and moments at which impulses, can be reckoned with in single precision.
+/// A body must be of a size at which lengths, and of a mass and moments at which impulses, can be
+/// reckoned with in single precision.
 fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildError> {
     let (low, high) = shape.bounds;
     let longest = (high - low).max_element();

@@ -56,7 +56,7 @@ pub struct BodyDesc {
     pub name: String,
     /// What it is made of.
     pub shape: ShapeDesc,
-    /// What decides where it goes.
+    /// The cause of its motion.
     #[serde(default)]
     pub motion: MotionDesc,
     /// Of the origin of the shape's own frame (a mesh's or points' coordinates, the centre of a closed form) [m].
@@ -97,7 +97,7 @@ pub struct BodyDesc {
     pub look: Option<LookDesc>,
 }
 
-/// What a body looks like.
+/// The look of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LookDesc {
@@ -135,7 +135,7 @@ impl LookDesc {
     }
 }
 
-/// What decides where a body goes.
+/// The cause of a body's motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionDesc {

@@ -1,8 +1,8 @@
 //! Patterns as fine as it takes to break a body into a number of pieces.
 //!
-//! How many pieces a pattern makes depends on the body and on the place that is struck: cells that miss the body make none. So the
-//! number of cells is searched for, and where steps between numbers of cells are too long, or the cells are given, the pattern is
-//! magnified.
+//! How many pieces a pattern makes depends on the body and on the place that is struck: cells that
+//! miss the body make none. So the number of cells is searched for, and where steps between numbers
+//! of cells are too long, or the cells are given, the pattern is magnified.
 
 use crate::desc::PatternDesc;
 use frangible_fracture::{Pattern, generators::MOST_CELLS};
@@ -12,7 +12,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Patterns that are tried for each of the two searches.
 const MOST_TRIES: usize = 10;
 
-/// Numbers of cells above this are rounded to as many different ones in each doubling or so: bodies share patterns.
+/// Numbers of cells above this are rounded to as many different ones in each doubling or so: bodies
+/// share patterns.
 const STEPS: usize = 64;
 
 /// A pattern magnified by more has hardly a crack left in the body.
@@ -28,14 +29,14 @@ pub struct Fineness {
     made: Mutex<BTreeMap<usize, Option<Arc<Pattern>>>>,
 }
 
-/// What came nearest to the number of pieces that was asked for.
+/// The pattern that came nearest to the number of pieces asked for.
 #[derive(Clone, Debug)]
 pub struct Found<T> {
     /// The pattern that made them.
     pub pattern: Arc<Pattern>,
     /// How many there are.
     pub count: usize,
-    /// What was made with them.
+    /// The pattern made with them.
     pub made: T,
 }
 
@@ -136,7 +137,7 @@ impl Bracket {
         Self { wanted: wanted as f64, range, low: None, high: None }
     }
 
-    /// Whether no lower x is known to give more than is wanted.
+    /// True if no lower x is known to give more than is wanted.
     fn is_lowest_above(&self, x: f64, count: usize) -> bool {
         count as f64 > self.wanted && self.high.is_none_or(|(known, _)| x < known)
     }
@@ -152,7 +153,8 @@ impl Bracket {
         }
     }
 
-    /// Where to look next: on a straight line through the logarithms, inside of what is known; `None` at the end of the range.
+    /// Where to look next: on a straight line through the logarithms, inside of what is known;
+    /// `None` at the end of the range.
     fn next(&self) -> Option<f64> {
         const LONGEST_STEP: f64 = 16.0;
         // No nearer to an end of the bracket than this part of it.

@@ -74,7 +74,8 @@ impl PatternDesc {
 }
 
 impl PatternDesc {
-    /// The same with about so many cells, its other parameters as they are; `None` for a file, which is what it is.
+    /// The same with about so many cells, its other parameters as they are; `None` for a file,
+    /// which is what it is.
     pub fn with_cells(&self, cells: usize) -> Option<Self> {
         Some(match self {
             Self::Radial(radial) => {
@@ -146,7 +147,8 @@ fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     PatternDesc::Bricks(Bricks { columns: columns as usize, courses, seed, ..default })
 }
 
-/// Bricks of about the same proportions: each has its joints beside it and above it, unless there is no mortar.
+/// Bricks of about the same proportions: each has its joints beside it and above it, unless there
+/// is no mortar.
 fn more_bricks(bricks: &Bricks, cells: usize) -> Bricks {
     let parts = if bricks.mortar > 0.0 { 3.0 } else { 1.0 };
     let wanted = cells as f64 / parts;

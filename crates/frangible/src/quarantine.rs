@@ -1,25 +1,26 @@
 //! One bad body must not cost the user the world.
 //!
-//! Numbers are looked at where they could go from one body to others: before contacts are sought, so that nothing bad enters the
-//! solver; and before the frame's energy is balanced, so that nothing bad leaves it.
+//! Numbers are looked at where they could go from one body to others: before contacts are sought,
+//! so that nothing bad enters the solver; and before the frame's energy is balanced, so that
+//! nothing bad leaves it.
 
 use crate::World;
 use crate::report::{Quarantined, id_number};
 use frangible_dynamics::{Bodies, BodyId, Inertia, Pose, Tally, Velocity};
 use std::collections::BTreeMap;
 
-/// Reciprocals of mass [1/kg] and moments [1/(kg m^2)] that single precision holds, with room for the squares of levers and
-/// for sums.
+/// Reciprocals of mass [1/kg] and moments [1/(kg m^2)] that single precision holds, with room for
+/// the squares of levers and for sums.
 const MOST_INVERSE: f64 = 1e30;
 const LEAST_INVERSE: f64 = 1e-30;
 
-/// Whether impulses on a body can be reckoned with in single precision.
+/// True if impulses on a body can be reckoned with in single precision.
 pub(crate) fn is_representable(inertia: &Inertia) -> bool {
     let holds = |inverse: f64| (LEAST_INVERSE..=MOST_INVERSE).contains(&inverse);
     holds(inertia.inverse_mass) && inertia.inverse_moments.to_array().into_iter().all(holds)
 }
 
-/// What is wrong with a body, if anything is.
+/// The fault of a body, if it has one.
 fn fault(bodies: &Bodies, i: usize) -> Option<&'static str> {
     let (pose, velocity, inertia) = (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
     match () {
@@ -60,9 +61,10 @@ impl Before {
     }
 }
 
-/// If numbers went bad in the solver: of all bodies that are bad together, because they touch, the one that answers impulses most is the
-/// culprit, and the others stay for this frame as they were before. Returns the culprits, which are to be taken out once the frame
-/// is over; they are still there, as they were. What the frame has booked is worth nothing then, but for who touched whom.
+/// If numbers went bad in the solver: of all bodies that are bad together, because they touch, the
+/// one that answers impulses most is the culprit, and the others stay for this frame as they were
+/// before. Returns the culprits, which are to be taken out once the frame is over; they are still
+/// there, as they were. The books of such a frame are void, but for the pairs that touched.
 pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> Vec<Quarantined> {
     let bodies = &mut world.bodies;
     let faults: Vec<Option<&str>> = (0..bodies.len()).map(|i| fault(bodies, i)).collect();
@@ -146,7 +148,7 @@ mod tests {
         world.labels.iter().map(|label| label.name.as_str()).collect()
     }
 
-    /// What is bad before the frame touches nobody in it.
+    /// A body that is bad before the frame touches no other in it.
     #[test]
     fn a_bad_body_is_taken_out_before_it_meets_others() {
         let mut world = world();
@@ -162,7 +164,8 @@ mod tests {
         assert!(!serde_json::to_string(&report).unwrap().contains("null"));
     }
 
-    /// Of what went bad together, the one that answers impulses most goes; the others stay as they were.
+    /// Of what went bad together, the one that answers impulses most goes; the others stay as they
+    /// were.
     #[test]
     fn only_the_culprit_goes() {
         let mut world = world();

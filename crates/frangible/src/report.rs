@@ -14,8 +14,8 @@ pub struct StepReport {
     pub bodies: usize,
     /// How many of them slept in this frame.
     pub asleep: usize,
-    /// Pairs of overlapping bounds that were not looked at, because too many bodies were in one place: each of those meets its
-    /// nearest. Zero in scenes without such crowds.
+    /// Pairs of overlapping bounds that were not looked at, because too many bodies were in one
+    /// place: each of those meets its nearest. Zero in scenes without such crowds.
     pub pairs_left_out: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
@@ -29,7 +29,8 @@ pub struct StepReport {
     pub impulses: Impulses,
     /// What broke, in order.
     pub fractures: Vec<Fracture>,
-    /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no books.
+    /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
+    /// books.
     pub quarantined: Vec<Quarantined>,
     /// Wall-clock time of each stage [ms], in order.
     pub stages: Vec<(&'static str, f64)>,
@@ -107,8 +108,9 @@ impl From<ledger::Balance> for Balance {
     }
 }
 
-/// The momentum books. Errors are those since the world began, relative to the largest sum so far, over the bodies, of their
-/// momenta, of what gravity gives them in a frame, and of what moves them by a thousandth of their size in one.
+/// The momentum books. Errors are those since the world began, relative to the largest sum so far,
+/// over the bodies, of their momenta, of what gravity gives them in a frame, and of what moves them
+/// by a thousandth of their size in one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Momentum {
     /// Of all dynamic bodies at the end of the frame, in the world frame [N s].
@@ -169,13 +171,14 @@ impl Fracture {
 /// A body that was taken out of the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Quarantined {
-    /// Who.
+    /// The body that was taken out.
     pub body: u64,
-    /// What was wrong with it.
+    /// The fault of its numbers.
     pub cause: &'static str,
 }
 
-/// Relative differences between a body and the sum of its fragments: of momenta, to the sum of the lengths of the fragments'.
+/// Relative differences between a body and the sum of its fragments: of momenta, to the sum of the
+/// lengths of the fragments'.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Imbalance {
     /// Of mass.

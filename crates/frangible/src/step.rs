@@ -129,7 +129,7 @@ struct Moved {
     left_out: usize,
     /// Whom the solver was spared.
     quarantined: Vec<Quarantined>,
-    /// What the solver began with.
+    /// The state that the solver began with.
     before: Before,
 }
 
@@ -216,16 +216,16 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     Moved { fractures, flight, gravity, tally, left_out: swept.left_out, quarantined, before }
 }
 
-/// What is known when nothing breaks any more.
+/// The state of a frame once nothing breaks any more.
 struct Struck {
     fractures: Vec<Fracture>,
     /// Ballistic, at the frame's end.
     predicted: Vec<Pose>,
-    /// Who comes near whom on the way there.
+    /// The pairs that come near each other on the way there.
     swept: Swept,
 }
 
-/// Strikes until nothing breaks. What cannot be reckoned with is taken out before contacts are sought.
+/// Strikes until nothing breaks. Bodies with bad numbers are taken out before contacts are sought.
 fn strike_and_break(
     world: &mut World,
     tally: &mut Tally,

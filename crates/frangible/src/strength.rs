@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// have fewer flaws for a crack to begin at. The paper's authors double it, too.
 const GROWTH_PER_BREAK: f64 = 2.0;
 
-/// What a body bears.
+/// The strength of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Strength {
     /// An impulse, whatever the body's size [N s] [Su09 sec. 4.2].

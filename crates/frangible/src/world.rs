@@ -56,7 +56,8 @@ pub struct Label {
     pub bonds: Option<Box<Bonds>>,
 }
 
-/// A break need not meet the number of pieces that is asked for more closely: each try costs a break.
+/// A break need not meet the number of pieces that is asked for more closely: each try costs a
+/// break.
 const PIECES_WITHIN: f64 = 0.1;
 
 /// How a body breaks.
@@ -78,8 +79,8 @@ pub struct Breaking {
 }
 
 impl Breaking {
-    /// The pattern of a step, at first as fine as described, then ever coarser, and the fragments that it makes; `None` beyond the
-    /// coarsest.
+    /// The pattern of a step, at first as fine as described, then ever coarser, and the fragments
+    /// that it makes; `None` beyond the coarsest.
     pub(crate) fn cut(
         &self,
         step: usize,

@@ -1,4 +1,5 @@
-//! Bodies that break again and again: no piece is so small that its numbers go bad, nothing is lost, and reports are whole.
+//! Bodies that break again and again: no piece is so small that its numbers go bad, nothing is
+//! lost, and reports are whole.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 
@@ -44,7 +45,8 @@ fn run(scene: &SceneDesc, frames: u32, what: &str) -> usize {
     breaks
 }
 
-/// A cylinder that breaks along spokes, three times in a row: each break along them used to leave slivers of 1e-13 of their parent.
+/// A cylinder that breaks along spokes, three times in a row: each break along them used to leave
+/// slivers of 1e-13 of their parent.
 #[test]
 fn spokes_of_spokes_leave_no_slivers() {
     let mut breaks = 0;

@@ -18,7 +18,7 @@ use shells::{Role, Shell};
 /// diagonal, the smallest first: noise of double precision, and of single precision. Two sheets a
 /// micrometre apart in a metre stay two.
 const WELDED: [f64; 3] = [1e-12, 1e-9, 2.5e-7];
-/// What is tried where nothing is closed otherwise: parts that were meant to meet.
+/// Tried where nothing is closed otherwise: parts that were meant to meet.
 const WELDED_AT_LAST: [f64; 6] = [1e-12, 1e-9, 2.5e-7, 1e-5, 1e-4, 1e-3];
 
 /// Below this ratio of volume to (area times diagonal) a surface that had to be closed is flat: the
@@ -46,11 +46,11 @@ pub struct CleanMesh {
     pub solid: Vec<u32>,
     /// For each solid the one that it lies in as a whole, if there is one.
     pub nested: Vec<Option<u32>>,
-    /// What had to be done.
+    /// The repairs.
     pub changes: MeshChanges,
 }
 
-/// What cleaning did to a mesh.
+/// The changes that cleaning made to a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshChanges {
     /// Triangles that were there before, or had two corners in one place, or belong to a surface
@@ -60,7 +60,7 @@ pub struct MeshChanges {
     pub turned: usize,
     /// Holes that were closed, cracks without an area not counted.
     pub holes: usize,
-    /// What is open and flat, and encloses nothing.
+    /// Open flat parts, which enclose nothing.
     pub sheets: Vec<Sheet>,
 }
 
@@ -123,10 +123,10 @@ impl std::fmt::Display for Sheet {
 }
 
 impl TriMesh {
-    /// The solids that the mesh bounds: vertices are welded where edges are open, repeated triangles
-    /// dropped, neighbours turned to agree part by part, holes closed by triangles between the
-    /// vertices of their rims, outer surfaces turned outward and cavities inward. Open flat parts
-    /// are left out. Parts that only touch at a vertex, an edge or a face stay parts.
+    /// The solids that the mesh bounds: vertices are welded where edges are open, repeated
+    /// triangles dropped, neighbours turned to agree part by part, holes closed by triangles
+    /// between the vertices of their rims, outer surfaces turned outward and cavities inward. Open
+    /// flat parts are left out. Parts that only touch at a vertex, an edge or a face stay parts.
     ///
     /// # Errors
     /// As for [`TriMesh::check`], and if no part encloses a volume. `name` begins the sentence.
@@ -277,7 +277,7 @@ impl Assembly {
         } else {
             changes.sheets.extend(domes.iter().map(|&(number, _)| self.sheet(&parts[number])));
         }
-        // What lies on a solid's own triangles is no sheet: a face that was there twice.
+        // A part on a solid's own triangles is no sheet, but a face that was there twice.
         let mut faces: Vec<[u32; 3]> = Vec::new();
         if !flat.is_empty() {
             let of_solids = solids.iter().flat_map(|&(number, _)| &parts[number].triangles);

@@ -37,7 +37,8 @@ pub struct Outline {
     pub root: Root,
     /// The cracks: each fragment lies inside of all of these, up to merged slivers.
     pub cuts: Vec<HalfSpace>,
-    /// The same for cracks that are no planes: samples of the distance to the cell, negative inside.
+    /// The same for cracks that are no planes: samples of the distance to the cell, negative
+    /// inside.
     pub rough: Vec<Arc<LevelSet>>,
 }
 

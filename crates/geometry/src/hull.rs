@@ -169,7 +169,8 @@ impl Hull {
         }
     }
 
-    /// The same polyhedron with all of its faces tagged as a crack's: of another material than what it is a part of.
+    /// The same polyhedron with all of its faces tagged as a crack's: of another material than what
+    /// it is a part of.
     pub fn all_inner(self) -> Self {
         Self { net: Arc::new(self.net.all_made_by_cuts(true)), ..self }
     }

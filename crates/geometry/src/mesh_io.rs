@@ -15,9 +15,10 @@ use std::path::Path;
 
 /// Reads an OBJ, PLY, STL, glTF or GLB file, the format chosen by its ending.
 ///
-/// Polygons are cut into triangles between their corners, concave ones too; lines, points, materials and animations are left out, and so are triangles
-/// without area. The vertices of an STL file are welded. A mesh that faces inward as a whole is turned. Lengths are
-/// taken for metres, and no axis is changed.
+/// Polygons are cut into triangles between their corners, concave ones too; lines, points,
+/// materials and animations are left out, and so are triangles without area. The vertices of an STL
+/// file are welded. A mesh that faces inward as a whole is turned. Lengths are taken for metres,
+/// and no axis is changed.
 pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
     load_with_attributes(path).map(|(mesh, _)| mesh)
 }
@@ -74,7 +75,8 @@ pub fn load_with_attributes(path: &Path) -> Result<(TriMesh, MeshAttributes), Me
     Ok((parsed.mesh, parsed.attributes))
 }
 
-/// Whether a file begins as text in UTF-16 does: with its mark, or with characters and zeros by turns.
+/// True if a file begins as text in UTF-16 does: with its mark, or with characters and zeros by
+/// turns.
 fn is_utf16(bytes: &[u8]) -> bool {
     let by_turns = |zero: usize| {
         bytes.len() >= 16

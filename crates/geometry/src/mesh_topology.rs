@@ -86,7 +86,7 @@ impl TriMesh {
         self.drop_unused();
     }
 
-    /// Whether a triangle has an area.
+    /// True if a triangle has an area.
     pub(crate) fn has_area(&self, triangle: usize) -> bool {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a) != DVec3::ZERO

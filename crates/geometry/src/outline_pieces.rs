@@ -95,8 +95,8 @@ impl<'a> OutlinePieces<'a> {
     }
 }
 
-/// Whether any node of the body before it broke lies beyond a cut. If not, what the cut parted from the solid is thinner than a voxel,
-/// and is the solid's own: no crack ends it there.
+/// True if any node of the body before it broke lies beyond a cut. If not, what the cut parted from
+/// the solid is thinner than a voxel, and is the solid's own: no crack ends it there.
 fn parts_nodes(grid: &Grid, root: &[Piece], cut: &Piece) -> bool {
     let [nx, ny, nz] = grid.dims;
     let nodes = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));

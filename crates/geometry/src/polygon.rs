@@ -64,7 +64,7 @@ impl Clipper {
         (b - a).cross(c - a).dot(self.normal)
     }
 
-    /// Whether a fan around the first corner covers it once.
+    /// True if a fan around the first corner covers it once.
     fn is_convex(&self) -> bool {
         let count = self.points.len();
         count == 3
@@ -76,7 +76,7 @@ impl Clipper {
         self.points[self.before[n]].distance_squared(self.points[self.after[n]])
     }
 
-    /// Whether a corner is convex, and no corner of `reflex` lies in the triangle that it makes.
+    /// True if a corner is convex, and no corner of `reflex` lies in the triangle that it makes.
     fn is_ear(&self, n: usize, reflex: &[usize]) -> bool {
         let (a, c) = (self.before[n], self.after[n]);
         if self.turn(a, n, c) <= 0.0 {

@@ -32,8 +32,9 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
     Surface::with_coordinates(TriMesh { positions, triangles }, interior, &normals)
 }
 
-/// Normal of the surface that a triangle of a quad lies on, and whether a crack made it. At a rim the quad's two triangles may lie on
-/// two sides of it: one whose corners are all on a flat crack is a part of that crack, and one with a corner off it is none.
+/// Normal of the surface that a triangle of a quad lies on, and whether a crack made it. At a rim
+/// the quad's two triangles may lie on two sides of it: one whose corners are all on a flat crack
+/// is a part of that crack, and one with a corner off it is none.
 fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64) -> (DVec3, bool) {
     // Relative to the spacing; and the cosine of how far a triangle may lean from its crack.
     const ON_CRACK: f64 = 1e-3;
@@ -47,7 +48,7 @@ fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64)
     let flat = |piece: usize| pieces.is_cut(piece) && pieces.is_plane(piece);
     match quad.piece {
         Some(piece) if flat(piece) => (quad.normal, lies_on(piece) || normal == DVec3::ZERO || faces(piece)),
-        // What the outline does not know was made by a merged sliver's cracks.
+        // Triangles that the outline does not know were made by a merged sliver's cracks.
         None => (quad.normal, pieces.has_cuts()),
         Some(piece) => {
             let crack = (0..pieces.len()).find(|&cut| flat(cut) && faces(cut) && lies_on(cut));

@@ -28,7 +28,8 @@ pub struct Shape {
     pub hull: Option<Arc<Hull>>,
     /// What is made of several of them, as such, in the body frame; `None` for all else.
     pub compound: Option<Arc<Compound>>,
-    /// The ball or the cylinder that a polyhedron is a part of, in the frame of both: what its surface is drawn as.
+    /// The ball or the cylinder that a polyhedron is a part of, in the frame of both: what its
+    /// surface is drawn as.
     part_of: Option<ClosedForm>,
     /// Between samples [m]; zero if they were given.
     sample_spacing: f64,
@@ -158,8 +159,8 @@ impl Shape {
         })
     }
 
-    /// The same, drawn as the part of a round body that it was cut out of: its parent, or what that was cut out of, in the same
-    /// grid frame.
+    /// The same, drawn as the part of a round body that it was cut out of: its parent, or what that
+    /// was cut out of, in the same grid frame.
     pub fn cut_from(self, parent: &Self) -> Self {
         let part_of = match parent.geometry {
             Geometry::ClosedForm(form @ (ClosedForm::Sphere { .. } | ClosedForm::Cylinder { .. })) => {

@@ -63,7 +63,7 @@ fn variants(mesh: &TriMesh) -> Vec<(f64, TriMesh)> {
     ]
 }
 
-/// What is true of everything that comes out.
+/// Checks the invariants of every cleaned mesh.
 fn check(clean: &CleanMesh, raw: &TriMesh) {
     let mesh = &clean.mesh;
     assert!(mesh.is_watertight());

@@ -1,4 +1,4 @@
-//! What files say of triangles besides their shape, in the order of the triangles.
+//! Attributes of triangles from files, in the order of the triangles.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use frangible_geometry::TriMesh;

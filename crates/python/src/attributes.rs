@@ -1,4 +1,4 @@
-//! What mesh files say besides the shape, and which of their triangles others lie on.
+//! Attributes of mesh files, and the closest triangles to lay them on others.
 
 use crate::{build_error, convert};
 use frangible::geometry::bvh::Bvh;
@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// What a mesh file says of its triangles besides their shape; `None` if it says nothing.
+/// Attributes of a mesh file's triangles; `None` if it says nothing.
 #[pyfunction]
 pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<Bound<'_, PyDict>>> {
     let (mesh, said) = py.detach(|| mesh_io::load_with_attributes(&path)).map_err(build_error)?;

@@ -190,7 +190,8 @@ pub(crate) fn mesh_mass<'py>(py: Python<'py>, mesh: PyMesh<'_>) -> PyResult<Boun
     mass_dict(py, &mesh.to_mesh()?.mass_properties())
 }
 
-/// Which pieces stay together so that none is smaller than a part of the mean one: for each the number of the one that it joins.
+/// Which pieces stay together so that none is smaller than a part of the mean one: for each the
+/// number of the one that it joins.
 #[pyfunction]
 pub(crate) fn join_slivers(
     volumes: Vec<f64>,

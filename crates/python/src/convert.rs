@@ -41,7 +41,8 @@ pub(crate) fn json<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, P
 /// Nothing in a description is nested as deeply.
 const DEEPEST: usize = 12;
 
-/// What a Python value is in JSON. What JSON has no word for stays as what a sentence can show.
+/// A Python value in JSON. Values that JSON has no word for become strings that a sentence can
+/// show.
 pub(crate) fn value(object: &Bound<'_, PyAny>) -> Value {
     nested_value(object, DEEPEST).unwrap_or_else(|| no_json(&kind(object)))
 }

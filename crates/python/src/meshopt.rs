@@ -25,7 +25,7 @@ pub(crate) fn decode_meshopt<'py>(
 
 /// The error completes the sentence that begins with the view.
 fn unpacked(data: &[u8], count: usize, stride: usize, mode: &str, filter: &str) -> Result<Vec<u8>, String> {
-    // What the library takes for granted.
+    // The preconditions of the library.
     let is_vertex = mode == "ATTRIBUTES";
     let fits = match mode {
         "ATTRIBUTES" => stride.is_multiple_of(4) && (4..=MOST_STRIDE).contains(&stride),
@@ -54,8 +54,9 @@ fn unpacked(data: &[u8], count: usize, stride: usize, mode: &str, filter: &str) 
     rows.try_reserve_exact(size).map_err(|_| format!("needs {size} bytes, which are not there"))?;
     rows.resize(size, 0);
 
-    // SAFETY: the library writes `count` rows of `stride` bytes and reads no further than the data's length, whatever it
-    // holds; strides and counts are those that it asks for, and a vector of bytes from the allocator is aligned for words.
+    // SAFETY: the library writes `count` rows of `stride` bytes and reads no further than the
+    // data's length, whatever it holds; strides and counts are those that it asks for, and a vector
+    // of bytes from the allocator is aligned for words.
     #[allow(unsafe_code, reason = "the crate's safe functions know the type of a row when it is compiled")]
     let status = unsafe {
         let target = rows.as_mut_ptr().cast::<c_void>();

@@ -11,7 +11,8 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Offline a pattern is searched for until the number of pieces is right up to this part of it: a try costs little.
+/// Offline a pattern is searched for until the number of pieces is right up to this part of it: a
+/// try costs little.
 const PIECES_WITHIN: f64 = 0.02;
 
 /// A box broken into cells, and the description that it was made by, if it was.
@@ -57,7 +58,7 @@ impl Pattern {
         pieces: usize,
         mut attempt: impl FnMut(&fracture::Pattern) -> usize,
     ) -> Option<(Self, usize)> {
-        // What was not made by a description cannot be made finer, as a file cannot.
+        // A pattern without a description, such as a file's, cannot be made finer.
         let desc = self.1.clone().unwrap_or_else(|| PatternDesc::File(PatternFile { path: PathBuf::new() }));
         let fineness = Fineness::new(desc, Arc::new(self.0.clone()));
         let found = fineness.search(pieces, PIECES_WITHIN, |pattern| (attempt(pattern), ()))?;

@@ -1,4 +1,5 @@
-//! Threads that outlive a fork: a child has none of its parent's, and waits for them forever unless it makes its own.
+//! Threads that outlive a fork: a child has none of its parent's, and waits for them forever unless
+//! it makes its own.
 
 use crate::build_error;
 use pyo3::exceptions::PyRuntimeError;

@@ -190,7 +190,8 @@ impl World {
         Ok(self.inner()?.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect())
     }
 
-    /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame: origin [m] and orientation.
+    /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame:
+    /// origin [m] and orientation.
     fn material_frame(&self, id: u64) -> PyResult<([f64; 3], [f64; 4])> {
         let inner = self.inner()?;
         let bodies = inner.world.bodies();

@@ -164,7 +164,8 @@ fn figure_9_the_wall_breaks_as_stone_does() {
     assert!(most > 100.0 * least, "of many sizes: {least} to {most} kg");
 }
 
-/// Glass, timber and concrete break by the strength of their material, and the cracks' energy is in the books.
+/// Glass, timber and concrete break by the strength of their material, and the cracks' energy is in
+/// the books.
 #[test]
 fn materials_break() {
     for (name, least) in [("pane", 80), ("timber", 20), ("concrete", 20)] {

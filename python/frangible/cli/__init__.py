@@ -37,7 +37,8 @@ POLITE = (signal.SIGTERM, signal.SIGHUP)
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; answers with its exit status."""
-    # A polite kill, or the end of the terminal, unwinds like an interrupt, so that temporary files go away.
+    # A polite kill, or the end of the terminal, unwinds like an interrupt, so that temporary files
+    # go away.
     def terminate(number: int, _: object) -> NoReturn:
         # A second one must not disturb that.
         for polite in POLITE:
@@ -45,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.exit(128 + number)
 
     for polite in POLITE:
-        # What the caller ignores, as `nohup` does, stays ignored.
+        # A signal that the caller ignores, as `nohup` does, stays ignored.
         if signal.getsignal(polite) != signal.SIG_IGN:
             signal.signal(polite, terminate)
     warnings.simplefilter("always", FileNote)
@@ -66,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"frangible: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except BrokenPipeError:
-        # Whoever read our output has seen enough; the interpreter must not try to flush the rest.
+        # The reader of our output has seen enough; the interpreter must not try to flush the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_PIPE_CLOSED
     except OSError as error:

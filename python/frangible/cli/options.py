@@ -43,7 +43,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
-    """What says which scene, for `find_scene`."""
+    """Add the options that choose a scene, for `find_scene`."""
     defaults = _frangible.shot_defaults()
     parser.add_argument("shot", metavar="SHOT|FILE", help="one of those that `frangible shots` lists, or a scene file (.json, .toml)")
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
@@ -146,7 +146,7 @@ def size(text: str) -> tuple[int, int]:
 
 
 def add_view(command: argparse.ArgumentParser) -> None:
-    """What says how pictures and films are taken."""
+    """Add the options of pictures and films."""
     command.add_argument(
         "--camera",
         default="fit",

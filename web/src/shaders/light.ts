@@ -1,4 +1,5 @@
-// Fragment shaders: the light of the gallery's pictures (`python/frangible/render.py`), without rays.
+// Fragment shaders: the light of the gallery's pictures (`python/frangible/render.py`), without
+// rays.
 
 /** Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando 2005). */
 const LAMP = /* glsl */ `
@@ -189,7 +190,7 @@ void main() {
   vec3 albedo = colour.rgb * laid.rgb;
 #ifdef GLASS
   if (shine.a == 2.0) {
-    // What is painted with less than full opacity.
+    // Surfaces of less than full opacity.
     float opaque = laid.a * (1.0 - colour.a);
 #if GLASS == 1
     radiance = vec4(vec3(1.0 - opaque), 1.0);

@@ -1,4 +1,5 @@
-//! Crowds: so many bodies in one place that looking at each pair of them takes time and memory without an end.
+//! Crowds: so many bodies in one place that looking at each pair of them takes time and memory
+//! without an end.
 //!
 //! The deepest overlaps count. When bodies have parted from those, the others get their turn.
 
@@ -8,8 +9,8 @@ use crate::pair::Pair;
 /// Pairs of each body that are looked at in a crowd. Twelve equal balls fit around one.
 const NEAREST: usize = 24;
 
-/// Pairs for each body, in the mean, from which on there is a crowd, more than neighbours have room for; and the fewest pairs
-/// of one, which are soon looked at.
+/// Pairs for each body, in the mean, from which on there is a crowd, more than neighbours have room
+/// for; and the fewest pairs of one, which are soon looked at.
 const MEAN: usize = 40;
 const FEWEST: usize = 10_000;
 
@@ -23,8 +24,9 @@ fn depth(a: &Bounds, b: &Bounds) -> f64 {
     (a.high.min(b.high) - a.low.max(b.low)).min_element()
 }
 
-/// Of all pairs, which `visit` goes through in the same order each time, those that are among the deepest of one of
-/// their bodies, and how many were left out. A body with few pairs keeps all of them.
+/// Of all pairs, which `visit` goes through in the same order each time, those that are among the
+/// deepest of one of their bodies, and how many were left out. A body with few pairs keeps all of
+/// them.
 pub(super) fn thinned(bounds: &[Bounds], visit: impl Fn(&mut dyn FnMut(Pair))) -> (Vec<Pair>, usize) {
     let mut count = vec![0_u32; bounds.len()];
     let mut all = 0;
@@ -35,7 +37,8 @@ pub(super) fn thinned(bounds: &[Bounds], visit: impl Fn(&mut dyn FnMut(Pair))) -
     });
     let has_few = |i: usize| count[i] as usize <= NEAREST;
 
-    // The deepest of each body, the deepest first; of equals those next in order, so that not all choose the same.
+    // The deepest of each body, the deepest first; of equals those next in order, so that not all
+    // choose the same.
     let mut deepest: Vec<Vec<(f64, usize)>> = vec![Vec::new(); bounds.len()];
     let mut pairs = Vec::new();
     visit(&mut |pair| {
@@ -74,7 +77,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Each of a crowd keeps as many pairs as it may, its nearest ones among them, and whoever stands aside keeps all.
+    /// Each of a crowd keeps as many pairs as it may, its nearest ones among them, and whoever
+    /// stands aside keeps all.
     #[test]
     fn each_keeps_its_nearest() {
         let cube =

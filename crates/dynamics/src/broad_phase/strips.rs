@@ -36,9 +36,10 @@ struct Layout {
 /// Lists of pairs, as many as there may be threads.
 const SHARES: usize = 16;
 
-/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in no order. Boxes that are
-/// apart by no more than the rounding of single precision may count as overlapping. Of crowds, if they are to be thinned, the
-/// [deepest](thinned); how many are left out comes with them.
+/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in
+/// no order. Boxes that are apart by no more than the rounding of single precision may count as
+/// overlapping. Of crowds, if they are to be thinned, the [deepest](thinned); how many are left out
+/// comes with them.
 pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool], thins: bool) -> (Vec<Vec<Pair>>, usize) {
     let is_bounded = |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
@@ -103,7 +104,8 @@ pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool], thins: bool
     (vec![pairs], left_out)
 }
 
-/// The pairs that overlap and whose later one begins in this strip; no more once there are more than `most`.
+/// The pairs that overlap and whose later one begins in this strip; no more once there are more
+/// than `most`.
 fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>) {
     // Which ones overlap nobody can foresee: all are noted, and those that do not are written over.
     let mut with = vec![0; entries.len()];

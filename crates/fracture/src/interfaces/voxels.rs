@@ -170,7 +170,8 @@ fn shared_planes(a: &GridSolid, b: &GridSolid, spacing: f64) -> Vec<HalfSpace> {
     a.outline.cuts.iter().filter(is_shared).copied().collect()
 }
 
-/// Unit normal, from `a` to `b`, of the rough crack that passes between the two within a voxel of a point.
+/// Unit normal, from `a` to `b`, of the rough crack that passes between the two within a voxel of a
+/// point.
 fn rough_normal(a: &GridSolid, b: &GridSolid, point: DVec3) -> Option<DVec3> {
     let near = AT_PLANE * a.grid().spacing;
     let nearest = |solid: &GridSolid| {

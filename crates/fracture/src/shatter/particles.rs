@@ -29,8 +29,9 @@ pub(crate) struct Lookup<'a> {
     pub(crate) pieces: &'a [(GridSolid, BodyFrame)],
 }
 
-/// What samples are shared out among, and whose the voxels are, where the regions alone do not tell: in a convex body each region
-/// is one piece; elsewhere voxels of a region without a node inside may belong to a piece of another region.
+/// The pieces that share the samples, and the owner of each voxel where the regions alone do not
+/// tell: in a convex body each region is one piece; elsewhere voxels of a region without a node
+/// inside may belong to a piece of another region.
 struct Sharing<'a> {
     lookup: &'a Lookup<'a>,
     owners: Option<Owners>,
@@ -207,8 +208,9 @@ impl Sharing<'_> {
         }
     }
 
-    /// The piece that a point in a region is on: of those with a part of the region the one with the least level set; if the
-    /// region has no inside of its own, of all. Where voxels have owners, of those beside the point.
+    /// The piece that a point in a region is on: of those with a part of the region the one with
+    /// the least level set; if the region has no inside of its own, of all. Where voxels have
+    /// owners, of those beside the point.
     fn piece_at(&self, region: usize, point: DVec3) -> Option<usize> {
         let value = |piece: usize| self.lookup.pieces[piece].0.value(point);
         let least = |a: &usize, b: &usize| value(*a).total_cmp(&value(*b));
@@ -225,7 +227,7 @@ impl Sharing<'_> {
         }
     }
 
-    /// Whether a piece has a voxel beside a point, as far as that is asked for.
+    /// True if a piece has a voxel beside a point, as far as that is asked for.
     fn is_beside(&self, piece: usize, point: DVec3) -> bool {
         self.owners.as_ref().is_none_or(|owners| owners.around(point).contains(&piece))
     }

@@ -17,9 +17,9 @@ pub(crate) struct Pieces {
     pub(crate) components: Vec<Vec<u32>>,
 }
 
-/// Merges each component of less than `voxels` of material, or smaller than the smallest piece, with the neighbour with which
-/// it shares the most voxel faces, the lightest first. One that touches no other stays as it is, unless it is smaller than
-/// the smallest volume.
+/// Merges each component of less than `voxels` of material, or smaller than the smallest piece,
+/// with the neighbour with which it shares the most voxel faces, the lightest first. One that
+/// touches no other stays as it is, unless it is smaller than the smallest volume.
 pub(crate) fn merge_slivers(
     solid: &GridSolid,
     components: &Components,

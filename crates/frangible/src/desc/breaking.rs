@@ -26,7 +26,7 @@ pub struct BreakingDesc {
     pub smallest: f64,
 }
 
-/// What a body bears: an impulse, or what its material bears.
+/// The strength of a body: an impulse, or its material's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -48,7 +48,7 @@ impl From<f64> for StrengthDesc {
     }
 }
 
-/// What decides how a material breaks. The pieces that a blow can make are bounded by its energy: cracks take it from the bodies'
+/// The numbers that decide how a material breaks. The pieces that a blow can make are bounded by its energy: cracks take it from the bodies'
 /// relative motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

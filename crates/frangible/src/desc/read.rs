@@ -1,4 +1,4 @@
-//! Descriptions from plain data. What does not fit is named by path, value and rule: the data is
+//! Descriptions from plain data. An error names path, value and rule: the data is
 //! checked against the schema that the descriptions themselves make, before it becomes one.
 
 use super::SceneDesc;
@@ -39,7 +39,8 @@ impl SceneDesc {
     /// A scene from JSON.
     ///
     /// # Errors
-    /// What is no JSON, with line and column; or the first thing that does not fit: its path, its value and the rule.
+    /// The sentence for text that is no JSON, with line and column, or for the first value that does not
+    /// fit: its path, its value and the rule.
     pub fn from_json(text: &str) -> Result<Self, BuildError> {
         if let Ok(scene) = serde_json::from_str(text) {
             return Ok(scene);
@@ -95,7 +96,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What a schema refers to, or itself.
+    /// The schema that a schema refers to, or itself.
     fn resolve(&self, schema: &'a Value) -> &'a Value {
         let named = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
         named.and_then(|pointer| self.root.pointer(pointer)).unwrap_or(schema)
@@ -139,7 +140,7 @@ impl<'a> Reader<'a> {
         Err(rule(path, &shown(value), &self.rule_of(schema)))
     }
 
-    /// Whether a value is of the type that a schema asks for, whatever is in it.
+    /// True if a value is of the type that a schema asks for, whatever is in it.
     fn is_alike(&self, schema: &'a Value, value: &Value) -> bool {
         let schema = self.resolve(schema);
         if let Some(inner) = alternatives(schema) {
@@ -212,7 +213,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// What a schema asks for, in words.
+    /// The rule of a schema, in words.
     fn rule_of(&self, schema: &'a Value) -> String {
         let schema = self.resolve(schema);
         if let Some(alternatives) = alternatives(schema) {
@@ -260,7 +261,7 @@ fn alternatives(schema: &Value) -> Option<&[Value]> {
     ["oneOf", "anyOf"].iter().find_map(|name| schema.get(*name)).and_then(Value::as_array).map(Vec::as_slice)
 }
 
-/// Whether a schema names a type.
+/// True if a schema names a type.
 fn allows(schema: &Value, name: &str) -> bool {
     match schema.get("type") {
         Some(Value::String(only)) => only == name,

@@ -7,7 +7,7 @@ use crate::winding_number::INSIDE;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// What is closer than this part of the bounding box's diagonal meets, or does not cross: rounding.
+/// Surfaces closer than this part of the bounding box's diagonal meet, and do not cross: rounding.
 const NEAR: f64 = 1e-9;
 /// How far from a triangle it is asked what lies there, relative to the diagonal.
 const PROBE: f64 = 1e-6;
@@ -62,8 +62,8 @@ impl CleanMesh {
         meeting
     }
 
-    /// Whether another solid is near a triangle, and whether one of its own edges crosses a triangle
-    /// of its solid.
+    /// True if another solid is near a triangle, and true if one of its own edges crosses a
+    /// triangle of its solid.
     fn meets(&self, tree: &Bvh, corners: &[[DVec3; 3]], triangle: usize, near: f64) -> (bool, bool) {
         let own = &corners[triangle];
         let low = own[0].min(own[1]).min(own[2]) - near;
@@ -88,7 +88,7 @@ impl CleanMesh {
         (others, itself)
     }
 
-    /// Whether an edge of a triangle passes through another one that does not have its ends.
+    /// True if an edge of a triangle passes through another one that does not have its ends.
     fn crosses(&self, corners: &[[DVec3; 3]], triangle: usize, other: usize, near: f64) -> bool {
         let [a, b, c] = corners[other];
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
@@ -115,7 +115,8 @@ impl CleanMesh {
     }
 }
 
-/// The part of a surface's area with no outside in front of it or no inside behind it; zero of none.
+/// The part of a surface's area with no outside in front of it or no inside behind it; zero of
+/// none.
 fn buried_part(surface: &[[DVec3; 3]], offset: f64) -> f64 {
     let winding = WindingNumber::new(Bvh::new(surface));
     let areas: Vec<[f64; 2]> = surface

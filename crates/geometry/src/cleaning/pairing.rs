@@ -14,7 +14,7 @@ const SAME_ANGLE: f64 = 1e-5;
 /// The same, while copies of the triangles may be nearby.
 const FOLDED: f64 = 1e-3;
 
-/// What is paired.
+/// The half-edges that may be paired.
 #[derive(Clone, Copy, PartialEq)]
 enum Stage {
     /// Two triangles, by the vertices of the file.
@@ -221,7 +221,7 @@ impl Pairing {
         }
     }
 
-    /// Whether the triangles of two half-edges at the same edge lie on one another, with an angle
+    /// True if the triangles of two half-edges at the same edge lie on one another, with an angle
     /// below `least` [rad]: two sides of a sheet, or one triangle twice. Those of one part are
     /// joined like the rim of a hole.
     fn folded(&self, a: u32, b: u32, least: f64) -> bool {

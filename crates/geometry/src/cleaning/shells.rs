@@ -21,7 +21,7 @@ pub(super) struct Shell {
     pub(super) area: f64,
 }
 
-/// What a shell bounds.
+/// The solid or cavity that a shell bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Role {
     /// A solid of its own.
@@ -67,7 +67,7 @@ impl Shell {
         (self.low - margin).cmple(other.low).all() && (self.high + margin).cmpge(other.high).all()
     }
 
-    /// Whether another shell has the same surface, perhaps in other triangles or turned round.
+    /// True if another shell has the same surface, perhaps in other triangles or turned round.
     fn repeats(&self, other: &Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
         let alike = self.surrounds(other)
@@ -133,7 +133,7 @@ pub(super) fn roles(shells: &[Shell]) -> Vec<Role> {
     roles
 }
 
-/// Whether a shell lies in what another one encloses; it may touch that from inside.
+/// True if a shell lies in what another one encloses; it may touch that from inside.
 fn lies_in(shell: &Shell, outer: &WindingNumber) -> bool {
     let mut inside = 0;
     for point in shell.samples() {

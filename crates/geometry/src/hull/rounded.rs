@@ -17,9 +17,10 @@ const LEAST_SLOPE: f64 = 0.01;
 /// A vertex is moved by less than this part of the radius: chords lie no deeper.
 const FARTHEST: f64 = 0.05;
 
-/// The closed surface, in the frame of `form`, of the part of a ball or a cylinder that lies behind the inner faces of `hull`:
-/// the triangles that the whole body is drawn with, cut by these faces. Vertices lie on the round surface, also along the rims of
-/// the cracks. `None` for other forms, and for a part outside of the round body.
+/// The closed surface, in the frame of `form`, of the part of a ball or a cylinder that lies behind
+/// the inner faces of `hull`: the triangles that the whole body is drawn with, cut by these faces.
+/// Vertices lie on the round surface, also along the rims of the cracks. `None` for other forms,
+/// and for a part outside of the round body.
 pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface> {
     let whole = fine_hull(form)?;
     let cracks: Vec<HalfSpace> = hull.faces().filter(|face| face.inner).map(|face| face.plane).collect();
@@ -32,7 +33,8 @@ pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface>
     Some(part.tagged_surface())
 }
 
-/// A polyhedron of many faces with its vertices on a ball or a cylinder, as the whole body is drawn.
+/// A polyhedron of many faces with its vertices on a ball or a cylinder, as the whole body is
+/// drawn.
 fn fine_hull(form: &ClosedForm) -> Option<Hull> {
     let (mut loops, mut planes) = (Loops::default(), Vec::new());
     let positions = match *form {
@@ -71,7 +73,8 @@ fn planes_at_vertices(form: &ClosedForm, hull: &Hull) -> Vec<Option<Vec<DVec3>>>
     around
 }
 
-/// The point of the round surface near a point of a chord, in all the planes that the point lies in.
+/// The point of the round surface near a point of a chord, in all the planes that the point lies
+/// in.
 fn on_surface(form: &ClosedForm, from: DVec3, planes: &[DVec3]) -> Option<DVec3> {
     let radius = match *form {
         ClosedForm::Sphere { radius } | ClosedForm::Cylinder { radius, .. } => radius,

@@ -1,4 +1,4 @@
-//! What a mesh file says of its triangles besides their shape.
+//! Attributes of a mesh file's triangles: materials, coordinates, colours, normals, names.
 
 use crate::TriMesh;
 use glam::{DVec3, Vec2, Vec3};
@@ -37,7 +37,7 @@ pub struct CornerAttributes {
     pub colour: Option<[f32; 4]>,
 }
 
-/// What a parser makes of a file.
+/// The result of a parser.
 #[derive(Default)]
 pub(super) struct Parsed {
     pub(super) mesh: TriMesh,
@@ -52,8 +52,8 @@ impl From<TriMesh> for Parsed {
 }
 
 impl Parsed {
-    /// Gives attributes to the triangles of a polygon that were just appended to the mesh. `corners` are those of the polygon's
-    /// vertices.
+    /// Gives attributes to the triangles of a polygon that were just appended to the mesh.
+    /// `corners` are those of the polygon's vertices.
     pub(super) fn describe(
         &mut self,
         object: Option<u32>,
@@ -94,7 +94,7 @@ impl Parsed {
 }
 
 impl MeshAttributes {
-    /// Whether there is more than the shape.
+    /// True if there is more than the shape.
     pub fn is_empty(&self) -> bool {
         let nothing = |face: &FaceAttributes| {
             face.object.is_none()
@@ -119,7 +119,8 @@ pub(super) fn unit(vector: DVec3) -> Option<Vec3> {
     vector.try_normalize().map(|normal| normal.as_vec3())
 }
 
-/// A colour whose channels, from 0 to 1, are sRGB, as they are in files of vertices; `None` if one is not finite.
+/// A colour whose channels, from 0 to 1, are sRGB, as they are in files of vertices; `None` if one
+/// is not finite.
 pub(super) fn colour_from_srgb(srgb: [f64; 3], alpha: f64) -> Option<[f32; 4]> {
     let linear = |value: f64| {
         if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }

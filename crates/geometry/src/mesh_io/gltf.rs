@@ -57,7 +57,7 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             let own: Vec<[u32; 3]> = turned.collect();
             mesh.triangles.extend(own.iter().map(|corners| corners.map(|corner| base + corner)));
 
-            // What they have besides.
+            // Their attributes.
             let corners = attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
             let material = primitive.material().index().map(|index| index as u32);
             let object = (!path.is_empty()).then(|| number_of(&mut said.objects, path.clone()));
@@ -123,7 +123,7 @@ fn read_uri(file: &File, uri: &str) -> Result<Vec<u8>, String> {
     let unreadable = |error: std::io::Error| format!("in {} cannot be read: {error}", path.display());
     let foreign = || format!("is in {uri:?}, must be a file in the document's own folder");
 
-    // What leads out of the folder is not read, be it by a link.
+    // A path that leads out of the folder is not read, be it by a link.
     let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     let is_elsewhere = uri.contains(':') || relative.contains(['\\', '\0']);
     if is_elsewhere || !Path::new(relative.as_ref()).components().all(is_below) {

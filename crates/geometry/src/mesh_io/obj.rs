@@ -8,7 +8,7 @@ use super::{File, push_polygon};
 use crate::MeshError;
 use glam::{DVec3, Vec2, Vec3};
 
-/// What vertices and corners have besides places.
+/// The attributes of vertices and corners.
 #[derive(Default)]
 struct Lists {
     colours: Vec<Option<[f32; 4]>>,
@@ -102,7 +102,8 @@ fn colour<'a>(words: impl Iterator<Item = &'a str>) -> Option<[f32; 4]> {
 }
 
 impl Lists {
-    /// What a corner such as `7/1/3` has; nothing where a number is missing or out of range.
+    /// The attributes of a corner such as `7/1/3`; nothing where a number is missing or out of
+    /// range.
     fn corner(&self, word: &str, vertex: u32) -> CornerAttributes {
         let mut parts = word.split('/').skip(1).map(|number| number.parse::<i64>().ok());
         let index = |number: Option<i64>, count: usize| {

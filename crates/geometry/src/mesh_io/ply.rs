@@ -89,7 +89,7 @@ struct Besides {
     list: Option<usize>,
 }
 
-/// What a face has of its own.
+/// The attributes of a face.
 struct OfFace {
     colour: Option<[f32; 4]>,
     coordinates: Vec<Vec2>,
@@ -147,7 +147,7 @@ fn number(values: &[Vec<f64>], at: usize) -> f64 {
     values[at].first().copied().unwrap_or(f64::NAN)
 }
 
-/// What is wrong with a header, by the line that the library's words begin with.
+/// The fault of a header, by the line that the library's words begin with.
 fn header_fault(bytes: &[u8], words: &str) -> String {
     let line = |number: usize| {
         let line = bytes.split(|&byte| byte == b'\n').nth(number)?;

@@ -28,8 +28,8 @@ impl Owners {
         Self { grid, pieces: owners }
     }
 
-    /// The pieces of the voxels around a point, each once: of those whose nodes are at most a spacing away along each axis, or, if
-    /// these are nobody's, two.
+    /// The pieces of the voxels around a point, each once: of those whose nodes are at most a
+    /// spacing away along each axis, or, if these are nobody's, two.
     pub(super) fn around(&self, point: DVec3) -> Vec<usize> {
         let at = self.grid.lattice_from_point(point).floor();
         for reach in 0..2 {

@@ -13,7 +13,8 @@ pub(super) fn name(node: &Node) -> Option<String> {
     name.filter(|name| !name.is_empty()).map(str::to_owned)
 }
 
-/// What each of the `count` vertices of a primitive has. What cannot be read is left out: it must not refuse a shape.
+/// The attributes of each of the `count` vertices of a primitive. Unreadable ones are left out:
+/// they must not refuse a shape.
 pub(super) fn corners(
     primitive: &Primitive,
     buffers: &[Vec<u8>],
@@ -47,8 +48,8 @@ pub(super) fn corners(
     (0..count).map(corner).collect()
 }
 
-/// The numbers of each item of an accessor, ones behind the last; normalized integers are parts of their type's largest number. `None` if they
-/// cannot be read.
+/// The numbers of each item of an accessor, ones behind the last; normalized integers are parts of
+/// their type's largest number. `None` if they cannot be read.
 fn numbers(accessor: &Accessor, buffers: &[Vec<u8>]) -> Option<Vec<[f64; 4]>> {
     let columns = match accessor.dimensions() {
         Dimensions::Vec2 => 2,
