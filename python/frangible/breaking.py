@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,23 @@ MOST_VOXELS = 1024
 DEFAULT_SMALLEST = 1e-4
 #: Up.
 DEFAULT_NORMAL = (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Target:
+    """A cleaned mesh and the blow that breaks it."""
+
+    name: str
+    clean: CleanMesh
+    #: Attributes of its file.
+    skin: MeshSkin | None
+    #: (3,) place of the blow [m], and unit direction from there towards what strikes.
+    at: Float64
+    normal: Float64
+    #: Of a grid, along the longest side.
+    voxels: int
+    #: Of the mean piece's volume.
+    smallest: float
 
 
 def break_mesh(
@@ -81,7 +99,7 @@ def break_mesh(
 
     # Cut.
     name = os.path.splitext(os.path.basename(os.fspath(path)))[0]
-    blow = (point, direction)
+    target = _Target(name, clean, skin, point, direction, voxels, smallest)
     hint = missing_packages("exact")
     if exact and hint:
         raise _frangible.BuildError(f"exact: {hint}")
@@ -94,14 +112,14 @@ def break_mesh(
     def cut(chosen: _frangible.Pattern) -> Pieces:
         if is_cut:
             stage("cutting the mesh along the pattern")
-            return _break_exactly(name, clean, skin, chosen, blow, voxels, smallest)
+            return _break_exactly(target, chosen)
         stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
-        broken = _break_on_grid(name, clean, skin, chosen, blow, voxels, smallest)
+        broken = _break_on_grid(target, chosen)
         if exact is None:
             broken.notes.append(f"cutting the mesh itself {hint}")
         return broken
 
-    return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, blow, cut)
+    return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, (point, direction), cut)
 
 
 def _listed(vector: Float64) -> str:
@@ -129,18 +147,12 @@ def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
     return landing
 
 
-def _break_on_grid(
-    name: str,
-    clean: CleanMesh,
-    skin: MeshSkin | None,
-    pattern: _frangible.Pattern,
-    blow: tuple[Float64, Float64],
-    voxels: int,
-    smallest: float,
-) -> Pieces:
-    at, normal = blow
+def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> Pieces:
+    clean, voxels = target.clean, target.voxels
     mesh = (clean["vertices"], clean["triangles"])
-    broken = _frangible.break_mesh_on_grid(pattern, mesh, at.tolist(), normal.tolist(), voxels, smallest)
+    broken = _frangible.break_mesh_on_grid(
+        pattern, mesh, target.at.tolist(), target.normal.tolist(), voxels, target.smallest
+    )
     notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
     # What is smaller than a voxel has no surface there.
     specks = [number for number, piece in enumerate(broken["pieces"]) if len(piece["triangles"]) == 0]
@@ -152,7 +164,7 @@ def _break_on_grid(
     number_of = {number: index for index, number in enumerate(shown)}
     surfaces: list[Any] = [[broken["pieces"][number][key] for key in ("vertices", "triangles", "inner")] for number in shown]
     coordinates = [broken["pieces"][number]["coordinates"] for number in shown]
-    pieces = _pieces(surfaces, coordinates, skin, None)
+    pieces = _pieces(surfaces, coordinates, target.skin, None)
     found: list[Contact] = broken["contacts"]
     contacts: list[Contact] = [
         {**contact, "a": number_of[contact["a"]], "b": number_of[contact["b"]]}
@@ -165,25 +177,19 @@ def _break_on_grid(
     written = math.fsum(piece.volume for piece in pieces)
     if sentence := volumes_differ(mesh, whole, broken["volume_m3"], written, voxels):
         notes.append(sentence)
-    return Pieces(name, pieces, contacts, whole, at, normal, notes)
+    return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
 
 
-def _break_exactly(
-    name: str,
-    clean: CleanMesh,
-    skin: MeshSkin | None,
-    pattern: _frangible.Pattern,
-    blow: tuple[Float64, Float64],
-    voxels: int,
-    smallest: float,
-) -> Pieces:
+def _break_exactly(target: _Target, pattern: _frangible.Pattern) -> Pieces:
     from .boolean import arrays, closed, cut, texture_coordinates
 
-    at, normal = blow
-    solid, notes = closed(clean, voxels)
+    clean, skin = target.clean, target.skin
+    solid, notes = closed(clean, target.voxels)
     box = solid.bounding_box()
-    cutters = _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at.tolist(), normal.tolist())
-    parts = cut(solid, cutters, smallest)
+    cutters = _frangible.pattern_cutters(
+        pattern, (box[:3], box[3:]), target.at.tolist(), target.normal.tolist()
+    )
+    parts = cut(solid, cutters, target.smallest)
 
     # The triangle of the file that each of the solid's lies in, if its surface is the file's.
     below = None
@@ -200,7 +206,9 @@ def _break_exactly(
         found = [(own, np.repeat(own[:, None], 3, axis=1)) for own in outer]
     pieces = _pieces(surfaces, [texture_coordinates(part) for part in parts], skin, found)
     contacts = _frangible.piece_contacts([((part.vertices, part.triangles), part.inner) for part in parts])
-    return Pieces(name, pieces, contacts, solid.volume(), at, normal, notes)
+    return Pieces(
+        target.name, pieces, contacts, solid.volume(), target.at, target.normal, notes
+    )
 
 
 def _pieces(surfaces: Any, coordinates: list[Any], skin: MeshSkin | None, found: list[Below] | None) -> list[Piece]:

@@ -10,11 +10,12 @@ from typing import Any
 
 from .. import _frangible
 from ..breaking import DEFAULT_NORMAL, DEFAULT_SMALLEST, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
+from ..piece_count import MOST_PIECES
 from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..progress import report_stages
 from ..usd_mesh import readable_mesh
-from .options import MOST_PIECES, add_inside, add_pose_time, check_pieces, finite, natural, positive
+from .options import add_inside, add_pose_time, check_pieces, finite, natural, positive
 
 
 def add_break(commands: Any) -> None:

@@ -11,12 +11,12 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from .. import _frangible
+from ..piece_count import MOST_PIECES
+from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
-#: As many as a pattern may have cells.
-MOST_PIECES = 10_000
 
 EXIT_FAILED = 1
 #: Bad input, as for `argparse`.
@@ -43,7 +43,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose a scene, for `find_scene`."""
+    """Add the options that choose a scene, for `chosen_scene`."""
     defaults = _frangible.shot_defaults()
     parser.add_argument("shot", metavar="SHOT|FILE", help="one of those that `frangible shots` lists, or a scene file (.json, .toml)")
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
@@ -61,6 +61,21 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         "--pieces", type=natural(MOST_PIECES), metavar="N", help="each break makes about so many pieces [what its pattern makes]"
     )
     parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
+    add_pose_time(parser)
+
+
+def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
+    """The scene, number of frames and name that the options of `add_scene_options` choose."""
+    return find_scene(
+        options.shot,
+        mesh=options.mesh,
+        fps=options.fps,
+        method=options.method,
+        seed=options.seed,
+        pieces=options.pieces,
+        assignments=options.assignments,
+        pose_time=options.pose_time,
+    )
 
 
 def add_inside(parser: argparse.ArgumentParser) -> None:

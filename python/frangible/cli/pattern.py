@@ -10,8 +10,9 @@ from typing import Any
 
 from .. import _frangible
 from ..output import OutputError
+from ..piece_count import MOST_PIECES
 from ..usd_mesh import readable_mesh
-from .options import MOST_PIECES, check_pieces, natural, positive, readable
+from .options import check_pieces, natural, positive, readable
 
 
 def add_pattern(commands: Any) -> None:

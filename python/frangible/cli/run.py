@@ -17,10 +17,18 @@ from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scene_skins import scene_skins, volume_notes
-from ..scenes import find_scene, readable_scene
+from ..scenes import readable_scene
 from ..stepping import moving_mass
 from ..summary import describe, summarise
-from .options import MOST_THREADS, add_inside, add_pose_time, add_scene_options, add_view, natural, positive
+from .options import (
+    MOST_THREADS,
+    add_inside,
+    add_scene_options,
+    add_view,
+    chosen_scene,
+    natural,
+    positive,
+)
 from .outputs import open_outputs, write
 
 
@@ -36,7 +44,6 @@ def add_run(commands: Any) -> None:
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for its frames; may be repeated"
     )
-    add_pose_time(run)
     add_inside(run)
     add_view(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
@@ -47,16 +54,7 @@ def add_run(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = open_outputs(options)
-    scene, frames, name = find_scene(
-        options.shot,
-        mesh=options.mesh,
-        fps=options.fps,
-        method=options.method,
-        seed=options.seed,
-        pieces=options.pieces,
-        assignments=options.assignments,
-        pose_time=options.pose_time,
-    )
+    scene, frames, name = chosen_scene(options)
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
         raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")

@@ -8,8 +8,8 @@ from typing import Any
 
 from .. import _frangible
 from ..scene_page import scene_page
-from ..scenes import as_json, find_scene
-from .options import add_scene_options
+from ..scenes import as_json
+from .options import add_scene_options, chosen_scene
 
 
 def add_scene(commands: Any) -> None:
@@ -20,15 +20,7 @@ def add_scene(commands: Any) -> None:
 
 
 def _scene(options: argparse.Namespace) -> None:
-    scene, *_ = find_scene(
-        options.shot,
-        mesh=options.mesh,
-        fps=options.fps,
-        method=options.method,
-        seed=options.seed,
-        pieces=options.pieces,
-        assignments=options.assignments,
-    )
+    scene, *_ = chosen_scene(options)
     print(as_json(scene))
 
 
