@@ -40,7 +40,7 @@ async function main(): Promise<void> {
   };
   say("");
   const asked = new URLSearchParams(location.hash.slice(1));
-  player.explode = Number(asked.get("explode") ?? 0);
+  panel.changeExplode(Number(asked.get("explode")) || 0);
   if (asked.has("frame")) player.clock.seek(Number(asked.get("frame")) || 0);
   else player.clock.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
   player.start();

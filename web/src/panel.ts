@@ -116,7 +116,7 @@ export class Panel {
     this.player.clock.speed = this.speeds[speed.selectedIndex]!;
   }
 
-  private changeExplode(by: number): void {
+  changeExplode(by: number): void {
     const explode = input("explode");
     if (explode.disabled) return;
     explode.value = String(Number(explode.value) + by);
