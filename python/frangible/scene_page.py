@@ -10,13 +10,16 @@ Schema = dict[str, Any]
 
 HEAD = """# Scene files
 
-`frangible run scene.json` (or `.toml`) simulates a scene; `frangible scene SHOT > scene.json` prints one to start from, and
-`--set bodies.wall.breaking.strength=2e6` sets a field, of bodies by their name or number. In Python, `frangible.run` and
-`World.build` take the path, or the same as a dictionary. [`docs/scenes`](scenes) has three small ones.
+`frangible run scene.json` (or `.toml`) simulates a scene; `frangible scene SHOT > scene.json`, or
+`frangible scene SHOT --toml > scene.toml`, prints one to start from, and
+`--set bodies.wall.breaking.strength=2e6` sets a field, of bodies by their name or number. In Python,
+`frangible.run` and `World.build` take the path, or the same as a dictionary. [`docs/scenes`](scenes)
+has three small ones.
 
 Quantities are SI, y is up, quaternions are x, y, z, w. A path of a mesh or a pattern is relative to the scene's folder.
 Only the fields that are **bold** are needed. This page is made from the descriptions in Rust by
-`frangible schema --markdown`; `frangible schema` prints the JSON Schema, for editors that complete and check.
+`frangible schema --markdown`. For editors that complete and check there is the JSON Schema: the
+package holds it as `frangible/scene.schema.json`, and `frangible schema` prints it.
 """
 
 

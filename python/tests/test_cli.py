@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from frangible import Recording, __version__, shot_defaults, shots
 from frangible.cli import main
+from frangible.shot_groups import GROUPS, OTHERS
 
 
 def frangible(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -22,9 +23,13 @@ def frangible(*arguments: object, **options: Any) -> subprocess.CompletedProcess
 
 def test_shots_are_listed_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["shots"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == [name for name, _ in shots()]
-    assert "wall" in [name for name, _ in shots()]
+    groups = capsys.readouterr().out.strip().split("\n\n")
+    titles = [group.splitlines()[0] for group in groups]
+    assert len(titles) > 3 and all(title.endswith(":") for title in titles)
+    assert f"{OTHERS}:" not in titles, "a shot is in no group of shot_groups.py"
+    found = [line.split()[0] for group in groups for line in group.splitlines()[1:]]
+    assert sorted(found) == sorted(name for name, _ in shots())
+    assert len(found) == sum(len(names.split()) for _, names in GROUPS)
 
 
 def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import pytest
 from frangible import BuildError, World
 from frangible.cli import main
 from frangible.scene_page import scene_page
+from frangible.toml_text import as_toml
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENES = sorted(path for path in (DOCS / "scenes").iterdir() if path.suffix in (".json", ".toml"))
@@ -84,6 +86,48 @@ def test_the_scenes_of_the_docs_run_and_break(path: Path) -> None:
 def test_the_page_is_what_the_descriptions_say() -> None:
     stored = (DOCS / "scene_format.md").read_text(encoding="utf-8")
     assert stored == scene_page(frangible.scene_schema()), "write it anew: frangible schema --markdown > docs/scene_format.md"
+
+
+def test_the_package_holds_the_schema_that_the_descriptions_make() -> None:
+    stored = Path(frangible.__file__).with_name("scene.schema.json").read_text(encoding="utf-8")
+    rule = "write it anew: frangible schema > python/frangible/scene.schema.json"
+    assert json.loads(stored) == frangible.scene_schema(), rule
+
+
+def valued(value: Any) -> Any:
+    """A scene without the fields that have no value."""
+    if isinstance(value, dict):
+        return {key: valued(item) for key, item in value.items() if item is not None}
+    return [valued(item) for item in value] if isinstance(value, list) else value
+
+
+@pytest.mark.parametrize("shot", ["wall", "masonry", "nut", "pane", "bonded-pillar"])
+def test_a_shot_in_toml_is_the_same_scene(shot: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scene", shot, "--toml"]) == 0
+    text = capsys.readouterr().out
+    assert tomllib.loads(text) == valued(json.loads(frangible.shot_scene(shot)))
+    vector = [line for line in text.splitlines() if line.startswith("gravity")]
+    assert len(vector) == 1 and vector[0].endswith("]"), "a vector stays in one line"
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {},
+        {"a b": 1, "": 2, "ü": {"x.y": {}, 'q"': [[], [[1.0, -0.0], [1e300, 5e-324]]]}},
+        {"text": 'quote " slash \\ tab \t line \n del \x7f nul \x00 \U0001f600', "on": True},
+        {"large": 2**63, "numbers": [math.inf, -math.inf, 1e16, 10.0], "empty": [], "none": None},
+        {"list": [{"a": 1}, {"b": [{"c": [1, 2]}, {"c": {"d": "x" * 200}}]}], "last": 1},
+        {"mixed": [1, {"a": None, "b": 1}, "x"], "rows": [[float(i), 1e-9] for i in range(40)]},
+    ],
+)
+def test_anything_in_toml_is_read_back(scene: dict[str, Any]) -> None:
+    assert tomllib.loads(as_toml(scene)) == valued(scene)
+
+
+def test_a_list_without_a_value_is_no_toml() -> None:
+    with pytest.raises(BuildError, match=r"bodies\[0\].position\[1\]: null, must have a value"):
+        as_toml({"bodies": [{"position": [0, None, 1]}, 3]})
 
 
 def test_a_scene_is_the_same_from_everywhere(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from .. import _frangible
 from ..output import open_plot
 from ..progress import report_stages
 from ..recording import Recording
+from ..shot_groups import grouped
 from .options import add_pose_time, readable
 from .outputs import write
 
@@ -26,7 +27,7 @@ def add_plot(commands: Any) -> None:
 
 def add_shots(commands: Any) -> None:
     """Add the command."""
-    shots = commands.add_parser("shots", help="list the shots")
+    shots = commands.add_parser("shots", help="list the shots by what they show")
     shots.set_defaults(command=_shots)
     shots.add_argument("--json", action="store_true", help="a JSON object instead: the line of each name")
 
@@ -51,8 +52,10 @@ def _shots(options: argparse.Namespace) -> None:
         print(json.dumps(dict(shots)))
         return
     width = max((len(name) for name, _ in shots), default=0)
-    for name, line in shots:
-        print(f"{name:{width}}  {line}")
+    for index, (title, group) in enumerate(grouped(shots)):
+        print(f"{title}:" if index == 0 else f"\n{title}:")
+        for name, line in group:
+            print(f"  {name:{width}}  {line}")
 
 
 def _info(options: argparse.Namespace) -> None:

@@ -9,19 +9,22 @@ from typing import Any
 from .. import _frangible
 from ..scene_page import scene_page
 from ..scenes import as_json
+from ..toml_text import as_toml
 from .options import add_scene_options, chosen_scene
 
 
 def add_scene(commands: Any) -> None:
     """Add the command."""
-    scene = commands.add_parser("scene", help="print the scene of a shot as JSON, to start one of your own from")
+    about = "print the scene of a shot as JSON or TOML, to start one of your own from"
+    scene = commands.add_parser("scene", help=about)
     scene.set_defaults(command=_scene)
     add_scene_options(scene)
+    scene.add_argument("--toml", action="store_true", help="print TOML, not JSON")
 
 
 def _scene(options: argparse.Namespace) -> None:
     scene, *_ = chosen_scene(options)
-    print(as_json(scene))
+    print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
 
 def add_schema(commands: Any) -> None:
