@@ -28,6 +28,7 @@ key                   shape and type     meaning
 ``material``          (t,) int32         index of each triangle's material, -1 for what the look decides
 ``colours``           (c, 3, 4) float32  of the triangles' corners; rows ``colour_offsets[i:i+2]``, none without any
 ``normals``           (n, 3, 3) float32  unit, of the triangles' corners; rows ``normal_offsets[i:i+2]``, none without any
+``before``            (b, 7) float64     a frame before its birth, as a part of its parent; NaN for none
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
 ``reports``           () str             the report of every step, as JSON
 ===================== ================== =====================================================================
@@ -85,6 +86,7 @@ def write_npz(recording: Recording, path: str) -> None:
         "pose_offsets": offsets([body.positions for body in bodies]),
         "reports": np.array(json.dumps(recording.reports)),
         **skin_arrays(bodies),
+        "before": rows([_before(body)[None] for body in bodies], (0, 7), np.float64),
     }
     with open(path, "wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
@@ -114,10 +116,16 @@ def check_is_file(path: str) -> None:
         raise CacheError(f"{path}: {fault}")
 
 
+def _before(body: Body) -> npt.NDArray[np.float64]:
+    return np.full(7, np.nan) if body.before is None else body.before
+
+
 def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
     vertices, triangles, poses = (arrays[key].tolist() for key in ("vertex_offsets", "triangle_offsets", "pose_offsets"))
     bodies = []
     skins = read_skins(arrays)
+    none = np.zeros(len(arrays["ids"]), np.bool_)
+    has_before = ~np.isnan(arrays["before"][:, 0]) if "before" in arrays else none
     for i, body_id in enumerate(arrays["ids"].tolist()):
         vertex_rows, triangle_rows, pose_rows = (slice(*firsts[i : i + 2]) for firsts in (vertices, triangles, poses))
         parent, death = int(arrays["parents"][i]), int(arrays["death_frames"][i])
@@ -138,6 +146,7 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
                 positions=arrays["positions"][pose_rows],
                 orientations=arrays["orientations"][pose_rows],
                 skin=skins[i],
+                before=arrays["before"][i] if has_before[i] else None,
             )
         )
     return Recording(

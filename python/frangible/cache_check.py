@@ -48,6 +48,8 @@ _SKINS: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "colours": ("f", ("c", 3, 4)),
     "normals": ("f", ("n", 3, 3)),
 }
+#: Keys that not every cache has.
+_MORE: dict[str, tuple[str, tuple[str | int, ...]]] = {"before": ("f", ("b", 7))}
 #: The rows that each array of offsets shares out among the bodies.
 _OFFSETS = {"vertex_offsets": "v", "triangle_offsets": "t", "pose_offsets": "p"}
 _SKIN_OFFSETS = {"colour_offsets": "c", "normal_offsets": "n"}
@@ -92,7 +94,8 @@ def check_arrays(arrays: Arrays) -> None:
     """`ValueError` where the arrays break a rule of the table."""
     has_skins = "paths" in arrays
     rows = {"b": len(arrays["ids"]) if arrays["ids"].ndim == 1 else 0}
-    for key, (kind, shape) in (_TABLE | (_SKINS if has_skins else {})).items():
+    more = {key: rule for key, rule in _MORE.items() if key in arrays}
+    for key, (kind, shape) in (_TABLE | (_SKINS if has_skins else {}) | more).items():
         _check_shape(key, arrays[key], kind, shape, rows)
     offsets = _OFFSETS | (_SKIN_OFFSETS if has_skins else {})
     counts = {name: _check_offsets(key, arrays[key], rows["b"], rows[name]) for key, name in offsets.items()}
@@ -151,8 +154,20 @@ def _check_numbers(arrays: Arrays) -> None:
     lengths = np.linalg.norm(arrays["orientations"], axis=1)
     if np.any(bad := np.abs(lengths - 1.0) > _ROUNDING):
         raise ValueError(f"orientations: one of length {lengths[bad][0]:g}, must be 1")
+    if "before" in arrays:
+        _check_before(arrays["before"])
     if len(np.unique(arrays["ids"])) != len(arrays["ids"]):
         raise ValueError("ids: one comes twice")
+
+
+def _check_before(before: Array) -> None:
+    """Each row is whole and finite, or all NaN."""
+    known = before[~np.isnan(before).all(axis=1)]
+    if np.any(bad := ~np.isfinite(known)):
+        raise ValueError(f"before: {known[bad][0]}, must be finite, or all of its row NaN")
+    lengths = np.linalg.norm(known[:, 3:], axis=1)
+    if np.any(bad := np.abs(lengths - 1.0) > _ROUNDING):
+        raise ValueError(f"before: a quaternion of length {lengths[bad][0]:g}, must be 1")
 
 
 def _check_lives(arrays: Arrays, poses: npt.NDArray[np.int64]) -> None:

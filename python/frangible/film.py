@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator
+from contextlib import closing
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
 from .camera import camera_for
+from .film_processes import Film, film_pictures
 from .recording import Recording
-from .render import picture
-from .stage import gather_surfaces
 
 #: [pixels]; half of a picture's, so that a film takes minutes.
 WIDTH, HEIGHT = 960, 540
@@ -60,12 +60,12 @@ def _pictures(
     height: int,
     progress: FilmProgress | None,
 ) -> Iterator[Picture]:
-    eye = camera_for(recording, camera, width / height)
-    surfaces = gather_surfaces(recording)
-    for done, frame in enumerate(shown):
-        yield picture(recording, frame, width, height, eye, surfaces)
-        if progress is not None:
-            progress(done + 1, len(shown))
+    film = Film(recording, camera_for(recording, camera, width / height), width, height)
+    with closing(film_pictures(film, shown)) as pictures:
+        for done, image in enumerate(pictures):
+            yield image
+            if progress is not None:
+                progress(done + 1, len(shown))
 
 
 def _encode(

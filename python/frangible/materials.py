@@ -76,6 +76,11 @@ class Material:
     #: True if the colours of the corners are all that it shows.
     corner_colours: bool = False
 
+    def images(self) -> list[Image]:
+        """All of its images."""
+        every = (self.image, self.surface_image, self.normal_image, self.emission_image)
+        return [image for image in every if image is not None]
+
 
 @dataclass(frozen=True, slots=True)
 class Look:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from .camera import Camera
 from .ground import is_half_space
 from .materials import look_of, tint
 from .page_meshes import COLOUR_STEPS, COORDINATE_STEPS, NORMAL_STEPS, add_meshes
 from .page_streams import Blob, rounded, stacked
-from .recording import Body, Float64, Recording
+from .recording import Body, Float64, Recording, without_sign_flips
 from .textures import longest_first
 
 #: Version of the streams and of the header, which `web/src/recording.ts` describes.
-FORMAT = 1
+FORMAT = 2
 #: Positions of bodies are multiples of the camera's distance over this.
 POSITION_STEPS = 2**17
 #: Parts of a quaternion are multiples of one over this, factors of colours too.
@@ -60,12 +61,31 @@ def _add_bodies(blob: Blob, recording: Recording, step: float) -> None:
     # A piece of a piece that no frame showed counts as its source's.
     parents = [-1 if body.parent is None else rows.get(body.parent, rows.get(body.source, -1)) for body in bodies]
     blob.add("parent", np.array(parents, np.int64))
+    blob.add("lead", np.array([body.before is not None for body in bodies], np.int64))
+    blob.add("yields", _yields(bodies))
     blob.add("floor", np.array([is_half_space(body) for body in bodies], np.int64))
     blob.add("pull", rounded(_pulls(bodies, parents), step))
     tints = [tint(body, look_of(body)) for body in bodies]
     blob.add("tint", rounded(np.array(tints).reshape(-1, 3), 1.0 / TINT_STEPS))
     grain = [_quaternion(longest_first(body.vertices.astype(np.float64))) if body.look == "wood" else (0, 0, 0, 1) for body in bodies]
     blob.add("grain", rounded(np.array(grain).reshape(-1, 4), 1.0 / ORIENTATION_STEPS))
+
+
+def _yields(bodies: list[Body]) -> npt.NDArray[np.int64]:
+    """(b,) 1 where fragments are seen in a body's place on the way to the frame of its death."""
+    shown = {body.id for body in bodies}
+    breaks = {(body.birth_frame, body.parent) for body in bodies if body.before is not None}
+    # No frame shows the parent of a fragment that broke twice on the way.
+    breaks |= {
+        (body.birth_frame, -1 - body.source)
+        for body in bodies
+        if body.before is not None and body.parent not in shown
+    }
+    yields = [
+        (body.death_frame, body.id) in breaks or (body.death_frame, -1 - body.source) in breaks
+        for body in bodies
+    ]
+    return np.array(yields, np.int64)
 
 
 def _pulls(bodies: list[Body], parents: list[int]) -> Float64:
@@ -88,11 +108,18 @@ def _pulls(bodies: list[Body], parents: list[int]) -> Float64:
 
 
 def _add_poses(blob: Blob, bodies: list[Body], step: float) -> None:
-    """Positions and orientations of each body's life, without what follows once it moves no more."""
+    """Positions and orientations of each body's life, without what follows once it moves no more.
+
+    Those of a fragment begin where it was a frame before its birth.
+    """
     counts, positions, orientations = [], [], []
     for body in bodies:
-        place = rounded(body.positions, step)
-        turn = rounded(body.orientations, 1.0 / ORIENTATION_STEPS)
+        places, turns = body.positions, body.orientations
+        if body.before is not None:
+            places = np.vstack([body.before[:3], places])
+            turns = without_sign_flips(np.vstack([body.before[3:], turns])[::-1])[::-1]
+        place = rounded(places, step)
+        turn = rounded(turns, 1.0 / ORIENTATION_STEPS)
         moves = np.flatnonzero(np.any(np.diff(np.hstack([place, turn]), axis=0) != 0, axis=1))
         count = int(moves[-1]) + 2 if len(moves) else 1
         counts.append(count)

@@ -43,7 +43,8 @@ class _Surface(NamedTuple):
 
 def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
     """The header's part on materials and images; the surfaces go into the streams."""
-    table = _Materials()
+    of_files = {material for body in bodies if body.skin for material in body.skin.materials}
+    table = _Materials(of_files)
     palette = Palette(by_source(bodies), table.add)
     meshes: dict[bytes, int] = {}
     mesh_of_body, slots, surfaces, originals = [], [], [], []
@@ -80,7 +81,8 @@ def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
 class _Materials:
     """The header's materials, and the images that they show."""
 
-    def __init__(self) -> None:
+    def __init__(self, of_files: set[Material]) -> None:
+        self._of_files = of_files
         self.materials: list[Json] = []
         self.images: list[Json] = []
         self._image_rows: dict[Image, int] = {}
@@ -95,7 +97,12 @@ class _Materials:
                 "metallic": material.metallic,
                 "clear": material.clear,
                 "emission": list(material.emission),
+                # Only files say how smooth something is: looks all shine as pictures show them.
+                "roughness": material.roughness if material in self._of_files else -1.0,
                 "image": self._image(material.image),
+                "surfaceImage": self._image(material.surface_image),
+                "normalImage": self._image(material.normal_image),
+                "emissionImage": self._image(material.emission_image),
                 "cutoff": material.cutoff or 0.0,
                 "blended": material.blended,
                 "grain": look if drawn else "",
@@ -142,7 +149,7 @@ def _surface(body: Body, groups: list[npt.NDArray[np.bool_]]) -> _Surface:
     count = 3 * len(body.triangles)
     colours = np.zeros((count, 4)) if skin.colours is None else 1.0 - np.clip(skin.colours.reshape(-1, 4), 0.0, 1.0)
     # A place is drawn only where an image is; which one is the material's affair.
-    has_image = np.array([material.image is not None for material in skin.materials] + [False])
+    has_image = np.array([bool(material.images()) for material in skin.materials] + [False])
     places = np.where(has_image[skin.material].repeat(3)[:, None], body.coordinates.reshape(-1, 2), 0.0)
     rows = np.column_stack(
         [

@@ -68,6 +68,9 @@ class Body:
     orientations: Float64
     #: Attributes of its mesh's file; `None` for all else.
     skin: Skin | None = None
+    #: (7,) its position [m] and orientation a frame before its birth, as a part of the body that
+    #: this frame shows in its place; `None` for bodies of the scene, and in older caches.
+    before: Float64 | None = None
 
     def __repr__(self) -> str:
         last = "" if self.death_frame is None else f" to {self.death_frame - 1}"
@@ -194,8 +197,9 @@ class Recorder:
         self.world = world
         ids = world.ids.tolist()
         self._skins = {ids[number]: skin for number, skin in (skins or {}).items()}
-        # Kept for each body, if there are skins.
+        # Kept for each body; and for each fragment, where it was before it broke off.
         self._material_frames: dict[int, tuple[list[float], list[float]]] = {}
+        self._before: dict[int, Float64] = {}
         self.reports: list[StepReport] = []
         # Kept for each frame: ids (n,), positions (n, 3), orientations (n, 4).
         self._ids: list[npt.NDArray[np.uint64]] = []
@@ -235,11 +239,30 @@ class Recorder:
         for row in new:
             body_id = int(ids[row])
             self._seen[body_id] = (names[row], float(masses[row]), looks[row], *world.surface(body_id))
-            if self._skins:
-                self._material_frames[body_id] = world.material_frame(body_id)
+            self._material_frames[body_id] = world.material_frame(body_id)
             parent = parents[row]
             if parent is not None:
                 self._parents[body_id] = parent
+        if len(self._ids) > 1:
+            self._place_in_parents([int(ids[row]) for row in new])
+
+    def _place_in_parents(self, fragments: list[int]) -> None:
+        """Keep where fragments were in the frame before, as parts of a body that it shows."""
+        rows = {body_id: row for row, body_id in enumerate(self._ids[-2].tolist())}
+        for fragment in fragments:
+            parent = self._parents.get(fragment)
+            while parent is not None and parent not in rows:
+                parent = self._parents.get(parent)
+            if parent is None:
+                continue
+            # Both have the same material: its place in the world, then the fragment's in it.
+            row = rows[parent]
+            position, orientation = self._positions[-2][row], self._orientations[-2][row]
+            origin, turn = (np.array(part) for part in self._material_frames[parent])
+            own_origin, own_turn = (np.array(part) for part in self._material_frames[fragment])
+            turned = product(orientation, product(turn, own_turn * [-1.0, -1.0, -1.0, 1.0]))
+            moved = rotation_matrix(orientation) @ origin - rotation_matrix(turned) @ own_origin
+            self._before[fragment] = np.concatenate([position + moved, turned])
 
     def _bodies(self) -> list[Body]:
         # Gather the rows of every body, in frame order.
@@ -279,6 +302,7 @@ class Recorder:
                     positions=positions[begin:end],
                     orientations=without_sign_flips(orientations[begin:end]),
                     skin=skin,
+                    before=self._before.get(body_id),
                 )
             )
         return sorted(bodies, key=lambda body: (body.birth_frame, body.id))
@@ -304,6 +328,14 @@ def without_sign_flips(orientations: Float64) -> Float64:
     signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
     flipped: Float64 = orientations * signs[:, None]
     return flipped
+
+
+def product(left: Float64, right: Float64) -> Float64:
+    """The rotation ``right``, then ``left``, as unit quaternions x, y, z, w."""
+    vector = left[3] * right[:3] + right[3] * left[:3] + np.cross(left[:3], right[:3])
+    both = np.append(vector, left[3] * right[3] - left[:3] @ right[:3])
+    unit: Float64 = both / np.linalg.norm(both)
+    return unit
 
 
 def rotation_matrix(orientation: Float64) -> Float64:

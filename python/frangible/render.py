@@ -67,8 +67,9 @@ def picture(
     camera: Camera | None = None,
     surfaces: Surfaces | None = None,
     progress: PictureProgress | None = None,
+    threads: int | None = None,
 ) -> npt.NDArray[np.uint8]:
-    """A picture of a frame, (height, width, 3), sRGB.
+    """A picture of a frame, (height, width, 3), sRGB, drawn by threads, as many as processors.
 
     Of many frames, the camera and the surfaces are best made once.
     """
@@ -80,7 +81,7 @@ def picture(
     # Bands of rows are independent of each other and of the number of threads.
     bands = [(top, min(top + BAND, height)) for top in range(0, height, BAND)]
     done = 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         for part in (_see, _light_up):
             for _ in pool.map(lambda band, part=part: part(canvas, *band), bands):
                 done += 1

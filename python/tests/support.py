@@ -72,6 +72,11 @@ class ScriptedWorld:
     def looks(self) -> list[str | None]:
         return ["glass" if i == 5 else None for i in self.ids.tolist()]
 
+    def material_frame(self, body_id: int) -> tuple[list[float], list[float]]:
+        """The slab's own frame, seen from each of its parts."""
+        middle = {2: -0.5, 4: 0.25, 5: 0.75}.get(body_id, 0.0)
+        return [-middle, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]
+
     def surface(self, body_id: int) -> tuple[Any, Any, Any, Any]:
         size = {0: [99, 1, 99], 1: [2, 1, 1], 2: [1, 1, 1]}.get(body_id, [0.5, 1, 1])
         # The cracks are perpendicular to x.

@@ -76,6 +76,9 @@ def test_an_undamaged_cache_is_read(scripted: Recording, tmp_path: Path) -> None
         ("materials", "[]", "is not a readable .npz cache"),
         ("sources", None, "has no key 'sources'"),
         ("format", "x", "is not a readable .npz cache"),
+        ("before", one((2, 0), np.inf), "before: inf, must be finite, or all of its row NaN"),
+        ("before", one((2, 0), np.nan), "before: nan, must be finite, or all of its row NaN"),
+        ("before", one((2, 6), 3.0), "before: a quaternion of length 3, must be 1"),
     ],
 )
 def test_what_breaks_a_rule_is_named(scripted: Recording, tmp_path: Path, key: str, change: Any, sentence: str) -> None:

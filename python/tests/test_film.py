@@ -1,12 +1,18 @@
 """Films: whole files of the right size, length and rate, from one camera."""
 
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from frangible import OutputError, Recording
+from frangible import OutputError, Recording, film_processes
+from frangible.camera import frame_recording
 from frangible.cli import main
+from frangible.film_processes import Film, film_pictures
 from frangible.output import View, open_output
 from PIL import Image
 
@@ -32,7 +38,6 @@ def test_a_gif_has_every_frame_and_goes_on(scripted: Recording, tmp_path: Path) 
 
 
 def test_a_folder_holds_the_pictures_of_one_camera(scripted: Recording, tmp_path: Path) -> None:
-    from frangible.camera import frame_recording
     from frangible.render import picture
 
     output = open_output(f"{tmp_path}/frames/", view=View(size=SIZE))
@@ -73,6 +78,59 @@ def test_a_cache_is_drawn_without_simulating(scripted: Recording, tmp_path: Path
     with Image.open(path) as image:
         assert image.size == SIZE
     assert Recording.load(again).frames == scripted.frames
+
+
+def test_processes_draw_what_one_does(wall: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    film = Film(wall, frame_recording(wall, 64 / 36), *SIZE)
+    shown = range(0, 24, 2)
+    pictures = {}
+    for count in (1, 3):
+        monkeypatch.setattr(film_processes, "_processes", lambda *_, count=count: count)
+        pictures[count] = list(film_pictures(film, shown))
+    assert len(pictures[3]) == len(shown)
+    assert all(np.array_equal(*both) for both in zip(pictures[1], pictures[3], strict=True))
+
+
+def test_no_process_outlives_a_film(scripted: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    started = []
+
+    class Counted(subprocess.Popen):  # type: ignore[type-arg]
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            started.append(self)
+
+    monkeypatch.setattr("frangible.film_processes.subprocess.Popen", Counted)
+    monkeypatch.setattr(film_processes, "_processes", lambda *_: 2)
+    film = Film(scripted, frame_recording(scripted, 64 / 36), *SIZE)
+    pictures = film_pictures(film, range(scripted.frames + 1))
+    next(pictures)
+    assert [process.poll() for process in started] == [None, None]
+    pictures.close()
+    assert [process.poll() for process in started] == [-signal.SIGKILL] * 2
+    # One that ends by itself is told of.
+    pictures = film_pictures(film, range(scripted.frames + 1))
+    next(pictures)
+    started[-1].kill()
+    started[-2].kill()
+    with pytest.raises(RuntimeError, match="ended with status -9"):
+        list(pictures)
+
+
+def test_ctrl_c_ends_a_film_at_once(wall: Recording, tmp_path: Path) -> None:
+    wall.save(tmp_path / "wall.npz")
+    command = [sys.executable, "-m", "frangible", "render", "wall.npz", "--size", "256x144"]
+    command += ["--out", "wall.mp4"]
+    run = subprocess.Popen(
+        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert run.stderr is not None
+    assert run.stderr.readline().startswith("drawing wall.mp4")
+    # As a terminal does, to all of the group.
+    os.killpg(run.pid, signal.SIGINT)
+    rest = run.communicate(timeout=20)[1]
+    assert run.returncode == 130
+    assert rest.splitlines()[-1] == "frangible: interrupted" and "Traceback" not in rest
+    assert os.listdir(tmp_path) == ["wall.npz"]
 
 
 @pytest.mark.parametrize("size", ["64", "64x", "0x0", "65x36", "99999x36", "x"])

@@ -1,6 +1,7 @@
 """Pages that play a recording: what they hold, and that a browser plays them."""
 
 import base64
+import io
 import json
 import os
 import re
@@ -16,8 +17,12 @@ import numpy as np
 import pytest
 from frangible import OutputError, Recording
 from frangible.camera import frame_recording
+from frangible.materials import Image, Material
 from frangible.page import ASPECT, DATA, PLAYER, TITLE
 from frangible.page_data import encode
+from frangible.recording import Body
+from frangible.skin import Skin
+from PIL import Image as Pillow
 from support import TOOLS
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
@@ -32,8 +37,10 @@ Play = Callable[..., dict[str, Any]]
 def play() -> Play:
     """The state of a page in headless Chromium: it plays by itself, then stops at the frames asked for."""
 
-    def run(page: Path, frames: list[int], *pictures: str) -> dict[str, Any]:
-        command = ["node", str(TOOLS / "play_page.js"), str(page), "--frames", ",".join(map(str, frames))]
+    def run(page: Path, frames: list[int], *pictures: str, size: str = "480x270") -> dict[str, Any]:
+        command = ["node", str(TOOLS / "play_page.js"), str(page), "--size", size]
+        if frames:
+            command += ["--frames", ",".join(map(str, frames))]
         for picture in pictures:
             command += ["--picture", picture]
         done = subprocess.run(
@@ -90,7 +97,8 @@ def test_positions_and_lives_are_those_of_the_recording(wall: Recording) -> None
     first = np.concatenate([[0], np.cumsum(counts)])
     for row, body in enumerate(wall.bodies):
         # After its last pose a body rests.
-        rows = first[row] + np.minimum(np.arange(len(body.positions)), counts[row] - 1)
+        lead = int(body.before is not None)
+        rows = first[row] + np.minimum(lead + np.arange(len(body.positions)), counts[row] - 1)
         assert np.abs(positions[rows] - body.positions).max() <= 0.51 * step
     assert columns(wall, "birth")[:, 0].tolist() == [body.birth_frame for body in wall.bodies]
     ends = [61 if body.death_frame is None else body.death_frame for body in wall.bodies]
@@ -120,6 +128,79 @@ def test_a_missing_player_is_a_sentence(
     with pytest.raises(OutputError, match=r"npm ci && npm run build"):
         scripted.save(tmp_path / "slab.html")
     assert os.listdir(tmp_path) == []
+
+
+def test_fragments_begin_where_they_were_in_their_parent(scripted: Recording) -> None:
+    named = {body.id: row for row, body in enumerate(scripted.bodies)}
+    assert [row for row, lead in enumerate(columns(scripted, "lead")[:, 0]) if lead] == [
+        named[2], named[4], named[5]
+    ]  # fmt: skip
+    # The slab makes way for fragments that are its grandchildren, too; what does not break stays.
+    assert columns(scripted, "yields")[:, 0].tolist() == [body.id == 1 for body in scripted.bodies]
+    camera = frame_recording(scripted, ASPECT)
+    step = float((camera.target - camera.eye) @ camera.axes[2]) / 2**17
+    places = columns(scripted, "positions") * step
+    first = np.concatenate([[0], np.cumsum(columns(scripted, "poses")[:, 0])])
+    for body, across in ((2, -0.5), (4, 0.25), (5, 0.75)):
+        assert np.allclose(places[first[named[body]]], [across, 3.0, 0.0], atol=step)
+    # Without that, from an older cache, a body holds on until the next frame.
+    bodies = [replace(body, before=None) for body in scripted.bodies]
+    older = replace(scripted, bodies=bodies)
+    assert not columns(older, "lead").any() and not columns(older, "yields").any()
+
+
+def textured(recording: Recording) -> Recording:
+    """With all kinds of images on every body that is not the ground."""
+
+    def image(name: str, *colour: int) -> Image:
+        data = io.BytesIO()
+        Pillow.new("RGB", (4, 4), colour).save(data, "PNG")
+        return Image(f"{name}.png", "image/png", data.getvalue())
+
+    material = Material(
+        (1.0, 1.0, 1.0), 0.3, 1.0, name="tiles", emission=(1.0, 0.5, 0.0),
+        image=image("colour", 200, 100, 50), surface_image=image("surface", 0, 128, 255),
+        normal_image=image("normal", 128, 128, 255), emission_image=image("light", 255, 255, 255),
+    )  # fmt: skip
+    plain = Material((0.5, 0.5, 0.5), 0.9, name="plain")
+
+    def skin(body: Body) -> Skin:
+        return Skin((plain, material), np.ones(len(body.triangles), np.int32))
+
+    bodies = [replace(body, skin=skin(body)) if body.moves else body for body in recording.bodies]
+    return replace(recording, bodies=bodies)
+
+
+def test_all_images_of_a_material_are_in_the_page(scripted: Recording, tmp_path: Path) -> None:
+    textured(scripted).save(tmp_path / "tiles.html")
+    header, _ = blob((tmp_path / "tiles.html").read_text(encoding="utf-8"))
+    (tiles,) = (one for one in header["materials"] if one["name"] == "tiles")
+    kinds = ("image", "surfaceImage", "normalImage", "emissionImage")
+    assert sorted(tiles[kind] for kind in kinds) == [0, 1, 2, 3]
+    assert (tiles["roughness"], tiles["metallic"], tiles["emission"]) == (0.3, 1.0, [1.0, 0.5, 0.0])
+    # What no file gave shines as in pictures.
+    assert {one["roughness"] for one in header["materials"] if one["name"] != "tiles"} == {-1.0}
+
+
+@needs_chromium
+def test_a_browser_draws_what_has_images(wall: Recording, play: Play, tmp_path: Path) -> None:
+    textured(wall).save(tmp_path / "tiles.html")
+    shown = play(tmp_path / "tiles.html", [4], f"frame=4={tmp_path / 'tiles.png'}")
+    assert shown["errors"] == [] and shown["requests"] == []
+    with Pillow.open(tmp_path / "tiles.png") as picture:
+        colours = np.asarray(picture.convert("RGB")).reshape(-1, 3).astype(int)
+    # They shine in orange, which nothing else does.
+    assert ((colours[:, 0] > 200) & (colours[:, 2] < 130)).sum() > 50
+
+
+@needs_chromium
+def test_controls_leave_a_small_picture_free(wall: Recording, play: Play, tmp_path: Path) -> None:
+    wall.save(tmp_path / "wall.html")
+    width, height = 360, 240
+    shown = play(tmp_path / "wall.html", [], size=f"{width}x{height}")
+    controls = shown["controls"]
+    assert controls["left"] >= 0 and controls["right"] <= width and controls["bottom"] <= height
+    assert controls["bottom"] - controls["top"] <= 0.3 * height
 
 
 @needs_chromium

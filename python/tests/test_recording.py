@@ -7,6 +7,7 @@ import pytest
 from frangible import CacheError, Recording
 from frangible.normals import shaded_mesh
 from frangible.paths import telling_samples, unique_names
+from frangible.recording import rotation_matrix
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 
 
@@ -40,6 +41,28 @@ def test_world_vertices_follow_the_pose(scripted: Recording) -> None:
     body = scripted.body(2)
     assert body.vertices[0].tolist() == [-0.5, -0.5, -0.5]
     assert body.vertices_world(5)[0] == pytest.approx([-0.5 - 0.5, 1.5 - 0.5, 0.5])
+
+
+def test_fragments_know_where_they_were_in_what_broke(wall: Recording, scripted: Recording) -> None:
+    # A parent that no frame showed was a part of the slab at y = 3.
+    for body, across in ((2, -0.5), (4, 0.25), (5, 0.75)):
+        assert scripted.body(body).before == pytest.approx([across, 3.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    assert scripted.body(1).before is None
+
+    (slab,) = (body for body in wall.bodies if body.name == "wall")
+    pieces = [body for body in wall.bodies if body.parent == slab.id]
+    assert len(pieces) > 10
+    position, orientation = slab.pose(pieces[0].birth_frame - 1)
+    low, high = slab.vertices.min(axis=0), slab.vertices.max(axis=0)
+    total = np.zeros(3)
+    for piece in pieces:
+        assert piece.before is not None
+        world = piece.vertices @ rotation_matrix(piece.before[3:]).T + piece.before[:3]
+        inside = (world - position) @ rotation_matrix(orientation)
+        assert np.all(inside >= low - 1e-6) and np.all(inside <= high + 1e-6)
+        total += piece.mass * (piece.before[:3] - position)
+    # Together they are where it was.
+    assert np.abs(total).max() <= 1e-9 * slab.mass
 
 
 def test_a_cache_reads_back_as_the_same_recording(scripted: Recording, tmp_path: Path) -> None:

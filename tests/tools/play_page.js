@@ -59,6 +59,7 @@ async function main([path, ...rest]) {
     await page.keyboard.press("Home");
     await stateIs(page, "settled", 0);
     result.first = await caption(page);
+    result.controls = await page.locator("#controls").evaluate((controls) => controls.getBoundingClientRect());
     for (const frame of frames) {
       const input = page.locator("#timeline");
       await input.evaluate((slider, frame) => { slider.value = String(frame - 1); slider.dispatchEvent(new Event("input")); }, frame);

@@ -86,16 +86,20 @@ export function pieceTable({ bodies }: Recording): DataTexture {
 }
 
 /**
- * Of every material: colour and clearness; how metallic it is, its grain, whether it is an inside, its image; what it
- * shines with, and its cutoff, or 2 where opacity lets light through.
+ * Of every material: colour and clearness; how metallic it is, its grain, whether it is an inside,
+ * its image; what it shines with, and its cutoff, or 2 where opacity lets light through; roughness
+ * and the other images.
  */
 export function materialTable({ materials }: Recording): DataTexture {
-  const texture = table(3 * materials.length);
+  const texture = table(4 * materials.length);
   materials.forEach((material, row) => {
     const grain = Math.max(GRAINS.indexOf(material.grain), 0);
     const finish = [material.metallic, grain, material.inside ? 1 : 0, material.image];
     const shine = [...material.emission, material.blended ? 2 : material.cutoff];
-    numbers(texture).set([...material.colour, material.clear, ...finish, ...shine], 12 * row);
+    const { roughness, surfaceImage, normalImage, emissionImage } = material;
+    const more = [roughness, surfaceImage, normalImage, emissionImage];
+    const colour = [...material.colour, material.clear];
+    numbers(texture).set([...colour, ...finish, ...shine, ...more], 16 * row);
   });
   return texture;
 }

@@ -5,10 +5,13 @@ import type { Image } from "./recording";
 
 /** Width and height of a layer: larger images are made smaller, others larger. */
 const SIZE = 1024;
+/** So many layers of that size are taken, of more images each is smaller. */
+const LARGE_LAYERS = 24;
 
 /** Unpack the images; one that cannot be read is white. */
 export async function loadImages(images: readonly Image[]): Promise<DataArrayTexture> {
-  const size = images.length > 0 ? SIZE : 1;
+  const halvings = Math.max(0, Math.ceil(Math.log2(images.length / LARGE_LAYERS) / 2));
+  const size = images.length > 0 ? Math.max(SIZE >> halvings, 64) : 1;
   const data = new Uint8Array(4 * size * size * Math.max(images.length, 1)).fill(255);
   for (const [layer, image] of images.entries()) {
     const pixels = await unpack(image, size).catch(() => null);
@@ -27,7 +30,10 @@ export async function loadImages(images: readonly Image[]): Promise<DataArrayTex
 /** Pixels of an image, lowest row first. */
 async function unpack(image: Image, size: number): Promise<Uint8ClampedArray> {
   const bytes = Uint8Array.from(atob(image.data), (character) => character.charCodeAt(0));
-  const bitmap = await createImageBitmap(new Blob([bytes], { type: image.mime }));
+  const bitmap = await createImageBitmap(new Blob([bytes], { type: image.mime }), {
+    colorSpaceConversion: "none",
+    premultiplyAlpha: "none",
+  });
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = size;
   const context = canvas.getContext("2d", { willReadFrequently: true });

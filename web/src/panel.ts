@@ -49,6 +49,14 @@ export class Panel {
     const marks = element("marks") as HTMLCanvasElement;
     new ResizeObserver(() => drawMarks(marks, this.breaks, recording.frames)).observe(marks);
     for (const id of ["caption", "controls"]) element(id).hidden = false;
+    // Help comes over the picture; all else leaves it free.
+    const [controls, keys] = [element("controls"), element("keys")];
+    const free = (): void => {
+      if (keys.hidden) player.keepFree(innerHeight - controls.getBoundingClientRect().top);
+    };
+    new ResizeObserver(free).observe(controls);
+    addEventListener("resize", free);
+    free();
   }
 
   /** Say what is drawn. */

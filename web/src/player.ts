@@ -37,6 +37,8 @@ export class Player {
   private picture = 0;
   private still = 0;
   private last = performance.now();
+  /** Height of what covers the lower edge [CSS px]. */
+  private covered = 0;
   private state = "";
 
   constructor(
@@ -75,6 +77,13 @@ export class Player {
       requestAnimationFrame(turn);
     };
     requestAnimationFrame(turn);
+  }
+
+  /** Show everything above what covers so much of the lower edge [CSS px]. */
+  keepFree(height: number): void {
+    if (height === this.covered) return;
+    this.covered = height;
+    this.resize();
   }
 
   /** Back to where it was seen from at first. */
@@ -129,7 +138,10 @@ export class Player {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, LEVELS[this.level]!.pixelRatio));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    const halfHeight = Math.tan((this.recording.camera.fieldOfView * Math.PI) / 360) * Math.max(1, ASPECT / this.camera.aspect);
+    const free = Math.max(height - this.covered, height / 4);
+    const wider = Math.max(1, (ASPECT * free) / width) * (height / free);
+    const halfHeight = Math.tan((this.recording.camera.fieldOfView * Math.PI) / 360) * wider;
+    this.stage.raised = (0.5 * (height - free)) / height;
     this.camera.fov = (Math.atan(halfHeight) * 360) / Math.PI;
     this.stage.resize(this.canvas.width, this.canvas.height);
     this.state = "";

@@ -10,14 +10,21 @@ export function fillPoses(recording: Recording, time: number, explode: number, o
   const part = time - frame;
   recording.bodies.forEach((body, row) => {
     const at = 4 * TEXELS * row;
-    const shown = body.birth <= frame && frame < body.end;
+    const shown = isShown(body, frame, part);
     into[at + 3] = shown ? 1 : 0;
     if (shown) interpolate(recording, body, frame, part, explode, origin, into, at);
   });
 }
 
+/** Fragments part from where they were as soon as the frame before their birth is over. */
+function isShown(body: Body, frame: number, part: number): boolean {
+  if (part > 0 && body.lead && frame === body.birth - 1) return true;
+  if (part > 0 && body.yields && frame === body.end - 1) return false;
+  return body.birth <= frame && frame < body.end;
+}
+
 function interpolate(
-  { positions, orientations, positionStep }: Recording,
+  { bodies, positions, orientations, positionStep }: Recording,
   body: Body,
   frame: number,
   part: number,
@@ -27,13 +34,18 @@ function interpolate(
   at: number,
 ): void {
   // The frame of its death no longer shows a body: on the way there it stays where it was.
-  const last = Math.min(body.poses, body.end - body.birth) - 1;
-  const here = body.pose + Math.min(frame - body.birth, last);
-  const next = body.pose + Math.min(frame - body.birth + 1, last);
+  const first = body.lead ? body.birth - 1 : body.birth;
+  const last = Math.min(body.poses, body.end - first) - 1;
+  const here = body.pose + Math.min(frame - first, last);
+  const next = body.pose + Math.min(frame - first + 1, last);
+  // A fragment is pulled like its parent at first.
+  const own = frame < body.birth ? part : 1;
+  const before = bodies[body.parent]?.pull ?? body.pull;
   for (let axis = 0; axis < 3; axis++) {
     const column = positions[axis]!;
     const place = column[here]! + part * (column[next]! - column[here]!);
-    into[at + axis] = place * positionStep - origin[axis]! + explode * body.pull[axis]!;
+    const pull = before[axis]! + own * (body.pull[axis]! - before[axis]!);
+    into[at + axis] = place * positionStep - origin[axis]! + explode * pull;
   }
 
   // Neighbours never flip sign, so that the straight way is the short one.

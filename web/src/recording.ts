@@ -2,7 +2,7 @@
 import { Blob32 } from "./streams";
 
 /** The version of the data that this player reads. */
-const FORMAT = 1;
+const FORMAT = 2;
 
 export interface Material {
   name: string;
@@ -13,8 +13,14 @@ export interface Material {
   clear: number;
   /** What it shines with, linear RGB. */
   emission: [number, number, number];
+  /** 0 mirrors, 1 is matt; -1 shines as pictures show it. */
+  roughness: number;
   /** Index of the image that is laid on it; -1 without one. */
   image: number;
+  /** Of that whose green is roughness and whose blue is metallic, of normals, and of light. */
+  surfaceImage: number;
+  normalImage: number;
+  emissionImage: number;
   /** Of what has less opacity than that, nothing is drawn. */
   cutoff: number;
   /** Whether the opacity of image and corners lets light through. */
@@ -66,6 +72,10 @@ export interface Body {
   /** Its first pose, and how many it has; the last one holds on. */
   pose: number;
   poses: number;
+  /** Whether its first pose is that of the frame before its birth, as a part of its parent. */
+  lead: boolean;
+  /** Whether such fragments are seen in its place on the way to its last frame. */
+  yields: boolean;
 }
 
 export interface Recording {
@@ -126,30 +136,36 @@ export function countAlive(recording: Recording, frame: number): number {
 }
 
 function readBodies(blob: Blob32, step: (name: string) => number): Body[] {
-  const [birth, end, parent, floor, mesh, poses, slots, material] = (
-    ["birth", "end", "parent", "floor", "mesh", "poses", "slots", "materials"] as const
-  ).map((name) => blob.column(name)) as [Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array, Int32Array];
+  const [birth, end, parent, floor, mesh] = columns(blob, "birth", "end", "parent", "floor", "mesh");
+  const [poses, lead, yields] = columns(blob, "poses", "lead", "yields");
+  const [slots, material] = columns(blob, "slots", "materials");
   const [pull, tint, grain] = [blob.columns("pull"), blob.columns("tint"), blob.columns("grain")];
   let pose = 0;
   let slot = 0;
-  return Array.from(birth, (first, row) => {
+  return Array.from(birth!, (first, row) => {
     const body: Body = {
       birth: first,
-      end: end[row]!,
-      parent: parent[row]!,
-      floor: floor[row] === 1,
-      mesh: mesh[row]!,
-      materials: Array.from(material.subarray(slot, slot + slots[row]!)),
+      end: end![row]!,
+      parent: parent![row]!,
+      floor: floor![row] === 1,
+      mesh: mesh![row]!,
+      materials: Array.from(material!.subarray(slot, slot + slots![row]!)),
       tint: scaled(tint, row, step("tint")) as Body["tint"],
       grain: scaled(grain, row, step("orientation")) as Body["grain"],
       pull: scaled(pull, row, step("position")) as Body["pull"],
       pose,
-      poses: poses[row]!,
+      poses: poses![row]!,
+      lead: lead![row] === 1,
+      yields: yields![row] === 1,
     };
     pose += body.poses;
-    slot += slots[row]!;
+    slot += slots![row]!;
     return body;
   });
+}
+
+function columns(blob: Blob32, ...names: string[]): Int32Array[] {
+  return names.map((name) => blob.column(name));
 }
 
 function readMeshes(blob: Blob32, step: (name: string) => number): Mesh[] {

@@ -28,6 +28,8 @@ export interface Quality {
 
 export class Stage {
   readonly uniforms: Uniforms;
+  /** By how much of the height the target is drawn above the middle. */
+  raised = 0;
   private readonly poses: DataTexture;
   private readonly scene = new Scene();
   private readonly lamp: Lamp;
@@ -91,7 +93,7 @@ export class Stage {
     const distance = camera.position.distanceTo(target);
     const [width, height] = uniforms.pixels.value.toArray() as [number, number];
     const [x, y] = picture === 0 ? [0, 0] : [((picture * 0.7548776662466927) % 1) - 0.5, ((picture * 0.5698402909980532) % 1) - 0.5];
-    camera.setViewOffset(width, height, x, y, width, height);
+    camera.setViewOffset(width, height, x, y + this.raised * height, width, height);
     camera.updateMatrixWorld();
     uniforms.eye.value.copy(camera.position);
     uniforms.view.value.copy(camera.matrixWorldInverse);

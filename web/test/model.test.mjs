@@ -25,7 +25,10 @@ test("points of the unfolded octahedron are unit normals", () => {
 });
 
 /** A bar that breaks at frame 2 into one piece, which turns by a right angle and moves on. */
-const body = (rest) => ({ birth: 0, end: 2, parent: -1, floor: false, pull: [0, 0, 0], pose: 0, poses: 1, ...rest });
+const body = (rest) => ({
+  birth: 0, end: 2, parent: -1, floor: false, pull: [0, 0, 0], pose: 0, poses: 1,
+  lead: false, yields: false, ...rest,
+});
 const recording = {
   fps: 30,
   frames: 4,
@@ -53,6 +56,28 @@ test("between two frames bodies move and turn evenly, and rest after their last 
   const [, half] = at(2.5);
   assert.ok(Math.abs(2 * Math.atan2(half[5], half[7]) - Math.PI / 4) < 1e-4);
   assert.equal(at(1.5)[0][0], 1.5);
+});
+
+test("pieces part from where their parent was, which makes way for them", () => {
+  const parent = body({ yields: true });
+  const piece = body({ birth: 2, end: 5, parent: 0, pull: [0, 1, 0], poses: 3, lead: true });
+  const broken = {
+    ...recording,
+    bodies: [parent, piece],
+    positions: [[0, 4, 10], [0, 0, 0], [0, 0, 0]].map((column) => Int32Array.from(column)),
+  };
+  const at = (time, explode = 0) => {
+    const poses = new Float32Array(4 * TEXELS * 2);
+    fillPoses(broken, time, explode, [0, 0, 0], poses);
+    return [poses[3], poses[11], poses[8], poses[9]];
+  };
+  // Shown: parent, piece; then where the piece is.
+  assert.deepEqual(at(1), [1, 0, 0, 0]);
+  assert.deepEqual(at(0.5).slice(0, 2), [1, 0]);
+  assert.deepEqual(at(1.25, 1), [0, 1, 0.5, 0.25]);
+  assert.deepEqual(at(2, 1), [0, 1, 2, 1]);
+  assert.deepEqual(at(2.5), [0, 1, 3.5, 0]);
+  assert.deepEqual(at(4), [0, 1, 5, 0]);
 });
 
 test("pieces are pulled apart, and what did not break is not", () => {

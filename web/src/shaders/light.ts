@@ -131,11 +131,26 @@ vec3 concrete(vec3 p, bool inside) {
 `;
 
 const SHADE = /* glsl */ `
-vec3 shade(vec3 albedo, float metallic, vec3 point, vec3 n, vec3 ray) {
-  vec3 light = lampShare(point, n) * LAMP_COLOUR;
+/** The lamp's reflection; a negative roughness is that of pictures. */
+float sheenOf(float gloss, float metallic, float roughness) {
+  vec2 power = vec2(48.0, 140.0);
+  vec2 strength = vec2(0.14, 0.9);
+  if (roughness >= 0.0) {
+    // Blinn's exponent for it (Walter et al. 2007), with the same light in the whole reflection.
+    float wide = max(2.0 / pow(max(roughness, 0.08), 4.0) - 2.0, 0.0);
+    strength *= (wide + 2.0) / (power + 2.0);
+    power = vec2(wide);
+  }
+  return dot(strength * pow(vec2(max(gloss, 1e-4)), power), vec2(1.0 - metallic, metallic));
+}
+
+/** Light from a point whose surface is seen with a normal of its own. */
+vec3 shade(
+  vec3 albedo, float metallic, float roughness, vec3 point, vec3 flatNormal, vec3 n, vec3 ray
+) {
+  vec3 light = lampShare(point, flatNormal) * LAMP_COLOUR;
   float facing = max(dot(n, lamp), 0.0);
-  float gloss = max(dot(n, normalize(lamp - ray)), 0.0);
-  float sheen = 0.14 * pow(gloss, 48.0) * (1.0 - metallic) + 0.9 * pow(gloss, 140.0) * metallic;
+  float sheen = sheenOf(max(dot(n, normalize(lamp - ray)), 0.0), metallic, roughness);
   vec3 mirrored = albedo * backdrop(reflect(ray, n)) * metallic;
   return albedo * (light * facing + skyLight(n)) * (1.0 - 0.6 * metallic) + mirrored + sheen * light;
 }
@@ -157,6 +172,7 @@ in vec3 grainPoint;
 flat in vec4 colour;
 flat in vec4 finish;
 flat in vec4 shine;
+flat in vec4 relief;
 #ifdef SKINNED
 precision highp sampler2DArray;
 uniform sampler2DArray images;
@@ -165,15 +181,50 @@ in vec4 corner;
 #endif
 ${LAMP}${SKY}${GRAIN}${SHADE}
 
-/** Colour and opacity of what the mesh's file lays on the material. */
-vec4 skin() {
+/** What the mesh's file lays on the material. */
+struct Skin {
+  /** Factors of colour and opacity. */
+  vec4 colour;
+  /** Factor of the light that it shines with. */
+  vec3 emission;
+  /** Factors of roughness and metallic. */
+  vec2 surface;
+  vec3 normal;
+};
+
 #ifdef SKINNED
-  vec4 image = vec4(1.0);
-  if (finish.w >= 0.0) image = texture(images, vec3(imagePlace, finish.w));
-  image.rgb = mix(pow((image.rgb + 0.055) / 1.055, vec3(2.4)), image.rgb / 12.92, lessThanEqual(image.rgb, vec3(0.04045)));
-  return image * corner;
+vec3 linear(vec3 encoded) {
+  vec3 high = pow((encoded + 0.055) / 1.055, vec3(2.4));
+  return mix(high, encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
+}
+
+vec4 laidOn(float image) {
+  vec4 texel = texture(images, vec3(imagePlace, max(image, 0.0)));
+  return image >= 0.0 ? texel : vec4(1.0);
+}
+
+/** A normal of the image, in the frame that its coordinates span on the surface (Mikkelsen 2010). */
+vec3 bent(vec3 n, vec3 tilt) {
+  vec3 dx = dFdx(world), dy = dFdy(world);
+  vec2 du = dFdx(imagePlace), dv = dFdy(imagePlace);
+  vec3 across = cross(dy, n), along = cross(n, dx);
+  vec3 tangent = across * du.x + along * dv.x;
+  vec3 bitangent = across * du.y + along * dv.y;
+  float size = max(dot(tangent, tangent), dot(bitangent, bitangent));
+  if (size <= 0.0) return n;
+  return normalize((tangent * tilt.x + bitangent * tilt.y) * inversesqrt(size) + n * tilt.z);
+}
+#endif
+
+Skin skin(vec3 n) {
+#ifdef SKINNED
+  vec4 image = laidOn(finish.w);
+  vec4 surface = laidOn(relief.y);
+  vec3 tilted = bent(n, 2.0 * laidOn(relief.z).xyz - 1.0);
+  vec4 colour = vec4(linear(image.rgb), image.a) * corner;
+  return Skin(colour, linear(laidOn(relief.w).rgb), surface.gb, relief.z >= 0.0 ? tilted : n);
 #else
-  return vec4(1.0);
+  return Skin(vec4(1.0), vec3(1.0), vec2(1.0), n);
 #endif
 }
 
@@ -186,16 +237,20 @@ vec3 grained(vec3 albedo) {
 void main() {
   vec3 n = normalize(normalWorld) * (gl_FrontFacing ? 1.0 : -1.0);
   vec3 ray = normalize(world - eye);
-  vec4 laid = skin();
-  vec3 albedo = colour.rgb * laid.rgb;
+  Skin laid = skin(n);
+  vec3 albedo = colour.rgb * laid.colour.rgb;
+  vec3 emission = shine.rgb * laid.emission;
+  float metallic = finish.x * laid.surface.y;
+  float roughness = relief.x * laid.surface.x;
 #ifdef GLASS
   if (shine.a == 2.0) {
     // Surfaces of less than full opacity.
-    float opaque = laid.a * (1.0 - colour.a);
+    float opaque = laid.colour.a * (1.0 - colour.a);
 #if GLASS == 1
     radiance = vec4(vec3(1.0 - opaque), 1.0);
 #else
-    radiance = vec4(opaque * (shade(albedo, finish.x, world, n, ray) + shine.rgb), 1.0);
+    vec3 lit = shade(albedo, metallic, roughness, world, n, laid.normal, ray);
+    radiance = vec4(opaque * (lit + emission), 1.0);
 #endif
     return;
   }
@@ -209,12 +264,13 @@ void main() {
   vec3 mirror = reflect(ray, n);
   vec3 sky = mirror.y > 0.0 ? 1.7 * backdrop(mirror) : FLOOR_COLOUR;
   vec3 sparkle = 6.0 * pow(max(dot(mirror, lamp), 0.0), 700.0) * LAMP_COLOUR;
-  vec3 own = 0.5 * (1.0 - clear) * shade(albedo, finish.x, world, n, ray);
+  vec3 own = 0.5 * (1.0 - clear) * shade(albedo, metallic, roughness, world, n, n, ray);
   radiance = vec4(own + reflectance * sky + sparkle, 1.0);
 #endif
 #else
-  if (laid.a < shine.a) discard;
-  radiance = vec4(shade(grained(albedo), finish.x, world, n, ray) + shine.rgb, 1.0);
+  if (laid.colour.a < shine.a) discard;
+  vec3 lit = shade(grained(albedo), metallic, roughness, world, n, laid.normal, ray);
+  radiance = vec4(lit + emission, 1.0);
 #endif
 }
 `;

@@ -85,6 +85,7 @@ out vec3 grainPoint;
 flat out vec4 colour;
 flat out vec4 finish;
 flat out vec4 shine;
+flat out vec4 relief;
 #ifdef SKINNED
 out vec2 imagePlace;
 out vec4 corner;
@@ -94,10 +95,11 @@ void main() {
   gl_Position = placed(viewProjection, world);
   normalWorld = turned(entry(poses, 2u * ids.x + 1u), normal.xyz);
   grainPoint = turned(entry(pieces, 2u * ids.x + 1u), position);
-  colour = entry(materials, 3u * ids.y);
+  colour = entry(materials, 4u * ids.y);
   colour.rgb *= entry(pieces, 2u * ids.x).rgb;
-  finish = entry(materials, 3u * ids.y + 1u);
-  shine = entry(materials, 3u * ids.y + 2u);
+  finish = entry(materials, 4u * ids.y + 1u);
+  shine = entry(materials, 4u * ids.y + 2u);
+  relief = entry(materials, 4u * ids.y + 3u);
 #ifdef SKINNED
   imagePlace = place;
   corner = cornerColour;
