@@ -95,18 +95,6 @@ impl CellMesh {
         self.mesh.triangles = triangles;
         self.crack = crack;
     }
-
-    /// The vertices of the triangles on cracks.
-    pub(crate) fn crack_vertices(&self) -> Vec<DVec3> {
-        let mut on_crack = vec![false; self.mesh.positions.len()];
-        for (triangle, _) in self.mesh.triangles.iter().zip(&self.crack).filter(|&(_, &crack)| crack) {
-            for &vertex in triangle {
-                on_crack[vertex as usize] = true;
-            }
-        }
-        let vertices = self.mesh.positions.iter().zip(on_crack);
-        vertices.filter(|&(_, crack)| crack).map(|(&position, _)| position).collect()
-    }
 }
 
 /// The triangles that one becomes when some of its sides, counted from its first corner, are halved.

@@ -229,14 +229,6 @@ impl Pattern {
         self.cell_mesh(cell, longest_edge).mesh
     }
 
-    /// Points of the cracks around a cell within the box, at most `spacing` apart along each edge of a triangulation.
-    pub fn crack_samples(&self, cell: usize, spacing: f64) -> Vec<DVec3> {
-        match &self.cells {
-            Cells::Rough(rough) => rough.crack_samples(cell, spacing, self.half_extent),
-            Cells::Planar(_) | Cells::Drawn(_) => self.cell_mesh(cell, spacing).crack_vertices(),
-        }
-    }
-
     /// Samples cells that are not planar, as the first break would otherwise: takes some tenths of
     /// a second.
     pub fn prepare(&self) {

@@ -8,6 +8,7 @@
 
 mod components;
 mod crack_samples;
+mod laid;
 mod particles;
 mod pieces;
 mod regions;
@@ -17,7 +18,7 @@ use crate::pattern::Region;
 use crate::{Impact, Pattern, Placement, Smallest, shatter_hull};
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, RigidTransform, Shape};
-use glam::DVec3;
+use laid::Laid;
 use particles::Lookup;
 use slivers::Pieces;
 
@@ -107,26 +108,18 @@ fn shatter_sampled(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     pattern.prepare();
-    let placement = Placement::new(pattern, impact, parent);
-    let cell_at =
-        |point: DVec3| pattern.region_at(placement.pattern_from_grid(point)).map_or(0, |cell| cell as u32);
-    let distance = |cell: usize, point: DVec3| {
-        placement.scale * pattern.distance(cell, placement.pattern_from_grid(point))
-    };
-    let spacing = settings.sample_spacing_voxels * solid.grid().spacing / placement.scale;
-    let cracks = |cell: usize| {
-        let samples = pattern.crack_samples(cell, spacing);
-        samples.into_iter().map(|point| placement.point(point)).collect()
-    };
+    let laid = Laid::new(pattern, Placement::new(pattern, impact, parent), solid);
 
     // The same stages as for planes.
-    let shares = regions::share_out_nodes(solid, cell_at);
+    let shares = regions::share_out_nodes(solid, &laid);
     let mut components = components::connected_components(solid, shares, None);
     let voxels = settings.smallest_fragment_voxels;
     let pieces = slivers::merge_slivers(solid, &components, voxels, &settings.smallest);
-    let framed = frame(pieces::intersect_sampled(solid, distance, &mut components, &pieces));
+    let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
     let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
-    let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), cell_at, cracks);
+    let spacing = (settings.sample_spacing_voxels as usize).max(1);
+    let surfaces =
+        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
     finish(parent, framed, surfaces, (&components, &pieces))
 }
 

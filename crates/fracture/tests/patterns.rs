@@ -188,10 +188,10 @@ fn neighbours_share_the_triangles_between_them() {
 }
 
 #[test]
-fn crack_samples_lie_on_their_cell_and_on_another() {
+fn vertices_of_cracks_lie_on_their_cell_and_on_another() {
     for pattern in many_patterns().into_iter().skip(2).step_by(5) {
         for cell in 0..pattern.len() {
-            for point in pattern.crack_samples(cell, 0.3) {
+            for point in common::inside_of_box(&pattern, &pattern.region_mesh(cell, 0.3)) {
                 assert!(pattern.distance(cell, point).abs() < 1e-9);
                 let others = (0..pattern.len()).filter(|&other| other != cell);
                 let nearest =

@@ -32,6 +32,12 @@ impl Grid {
         Self { origin: 0.5 * (min + max) - half, spacing, dims }
     }
 
+    /// The same nodes and some further layers around them.
+    pub fn widened(&self, layers: usize) -> Self {
+        let origin = self.origin - DVec3::splat(layers as f64 * self.spacing);
+        Self { origin, dims: self.dims.map(|n| n + 2 * layers), ..*self }
+    }
+
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.dims[0] * self.dims[1] * self.dims[2]

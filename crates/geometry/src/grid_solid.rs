@@ -58,14 +58,14 @@ pub enum Root {
 #[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
 pub struct NoMass;
 
-/// Layers of nodes around a fragment's voxels, so that gradients at its surface are central.
-const MARGIN: usize = 2;
-
 /// At nodes where another fragment's inside would read as this one's: the least distance, in units of the spacing.
 /// Large enough to be seen in f32, too small to move a surface.
 const OUTSIDE: f64 = 1e-3;
 
 impl GridSolid {
+    /// Layers of nodes around a fragment's voxels, so that gradients at its surface are central.
+    pub const MARGIN: usize = 2;
+
     /// A formula sampled with `voxels` cells over its bounding box and `margin` further layers around it, see
     /// [`Grid::around_box`]; 2 layers keep all gradients at the surface central.
     ///
@@ -146,13 +146,14 @@ impl GridSolid {
         part
     }
 
-    /// The part of this solid where `distance` [m] is negative, too; sampled at the nodes.
-    pub fn intersected(&self, portion: Portion, distance: impl Fn(DVec3) -> f64) -> Self {
+    /// The part of this solid in a cell, too, whose signed distances at the nodes of the part's grid
+    /// are `sampled`.
+    pub fn intersected(&self, portion: Portion, sampled: impl FnOnce(Grid) -> LevelSet) -> Self {
         let mut part = self.part(portion);
         part.parts.clone_from(&self.parts);
         part.add_cuts(&[], part.extent());
-        let cell = Arc::new(LevelSet::sample(part.grid, distance));
-        let nodes = part.sample_nodes(|[i, j, k]| cell.at(i, j, k));
+        let cell = Arc::new(sampled(part.grid));
+        let nodes = part.sample_nodes(Some(&cell));
         part.outline.rough.push(cell);
         part.sampled_as(nodes)
     }
@@ -160,7 +161,7 @@ impl GridSolid {
     /// The same solid with its distance sampled at its own nodes. Where this solid's material ends, its inside does: what
     /// else the planes would hold belongs to others.
     pub fn sampled(self) -> Self {
-        let nodes = self.sample_nodes(|_| f32::NEG_INFINITY);
+        let nodes = self.sample_nodes(None);
         self.sampled_as(nodes)
     }
 
@@ -179,8 +180,8 @@ impl GridSolid {
     fn part(&self, portion: Portion) -> Self {
         let [low, high] = portion.sums.nodes();
         // The part's own lattice; it may reach beyond this one's.
-        let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * MARGIN - low[axis]);
-        let from = low.map(|n| n as i64 - MARGIN as i64);
+        let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * Self::MARGIN - low[axis]);
+        let from = low.map(|n| n as i64 - Self::MARGIN as i64);
         let h = self.grid.spacing;
         let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
         let grid = Grid { origin, spacing: h, dims };
@@ -208,7 +209,7 @@ impl GridSolid {
 
     /// Lowest and highest corner of the box around the nodes of a part [m].
     fn extent(&self) -> (DVec3, DVec3) {
-        let margin = MARGIN as f64 * self.grid.spacing;
+        let margin = Self::MARGIN as f64 * self.grid.spacing;
         let (low, high) = self.grid.bounds();
         (low + margin, high - margin)
     }
@@ -264,7 +265,7 @@ impl GridSolid {
         if self.parts.is_empty() {
             return &self.field;
         }
-        self.nodes.get_or_init(|| Arc::new(self.sample_nodes(|_| f32::NEG_INFINITY)))
+        self.nodes.get_or_init(|| Arc::new(self.sample_nodes(None)))
     }
 
     /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most` [m] need only be known to
@@ -341,7 +342,7 @@ impl GridSolid {
     /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s. Own nodes are inside if
     /// they were inside of the field. Nodes of others are not: of another component of the same region, or of what a
     /// sliver was cut off from.
-    fn sample_nodes(&self, cell: impl Fn([usize; 3]) -> f32) -> LevelSet {
+    fn sample_nodes(&self, cell: Option<&LevelSet>) -> LevelSet {
         let [width, rows_y, rows_z] = self.grid.dims;
         let [on_crack, half_cell] = [OUTSIDE, 0.5].map(|part| (part * self.grid.spacing) as f32);
         let mut phi = Vec::with_capacity(self.grid.len());
@@ -355,9 +356,20 @@ impl GridSolid {
                 part.lower_row(start, self.grid.spacing, &mut scratch, &mut region);
             }
             let first = phi.len();
-            for (i, &region) in region.iter().enumerate() {
-                let of_cell = cell([i, j, k]);
-                phi.push(larger(larger(self.field_at([i, j, k]), region), of_cell));
+            if let Some(cell) = cell {
+                let of_cell = &cell.phi()[row * width..(row + 1) * width];
+                for (region, &of_cell) in region.iter_mut().zip(of_cell) {
+                    *region = larger(*region, of_cell);
+                }
+            }
+            match self.row_of_field([j, k]) {
+                Some(of_field) => {
+                    phi.extend(of_field.iter().zip(&region).map(|(&field, &region)| larger(field, region)));
+                }
+                None => {
+                    let nodes = region.iter().enumerate();
+                    phi.extend(nodes.map(|(i, &region)| larger(self.field_at([i, j, k]), region)));
+                }
             }
 
             // Signs by ownership.
@@ -375,6 +387,16 @@ impl GridSolid {
             force_outside(&mut phi[first + next..first + width], on_crack, half_cell);
         }
         LevelSet::new(self.grid, phi)
+    }
+
+    /// The field's distances [m] at a row of the grid's nodes, if all of them are the field's.
+    fn row_of_field(&self, row: [usize; 2]) -> Option<&[f32]> {
+        let field = self.field.grid();
+        let place = |node: usize, axis: usize| usize::try_from(node as i64 + self.shift[axis]).ok();
+        let (i, j, k) = (place(0, 0)?, place(row[0], 1)?, place(row[1], 2)?);
+        let is_inside = i + self.grid.dims[0] <= field.dims[0] && j < field.dims[1] && k < field.dims[2];
+        let first = is_inside.then(|| field.index(i, j, k))?;
+        Some(&self.field.phi()[first..first + self.grid.dims[0]])
     }
 
     /// The field's distance at a node of the grid [m]; beyond its lattice the value at the nearest node and the way to it.

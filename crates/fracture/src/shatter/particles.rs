@@ -6,6 +6,7 @@ mod owners;
 use super::{
     ShatterSettings,
     crack_samples::{CrackFace, Parent, Sampler},
+    laid::Laid,
 };
 use crate::Placement;
 use crate::pattern::Region;
@@ -16,6 +17,10 @@ use owners::Owners;
 
 /// A body with fewer samples cannot stand on anything.
 const FEWEST_SAMPLES: usize = 4;
+
+/// A crack's points lie within the body, or so far outside of its surface [voxels]: the samples of
+/// a level set round its edges off.
+const AT_SURFACE: f64 = 0.05;
 
 /// What samples are shared out among.
 pub(crate) struct Lookup<'a> {
@@ -97,46 +102,35 @@ pub(crate) fn assign_particles(
     finish(collectors, lookup.pieces)
 }
 
-/// The same for cells of any form. `cell_at` says which one a point of the grid frame [m] lies in, `cracks(cell)` gives points
-/// of the cracks around one; those off the parent or off a piece are left out.
+/// The same for cells of any form, with points of the cracks on every so many rows of nodes.
 pub(crate) fn assign_to_sampled(
     parent: (&Shape, &GridSolid),
     pieces: (&[(GridSolid, BodyFrame)], &[Vec<u32>]),
-    cell_at: impl Fn(DVec3) -> u32,
-    cracks: impl Fn(usize) -> Vec<DVec3>,
+    laid: &Laid,
+    spacing: usize,
 ) -> Vec<ClusteredSamples> {
     let (shape, solid) = parent;
     let (pieces, of_regions) = pieces;
     let lookup = &Lookup { pattern: None, regions: &[], of_regions, pieces };
-    let sharing = Sharing { lookup, owners: Some(Owners::new(solid, pieces)) };
-    let h = solid.grid().spacing;
+    let owners = Owners::new(solid, pieces);
     let grid_from_parent = shape.body_from_grid.inverse();
     let mut collectors: Vec<Collector> =
         pieces.iter().map(|(_, frame)| Collector::new(frame, &grid_from_parent)).collect();
+    owners.for_each_crossing(spacing, laid, |[a, b], point| {
+        if f64::from(solid.value(point)) <= AT_SURFACE * solid.grid().spacing {
+            for piece in [a, b] {
+                let collector = &mut collectors[piece as usize];
+                collector.cracks.push(collector.body_from_grid.point(point));
+            }
+        }
+    });
+    let sharing = Sharing { lookup, owners: Some(owners) };
     for &sample in shape.samples() {
         let point = grid_from_parent.point(sample.as_dvec3());
-        if let Some(piece) = sharing.piece_at(cell_at(point) as usize, point) {
+        if let Some(piece) = sharing.piece_at(laid.cell_at(point) as usize, point) {
             let collector = &mut collectors[piece];
             collector.single.push(collector.body_from_parent.point(sample.as_dvec3()));
         }
-    }
-    for (cell, own) in of_regions.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
-        for point in cracks(cell) {
-            let on_parent = f64::from(solid.value(point)) <= 0.05 * h;
-            for &piece in own.iter().filter(|_| on_parent) {
-                // Where a sliver joined from across, the crack is healed: the point is deep inside.
-                if sharing.is_beside(piece as usize, point)
-                    && f64::from(pieces[piece as usize].0.value(point)).abs() < 0.5 * h
-                {
-                    let collector = &mut collectors[piece as usize];
-                    collector.cracks.push(collector.body_from_grid.point(point));
-                }
-            }
-        }
-    }
-    for collector in &mut collectors {
-        // Vertices of a mesh come in any order.
-        collector.cracks = ClusteredSamples::new(std::mem::take(&mut collector.cracks)).samples;
     }
     finish(collectors, pieces)
 }

@@ -1,9 +1,8 @@
 //! Each piece's solid: the parent, clipped by the piece's regions [Su09 sec. 4.2 "Level Set"].
 
-use super::{components::Components, regions::NONE, slivers::Pieces};
+use super::{components::Components, laid::Laid, regions::NONE, slivers::Pieces};
 use crate::pattern::Region;
 use frangible_geometry::{Grid, GridSolid, HalfSpace, Portion, Run};
-use glam::DVec3;
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
 /// region.
@@ -45,19 +44,17 @@ pub(crate) fn intersect_level_sets(
     pieces.components.iter().zip(portions).map(solid).collect()
 }
 
-/// The same for cells of any form: `distance(cell, point)` [m] in the grid frame, sampled at the pieces' nodes.
+/// The same for cells of any form, whose distances are sampled at the pieces' nodes.
 pub(crate) fn intersect_sampled(
     parent: &GridSolid,
-    distance: impl Fn(usize, DVec3) -> f64,
+    laid: &Laid,
     components: &mut Components,
     pieces: &Pieces,
 ) -> Vec<GridSolid> {
     let portions = portions_of_pieces(parent.grid(), components, pieces);
     let solid = |(members, portion): (&Vec<u32>, Portion)| {
         let (own, _) = regions_of_piece(members, components);
-        parent.intersected(portion, |point| {
-            own.iter().map(|&cell| distance(cell as usize, point)).fold(f64::INFINITY, f64::min)
-        })
+        parent.intersected(portion, |grid| laid.distances(&own, grid))
     };
     pieces.components.iter().zip(portions).map(solid).collect()
 }

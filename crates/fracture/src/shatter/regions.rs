@@ -5,8 +5,8 @@ mod intervals;
 
 use crate::pattern::{Region, nearest_region};
 pub(crate) use convex::portions_of_regions;
+use super::laid::Laid;
 use frangible_geometry::{Grid, GridSolid, Material, Run, Span};
-use glam::DVec3;
 use intervals::{Found, Intervals, RowEnds, TILE, Tiles};
 
 /// No region, no component, no piece.
@@ -69,21 +69,25 @@ pub(crate) fn share_out(solid: &GridSolid, regions: &[Region]) -> Shares {
     shares
 }
 
-/// Shares out a solid's material among cells of any form: `cell_at` says which one a point of the grid frame [m] lies in.
-pub(crate) fn share_out_nodes(solid: &GridSolid, cell_at: impl Fn(DVec3) -> u32) -> Shares {
+/// Shares out a solid's material among cells of any form.
+pub(crate) fn share_out_nodes(solid: &GridSolid, laid: &Laid) -> Shares {
     let (grid, material) = (solid.grid(), solid.material());
     let mut shares = Shares::default();
     let mut stretches: Vec<(u32, u32)> = Vec::new();
     for row in 0..material.rows() {
         shares.first_of_row.push(shares.all.len() as u32);
-        let [j, k] = [row % grid.dims[1], row / grid.dims[1]];
+        let place = [row % grid.dims[1], row / grid.dims[1]];
         stretches.clear();
-        for i in material.row(row).iter().flat_map(|span| span.start..span.end) {
-            let cell = cell_at(grid.node(i as usize, j, k));
-            match stretches.last_mut().filter(|(_, last)| *last == cell) {
-                Some((until, _)) => *until = i + 1,
-                None => stretches.push((i + 1, cell)),
-            }
+        for whole in material.row(row).chunk_by(|a, b| a.end == b.start) {
+            let (Some(first), Some(last)) = (whole.first(), whole.last()) else { continue };
+            let mut i = first.start;
+            laid.cells_along(place, first.start as usize..last.end as usize, |cell| {
+                i += 1;
+                match stretches.last_mut().filter(|(_, last)| *last == cell) {
+                    Some((until, _)) => *until = i,
+                    None => stretches.push((i, cell)),
+                }
+            });
         }
         shares.cut_row((grid, material), row, stretches.iter().copied());
     }

@@ -4,7 +4,7 @@
 
 use frangible_fracture::{Fragment, Impact, Pattern, Radial, Voronoi, fragment_velocity};
 use frangible_geometry::{
-    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, surface_samples::surface_samples,
+    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, TriMesh, surface_samples::surface_samples,
 };
 use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -33,6 +33,12 @@ pub fn sampled(low: DVec3, high: DVec3, voxels: [usize; 3], distance: impl Fn(DV
     let solid = GridSolid::from_level_set(LevelSet::sample(grid, distance));
     let samples = surface_samples(&solid, 2.0 * grid.spacing);
     Shape::from_grid_solid(solid, samples).unwrap()
+}
+
+/// The vertices of a cell's mesh that lie on no wall of its pattern's box.
+pub fn inside_of_box(pattern: &Pattern, mesh: &TriMesh) -> Vec<DVec3> {
+    let is_inside = |point: &DVec3| (point.abs() / pattern.half_extent).max_element() < 1.0 - 1e-9;
+    mesh.positions.iter().copied().filter(is_inside).collect()
 }
 
 /// The paper's wall: 6 x 0.4 x 4 m on 150 x 10 x 100 voxels.

@@ -1,6 +1,6 @@
 //! Whose the voxels around a point are [Su09 sec. 4.2 "Surface Particles"].
 
-use super::super::regions::NONE;
+use super::super::{laid::Laid, regions::NONE};
 use frangible_geometry::{BodyFrame, Grid, GridSolid};
 use glam::DVec3;
 
@@ -26,6 +26,50 @@ impl Owners {
             }
         }
         Self { grid, pieces: owners }
+    }
+
+    /// Visits where cracks cross the ways between neighbouring nodes of two pieces, with these: on
+    /// every so many rows along each axis, and on all of them where three pieces meet or the body's
+    /// surface is near.
+    pub(super) fn for_each_crossing(
+        &self,
+        spacing: usize,
+        laid: &Laid,
+        mut visit: impl FnMut([u32; 2], DVec3),
+    ) {
+        let [nx, ny, _] = self.grid.dims;
+        let strides = [1, nx, nx * ny];
+        for (axis, stride) in strides.into_iter().enumerate() {
+            let across = [strides[(axis + 1) % 3], strides[(axis + 2) % 3]];
+            for node in 0..self.pieces.len().saturating_sub(stride) {
+                let pieces = [self.pieces[node], self.pieces[node + stride]];
+                if pieces[0] == pieces[1] || pieces.contains(&NONE) {
+                    continue;
+                }
+                // The last node of a row is followed by another row's first.
+                let low = self.grid.coordinates(node);
+                if low[axis] + 1 == self.grid.dims[axis] {
+                    continue;
+                }
+                let is_on_row =
+                    [1, 2].iter().all(|turn| low[(axis + turn) % 3].is_multiple_of(spacing));
+                let around = || {
+                    let steps = [across[0], across[1], across[0] + across[1]];
+                    steps.into_iter().flat_map(move |step| [node + step, node.wrapping_sub(step)])
+                };
+                let is_other =
+                    |at: usize| self.pieces.get(at).is_none_or(|other| !pieces.contains(other));
+                if !is_on_row && !around().any(|at| is_other(at) || is_other(at.wrapping_add(stride))) {
+                    continue;
+                }
+                let mut high = low;
+                high[axis] += 1;
+                if let Some(part) = laid.crossing([low, high]) {
+                    let [from, to] = [low, high].map(|[i, j, k]| self.grid.node(i, j, k));
+                    visit(pieces, from.lerp(to, part));
+                }
+            }
+        }
     }
 
     /// The pieces of the voxels around a point, each once: of those whose nodes are at most a
