@@ -82,8 +82,11 @@ fn outer_faces_lie_on_the_round_body() {
                         for (triangle, &inner) in surface.interior.iter().enumerate() {
                             for corner in surface.mesh.corners(triangle) {
                                 let off = form.distance(to_parent.point(corner));
+                                // At a cylinder's caps cracks lead a little beyond them.
+                                let is_ball = matches!(form, ClosedForm::Sphere { .. });
+                                let beyond = if is_ball { 1e-9 } else { 1e-3 };
                                 assert!(
-                                    off < 1e-3 * size && (inner || off > -5e-3 * size),
+                                    off < beyond * size && (inner || off > -1e-9 * size),
                                     "{form:?}: {off}"
                                 );
                             }

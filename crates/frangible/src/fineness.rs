@@ -12,6 +12,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Patterns that are tried for each of the two searches.
 const MOST_TRIES: usize = 10;
 
+/// Of the patterns that made too many pieces, so many are magnified: the coarsest ones.
+const MOST_MAGNIFIED: usize = 3;
+
 /// Numbers of cells above this are rounded to as many different ones in each doubling or so: bodies
 /// share patterns.
 const STEPS: usize = 64;
@@ -68,7 +71,7 @@ impl Fineness {
         };
 
         // The number of cells; the fewest that make more pieces than are wanted can be magnified.
-        let mut coarsest: Option<Arc<Pattern>> = None;
+        let mut above: Vec<(usize, Arc<Pattern>)> = Vec::new();
         if self.desc.with_cells(1).is_some() {
             let mut bracket = Bracket::new(wanted, (1.0, MOST_CELLS as f64));
             let mut next = Some(wanted as f64);
@@ -80,30 +83,29 @@ impl Fineness {
                 if good(&best) {
                     return best;
                 }
-                if bracket.is_lowest_above(cells as f64, count) {
-                    coarsest = Some(pattern);
+                if count > wanted {
+                    above.push((cells, pattern));
                 }
                 bracket.add(cells as f64, count);
                 next = (tried.len() < MOST_TRIES).then(|| bracket.next()).flatten();
             }
         } else {
             let count = try_one(self.plain.clone(), &mut best);
-            coarsest = (count > wanted).then(|| self.plain.clone());
+            above.extend((count > wanted).then(|| (0, self.plain.clone())));
         }
 
         // How large they are.
-        let Some(pattern) = coarsest.filter(|_| !good(&best)) else { return best };
-        let mut bracket = Bracket::new(wanted, (1.0 / MOST_MAGNIFICATION, 1.0));
-        let mut next = Some(0.9);
-        for _ in 0..MOST_TRIES {
-            let Some(size) = next else { break };
-            let magnified =
-                Pattern { magnification: pattern.magnification / size, ..Pattern::clone(&pattern) };
-            bracket.add(size, try_one(Arc::new(magnified), &mut best));
-            if good(&best) {
-                break;
+        above.sort_by_key(|&(cells, _)| cells);
+        for (_, pattern) in above.iter().take(MOST_MAGNIFIED) {
+            let mut bracket = Bracket::new(wanted, (1.0 / MOST_MAGNIFICATION, 1.0));
+            let mut next = Some(0.9);
+            for _ in 0..MOST_TRIES {
+                let Some(size) = next.filter(|_| !good(&best)) else { break };
+                let magnified =
+                    Pattern { magnification: pattern.magnification / size, ..Pattern::clone(pattern) };
+                bracket.add(size, try_one(Arc::new(magnified), &mut best));
+                next = bracket.next();
             }
-            next = bracket.next();
         }
         best
     }
@@ -135,11 +137,6 @@ struct Bracket {
 impl Bracket {
     fn new(wanted: usize, range: (f64, f64)) -> Self {
         Self { wanted: wanted as f64, range, low: None, high: None }
-    }
-
-    /// True if no lower x is known to give more than is wanted.
-    fn is_lowest_above(&self, x: f64, count: usize) -> bool {
-        count as f64 > self.wanted && self.high.is_none_or(|(known, _)| x < known)
     }
 
     fn add(&mut self, x: f64, count: usize) {

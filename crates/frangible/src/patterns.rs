@@ -2,11 +2,8 @@
 
 use crate::check::{BuildError, Checker, nearest};
 use crate::desc::{PatternDesc, PatternFile};
+use frangible_fracture::generators::MOST_CELLS;
 use frangible_fracture::{Bricks, Concrete, Natural, Pattern, Radial, Slices, Splinters, Voronoi};
-
-/// Of the pieces of a brick wall, so many times as many are side by side as one above the other are long: bricks are three times
-/// as long as high.
-const BRICK_RATIO: f64 = 3.0;
 
 /// A generator that [`PatternDesc::named`] knows.
 struct Kind {
@@ -137,25 +134,39 @@ fn radial(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     PatternDesc::Radial(Radial { spokes, rings, seed, ..default })
 }
 
-/// Bricks and joints come to about three cells for each brick.
+/// Bricks of the usual proportions.
 fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     let default = Bricks::default();
     let seed = seed.unwrap_or(default.seed);
-    let Some(cells) = cells else { return PatternDesc::Bricks(Bricks { seed, ..default }) };
-    let columns = (cells as f64 / 3.0 / BRICK_RATIO).sqrt().round().max(1.0);
-    let courses = (cells as f64 / 3.0 / (columns + 0.5)).round().max(1.0) as usize;
-    PatternDesc::Bricks(Bricks { columns: columns as usize, courses, seed, ..default })
+    let usual = Bricks { seed, ..default };
+    PatternDesc::Bricks(cells.map_or(usual.clone(), |cells| more_bricks(&usual, cells)))
 }
 
-/// Bricks of about the same proportions: each has its joints beside it and above it, unless there
-/// is no mortar.
+/// The bricks that come nearest to so many cells, or nearly so in better proportions: as many courses
+/// for each column as there are.
 fn more_bricks(bricks: &Bricks, cells: usize) -> Bricks {
-    let parts = if bricks.mortar > 0.0 { 3.0 } else { 1.0 };
-    let wanted = cells as f64 / parts;
-    let courses_per_column = bricks.courses.max(1) as f64 / bricks.columns.max(1) as f64;
-    let columns = (wanted / courses_per_column).sqrt().round().max(1.0);
-    let courses = (wanted / (columns + 0.5)).round().max(1.0);
-    Bricks { columns: columns as usize, courses: courses as usize, ..bricks.clone() }
+    // Twice as many courses for each column are as far off as so many times as many cells.
+    const PROPORTIONS: f64 = 0.05;
+    let wanted = cells.max(1) as f64;
+    let proportions = bricks.courses.max(1) as f64 / bricks.columns.max(1) as f64;
+    let off = |columns: usize, courses: usize| {
+        let laid = courses * columns + courses / 2;
+        // Each brick has a joint above it, and beside it if another follows.
+        let made = if bricks.mortar > 0.0 { 3 * laid - courses } else { laid };
+        let turned = libm::log2(courses as f64 / columns as f64 / proportions).abs();
+        (made as f64 / wanted - 1.0).abs() + PROPORTIONS * turned
+    };
+    let most_columns = (wanted.sqrt() as usize + 1).min(MOST_CELLS);
+    let (columns, courses) = (1..=most_columns)
+        .flat_map(|columns| {
+            let of_course = if bricks.mortar > 0.0 { 3 * columns } else { columns };
+            let near = cells / of_course;
+            [near.max(1), near + 1].map(|courses| (columns, courses))
+        })
+        .chain((1..=most_columns).map(|columns| (columns, (cells / (3 * columns + 1)).max(1))))
+        .min_by(|a, b| off(a.0, a.1).total_cmp(&off(b.0, b.1)))
+        .unwrap_or((1, 1));
+    Bricks { columns, courses, ..bricks.clone() }
 }
 
 /// Each splinter in two pieces.
