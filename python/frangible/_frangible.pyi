@@ -37,6 +37,7 @@ __all__ = [
     "shot_frames",
     "shot_scene",
     "shots",
+    "thicken_mesh",
 ]
 
 __version__: str
@@ -63,8 +64,11 @@ def shot_scene(
     fps: float | None = None,
     method: str | None = None,
     seed: int | None = None,
+    thickness: float | None = None,
 ) -> str:
     """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that cannot be used.
+
+    Open parts of a mesh become plates of a ``thickness``, in the file's unit.
 
     `shot_defaults` says what stands for `None`.
     """
@@ -172,6 +176,13 @@ def clean_mesh(
 ) -> CleanMesh:
     """The solids that raw triangles bound, part by part: welded, repeated triangles dropped, turned to
     agree, holes closed, open flat parts left out. `BuildError` if no part encloses a volume."""
+
+def thicken_mesh(
+    mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], thickness: float, name: str = ...
+) -> tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], int]:
+    """Raw triangles with a plate of a thickness [m] in place of each open part, and their number:
+    its triangles moved by half of that to both sides along the normals of their vertices, and walls
+    along its rims. `BuildError` if the thickness is not above zero."""
 
 def resurface(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], voxels: int

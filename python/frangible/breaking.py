@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _frangible
 from .cleaning import MOST_BURIED, CleanMesh
+from .interrupts import deaf_work
 from .mesh_skin import Below, MeshSkin, read_skin
 from .output import missing_packages
 from .piece_count import break_into
@@ -61,6 +62,7 @@ def break_mesh(
     stage: StageCallback = no_stage,
     pieces: int | None = None,
     smallest: float = DEFAULT_SMALLEST,
+    thickness: float | None = None,
 ) -> Pieces:
     """Break a mesh file along a pattern; `BuildError` if that cannot be done.
 
@@ -77,11 +79,14 @@ def break_mesh(
 
     With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until there are about so many; a note
     says if it does not come within a tenth. A piece of less than ``smallest`` of the mean piece's volume joins its neighbour.
+
+    With a ``thickness`` [m] open parts are sheets, and plates so thick take their place; without it
+    their holes are closed, and flat ones are left out.
     """
     stage("reading the mesh")
     # Where the blow lands.
     with readable_mesh(path, pose_time) as file:
-        clean = _frangible.clean_mesh(_frangible.load_mesh(file), file)
+        clean = _solids(file, thickness)
         skin = read_skin(os.fspath(path), file, inside)
     mesh = (clean["vertices"], clean["triangles"])
     direction = np.array(normal, np.float64)
@@ -112,7 +117,8 @@ def break_mesh(
     def cut(chosen: _frangible.Pattern) -> Pieces:
         if is_cut:
             stage("cutting the mesh along the pattern")
-            return _break_exactly(target, chosen)
+            with deaf_work():
+                return _break_exactly(target, chosen)
         stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
         broken = _break_on_grid(target, chosen)
         if exact is None:
@@ -120,6 +126,18 @@ def break_mesh(
         return broken
 
     return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, (point, direction), cut)
+
+
+def _solids(file: str, thickness: float | None) -> CleanMesh:
+    """The solids of a mesh file, with plates for its open parts if they have a thickness [m]."""
+    raw = _frangible.load_mesh(file)
+    if thickness is None:
+        return _frangible.clean_mesh(raw, file)
+    thick, plates = _frangible.thicken_mesh(raw, thickness, file)
+    clean = _frangible.clean_mesh(thick, file)
+    parts = {0: "no open part that could be", 1: "1 open part"}.get(plates, f"{plates} open parts")
+    clean["notes"].insert(0, f"{parts} made a plate {thickness:g} m thick")
+    return clean
 
 
 def _listed(vector: Float64) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .cache import CacheError, check_is_file
 from .gltf import describe_glb
-from .mesh_facts import describe_mesh
+from .mesh_facts import described, read_facts
 from .output import missing_packages
 from .reading import one_sentence
 from .recording import Recording
@@ -34,7 +34,8 @@ def describe_file(path: str, pose_time: float | None = None) -> dict[str, object
         if facts is not None:
             return facts
     with readable_mesh(path, pose_time) as file:
-        return describe_mesh(file)
+        known = read_facts(file)
+    return described(*known)
 
 
 def _describe_npz(path: str) -> dict[str, object]:

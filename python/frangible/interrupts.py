@@ -1,14 +1,52 @@
-"""Signals that end a run early: the first lets the frame end and its outputs be written, the second ends at once."""
+"""Signals that end a command early.
+
+Of a run the first lets the frame end and its outputs be written, the second ends at once.
+"""
 
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 #: Signals of Ctrl-C and of a polite kill.
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+#: True while the process does nothing but one command.
+_is_command = False
+
+
+@contextmanager
+def own_process() -> Iterator[None]:
+    """While the context lasts, the process does nothing but one command: signals may end it."""
+    global _is_command
+    before, _is_command = _is_command, True
+    try:
+        yield
+    finally:
+        _is_command = before
+
+
+@contextmanager
+def deaf_work() -> Iterator[None]:
+    """For calls into libraries that keep Python's lock, so that no handler runs until they return.
+
+    In a process of our own signals end it at once while the context lasts, without a word: nothing
+    may be open that has to be put away. Elsewhere they wait for the end of the call.
+    """
+    if not _is_command or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    # What the caller ignores, or somebody else handles outside of Python, stays as it is.
+    heard = [one for one in SIGNALS if signal.getsignal(one) not in (signal.SIG_IGN, None)]
+    before = {one: signal.signal(one, signal.SIG_DFL) for one in heard}
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 class Stop:

@@ -80,10 +80,13 @@ def volume_notes(readable: Any, masses: Any) -> list[str]:
         mass = float(masses[number])
         if not np.isfinite(mass):
             continue
-        clean = _frangible.clean_mesh(_frangible.load_mesh(str(shape["path"])))
+        scale = float(shape.get("scale", 1.0))
+        raw = _frangible.load_mesh(str(shape["path"]))
+        if (thickness := shape.get("thickness")) is not None:
+            raw, _ = _frangible.thicken_mesh(raw, thickness / scale)
+        clean = _frangible.clean_mesh(raw)
         if clean["meets"].any() or clean["buried"].any():
             continue
-        scale = float(shape.get("scale", 1.0))
         mesh = (scale * clean["vertices"], clean["triangles"])
         longest = int(np.argmax(np.ptp(mesh[0], axis=0)))
         voxels = ((shape.get("resolution") or {}).get("voxels") or [DEFAULT_VOXELS] * 3)[longest]

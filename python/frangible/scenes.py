@@ -132,18 +132,20 @@ def find_scene(
     assignments: Iterable[str] = (),
     pose_time: float | None = None,
     pieces: int | None = None,
+    thickness: float | None = None,
 ) -> tuple[Scene, int, str]:
     """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many frames it takes; its name.
 
     `BuildError` if there is none, or what is asked for does not fit it.
     """
     if isinstance(source, str) and not is_scene_file(source):
-        scene = _shot(source, mesh, fps, method, seed, pose_time)
+        options = {"fps": fps, "method": method, "seed": seed, "thickness": thickness}
+        scene = _shot(source, mesh, pose_time, options)
         _set_pieces(scene, pieces)
         for assignment in assignments:
             set_field(scene, assignment)
         return scene, _frames(scene), source
-    for option, given in (("mesh", mesh), ("seed", seed)):
+    for option, given in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
         if given is not None:
             raise BuildError(f"{option}: {given}, must be left out for a scene of one's own, which says it itself")
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
@@ -161,11 +163,9 @@ def find_scene(
     return scene, _frames(scene), str(name)
 
 
-def _shot(
-    name: str, mesh: str | None, fps: float | None, method: str | None, seed: int | None, pose_time: float | None
-) -> Scene:
+def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
-        scene: Scene = json.loads(shot_scene(name, mesh=readable, fps=fps, method=method, seed=seed))
+        scene: Scene = json.loads(shot_scene(name, mesh=readable, **options))
     # The reader of the scene reads the mesh's file too.
     for holder in _path_holders(scene):
         holder["path"] = mesh if holder["path"] == readable else holder["path"]

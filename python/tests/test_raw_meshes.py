@@ -8,8 +8,9 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
-from frangible import BuildError, Pattern, break_mesh
+from frangible import BuildError, Pattern, World, _frangible, break_mesh
 from frangible.mesh_facts import describe_mesh
 
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -67,11 +68,63 @@ def test_info_and_pieces_have_the_volume_of_the_solids(name: str, tmp_path: Path
 
 def test_a_sheet_alone_is_refused_and_described(tmp_path: Path) -> None:
     path = written(tmp_path, [FLOOR])
-    with pytest.raises(BuildError, match="encloses no volume"):
+    with pytest.raises(BuildError, match="encloses no volume.*--thickness"):
         break_mesh(path, Pattern.named("voronoi", cells=6))
     facts = describe_mesh(path)
     assert facts["volume_m3"] == 0.0
     assert "encloses no volume" in str(facts["surface"])
+
+
+def area(path: str) -> float:
+    vertices, triangles = _frangible.load_mesh(path)
+    corners = vertices[triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return 0.5 * float(np.linalg.norm(across, axis=1).sum())
+
+
+@pytest.mark.parametrize(("thickness", "exact"), [(0.01, True), (0.4, True), (0.4, False)])
+def test_sheets_with_a_thickness_are_plates(thickness: float, exact: bool, tmp_path: Path) -> None:
+    second = [(x + 4.0, y + 1.0, z) for x, y, z in FLOOR[0]]
+    for parts in ([FLOOR], [FLOOR, (second, FLOOR[1])], [FLOOR, box()]):
+        path = written(tmp_path, parts)
+        expected = 1.0 + 9.0 * thickness if len(parts[1:]) and parts[1] == box() else thickness * area(path)
+        pieces = break_mesh(
+            path,
+            Pattern.named("voronoi", cells=6, seed=2),
+            thickness=thickness,
+            exact=exact,
+            voxels=32,
+        )
+        assert pieces.volume == pytest.approx(expected, rel=1e-9)
+        written_volume = sum(piece.volume for piece in pieces.pieces)
+        assert len(pieces.pieces) > 1
+        if exact:
+            assert written_volume == pytest.approx(expected, rel=1e-9)
+        assert any(f"{thickness:g} m thick" in note for note in pieces.notes), pieces.notes
+
+
+def test_a_thickness_without_a_sheet_is_told(tmp_path: Path) -> None:
+    path = written(tmp_path, [box()])
+    pieces = break_mesh(path, Pattern.named("voronoi", cells=4), thickness=0.1)
+    assert pieces.volume == pytest.approx(1.0)
+    assert "no open part" in pieces.notes[0]
+    with pytest.raises(BuildError, match="thickness -1 m, must be above 0"):
+        break_mesh(path, Pattern.named("voronoi", cells=4), thickness=-1.0)
+
+
+def test_sheets_break_in_scenes(tmp_path: Path) -> None:
+    path = written(tmp_path, [FLOOR])
+    shape = {"kind": "mesh", "path": path, "thickness": 0.5, "resolution": {"voxels": [24, 4, 24]}}
+    body = {"shape": shape, "density": 2.0}
+    assert World.build({"bodies": [body]}).masses[0] == pytest.approx(9.0, rel=1e-3)
+    shape["scale"] = 2.0
+    assert World.build({"bodies": [body]}).masses[0] == pytest.approx(36.0, rel=1e-3)
+    vertices = [list(corner) for corner in FLOOR[0]]
+    shape = {"kind": "triangles", "positions": vertices, "triangles": [[0, 3, 2], [0, 2, 1]], "thickness": 0.5}
+    assert World.build({"bodies": [{"shape": shape, "density": 2.0}]}).masses[0] == pytest.approx(9.0, rel=0.02)
+    for wrong in (0.0, -1.0):
+        with pytest.raises(BuildError, match="thickness"):
+            World.build({"bodies": [{"shape": {**shape, "thickness": wrong}}]})
 
 
 def test_a_floor_that_is_left_out_is_named(tmp_path: Path) -> None:

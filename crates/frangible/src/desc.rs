@@ -203,6 +203,9 @@ pub enum ShapeDesc {
         /// The file's unit in metres.
         #[serde(default = "defaults::one")]
         scale: f64,
+        /// Open parts become plates so thick [m]; without it those that enclose nothing are left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        thickness: Option<f64>,
         /// A mesh is always sampled.
         #[serde(default)]
         resolution: Resolution,
@@ -213,6 +216,9 @@ pub enum ShapeDesc {
         positions: Vec<[f64; 3]>,
         /// Three vertices each, counted from 0, counter-clockwise seen from outside.
         triangles: Vec<[u32; 3]>,
+        /// Open parts become plates so thick [m]; without it those that enclose nothing are left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        thickness: Option<f64>,
         /// A mesh is always sampled.
         #[serde(default)]
         resolution: Resolution,

@@ -85,21 +85,23 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
         }
         ShapeDesc::Hull { points, resolution } => from_points(points, resolution, make, at),
         ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, make, at),
-        ShapeDesc::Mesh { path, scale, resolution } => {
+        ShapeDesc::Mesh { path, scale, thickness, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let at_path = at.field("path");
             let mut mesh =
                 mesh_io::load(Path::new(path)).map_err(|error| at_path.file(&error.to_string()))?;
             mesh.positions.iter_mut().for_each(|position| *position *= scale);
+            let mesh = thickened(mesh, path, *thickness, at)?;
             from_mesh(&mesh, path, resolution, at).map_err(|error| match error {
                 BuildError::Rule { .. } => error,
                 other => at_path.file(&other.to_string()),
             })
         }
-        ShapeDesc::Triangles { positions, triangles, resolution } => {
+        ShapeDesc::Triangles { positions, triangles, thickness, resolution } => {
             let positions = positions.iter().copied().map(DVec3::from_array).collect();
             let mesh = TriMesh { positions, triangles: triangles.clone() };
             mesh.check(at.path())?;
+            let mesh = thickened(mesh, at.path(), *thickness, at)?;
             from_mesh(&mesh, at.path(), resolution, at)
         }
     }
@@ -202,6 +204,18 @@ fn convex(hull: Hull, resolution: &Resolution, at: &Checker) -> Result<Shape, Bu
     let spacing = spacing_of_exact(resolution, high - low, at)?;
     let given = format!("{} vertices", hull.vertices().len());
     Shape::convex(hull, spacing).map_err(|error| at.broken(&given, &error.to_string()))
+}
+
+/// Plates in place of a mesh's open parts, if they have a thickness [m].
+fn thickened(
+    mesh: TriMesh,
+    name: &str,
+    thickness: Option<f64>,
+    at: &Checker,
+) -> Result<TriMesh, BuildError> {
+    let Some(thickness) = thickness else { return Ok(mesh) };
+    let thickness = at.field("thickness").positive(thickness, "m")?;
+    Ok(mesh.thickened(thickness, name)?.mesh)
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.

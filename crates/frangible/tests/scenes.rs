@@ -97,6 +97,7 @@ fn triangles_are_a_body() {
     let shape = |triangles: &[[u32; 3]]| ShapeDesc::Triangles {
         positions: positions.clone(),
         triangles: triangles.to_vec(),
+        thickness: None,
         resolution: Resolution { voxels: Some([24; 3]), sample_spacing: None },
     };
 

@@ -5,6 +5,7 @@ mod meeting;
 mod pairing;
 mod rims;
 mod shells;
+mod thicken;
 
 use crate::mesh_check::short;
 use crate::{MeshError, TriMesh};
@@ -13,6 +14,7 @@ use junctions::split_at_junctions;
 pub use meeting::Meeting;
 use pairing::{NONE, Pairing};
 use shells::{Role, Shell};
+pub use thicken::Thickened;
 
 /// Vertices at open edges are welded when they are closer than these parts of the bounding box's
 /// diagonal, the smallest first: noise of double precision, and of single precision. Two sheets a
@@ -160,39 +162,8 @@ struct Part {
 
 /// Nothing at all if no part encloses a volume.
 fn clean(raw: &TriMesh, tolerances: &[f64]) -> CleanMesh {
-    let (low, high) = raw.bounds();
-    let tolerances: Vec<f64> = tolerances.iter().map(|part| part * (high - low).length()).collect();
-    let widest = tolerances.last().copied().unwrap_or(0.0);
-
-    // Pair the triangles at their edges; where one ends in the middle of another, divide and again.
-    const MOST_DIVISIONS: usize = 3;
-    let mut source: Vec<u32> = (0..raw.triangles.len() as u32).collect();
-    let mut pairing = Pairing::new(raw.clone(), &tolerances);
-    for _ in 0..MOST_DIVISIONS {
-        let Some(split) = split_at_junctions(&pairing, &source, widest) else { break };
-        source = split.source;
-        let work = TriMesh { positions: pairing.mesh.positions, triangles: split.triangles };
-        pairing = Pairing::new(work, &tolerances);
-    }
-    let (turned, part_of) = pairing.agree();
-    let closed = rims::close(&pairing, &turned);
-
-    // Gather the parts.
-    let mut parts: Vec<Part> = Vec::new();
-    let mut number = vec![NONE; part_of.len()];
-    for (triangle, &part) in part_of.iter().enumerate().filter(|(_, part)| **part != NONE) {
-        if part as usize == triangle {
-            number[triangle] = parts.len() as u32;
-            parts.push(Part::default());
-        }
-        parts[number[part as usize] as usize].triangles.push(triangle as u32);
-    }
-    for (hole, triangles) in closed.holes.iter().enumerate() {
-        let part = part_of[triangles[0][0] as usize / 3];
-        parts[number[part as usize] as usize].holes.push(hole);
-    }
-    let Pairing { mesh: work, place, .. } = pairing;
-    Assembly { work, place_of: place, source, turned, closed, parts }.finish(raw)
+    let (assembly, parts) = Assembly::new(raw, tolerances);
+    assembly.finish(raw, &parts)
 }
 
 /// The parts of a mesh on their way to solids.
@@ -204,10 +175,47 @@ struct Assembly {
     source: Vec<u32>,
     turned: Vec<bool>,
     closed: rims::Closed,
-    parts: Vec<Part>,
 }
 
 impl Assembly {
+    /// Welds and pairs what is closer than the `tolerances`, parts of the diagonal, and closes what
+    /// is open.
+    fn new(raw: &TriMesh, tolerances: &[f64]) -> (Self, Vec<Part>) {
+        let (low, high) = raw.bounds();
+        let tolerances: Vec<f64> = tolerances.iter().map(|part| part * (high - low).length()).collect();
+        let widest = tolerances.last().copied().unwrap_or(0.0);
+
+        // Pair the triangles at their edges; where one ends in the middle of another, divide and again.
+        const MOST_DIVISIONS: usize = 3;
+        let mut source: Vec<u32> = (0..raw.triangles.len() as u32).collect();
+        let mut pairing = Pairing::new(raw.clone(), &tolerances);
+        for _ in 0..MOST_DIVISIONS {
+            let Some(split) = split_at_junctions(&pairing, &source, widest) else { break };
+            source = split.source;
+            let work = TriMesh { positions: pairing.mesh.positions, triangles: split.triangles };
+            pairing = Pairing::new(work, &tolerances);
+        }
+        let (turned, part_of) = pairing.agree();
+        let closed = rims::close(&pairing, &turned);
+
+        // Gather the parts.
+        let mut parts: Vec<Part> = Vec::new();
+        let mut number = vec![NONE; part_of.len()];
+        for (triangle, &part) in part_of.iter().enumerate().filter(|(_, part)| **part != NONE) {
+            if part as usize == triangle {
+                number[triangle] = parts.len() as u32;
+                parts.push(Part::default());
+            }
+            parts[number[part as usize] as usize].triangles.push(triangle as u32);
+        }
+        for (hole, triangles) in closed.holes.iter().enumerate() {
+            let part = part_of[triangles[0][0] as usize / 3];
+            parts[number[part as usize] as usize].holes.push(hole);
+        }
+        let Pairing { mesh: work, place, .. } = pairing;
+        (Self { work, place_of: place, source, turned, closed }, parts)
+    }
+
     /// Corners `3 t + k` of a working triangle in the order that agrees with its part.
     fn corners(&self, triangle: u32) -> [u32; 3] {
         let first = 3 * triangle;
@@ -232,6 +240,10 @@ impl Assembly {
         self.closed.holes[hole].iter().map(area).sum()
     }
 
+    fn holes_area(&self, part: &Part) -> f64 {
+        part.holes.iter().map(|&hole| self.hole_area(hole)).sum()
+    }
+
     fn shell(&self, part: &Part) -> Shell {
         let own = part.triangles.iter().map(|&triangle| self.points(self.corners(triangle)));
         let filled = part.holes.iter().flat_map(|&hole| &self.closed.holes[hole]);
@@ -251,15 +263,14 @@ impl Assembly {
     }
 
     /// Tells solids from sheets, and writes the solids.
-    fn finish(mut self, raw: &TriMesh) -> CleanMesh {
-        let parts = std::mem::take(&mut self.parts);
+    fn finish(self, raw: &TriMesh, parts: &[Part]) -> CleanMesh {
         let mut changes = MeshChanges::default();
         let mut solids: Vec<(usize, Shell)> = Vec::new();
         let mut domes: Vec<(usize, Shell)> = Vec::new();
         let mut flat: Vec<usize> = Vec::new();
         for (number, part) in parts.iter().enumerate() {
             let shell = self.shell(part);
-            let hole_area: f64 = part.holes.iter().map(|&hole| self.hole_area(hole)).sum();
+            let hole_area = self.holes_area(part);
             let own_area = shell.area - hole_area;
             let is_open = hole_area > CRACK * own_area;
             let least = if is_open { FLAT_OPEN } else { FLAT_CLOSED };

@@ -110,7 +110,8 @@ pub enum MeshError {
     },
     /// No part is closed, or can be.
     #[error(
-        "{mesh}: encloses no volume: it has {parts} open or flat part{} of {} m^2 in all, must have a closed one",
+        "{mesh}: encloses no volume: it has {parts} open or flat part{} of {} m^2 in all, must have a \
+         closed one, or a thickness that makes plates of open ones (--thickness, or a scene's \"thickness\")",
         if *parts == 1 { "" } else { "s" },
         short(*area)
     )]
@@ -121,6 +122,14 @@ pub enum MeshError {
         parts: usize,
         /// Of all of them [m^2].
         area: f64,
+    },
+    /// Of a plate, zero or less, or no number.
+    #[error("{mesh}: thickness {thickness} m, must be above 0")]
+    Thickness {
+        /// File or "the mesh".
+        mesh: String,
+        /// [m]
+        thickness: f64,
     },
 }
 

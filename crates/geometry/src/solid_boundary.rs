@@ -1,62 +1,120 @@
-//! The part of a surface that separates inside from outside.
+//! The part of closed surfaces that separates inside from outside.
 //!
-//! Where parts of a mesh overlap, pieces of its surface have the inside on both sides: they bound nothing, and a distance
-//! to them would put false surfaces into a solid.
+//! Where parts of a mesh overlap, pieces of its surface have the inside on both sides: they bound
+//! nothing, and a distance to them would put false surfaces into a solid.
 
-use crate::winding_number::INSIDE;
-use crate::{TriMesh, WindingNumber};
+use crate::line_crossings::LineCrossings;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How far in front of a triangle its front side is probed, in cells: less than any thickness that a grid resolves.
+/// How far in front of a triangle its front side is probed, in cells: less than any thickness that
+/// a grid resolves.
 const PROBE: f64 = 1e-4;
-/// Triangles longer than this many cells are probed in parts, so that no other surface crosses them unseen.
+/// Length in cells up to which a triangle that another surface meets is probed in a few places,
+/// before it is divided.
 const COARSE: f64 = 1.0;
-/// Length in cells down to which a triangle that another surface crosses is divided: the error at the crease.
+/// Length in cells down to which a triangle that another surface crosses is divided: the error at
+/// the crease.
 const CREASE: f64 = 0.125;
+/// Lines closer to the border of a triangle than this many cells, or than this part of its height,
+/// do not divide it.
+const BORDER: f64 = 1e-3;
 
-/// The triangles, or parts of triangles, with outside in front and inside behind. `triangles` are the corners [m] of
-/// those of the mesh, which may be turned.
-pub(crate) fn boundary_triangles(
-    winding: &WindingNumber,
-    mesh: &TriMesh,
-    triangles: &[[DVec3; 3]],
-    spacing: f64,
-) -> Vec<[DVec3; 3]> {
-    // Probe each triangle, a large one in several places.
-    let probe_of = |corners: &[DVec3; 3]| {
-        let front = normal(corners).try_normalize()?;
-        Some(Probe { winding, offset: front * (PROBE * spacing), spacing })
-    };
-    let answers: Vec<Option<bool>> =
-        triangles.par_iter().map(|corners| probe_of(corners)?.unanimous(corners)).collect();
+/// A straight line from point to point.
+type Line = [DVec3; 2];
 
-    // Where the answers of neighbours differ another surface passes.
-    let mut heard = vec![[false; 2]; mesh.positions.len()];
-    for (triangle, answer) in mesh.triangles.iter().zip(&answers) {
-        for &vertex in triangle {
-            let [kept, dropped] = &mut heard[vertex as usize];
-            *kept |= *answer != Some(false);
-            *dropped |= *answer != Some(true);
-        }
-    }
-    let disputed =
-        |triangle: &[u32; 3]| triangle.iter().any(|&vertex| heard[vertex as usize] == [true, true]);
-
-    // Keep what separates, and divide what is disputed.
-    let collect = |(corners, (triangle, answer)): (&[DVec3; 3], (&[u32; 3], &Option<bool>))| {
+/// The triangles of `asked`, or parts of them, with outside in front and inside behind. `spacing`
+/// is a cell's edge [m].
+pub(crate) fn boundary_triangles(surfaces: &LineCrossings, asked: &[usize], spacing: f64) -> Vec<[DVec3; 3]> {
+    let divided = |&triangle: &usize| {
+        let corners = surfaces.triangles()[triangle];
         let mut pieces = Vec::new();
-        match answer {
-            Some(answer) if !disputed(triangle) => pieces.extend(answer.then_some(*corners)),
-            _ => {
-                if let Some(probe) = probe_of(corners) {
-                    probe.gather(corners, &mut pieces);
-                }
-            }
+        if let Some(normal) = normal(&corners).try_normalize() {
+            let lines = if longest_edge(&corners) > CREASE * spacing {
+                meeting_lines(surfaces, triangle, normal, PROBE * spacing)
+            } else {
+                Vec::new()
+            };
+            Probe { surfaces, normal, spacing }.gather(&corners, &lines, &mut pieces);
         }
         pieces
     };
-    triangles.par_iter().zip(mesh.triangles.par_iter().zip(&answers)).flat_map_iter(collect).collect()
+    asked.par_iter().flat_map_iter(divided).collect()
+}
+
+/// The lines in a triangle's plane along which others meet it, or end on it.
+fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near: f64) -> Vec<Line> {
+    let own = surfaces.triangles()[triangle];
+    let (low, high) = (lowest(&own) - near, highest(&own) + near);
+    let apart =
+        |other_low: DVec3, other_high: DVec3| other_low.cmpgt(high).any() || other_high.cmplt(low).any();
+    let mut lines = Vec::new();
+    surfaces.tree().visit(
+        |node_low, node_high| !apart(node_low, node_high),
+        |other| {
+            let corners = &surfaces.triangles()[other];
+            if other == triangle || apart(lowest(corners), highest(corners)) {
+                return;
+            }
+            let heights = corners.map(|corner| {
+                let height = (corner - own[0]).dot(normal);
+                if height.abs() > near { height } else { 0.0 }
+            });
+            if heights == [0.0; 3] {
+                lines.extend((0..3).map(|k| [corners[k], corners[(k + 1) % 3]]));
+                return;
+            }
+            let mut ends = [DVec3::ZERO; 2];
+            let mut count = 0;
+            for from in 0..3 {
+                let to = (from + 1) % 3;
+                let end = if heights[from] == 0.0 {
+                    corners[from]
+                } else if heights[from] * heights[to] < 0.0 {
+                    let along = heights[from] / (heights[from] - heights[to]);
+                    corners[from].lerp(corners[to], along)
+                } else {
+                    continue;
+                };
+                ends[count] = end;
+                count += 1;
+            }
+            if count == 2 {
+                lines.push(ends);
+            }
+        },
+    );
+    lines.retain(|line| divides(line, &own, normal, near / PROBE));
+    lines
+}
+
+/// True if a line passes through the inside of a triangle in the same plane.
+fn divides(line: &Line, corners: &[DVec3; 3], normal: DVec3, spacing: f64) -> bool {
+    let height = self::normal(corners).length() / longest_edge(corners);
+    let border = BORDER * spacing.min(height);
+    let (mut begin, mut end) = (0.0_f64, 1.0_f64);
+    for from in 0..3 {
+        let edge = corners[(from + 1) % 3] - corners[from];
+        let inward = normal.cross(edge).normalize_or_zero();
+        let [first, last] = line.map(|point| inward.dot(point - corners[from]) - border);
+        if first <= 0.0 && last <= 0.0 {
+            return false;
+        }
+        if first < 0.0 {
+            begin = begin.max(first / (first - last));
+        } else if last < 0.0 {
+            end = end.min(first / (first - last));
+        }
+    }
+    begin < end
+}
+
+fn lowest(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    a.min(b).min(c)
+}
+
+fn highest(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    a.max(b).max(c)
 }
 
 fn center(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
@@ -71,48 +129,44 @@ fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
+/// Asks on which sides of a triangle the inside is.
 struct Probe<'a> {
-    winding: &'a WindingNumber,
-    /// From a point of the triangle to just in front of it [m].
-    offset: DVec3,
+    surfaces: &'a LineCrossings<'a>,
+    /// Unit.
+    normal: DVec3,
     /// [m]
     spacing: f64,
 }
 
 impl Probe<'_> {
-    /// Whether the outside begins in front of a point of the triangle and the inside behind it, one winding more.
+    /// True if the outside begins in front of a point of the triangle and the inside behind it, one
+    /// winding more.
     fn separates(&self, point: DVec3) -> bool {
-        let front = self.winding.at(point + self.offset);
-        front <= INSIDE && front + 1.0 > INSIDE
+        self.surfaces.winding(point + self.normal * (PROBE * self.spacing)) == 0
     }
 
-    /// The answer of all parts of a triangle that are no larger than a cell, if it is the same.
-    fn unanimous(&self, corners: &[DVec3; 3]) -> Option<bool> {
-        if longest_edge(corners) <= COARSE * self.spacing {
-            return Some(self.separates(center(corners)));
-        }
-        let [first, second] = halves(corners);
-        self.unanimous(&first).filter(|&answer| self.unanimous(&second) == Some(answer))
-    }
-
-    /// Collects the parts of a triangle that separate, whole where it does as a whole; returns whether it does.
-    fn gather(&self, corners: &[DVec3; 3], pieces: &mut Vec<[DVec3; 3]>) -> bool {
-        // Ask at the centre and near the corners, unless the triangle is too large or too small for that.
+    /// Collects the parts of a triangle that separate, whole where it does as a whole; returns
+    /// whether it does. `lines` may divide it.
+    fn gather(&self, corners: &[DVec3; 3], lines: &[Line], pieces: &mut Vec<[DVec3; 3]>) -> bool {
         let longest = longest_edge(corners);
         let center = center(corners);
         let mut unanimous = None;
-        if longest <= COARSE * self.spacing {
+        if lines.is_empty() || longest <= CREASE * self.spacing {
+            unanimous = Some(self.separates(center));
+        } else if longest <= COARSE * self.spacing {
             let answer = self.separates(center);
             let agrees = |corner: &DVec3| self.separates(corner.lerp(center, 0.1)) == answer;
-            if longest <= CREASE * self.spacing || corners.iter().all(agrees) {
-                unanimous = Some(answer);
-            }
+            unanimous = corners.iter().all(agrees).then_some(answer);
         }
 
-        // Divide it where the answers differ.
+        // Divide it where the answers may differ.
         let start = pieces.len();
         let whole = unanimous.unwrap_or_else(|| {
-            let [first, second] = halves(corners).map(|half| self.gather(&half, pieces));
+            let [first, second] = halves(corners).map(|half| {
+                let passes = |line: &&Line| divides(line, &half, self.normal, self.spacing);
+                let own: Vec<Line> = lines.iter().filter(passes).copied().collect();
+                self.gather(&half, &own, pieces)
+            });
             first && second
         });
         if whole {

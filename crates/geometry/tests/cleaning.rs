@@ -127,7 +127,9 @@ fn an_open_floor_is_left_out() {
         }
         assert_eq!(
             floor.cleaned("floor.obj").unwrap_err().to_string(),
-            "floor.obj: encloses no volume: it has 1 open or flat part of 9 m^2 in all, must have a closed one"
+            "floor.obj: encloses no volume: it has 1 open or flat part of 9 m^2 in all, must have a \
+             closed one, or a thickness that makes plates of open ones (--thickness, or a scene's \
+             \"thickness\")"
         );
     }
     // Ground that is not plane, beside a cube.

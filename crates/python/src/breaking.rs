@@ -146,6 +146,20 @@ pub(crate) fn load_mesh(py: Python<'_>, path: PathBuf) -> PyResult<MeshArrays<'_
     mesh_arrays(py, &interruptible(py, move || mesh_io::load(&path))?.map_err(build_error)?)
 }
 
+/// Make plates of open parts; their number comes behind the mesh.
+#[pyfunction]
+#[pyo3(signature = (mesh, thickness, name="the mesh".to_owned()))]
+pub(crate) fn thicken_mesh<'py>(
+    py: Python<'py>,
+    mesh: PyMesh<'_>,
+    thickness: f64,
+    name: String,
+) -> PyResult<(MeshArrays<'py>, usize)> {
+    let mesh = mesh.to_mesh()?;
+    let thick = interruptible(py, move || mesh.thickened(thickness, &name))?.map_err(build_error)?;
+    Ok((mesh_arrays(py, &thick.mesh)?, thick.plates))
+}
+
 /// Make solids of raw triangles.
 #[pyfunction]
 #[pyo3(signature = (mesh, name="the mesh".to_owned()))]

@@ -74,13 +74,14 @@ fn frame_rate(fps: Option<f64>) -> PyResult<f64> {
 
 /// The scene of a shot, as JSON.
 #[pyfunction]
-#[pyo3(signature = (name, *, mesh=None, fps=None, method=None, seed=None))]
+#[pyo3(signature = (name, *, mesh=None, fps=None, method=None, seed=None, thickness=None))]
 fn shot_scene(
     name: &str,
     mesh: Option<PathBuf>,
     fps: Option<f64>,
     method: Option<&str>,
     seed: Option<u64>,
+    thickness: Option<f64>,
 ) -> PyResult<String> {
     let defaults = ShotOptions::default();
     let method = match method {
@@ -89,6 +90,7 @@ fn shot_scene(
     };
     let options = ShotOptions {
         mesh,
+        thickness,
         frames_per_second: frame_rate(fps)?,
         method,
         seed: seed.unwrap_or(defaults.seed),
@@ -188,6 +190,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(breaking::break_mesh_on_grid, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::load_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::clean_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(breaking::thicken_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(attributes::mesh_attributes, module)?)?;
     module.add_function(wrap_pyfunction!(attributes::closest_triangles, module)?)?;
     module.add_function(wrap_pyfunction!(breaking::resurface, module)?)?;

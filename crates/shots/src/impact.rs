@@ -50,20 +50,27 @@ const STRENGTH_PER_MASS: f64 = 1.0;
 const MOST_STRENGTH: f64 = 2500.0;
 
 fn impact(
-    name: &'static str,
+    shot: &'static str,
     voxels: Option<[usize; 3]>,
     cells: usize,
     options: &ShotOptions,
 ) -> Result<SceneDesc, ShotError> {
     // The mesh stands on the ground, in the middle.
-    let path = options.mesh.as_ref().ok_or(ShotError::NeedsMesh(name))?;
-    let mesh = mesh_io::load(path)?.cleaned(&path.display().to_string())?.mesh;
+    let path = options.mesh.as_ref().ok_or(ShotError::NeedsMesh(shot))?;
+    let name = path.display().to_string();
+    let raw = mesh_io::load(path)?;
+    let raw = match options.thickness {
+        Some(thickness) => raw.thickened(thickness, &name)?.mesh,
+        None => raw,
+    };
+    let mesh = raw.cleaned(&name)?.mesh;
     let (low, high) = mesh.bounds();
     let scale = LONGEST_SIDE / (high - low).max_element();
     let (low, high) = (scale * low, scale * high);
     let middle = 0.5 * (low + high);
     let resolution = Resolution { voxels, sample_spacing: None };
-    let shape = ShapeDesc::Mesh { path: path.display().to_string(), scale, resolution };
+    let thickness = options.thickness.map(|thickness| scale * thickness);
+    let shape = ShapeDesc::Mesh { path: name, scale, thickness, resolution };
     let pattern =
         PatternDesc::Voronoi(Voronoi { cells, clustering: 1.5, seed: options.seed, ..Voronoi::default() });
     let body = BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };

@@ -52,6 +52,8 @@ pub struct Shot {
 pub struct ShotOptions {
     /// For shots that break a mesh: its file.
     pub mesh: Option<PathBuf>,
+    /// Of plates that its open parts become, in the file's unit.
+    pub thickness: Option<f64>,
     /// One step each.
     pub frames_per_second: f64,
     /// Which step.
@@ -62,7 +64,7 @@ pub struct ShotOptions {
 
 impl Default for ShotOptions {
     fn default() -> Self {
-        Self { mesh: None, frames_per_second: 30.0, method: Method::default(), seed: 0 }
+        Self { mesh: None, thickness: None, frames_per_second: 30.0, method: Method::default(), seed: 0 }
     }
 }
 
@@ -83,6 +85,9 @@ pub enum ShotError {
     /// The shot has no use for a mesh.
     #[error("shot '{0}' takes no mesh file, remove --mesh")]
     TakesNoMesh(&'static str),
+    /// The shot has no mesh that could be a sheet.
+    #[error("shot '{0}' takes no mesh file, remove --thickness")]
+    TakesNoThickness(&'static str),
     /// The mesh cannot be used.
     #[error("{0}")]
     Mesh(#[from] MeshError),
@@ -154,6 +159,9 @@ impl Shot {
     pub fn scene(&self, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         if options.mesh.is_some() && !self.takes_mesh {
             return Err(ShotError::TakesNoMesh(self.name));
+        }
+        if options.thickness.is_some() && !self.takes_mesh {
+            return Err(ShotError::TakesNoThickness(self.name));
         }
         let mut scene = (self.build)(options)?;
         scene.name = self.name.into();

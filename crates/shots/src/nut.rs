@@ -95,7 +95,7 @@ fn turned(
         voxels: Some([across(2.0 * radius), across(height), across(2.0 * radius)]),
         sample_spacing: Some(2.0 * VOXEL),
     };
-    ShapeDesc::Triangles { positions, triangles, resolution }
+    ShapeDesc::Triangles { positions, triangles, thickness: None, resolution }
 }
 
 /// A bolt that stands, and a nut, `friction` between them.

@@ -13,6 +13,7 @@ from typing import NoReturn
 from .. import _frangible
 from ..cache import CacheError
 from ..camera import CameraError
+from ..interrupts import own_process
 from ..output import OutputError
 from ..reading import FileNote
 from ..stepping import BenchError
@@ -60,7 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         whole.print_help()
         return 0
     try:
-        status: int = options.command(options) or 0
+        with own_process():
+            status: int = options.command(options) or 0
         sys.stdout.flush()
         return status
     except (_frangible.BuildError, BenchError, CacheError, CameraError, ClaimError, OutputError) as error:

@@ -15,7 +15,7 @@ from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..progress import report_stages
 from ..usd_mesh import readable_mesh
-from .options import add_inside, add_pose_time, check_pieces, finite, natural, positive
+from .options import add_inside, add_pose_time, add_thickness, check_pieces, finite, natural, positive
 
 
 def add_break(commands: Any) -> None:
@@ -70,6 +70,7 @@ def add_break(commands: Any) -> None:
         metavar="N",
         help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses itself, or with --grid",
     )
+    add_thickness(breaker)
     add_pose_time(breaker)
     breaker.add_argument(
         "--out",
@@ -97,6 +98,7 @@ def _break(options: argparse.Namespace) -> None:
             voxels=options.voxels,
             pieces=options.pieces,
             smallest=options.smallest,
+            thickness=options.thickness,
             pose_time=options.pose_time,
             stage=stage,
         )

@@ -61,6 +61,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         "--pieces", type=natural(MOST_PIECES), metavar="N", help="each break makes about so many pieces [what its pattern makes]"
     )
     parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
+    add_thickness(parser)
     add_pose_time(parser)
 
 
@@ -69,6 +70,7 @@ def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
     return find_scene(
         options.shot,
         mesh=options.mesh,
+        thickness=options.thickness,
         fps=options.fps,
         method=options.method,
         seed=options.seed,
@@ -82,6 +84,17 @@ def add_inside(parser: argparse.ArgumentParser) -> None:
     """Add ``--inside``."""
     parser.add_argument(
         "--inside", metavar="NAME", help="material of what cracks lay bare: one of the mesh's file, a look, or a new one [inner]"
+    )
+
+
+def add_thickness(parser: argparse.ArgumentParser) -> None:
+    """Add ``--thickness``."""
+    parser.add_argument(
+        "--thickness",
+        type=positive(float, "a number"),
+        metavar="LENGTH",
+        help="open parts of the mesh are sheets and become plates so thick, in the file's unit"
+        " [their holes are closed, flat ones left out]",
     )
 
 
