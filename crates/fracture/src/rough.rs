@@ -1,12 +1,6 @@
 //! Cells with rough faces: planar regions, seen through a random displacement of space.
 
-use crate::{
-    Placement,
-    cell_mesh::CellMesh,
-    nearby::Nearby,
-    noise::Noise,
-    pattern::Region,
-};
+use crate::{Placement, cell_mesh::CellMesh, nearby::Nearby, noise::Noise, pattern::Region};
 use frangible_geometry::Grid;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};

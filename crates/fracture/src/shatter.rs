@@ -118,8 +118,7 @@ fn shatter_sampled(
     let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
     let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
     let spacing = (settings.sample_spacing_voxels as usize).max(1);
-    let surfaces =
-        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
+    let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
     finish(parent, framed, surfaces, (&components, &pieces))
 }
 

@@ -207,12 +207,7 @@ fn convex(hull: Hull, resolution: &Resolution, at: &Checker) -> Result<Shape, Bu
 }
 
 /// Plates in place of a mesh's open parts, if they have a thickness [m].
-fn thickened(
-    mesh: TriMesh,
-    name: &str,
-    thickness: Option<f64>,
-    at: &Checker,
-) -> Result<TriMesh, BuildError> {
+fn thickened(mesh: TriMesh, name: &str, thickness: Option<f64>, at: &Checker) -> Result<TriMesh, BuildError> {
     let Some(thickness) = thickness else { return Ok(mesh) };
     let thickness = at.field("thickness").positive(thickness, "m")?;
     Ok(mesh.thickened(thickness, name)?.mesh)

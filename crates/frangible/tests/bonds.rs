@@ -163,7 +163,10 @@ fn wrong_bonds_are_explained() {
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let mesh = BodyDesc {
         bonds: Some(bonds(1e6)),
-        ..BodyDesc::new("mesh", ShapeDesc::Triangles { positions, triangles, thickness: None, resolution: NONE })
+        ..BodyDesc::new(
+            "mesh",
+            ShapeDesc::Triangles { positions, triangles, thickness: None, resolution: NONE },
+        )
     };
     assert!(error(mesh).starts_with("bodies[0].bonds: "));
     let mut beam = cantilever(1e6);

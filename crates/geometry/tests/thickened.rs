@@ -53,7 +53,9 @@ fn volume(mesh: &TriMesh, thickness: f64) -> (f64, usize) {
 fn soup(mesh: &TriMesh) -> TriMesh {
     let corners = mesh.triangles.iter().flatten();
     let positions = corners.map(|&vertex| mesh.positions[vertex as usize]).collect();
-    let one = |t: u32| if t % 2 == 0 { [3 * t, 3 * t + 1, 3 * t + 2] } else { [3 * t, 3 * t + 2, 3 * t + 1] };
+    let one = |t: u32| {
+        if t.is_multiple_of(2) { [3 * t, 3 * t + 1, 3 * t + 2] } else { [3 * t, 3 * t + 2, 3 * t + 1] }
+    };
     TriMesh { positions, triangles: (0..mesh.triangles.len() as u32).map(one).collect() }
 }
 

@@ -3,9 +3,9 @@
 mod convex;
 mod intervals;
 
+use super::laid::Laid;
 use crate::pattern::{Region, nearest_region};
 pub(crate) use convex::portions_of_regions;
-use super::laid::Laid;
 use frangible_geometry::{Grid, GridSolid, Material, Run, Span};
 use intervals::{Found, Intervals, RowEnds, TILE, Tiles};
 

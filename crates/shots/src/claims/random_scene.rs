@@ -130,7 +130,12 @@ fn prism(outline: &[u8; 9], cell: f64, depth: f64) -> ShapeDesc {
         [(x - 1.5) * cell, (y - 1.5) * cell, (z - 0.5) * depth]
     };
     let resolution = Resolution { voxels: Some([15, 15, 5]), sample_spacing: Some(0.4 * cell) };
-    ShapeDesc::Triangles { positions: (0..32).map(position).collect(), triangles, thickness: None, resolution }
+    ShapeDesc::Triangles {
+        positions: (0..32).map(position).collect(),
+        triangles,
+        thickness: None,
+        resolution,
+    }
 }
 
 fn power_of_ten(exponent: f64) -> f64 {

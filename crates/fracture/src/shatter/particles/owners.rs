@@ -51,14 +51,12 @@ impl Owners {
                 if low[axis] + 1 == self.grid.dims[axis] {
                     continue;
                 }
-                let is_on_row =
-                    [1, 2].iter().all(|turn| low[(axis + turn) % 3].is_multiple_of(spacing));
+                let is_on_row = [1, 2].iter().all(|turn| low[(axis + turn) % 3].is_multiple_of(spacing));
                 let around = || {
                     let steps = [across[0], across[1], across[0] + across[1]];
                     steps.into_iter().flat_map(move |step| [node + step, node.wrapping_sub(step)])
                 };
-                let is_other =
-                    |at: usize| self.pieces.get(at).is_none_or(|other| !pieces.contains(other));
+                let is_other = |at: usize| self.pieces.get(at).is_none_or(|other| !pieces.contains(other));
                 if !is_on_row && !around().any(|at| is_other(at) || is_other(at.wrapping_add(stride))) {
                     continue;
                 }
