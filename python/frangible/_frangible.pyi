@@ -1,7 +1,7 @@
 """The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -114,6 +114,10 @@ class Pattern:
 
         A pattern from a file has the cells that it has, and can be laid on the mesh larger, not smaller.
         """
+
+    def with_pieces_by(self, pieces: int, attempt: Callable[[Pattern], int]) -> tuple[Pattern, int]:
+        """As `with_pieces`, where ``attempt`` breaks something with a pattern, and says how many
+        pieces there are."""
 
     def save(self, path: str) -> None:
         """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be written."""

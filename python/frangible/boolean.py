@@ -10,6 +10,7 @@ import numpy.typing as npt
 from manifold3d import Manifold, Mesh64, OpType
 
 from . import _frangible
+from ._frangible import BuildError
 from .cleaning import MOST_BURIED, CleanMesh
 from .recording import Bool, Float32, Float64, UInt32
 
@@ -25,6 +26,10 @@ FITS = 1e-9
 AT_ONCE = 16
 #: Volumes that differ by less are the same, relatively.
 SAME = 1e-12
+
+
+#: Voxels in the thickness of what a grid can make anew: thinner plates lose most of their volume.
+LEAST_THICKNESS = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,11 +60,18 @@ def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
     # A surface that crosses itself is made anew, the others keep their triangles.
     count = len(clean["meets"])
     surfaces = _surfaces(clean, count)
+    kept = []
     for number in anew:
-        surfaces[number] = _frangible.resurface(surfaces[number], voxels)
-    if len(anew) > 0:
-        what = "a surface that crosses itself was" if len(anew) == 1 else f"{len(anew)} surfaces that cross themselves were"
-        notes.append(f"{what} made anew, on a grid of {voxels} voxels along the longest side")
+        made = _made_anew(surfaces[number], voxels)
+        if made is None:
+            kept.append(number)
+        else:
+            surfaces[number] = made
+    on_grid = f"a grid of {voxels} voxels along the longest side"
+    if len(anew) > len(kept):
+        notes.append(f"{_crossing(len(anew) - len(kept))} made anew, on {on_grid}")
+    if kept:
+        notes.append(f"{_crossing(len(kept))} kept, too thin for {on_grid}")
     solids = [_manifold(*surface) for surface in surfaces]
     united = _united(solids)
 
@@ -70,6 +82,29 @@ def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
     if clean["meets"].any():
         notes.append(f"{int(clean['meets'].sum())} parts that cross, touch or lie in one another made one")
     return united, notes
+
+
+def _made_anew(surface: Mesh, voxels: int) -> Mesh | None:
+    """What a surface encloses, made anew on a grid; `None` for what is too thin for that."""
+    vertices, triangles = surface
+    corners = vertices[triangles]
+    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.linalg.norm(np.cross(*sides), axis=1)
+    # A plate's thickness is twice its volume by its area.
+    thickness = 4.0 * _frangible.mesh_mass(surface)["volume_m3"] / areas.sum()
+    if thickness < LEAST_THICKNESS * np.ptp(vertices, axis=0).max() / voxels:
+        return None
+    try:
+        made = _frangible.resurface(surface, voxels)
+    except BuildError:
+        return None
+    return made if len(made[1]) else None
+
+
+def _crossing(count: int) -> str:
+    if count == 1:
+        return "a surface that crosses itself was"
+    return f"{count} surfaces that cross themselves were"
 
 
 def _united(solids: list[Manifold]) -> Manifold:
@@ -129,11 +164,21 @@ def cut(solid: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> list[P
             cells.append(body ^ solids[-1])
             face_of[first + 1 + cell] = face.astype(np.int64) + count
             count += int(face.max()) + 1
-    if abs(sum(inside.volume() for inside in cells) - body.volume()) > FITS * body.volume():
+    if not _fit(cells, body) and not _fit([_box(body) ^ solid for solid in solids], _box(body)):
         cells = _fitted(body, cells, least)
     groups = [(cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)]
     parts = [_part(shells, face_of) for _, shells in groups]
     return _without_slivers(body, solids, groups, parts, face_of, smallest)
+
+
+def _fit(cells: list[Manifold], whole: Manifold) -> bool:
+    """True if cells fill a whole. Of one that crosses itself no cells do."""
+    return bool(abs(sum(cell.volume() for cell in cells) - whole.volume()) <= FITS * whole.volume())
+
+
+def _box(solid: Manifold) -> Manifold:
+    low, high = np.split(np.array(solid.bounding_box()), 2)
+    return Manifold.cube(high - low).translate(low)
 
 
 def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
@@ -198,11 +243,24 @@ def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifol
     for shell in outer:
         gap = rest ^ shell
         rest = rest - gap
-        united = [cell + gap for cell in fitted]
-        common = [cell.surface_area() - both.surface_area() for cell, both in zip(fitted, united, strict=True)]
-        largest = int(np.argmax(common))
-        fitted[largest] = united[largest]
+        united = {number: cell + gap for number, cell in enumerate(fitted) if _may_touch(cell, gap)}
+        if united:
+            common = {
+                number: fitted[number].surface_area() - both.surface_area()
+                for number, both in united.items()
+            }
+            largest = max(common, key=lambda number: common[number])
+            fitted[largest] = united[largest]
+        else:
+            fitted.append(gap)
     return fitted
+
+
+def _may_touch(one: Manifold, other: Manifold) -> bool:
+    """False if their boxes are apart."""
+    low, high = np.split(np.array(one.bounding_box()), 2)
+    other_low, other_high = np.split(np.array(other.bounding_box()), 2)
+    return bool(np.all(low <= other_high) and np.all(other_low <= high))
 
 
 def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
@@ -234,9 +292,10 @@ def _part(shells: list[Manifold], face_of: dict[int, npt.NDArray[np.int64]]) -> 
         lengths: npt.NDArray[np.int64] = bounds[1:] - bounds[:-1]
         original = np.repeat(np.asarray(mesh.run_original_id, np.int64), lengths)
         face = np.full(len(original), -1, np.int64)
-        for cutter in np.intersect1d(original, list(face_of)):
-            own = original == cutter
-            face[own] = face_of[int(cutter)][np.asarray(mesh.face_id, np.int64)[own]]
+        for cutter in np.unique(original).tolist():
+            if cutter in face_of:
+                own = original == cutter
+                face[own] = face_of[cutter][np.asarray(mesh.face_id, np.int64)[own]]
         sources.append(np.where(face < 0, np.asarray(mesh.face_id, np.int64), -1))
         own_vertices, own_triangles = _merged(mesh)
         vertices.append(own_vertices)

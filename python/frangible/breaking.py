@@ -15,7 +15,7 @@ from .cleaning import MOST_BURIED, CleanMesh
 from .interrupts import deaf_work
 from .mesh_skin import Below, MeshSkin, read_skin
 from .output import missing_packages
-from .piece_count import break_into
+from .piece_count import break_on_grid_into, difference, nearest_to
 from .pieces import Contact, Piece, Pieces
 from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
@@ -114,18 +114,24 @@ def break_mesh(
         raise _frangible.BuildError(f"{path}: has {surfaces}, must have none to be cut exactly; without --exact they are made anew")
     is_cut = exact is not False and hint is None
 
-    def cut(chosen: _frangible.Pattern) -> Pieces:
-        if is_cut:
-            stage("cutting the mesh along the pattern")
-            with deaf_work():
-                return _break_exactly(target, chosen)
+    if is_cut:
+        stage("cutting the mesh along the pattern")
+        with deaf_work():
+            broken = _break_exactly(target, pattern, pieces)
+    else:
         stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
-        broken = _break_on_grid(target, chosen)
+        if pieces is None:
+            broken = _break_on_grid(target, pattern)
+        else:
+            blow = (point, direction)
+            broken = break_on_grid_into(
+                pieces, pattern, mesh, blow, voxels, lambda chosen: _break_on_grid(target, chosen)
+            )
         if exact is None:
             broken.notes.append(f"cutting the mesh itself {hint}")
-        return broken
-
-    return cut(pattern) if pieces is None else break_into(pieces, pattern, mesh, (point, direction), cut)
+    if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
+        broken.notes.append(sentence)
+    return broken
 
 
 def _solids(file: str, thickness: float | None) -> CleanMesh:
@@ -198,16 +204,19 @@ def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> Pieces:
     return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
 
 
-def _break_exactly(target: _Target, pattern: _frangible.Pattern) -> Pieces:
-    from .boolean import arrays, closed, cut, texture_coordinates
+def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | None) -> Pieces:
+    from .boolean import Part, arrays, closed, cut, texture_coordinates
 
     clean, skin = target.clean, target.skin
     solid, notes = closed(clean, target.voxels)
     box = solid.bounding_box()
-    cutters = _frangible.pattern_cutters(
-        pattern, (box[:3], box[3:]), target.at.tolist(), target.normal.tolist()
-    )
-    parts = cut(solid, cutters, target.smallest)
+
+    def parts_of(chosen: _frangible.Pattern) -> list[Part]:
+        at, normal = target.at.tolist(), target.normal.tolist()
+        cutters = _frangible.pattern_cutters(chosen, (box[:3], box[3:]), at, normal)
+        return cut(solid, cutters, target.smallest)
+
+    parts = parts_of(pattern) if wanted is None else nearest_to(wanted, pattern, parts_of)
 
     # The triangle of the file that each of the solid's lies in, if its surface is the file's.
     below = None

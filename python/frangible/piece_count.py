@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from . import _frangible
 from .pieces import Pieces
 from .recording import Float64, UInt32
 
-#: Breaks that are tried: the number of pieces is first found on a coarse grid, which resolves no
-#: small ones.
+if TYPE_CHECKING:
+    from .boolean import Part
+
+#: Breaks on a grid that are tried: the number of pieces is first found on a coarse one, which
+#: resolves no small ones.
 TRIES = 4
 #: How far the number of pieces may be from what is asked for without another try.
 WITHIN = 0.05
@@ -21,22 +25,36 @@ MOST_PIECES = 10_000
 VOXELS = 48
 
 
-def break_into(
+def break_on_grid_into(
     pieces: int,
     pattern: _frangible.Pattern,
     mesh: tuple[Float64, UInt32],
     blow: tuple[Float64, Float64],
+    voxels: int,
     cut: Callable[[_frangible.Pattern], Pieces],
 ) -> Pieces:
-    """The pieces that ``cut`` makes of a mesh along the pattern, which is made finer, coarser or larger
-    until there are about so many."""
+    """The pieces that ``cut`` makes of a mesh on a grid of ``voxels``, along the pattern, which is
+    made finer, coarser or larger until there are about so many."""
     at, normal = blow[0].tolist(), blow[1].tolist()
+
+    def counted(aim: int) -> _frangible.Pattern:
+        for along in sorted({min(VOXELS, voxels), voxels}):
+            try:
+                found = pattern.with_pieces(
+                    aim, mesh, at, normal, voxels=along, smallest_voxels=1.0
+                )
+                return found[0]
+            except _frangible.BuildError:
+                # A coarse grid may miss a thin mesh.
+                if along == voxels:
+                    raise
+        raise AssertionError
+
     best: Pieces | None = None
     aim, tried = pieces, set[int]()
     for _ in range(TRIES):
         tried.add(aim)
-        chosen, _count = pattern.with_pieces(aim, mesh, at, normal, voxels=VOXELS, smallest_voxels=1.0)
-        broken = cut(chosen)
+        broken = cut(counted(aim))
         count = len(broken.pieces)
         if best is None or abs(count - pieces) < abs(len(best.pieces) - pieces):
             best = broken
@@ -45,8 +63,25 @@ def break_into(
         if abs(count - pieces) <= WITHIN * pieces or aim in tried:
             break
     assert best is not None
-    if sentence := difference(len(best.pieces), pieces):
-        best.notes.append(sentence)
+    return best
+
+
+def nearest_to(
+    pieces: int, pattern: _frangible.Pattern, cut: Callable[[_frangible.Pattern], list[Part]]
+) -> list[Part]:
+    """The parts that ``cut`` makes along the pattern, which is made finer, coarser or larger until
+    there are about so many."""
+    best: list[Part] | None = None
+
+    def attempt(chosen: _frangible.Pattern) -> int:
+        nonlocal best
+        parts = cut(chosen)
+        if best is None or abs(len(parts) - pieces) < abs(len(best) - pieces):
+            best = parts
+        return len(parts)
+
+    pattern.with_pieces_by(pieces, attempt)
+    assert best is not None
     return best
 
 

@@ -101,9 +101,7 @@ impl Pattern {
         voxels: usize,
         smallest_voxels: f64,
     ) -> PyResult<(Self, usize)> {
-        if !(1..=MOST_CELLS).contains(&pieces) {
-            return Err(build_error(format!("pieces: {pieces}, must be from 1 to {MOST_CELLS}")));
-        }
+        check_pieces(pieces)?;
         let found = match mesh {
             None => threads::detached(py, || self.searched(pieces, fracture::Pattern::len))?,
             Some(mesh) => {
@@ -120,7 +118,31 @@ impl Pattern {
                 .map_err(|error: MeshBreakError| build_error(error))?
             }
         };
-        found.ok_or_else(|| build_error("pattern: has no cells, must have at least 1"))
+        found.ok_or_else(no_cells)
+    }
+
+    /// As [`Pattern::with_pieces`]; `attempt` breaks something, and says how many pieces there are.
+    fn with_pieces_by(
+        &self,
+        py: Python<'_>,
+        pieces: usize,
+        attempt: &Bound<'_, PyAny>,
+    ) -> PyResult<(Self, usize)> {
+        check_pieces(pieces)?;
+        // An exception ends the search.
+        let mut failed = None;
+        let found = self.searched(pieces, |pattern| {
+            let tried = Bound::new(py, Self(pattern.clone(), None));
+            let count = tried.and_then(|tried| attempt.call1((tried,))?.extract());
+            count.unwrap_or_else(|error| {
+                failed = Some(error);
+                pieces
+            })
+        });
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        found.ok_or_else(no_cells)
     }
 
     fn __len__(&self) -> usize {
@@ -160,6 +182,15 @@ impl Pattern {
             PyArray1::from_iter(py, shapes.iter().map(|shape| shape.inner)),
         ))
     }
+}
+
+fn check_pieces(pieces: usize) -> PyResult<()> {
+    let sentence = || format!("pieces: {pieces}, must be from 1 to {MOST_CELLS}");
+    if (1..=MOST_CELLS).contains(&pieces) { Ok(()) } else { Err(build_error(sentence())) }
+}
+
+fn no_cells() -> PyErr {
+    build_error("pattern: has no cells, must have at least 1")
 }
 
 /// Name and one line for every kind of pattern.

@@ -1,0 +1,99 @@
+"""Thin meshes, and those of many parts, break into the pieces that are asked for, with their volume."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frangible import _frangible
+from frangible.breaking import break_mesh
+from frangible.mesh_facts import describe_mesh
+
+#: Corners of a unit box, and its faces.
+BOX = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+FACES = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+
+
+def written(path: Path, boxes: list[tuple[tuple[float, ...], tuple[float, ...]]]) -> Path:
+    """Boxes from their lowest corners and sizes, as OBJ."""
+    lines, first = [], 0
+    for low, size in boxes:
+        for corner in BOX:
+            x, y, z = (l + s * c for l, s, c in zip(low, size, corner, strict=True))
+            lines.append(f"v {x} {y} {z}")
+        lines += [f"f {' '.join(str(first + corner) for corner in face)}" for face in FACES]
+        first += len(BOX)
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def crossing_strip(path: Path, thickness: float) -> Path:
+    """A strip of 0.5 m along a line that crosses itself; one closed surface."""
+    line = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, -1.0)])
+    along = np.diff(line, axis=0)
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    # The sides of neighbours meet in the corners.
+    sides = np.concatenate([normals[:1], normals[:-1] + normals[1:], normals[-1:]])
+    rows = []
+    for point, side in zip(line, sides, strict=True):
+        left, right = point + 0.5 * thickness * side, point - 0.5 * thickness * side
+        rows += [(*right, 0.0), (*left, 0.0), (*left, 0.5), (*right, 0.5)]
+    faces = [(1, 4, 3, 2)]
+    for ring in range(len(line) - 1):
+        a = 4 * ring + 1
+        faces += [(a + k, a + (k + 1) % 4, a + 4 + (k + 1) % 4, a + 4 + k) for k in range(4)]
+    last = 4 * (len(line) - 1) + 1
+    faces.append((last, last + 1, last + 2, last + 3))
+    text = [f"v {x} {y} {z}" for x, y, z in rows]
+    text += [f"f {' '.join(map(str, face))}" for face in faces]
+    path.write_text("\n".join(text) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("thickness", [0.05, 0.002, 1e-4])
+def test_a_sheet_breaks_into_the_pieces(tmp_path: Path, thickness: float) -> None:
+    # Half a voxel of the coarse grid lies beside it.
+    sheet = written(tmp_path / "sheet.obj", [((0.3, 0.01, -2.0), (4.0, thickness, 3.0))])
+    broken = break_mesh(sheet, _frangible.Pattern.named("voronoi", seed=1), pieces=8)
+    assert len(broken.pieces) == 8
+    assert broken.volume == pytest.approx(12.0 * thickness, rel=1e-6)
+    assert broken.volume_defect < 1e-9
+
+
+def test_the_fingers_of_a_comb_are_no_pieces(tmp_path: Path) -> None:
+    fingers = [((0.5 * n, 1.0, 0.0), (0.02, 3.0, 0.02)) for n in range(20)]
+    comb = written(tmp_path / "comb.obj", [((0.0, 0.0, 0.0), (9.52, 1.0, 0.02)), *fingers])
+    for wanted in (4, 12):
+        broken = break_mesh(comb, _frangible.Pattern.named("voronoi", seed=3), pieces=wanted)
+        assert abs(len(broken.pieces) - wanted) <= 1
+        assert broken.volume == pytest.approx(9.52 * 0.02 + 20 * 3.0 * 4e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.001])
+def test_a_thin_surface_that_crosses_itself_keeps_its_volume(tmp_path: Path, thickness: float) -> None:
+    strip = crossing_strip(tmp_path / "strip.obj", thickness)
+    whole = 0.5 * thickness * 6.0
+    facts = describe_mesh(str(strip))
+    assert facts["volume_m3"] == pytest.approx(whole, rel=0.05)
+    broken = break_mesh(strip, _frangible.Pattern.named("voronoi", seed=1, cells=12))
+    assert broken.volume == pytest.approx(whole, rel=0.05)
+    assert sum(piece.volume for piece in broken.pieces) == pytest.approx(whole, rel=0.05)
+    assert len(broken.pieces) > 3
+
+
+def test_an_exception_ends_the_search() -> None:
+    def fails(_: _frangible.Pattern) -> int:
+        raise ArithmeticError("no")
+
+    with pytest.raises(ArithmeticError, match="no"):
+        _frangible.Pattern.named("voronoi").with_pieces_by(8, fails)
+    sizes: list[int] = []
+
+    def counts(pattern: _frangible.Pattern) -> int:
+        sizes.append(len(pattern))
+        return 2 * len(pattern)
+
+    assert _frangible.Pattern.named("voronoi").with_pieces_by(40, counts)[1] == 40
+    assert sizes[0] == 40 and sizes[-1] == 20
