@@ -7,6 +7,7 @@ use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, Smallest, int
 use frangible_geometry::mass_properties::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, RigidTransform, Shape};
 use glam::{DMat3, DVec3};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What a bond bears [Pa].
@@ -22,6 +23,8 @@ pub struct BondStrength {
 #[derive(Clone, Debug)]
 pub struct Glued {
     hulls: Vec<Arc<Hull>>,
+    /// Of each piece, in the body that all of them were first glued together in.
+    numbers: Vec<u32>,
     /// For each piece; no bond breaks between two of one block.
     blocks: Vec<u32>,
     pieces: Vec<RigidPiece>,
@@ -29,6 +32,13 @@ pub struct Glued {
     strength: BondStrength,
     /// Of the last solution, from which the next one starts.
     displacements: Vec<Wrench>,
+}
+
+/// The blocks of some pieces.
+struct Rigid {
+    /// For each piece.
+    block_of: Vec<usize>,
+    blocks: Vec<RigidPiece>,
 }
 
 /// A force at a point, both in the pieces' frame.
@@ -40,13 +50,14 @@ pub struct PointLoad {
     pub force: DVec3,
 }
 
-/// How many overstressed bonds break before the stresses are looked at again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Giving {
-    /// The load stays while they break: those break first that are nearly as bad as the worst, and they may relieve the others.
-    Worst,
-    /// The load is over before a piece has moved: all that it overstresses.
-    All,
+/// What gave way under a load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaveWay {
+    /// The bonds that broke, in order.
+    pub broken: Vec<Interface>,
+    /// The largest part of the load that bonds carried when the next ones broke, from 0 to 1: the
+    /// load at which the piece came free that was struck.
+    pub bore: f64,
 }
 
 /// What is nearly as bad as the worst.
@@ -72,6 +83,7 @@ impl Glued {
         let bonds = touching(&hulls);
         let displacements = vec![Wrench::default(); pieces.len()];
         Self {
+            numbers: (0..hulls.len() as u32).collect(),
             hulls: hulls.into_iter().map(Arc::new).collect(),
             blocks,
             pieces,
@@ -113,51 +125,96 @@ impl Glued {
     /// How near each bond is to breaking, 1 if it just does not, and 0 within a block, under point
     /// loads and an acceleration that all pieces feel [m/s^2] at a density [kg/m^3].
     pub fn strains(&mut self, loads: &[PointLoad], field: DVec3, density: f64) -> Vec<f64> {
-        let mut wrenches: Vec<Wrench> = self
-            .pieces
+        let Rigid { block_of, blocks } = self.rigid_blocks();
+        let mut wrenches: Vec<Wrench> = blocks
             .iter()
-            .map(|piece| Wrench { linear: density * piece.volume * field, angular: DVec3::ZERO })
+            .map(|block| Wrench { linear: density * block.volume * field, angular: DVec3::ZERO })
             .collect();
         for load in loads {
-            if let Some(index) = self.piece_at(load.point) {
-                let wrench = Wrench::at(load.force, load.point, self.pieces[index].center);
+            if let Some(index) = self.piece_at(load.point).map(|piece| block_of[piece]) {
+                let wrench = Wrench::at(load.force, load.point, blocks[index].center);
                 wrenches[index].linear += wrench.linear;
                 wrenches[index].angular += wrench.angular;
             }
         }
+        let between = |bond: &Interface| Interface { a: block_of[bond.a], b: block_of[bond.b], ..*bond };
+        let breakable = self.bonds.iter().filter(|bond| !self.is_within_block(bond));
+        let bonds: Vec<Interface> = breakable.map(between).collect();
+        let mut displacements = vec![Wrench::default(); blocks.len()];
+        for (piece, &block) in block_of.iter().enumerate() {
+            displacements[block] = self.displacements[piece];
+        }
+        let stresses = bond_stresses(&blocks, &bonds, &wrenches, &mut displacements);
+        for (piece, &block) in block_of.iter().enumerate() {
+            self.displacements[piece] = displacements[block];
+        }
         let strength = self.strength;
         let strain = |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
-        let stresses = bond_stresses(&self.pieces, &self.bonds, &wrenches, &mut self.displacements);
-        let bonds = self.bonds.iter().zip(stresses);
-        bonds.map(|(bond, stress)| if self.is_within_block(bond) { 0.0 } else { strain(stress) }).collect()
+        let mut strains = stresses.into_iter().map(strain);
+        let of_bond = |bond| if self.is_within_block(bond) { 0.0 } else { strains.next().unwrap_or(0.0) };
+        self.bonds.iter().map(of_bond).collect()
     }
 
-    /// Breaks bonds under loads, as in [`Glued::strains`], until none gives. Returns those that broke.
-    pub fn give_way(
-        &mut self,
-        loads: &[PointLoad],
-        field: DVec3,
-        density: f64,
-        giving: Giving,
-    ) -> Vec<Interface> {
-        let mut broken = Vec::new();
+    /// The blocks as they are, each rigid, as no bond of theirs breaks.
+    fn rigid_blocks(&self) -> Rigid {
+        let mut index_of = BTreeMap::new();
+        let mut members: Vec<Vec<&RigidPiece>> = Vec::new();
+        let mut block_of = Vec::with_capacity(self.pieces.len());
+        for (piece, block) in self.pieces.iter().zip(&self.blocks) {
+            let index = *index_of.entry(*block).or_insert(members.len());
+            if index == members.len() {
+                members.push(Vec::new());
+            }
+            members[index].push(piece);
+            block_of.push(index);
+        }
+        Rigid { block_of, blocks: members.iter().map(|pieces| RigidPiece::of(pieces)).collect() }
+    }
+
+    /// Breaks bonds under loads, as in [`Glued::strains`], until none gives. Those break first that
+    /// are nearly as bad as the worst: they may relieve the others.
+    pub fn give_way(&mut self, loads: &[PointLoad], field: DVec3, density: f64) -> GaveWay {
+        let mut gave = GaveWay { broken: Vec::new(), bore: 0.0 };
         for _ in 0..MOST_ROUNDS {
             let strains = self.strains(loads, field, density);
             let worst = strains.iter().copied().fold(0.0, f64::max);
             if worst <= 1.0 {
                 break;
             }
-            let least = if giving == Giving::All { 1.0 } else { (NEARLY * worst).max(1.0) };
+            gave.bore = gave.bore.max(1.0 / worst);
+            let least = (NEARLY * worst).max(1.0);
             let mut strains = strains.into_iter();
             self.bonds.retain(|bond| {
                 let holds = strains.next().is_none_or(|strain| strain < least || strain <= 1.0);
                 if !holds {
-                    broken.push(*bond);
+                    gave.broken.push(*bond);
                 }
                 holds
             });
         }
-        broken
+        gave
+    }
+
+    /// Whether the piece at a point has come free of what is anchored, or, if nothing is, of any piece.
+    pub fn comes_free(&self, point: DVec3) -> bool {
+        let islands = islands(self.pieces.len(), &self.bonds);
+        if !self.is_anchored() {
+            return islands.len() > 1;
+        }
+        let Some(struck) = self.piece_at(point) else { return false };
+        let of_struck = islands.iter().filter(|island| island.contains(&struck)).flatten();
+        !of_struck.into_iter().any(|&piece| self.pieces[piece].anchored)
+    }
+
+    /// The numbers of a bond's pieces in the body that all were first glued together in.
+    pub fn name_of(&self, bond: &Interface) -> [u32; 2] {
+        [self.numbers[bond.a], self.numbers[bond.b]]
+    }
+
+    /// Breaks the bonds with these [names](Glued::name_of).
+    pub fn cut(&mut self, names: &BTreeSet<[u32; 2]>) {
+        let numbers = &self.numbers;
+        self.bonds.retain(|bond| !names.contains(&[numbers[bond.a], numbers[bond.b]]));
     }
 
     /// What still holds together, each with its bonds.
@@ -171,6 +228,7 @@ impl Glued {
         }
         let part = |(island, members): (usize, &Vec<usize>)| Self {
             hulls: members.iter().map(|&piece| self.hulls[piece].clone()).collect(),
+            numbers: members.iter().map(|&piece| self.numbers[piece]).collect(),
             blocks: members.iter().map(|&piece| self.blocks[piece]).collect(),
             pieces: members.iter().map(|&piece| self.pieces[piece]).collect(),
             bonds: self

@@ -23,7 +23,7 @@ pub mod stress;
 pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
-pub use bonds::{BondStrength, Giving, Glued, PointLoad};
+pub use bonds::{BondStrength, GaveWay, Glued, PointLoad};
 pub use drawn::Drawn;
 pub use generators::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 pub use interfaces::{CutPiece, Interface, interfaces, mesh_interfaces};

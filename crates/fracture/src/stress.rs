@@ -24,6 +24,24 @@ pub struct RigidPiece {
     pub anchored: bool,
 }
 
+impl RigidPiece {
+    /// Some pieces that move as one.
+    pub(crate) fn of(pieces: &[&Self]) -> Self {
+        if let [piece] = pieces {
+            return **piece;
+        }
+        let volume: f64 = pieces.iter().map(|piece| piece.volume).sum();
+        let center = pieces.iter().map(|piece| piece.volume * piece.center).sum::<DVec3>() / volume;
+        let inertia = |piece: &&Self| piece.inertia + parallel_axis(piece.volume, piece.center - center);
+        Self {
+            center,
+            volume,
+            inertia: pieces.iter().map(inertia).fold(DMat3::ZERO, |sum, part| sum + part),
+            anchored: pieces.iter().any(|piece| piece.anchored),
+        }
+    }
+}
+
 /// A force [N] and a torque about a piece's centre [N m]; or a displacement [m] and a rotation [rad] of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {

@@ -1,27 +1,24 @@
 //! Bodies of glued pieces: one rigid body until a blow, or what they carry, breaks bonds, and islands of pieces from then on.
 
+mod blows;
+mod rehearsal;
+
 use crate::World;
 use crate::break_bodies::{fragment_body, imbalance};
 use crate::check::{BuildError, Checker};
 use crate::desc::{BodyDesc, BondsDesc, MotionDesc};
 use crate::patterns::build_pattern;
-use crate::report::{Fracture, Imbalance, id_from_number, id_number};
+use crate::report::{Fracture, Imbalance, id_number};
 use crate::world::Label;
-use frangible_dynamics::blows::{Coming, coming, pass_on};
-use frangible_dynamics::broad_phase::find_swept_pairs;
-use frangible_dynamics::collisions::predict;
+use blows::Blows;
 use frangible_dynamics::contact_forces::ContactForce;
-use frangible_dynamics::detection::ContactPoint;
-use frangible_dynamics::pair::{Approach, Pair, PairImpulse};
-use frangible_dynamics::{BodyId, Frame, Motion, NewBody, Tally};
+use frangible_dynamics::pair::Pair;
+use frangible_dynamics::{Frame, Motion, NewBody, Tally};
 use frangible_fracture::bonds::prescore;
-use frangible_fracture::{BondStrength, Fragment, Giving, Glued, Impact, PointLoad};
+use frangible_fracture::{BondStrength, Fragment, Glued, Impact, PointLoad};
 use frangible_geometry::{Compound, Hull, RigidTransform, Shape};
 use glam::DVec3;
-
-/// How long a blow lasts [s]: stiff bodies of about a metre are in touch for some thousandths of a second (by Hertz's law a ball of
-/// concrete, half a metre in radius and at 5 m/s, for 2 ms). A blow's impulse over this time is its force.
-const IMPACT_TIME: f64 = 2e-3;
+use rehearsal::rehearse;
 
 /// The pieces that a body is glued together of.
 #[derive(Clone, Debug)]
@@ -112,29 +109,8 @@ pub(crate) fn build_bonds(
 #[derive(Default)]
 pub(crate) struct Freed {
     pub(crate) fractures: Vec<Fracture>,
-    /// What anchored bodies bore of blows, and their strikers have still to feel.
-    pub(crate) felt: Vec<Felt>,
-}
-
-/// An impulse that an anchored body bore.
-pub(crate) struct Felt {
-    striker: BodyId,
-    /// The body, or what is left of it.
-    anchored: BodyId,
-    /// With the striker as the first of the pair.
-    approach: Approach,
-    /// On the striker, at the contact point [N s].
-    at_contact: DVec3,
-}
-
-/// A blow that breaks bonds.
-struct Strike {
-    pair: Pair,
-    coming: Coming,
-    /// The part of its impulse at which the first of them break.
-    borne: f64,
-    /// Which of the pair's bodies have lost bonds.
-    breaks: [bool; 2],
+    /// What the frame's blows will do besides.
+    pub(crate) blows: Blows,
 }
 
 /// A body that has lost bonds.
@@ -158,69 +134,22 @@ pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
         let (field, density) = (field_in_pieces(world, body, frame), world.bodies.densities[body]);
         let Some(bonds) = &mut world.labels[body].bonds else { continue };
         let carried = std::mem::take(&mut bonds.carried);
-        if !bonds.glued.give_way(&carried, field, density, Giving::Worst).is_empty() {
+        if !bonds.glued.give_way(&carried, field, density).broken.is_empty() {
             let point = world.bodies.poses[body].position;
             overloaded.push(Broken { body, striker: body, point, impulse: 0.0, borne: 0.0 });
         }
     }
-    let mut freed = Freed { fractures: fall_apart(world, &overloaded), felt: Vec::new() };
-
-    let strikes = strikes(world, true, frame);
-    for Strike { pair, coming, borne, .. } in &strikes {
-        let at_contact = *borne * coming.impulse.at_contact;
-        let Approach { contact, levers, relative_velocity } = coming.approach;
-        let ids = [pair.first, pair.second].map(|i| world.bodies.ids[i]);
-        if world.bodies.inertias[pair.first].is_infinite() {
-            let contact = ContactPoint { normal: -contact.normal, ..contact };
-            let levers = [levers[1], levers[0]];
-            let approach = Approach { contact, levers, relative_velocity: -relative_velocity };
-            let (anchored, striker) = (ids[0], ids[1]);
-            freed.felt.push(Felt { striker, anchored, approach, at_contact: -at_contact });
-        } else {
-            let (striker, anchored) = (ids[0], ids[1]);
-            freed.felt.push(Felt { striker, anchored, approach: coming.approach, at_contact });
-        }
-    }
-    let fractures = fall_apart(world, &strikes.iter().flat_map(Strike::broken).collect::<Vec<_>>());
-    // A part of what was anchored still is.
-    for felt in &mut freed.felt {
-        let parts = fractures.iter().filter(|fracture| fracture.body == id_number(felt.anchored));
-        let mut parts = parts.flat_map(|fracture| &fracture.fragments).map(|&part| id_from_number(part));
-        let is_fixed =
-            |id: &BodyId| world.bodies.index_of(*id).is_some_and(|i| world.bodies.inertias[i].is_infinite());
-        if let Some(part) = parts.find(is_fixed) {
-            felt.anchored = part;
-        }
-    }
-    freed.fractures.extend(fractures);
-    freed
+    let mut fractures = fall_apart(world, &overloaded);
+    let mut blows = rehearse(world, frame);
+    fractures.extend(blows.break_anchored(world));
+    Freed { fractures, blows }
 }
 
-/// Strikers feel what anchored bodies bore; then bodies that move freely are struck until no more bonds break. Each has passed on, when
-/// its islands come free, the impulse at which its first bonds broke; what is left of the blow acts on the islands.
-pub(crate) fn strike_bonds(world: &mut World, felt: Vec<Felt>, frame: &Frame) -> (Vec<Fracture>, Tally) {
+/// Strikers and what they strike feel what bonds bore before they broke; then what moves freely falls apart.
+pub(crate) fn strike_bonds(world: &mut World, blows: &Blows, frame: &Frame) -> (Vec<Fracture>, Tally) {
     let mut tally = Tally::default();
-    for Felt { striker, anchored, approach, at_contact } in felt {
-        let [first, second] = [striker, anchored].map(|id| world.bodies.index_of(id));
-        if let (Some(first), Some(second)) = (first, second) {
-            let impulse = PairImpulse::new(&approach, at_contact);
-            pass_on(&mut world.bodies, Pair { first, second }, &approach, &impulse, frame, &mut tally);
-        }
-    }
-    let mut fractures = Vec::new();
-    for _ in 0..frame.settings.breaking_passes {
-        let strikes = strikes(world, false, frame);
-        if strikes.is_empty() {
-            break;
-        }
-        for Strike { pair, coming, borne, .. } in &strikes {
-            let impulse = coming.impulse.scaled(*borne);
-            pass_on(&mut world.bodies, *pair, &coming.approach, &impulse, frame, &mut tally);
-        }
-        let broken: Vec<Broken> = strikes.iter().flat_map(Strike::broken).collect();
-        fractures.extend(fall_apart(world, &broken));
-    }
-    (fractures, tally)
+    blows.act(world, frame, &mut tally);
+    (blows.break_free(world), tally)
 }
 
 /// Notes what the contacts of glued bodies carry, those of each pair together: their load in the next frame.
@@ -241,76 +170,6 @@ pub(crate) fn note_carried(world: &mut World, forces: &[ContactForce]) {
             let loads: Vec<PointLoad> = of_pair.iter().map(load).collect();
             bonds.carried.extend(bonds.glued.spread(loads));
         }
-    }
-}
-
-/// The blows of a frame that break bonds of bodies that are, or are not, anchored; those bonds are broken already. No body is in two of
-/// them. What approaches no faster than gravity sets it in motion within a frame rests: its weight is no blow.
-fn strikes(world: &mut World, anchored: bool, frame: &Frame) -> Vec<Strike> {
-    let counts = |world: &World, i: usize| {
-        world.labels[i].bonds.is_some() && world.bodies.inertias[i].is_infinite() == anchored
-    };
-    if !(0..world.bodies.len()).any(|i| counts(world, i)) {
-        return Vec::new();
-    }
-    let predicted = predict(&world.bodies, frame);
-    let at_rest = frame.gravity.length() * frame.dt;
-    let pairs = find_swept_pairs(&world.bodies, &predicted, 2.0 * at_rest * frame.dt, frame);
-    let mut taken = vec![false; world.bodies.len()];
-    let mut strikes = Vec::new();
-    for pair in pairs {
-        let sides = [pair.first, pair.second];
-        let counts = sides.map(|i| counts(world, i));
-        if counts == [false; 2] || sides.iter().any(|&i| taken[i]) {
-            continue;
-        }
-        let Some(coming) = coming(&world.bodies, pair, &predicted, frame) else { continue };
-        if -coming.approach.relative_velocity.dot(coming.approach.contact.normal) <= at_rest {
-            continue;
-        }
-        let strains = [0, 1]
-            .map(|side| if counts[side] { strain(world, sides[side], &coming, side, frame) } else { 0.0 });
-        let worst = strains[0].max(strains[1]);
-        if worst <= 1.0 {
-            continue;
-        }
-        sides.iter().for_each(|&i| taken[i] = true);
-        strikes.push(Strike { pair, coming, borne: 1.0 / worst, breaks: strains.map(|strain| strain > 1.0) });
-    }
-    strikes
-}
-
-/// The worst strain of a body's bonds under a blow; if it is more than they bear, they are broken.
-fn strain(world: &mut World, body: usize, coming: &Coming, side: usize, frame: &Frame) -> f64 {
-    let (orientation, density) = (world.bodies.poses[body].orientation, world.bodies.densities[body]);
-    let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
-    let impulse = if side == 0 { coming.impulse.at_contact } else { -coming.impulse.at_contact };
-    let load = PointLoad {
-        point: pieces_from_body.point(coming.poses[side].world_from_body().inverse().point(coming.point)),
-        force: pieces_from_body.direction(orientation.conjugate() * (impulse / IMPACT_TIME)),
-    };
-    let field = field_in_pieces(world, body, frame);
-    let Some(bonds) = &mut world.labels[body].bonds else { return 0.0 };
-    let strains = bonds.glued.strains(&[load], field, density);
-    let worst = strains.into_iter().fold(0.0, f64::max);
-    if worst > 1.0 {
-        // Anchors hold until the bonds around the blow have given: their loss relieves those that
-        // lead to the anchors.
-        let giving = if bonds.is_anchored() { Giving::Worst } else { Giving::All };
-        bonds.glued.give_way(&[load], field, density, giving);
-    }
-    worst
-}
-
-impl Strike {
-    fn broken(&self) -> impl Iterator<Item = Broken> {
-        let Self { pair, coming, borne, breaks } = self;
-        let impulse = coming.impulse.at_contact.length();
-        let of = move |side: usize| {
-            let [body, striker] = [[pair.first, pair.second], [pair.second, pair.first]][side];
-            Broken { body, striker, point: coming.point, impulse, borne: *borne * impulse }
-        };
-        [0, 1].into_iter().filter(|&side| breaks[side]).map(of)
     }
 }
 

@@ -45,7 +45,7 @@ fn advance(world: &mut World) -> StepReport {
     let mut clock = StageClock::new();
 
     // Bonds give way to what they carry.
-    let Freed { fractures: mut freed, felt } = free_overloaded(world, &frame);
+    let Freed { fractures: mut freed, blows } = free_overloaded(world, &frame);
     clock.lap("free_overloaded");
 
     // Open the books.
@@ -54,7 +54,7 @@ fn advance(world: &mut World) -> StepReport {
     let bank = world.ledger.bank();
 
     // Bonds give way to blows.
-    let (mut broken, bonds_tally) = strike_bonds(world, felt, &frame);
+    let (mut broken, bonds_tally) = strike_bonds(world, &blows, &frame);
     clock.lap("strike_bonds");
 
     // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet their striker in the

@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Bricks.
 pub(crate) const MASONRY: Shot = Shot {
     name: "masonry",
-    caption: "a ball loosens bricks of a mortared wall, which stands",
+    caption: "a ball knocks a hole in a mortared wall, and the rest stands",
     frames: 90,
     takes_mesh: false,
     is_large: true,
@@ -24,6 +24,9 @@ const CLAY: f64 = 1800.0;
 /// Of joints of cement mortar [Pa]: across them, and along them with what the weight above adds.
 const TENSION: f64 = 0.4e6;
 const SHEAR: f64 = 0.6e6;
+
+/// Of bricks in a joint that has broken: Coulomb's coefficient of masonry [EN 1996-1-1, 3.6.2].
+const FRICTION: f64 = 0.4;
 
 /// Of the ball, of steel [kg/m^3].
 const STEEL: f64 = 7800.0;
@@ -66,7 +69,7 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let wall = BodyDesc {
         position: [0.0, 0.5 * WALL[1], 0.0],
         density: CLAY,
-        friction: 0.7,
+        friction: FRICTION,
         restitution: 0.05,
         bonds: Some(bonds),
         look: Some(LookDesc::Masonry),

@@ -1,0 +1,256 @@
+//! Which bonds a frame's blows break.
+//!
+//! A body that is anchored has infinite mass, and one of many pieces a large one: what strikes it would lose all of its momentum
+//! to it, although the bonds around the struck piece bear less. So they are asked before contact is solved. Strikers and
+//! the glued bodies that they strike go through the frame in short steps, beside the world; a piece that
+//! comes free takes its own part of the blow, and the striker meets with what it has left what it
+//! reaches next. The world then takes over the bonds that broke, and what they bore: the rest it
+//! solves as any frame.
+
+use super::blows::{Blows, Cut, Felt};
+use super::{Broken, fall_apart, field_in_pieces};
+use crate::World;
+use crate::books::Books;
+use crate::report::id_from_number;
+use crate::world::Label;
+use frangible_dynamics::blows::{Coming, coming, pass_on};
+use frangible_dynamics::broad_phase::find_swept_pairs;
+use frangible_dynamics::collisions::predict;
+use frangible_dynamics::evolve::accelerate;
+use frangible_dynamics::pair::Pair;
+use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, Tally};
+use frangible_fracture::PointLoad;
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How long a blow lasts [s]: stiff bodies of about a metre are in touch for some thousandths of a second (by Hertz's law a ball of
+/// concrete, half a metre in radius and at 5 m/s, for 2 ms). A blow's impulse over this time is its force.
+const IMPACT_TIME: f64 = 2e-3;
+
+/// A striker moves by no more of its radius in a short step [1], up to so many steps in a frame.
+const STEP: f64 = 0.1;
+const MOST_STEPS: usize = 24;
+
+/// Blows of a frame that are rehearsed.
+const MOST_BLOWS: usize = 1024;
+
+/// The blows of a frame that break bonds.
+pub(super) fn rehearse(world: &World, frame: &Frame) -> Blows {
+    let (mut members, steps) = members(world, frame);
+    if members.is_empty() {
+        return Blows::default();
+    }
+    members.sort_unstable();
+    members.dedup();
+    let mut stage = Stage::new(world, &members);
+    let short = Frame { dt: frame.dt / steps as f64, ..*frame };
+    for _ in 0..steps {
+        for _ in 0..frame.settings.breaking_passes {
+            if !stage.strike(&short, at_rest(frame)) {
+                break;
+            }
+        }
+        let bodies = &mut stage.world.bodies;
+        let ends = predict(bodies, &short);
+        bodies.velocities = accelerate(bodies, &bodies.velocities, short.dt, &short);
+        bodies.poses = ends;
+    }
+    stage.blows
+}
+
+/// What approaches no faster than gravity sets it in motion within a frame rests: its weight is no blow [m/s].
+fn at_rest(frame: &Frame) -> f64 {
+    frame.gravity.length() * frame.dt
+}
+
+/// Glued bodies that a blow overstrains in a frame, their strikers, and what is in the strikers' way; and
+/// how many short steps their ways take.
+fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
+    let (mut members, mut steps) = (Vec::new(), 1);
+    let is_glued = |i: usize| world.labels[i].bonds.is_some();
+    if !(0..world.bodies.len()).any(is_glued) {
+        return (members, steps);
+    }
+    let bodies = &world.bodies;
+    let predicted = predict(bodies, frame);
+    let pairs = find_swept_pairs(bodies, &predicted, 2.0 * at_rest(frame) * frame.dt, frame);
+    let mut strikers = BTreeSet::new();
+    for &pair in &pairs {
+        let sides = [pair.first, pair.second];
+        if !sides.iter().any(|&i| is_glued(i)) {
+            continue;
+        }
+        let Some(coming) = coming(bodies, pair, &predicted, frame) else { continue };
+        if speed(&coming) <= at_rest(frame) {
+            continue;
+        }
+        let overstrains = |side: usize| {
+            let Some(bonds) = &world.labels[sides[side]].bonds else { return false };
+            let (load, field) = load(world, sides[side], &coming, side, frame);
+            let mut glued = bonds.glued.clone();
+            glued.strains(&[load], field, bodies.densities[sides[side]]).into_iter().any(|at| at > 1.0)
+        };
+        if overstrains(0) || overstrains(1) {
+            members.extend(sides);
+            strikers.extend(sides.into_iter().filter(|&i| !bodies.inertias[i].is_infinite()));
+            let radius = bodies.radii[pair.first].min(bodies.radii[pair.second]);
+            let way = sides.map(|i| fastest(bodies, i)).iter().sum::<f64>() * frame.dt;
+            steps = steps.max((way / (STEP * radius)).ceil() as usize).min(MOST_STEPS);
+        }
+    }
+    for pair in pairs {
+        if strikers.contains(&pair.first) || strikers.contains(&pair.second) {
+            members.extend([pair.first, pair.second]);
+        }
+    }
+    (members, steps)
+}
+
+/// No point of a body is faster [m/s].
+fn fastest(bodies: &Bodies, i: usize) -> f64 {
+    let (pose, velocity) = (&bodies.poses[i], &bodies.velocities[i]);
+    let spin = bodies.spin(i, pose, velocity).length();
+    bodies.point_velocity(i, pose, velocity, DVec3::ZERO).length()
+        + if spin > 0.0 { spin * bodies.radii[i] } else { 0.0 }
+}
+
+/// How fast a pair comes together [m/s].
+fn speed(coming: &Coming) -> f64 {
+    -coming.approach.relative_velocity.dot(coming.approach.contact.normal)
+}
+
+/// What a blow is to one side of its pair: a load in the frame of its pieces, and gravity there.
+fn load(world: &World, body: usize, coming: &Coming, side: usize, frame: &Frame) -> (PointLoad, DVec3) {
+    let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
+    let in_body = coming.poses[side].world_from_body().inverse();
+    let impulse = if side == 0 { coming.impulse.at_contact } else { -coming.impulse.at_contact };
+    let load = PointLoad {
+        point: pieces_from_body.point(in_body.point(coming.point)),
+        force: pieces_from_body.direction(in_body.direction(impulse / IMPACT_TIME)),
+    };
+    (load, field_in_pieces(world, body, frame))
+}
+
+/// A few bodies of a world, beside it.
+struct Stage {
+    world: World,
+    /// Of each body of the world, and of its islands, the former's id.
+    origins: BTreeMap<BodyId, BodyId>,
+    /// Bodies that the world has, too.
+    old: BTreeSet<BodyId>,
+    blows: Blows,
+    count: usize,
+}
+
+impl Stage {
+    fn new(world: &World, members: &[usize]) -> Self {
+        let mut stage = World {
+            bodies: Bodies::default(),
+            labels: Vec::new(),
+            frame: world.frame,
+            dt: world.dt,
+            gravity: world.gravity,
+            settings: world.settings,
+            books: Books::default(),
+            ledger: Default::default(),
+            method: world.method,
+            warm: Default::default(),
+            kept: Default::default(),
+            fits: Default::default(),
+            spared: Vec::new(),
+        };
+        let bodies = &world.bodies;
+        let mut origins = BTreeMap::new();
+        for &i in members {
+            let body = NewBody {
+                shape: bodies.shapes[i].clone(),
+                density: bodies.densities[i],
+                motion: bodies.motions[i],
+                pose: bodies.poses[i],
+                velocity: bodies.velocities[i],
+                contactant: bodies.contactants[i],
+            };
+            let label = &world.labels[i];
+            let label = Label { name: String::new(), breaking: None, parent: None, ..label.clone() };
+            origins.insert(stage.spawn(body, label), bodies.ids[i]);
+        }
+        let old = origins.keys().copied().collect();
+        Self { world: stage, origins, old, blows: Blows::default(), count: 0 }
+    }
+
+    /// One pass over the pairs that meet in a short step; what is in a blow is not in another one. `false` if there
+    /// was none.
+    fn strike(&mut self, short: &Frame, at_rest: f64) -> bool {
+        let predicted = predict(&self.world.bodies, short);
+        let pairs = find_swept_pairs(&self.world.bodies, &predicted, 2.0 * at_rest * short.dt, short);
+        let mut taken = vec![false; self.world.bodies.len()];
+        let mut broken = Vec::new();
+        for pair in pairs {
+            let sides = [pair.first, pair.second];
+            if self.count == MOST_BLOWS || sides.iter().any(|&i| taken[i]) {
+                continue;
+            }
+            let Some(coming) = coming(&self.world.bodies, pair, &predicted, short) else { continue };
+            if speed(&coming) <= at_rest {
+                continue;
+            }
+            sides.iter().for_each(|&i| taken[i] = true);
+            self.count += 1;
+            self.blow(pair, &coming, short, &mut broken);
+        }
+        for fracture in fall_apart(&mut self.world, &broken) {
+            let origin = self.origins[&id_from_number(fracture.body)];
+            let parts = fracture.fragments.iter().map(|&part| (id_from_number(part), origin));
+            self.origins.extend(parts);
+        }
+        taken.contains(&true)
+    }
+
+    /// A blow acts: all of it, or what bonds bear before the struck pieces come free.
+    fn blow(&mut self, pair: Pair, coming: &Coming, short: &Frame, broken: &mut Vec<Broken>) {
+        let sides = [pair.first, pair.second];
+        let bodies = &self.world.bodies;
+        let whole = coming.impulse.at_contact.length();
+        // What breaks itself passes on no more than it bears.
+        let bears = sides.map(|i| bodies.contactants[i].strength);
+        let most = (bears[0].min(bears[1]) / whole).min(1.0);
+        let ids = sides.map(|i| self.origins[&bodies.ids[i]]);
+        let mut bore = most;
+        let mut breaks = [false; 2];
+        for side in [0, 1] {
+            let (mut load, field) = load(&self.world, sides[side], coming, side, short);
+            load.force *= most;
+            let density = self.world.bodies.densities[sides[side]];
+            let Some(bonds) = &mut self.world.labels[sides[side]].bonds else { continue };
+            let gave = bonds.glued.give_way(&[load], field, density);
+            if gave.broken.is_empty() {
+                continue;
+            }
+            let names = gave.broken.iter().map(|bond| bonds.glued.name_of(bond)).collect();
+            breaks[side] = bonds.glued.comes_free(load.point);
+            if breaks[side] {
+                bore = bore.min(gave.bore * most);
+            }
+            let (point, striker) = (coming.point, ids[1 - side]);
+            let cut = Cut { body: ids[side], bonds: names, striker, point, impulse: whole, borne: bore * whole };
+            match self.blows.cuts.iter_mut().find(|known| known.body == cut.body) {
+                Some(known) => known.bonds.extend(cut.bonds),
+                None => self.blows.cuts.push(cut),
+            }
+            let (body, striker) = (sides[side], sides[1 - side]);
+            broken.push(Broken { body, striker, point, impulse: whole, borne: bore * whole });
+        }
+        let impulse = coming.impulse.scaled(bore);
+        // What has come free in this frame is not in the world yet.
+        let is_known = |&i: &usize| {
+            self.world.labels[i].bonds.is_some() || self.old.contains(&self.world.bodies.ids[i])
+        };
+        if breaks.contains(&true) && ids[0] != ids[1] && sides.iter().all(is_known) {
+            let bodies = &self.world.bodies;
+            let side = usize::from(bodies.inertias[sides[0]].is_infinite());
+            let lever = coming.point - coming.poses[side].position;
+            self.blows.felt.push(Felt { pair: ids, impulse: impulse.at_contact, at: (side, lever) });
+        }
+        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, &mut Tally::default());
+    }
+}
