@@ -25,7 +25,7 @@ const CLAY: f64 = 1800.0;
 const TENSION: f64 = 0.4e6;
 const SHEAR: f64 = 0.6e6;
 
-/// Of bricks in a joint that has broken: Coulomb's coefficient of masonry [EN 1996-1-1, 3.6.2].
+/// Of bricks in a joint that has broken: Coulomb's coefficient of masonry [EC6 3.6.2].
 const FRICTION: f64 = 0.4;
 
 /// Of the ball, of steel [kg/m^3].

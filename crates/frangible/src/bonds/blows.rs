@@ -43,8 +43,16 @@ pub(super) struct Felt {
 }
 
 impl Blows {
-    /// Replaces anchored bodies that lose bonds by what is left of them, and has the impulses act on
-    /// the part that still is anchored.
+    /// Adds bonds to those that a body loses.
+    pub(super) fn cut(&mut self, cut: Cut) {
+        match self.cuts.iter_mut().find(|known| known.body == cut.body) {
+            Some(known) => known.bonds.extend(cut.bonds),
+            None => self.cuts.push(cut),
+        }
+    }
+
+    /// Replaces anchored bodies that lose bonds by what is left of them, and has the impulses act
+    /// on the part that still is anchored.
     pub(super) fn break_anchored(&mut self, world: &mut World) -> Vec<Fracture> {
         let fractures = self.break_some(world, true);
         for fracture in &fractures {

@@ -1,14 +1,14 @@
 //! Which bonds a frame's blows break.
 //!
-//! A body that is anchored has infinite mass, and one of many pieces a large one: what strikes it would lose all of its momentum
-//! to it, although the bonds around the struck piece bear less. So they are asked before contact is solved. Strikers and
-//! the glued bodies that they strike go through the frame in short steps, beside the world; a piece that
-//! comes free takes its own part of the blow, and the striker meets with what it has left what it
-//! reaches next. The world then takes over the bonds that broke, and what they bore: the rest it
-//! solves as any frame.
+//! What is anchored has infinite mass, so a striker would lose all of its momentum to it in the
+//! solver, although the bonds around the struck piece bear less. So bonds are asked before contact is
+//! solved. Strikers and the glued bodies that they overstrain go through the frame in short steps,
+//! beside the world: a piece that comes free takes its own part of the blow, and the striker meets
+//! what is next with what it has left. The world then takes over which bonds broke, and what they
+//! bore; all else it solves as in any frame.
 
 use super::blows::{Blows, Cut, Felt};
-use super::{Broken, fall_apart, field_in_pieces};
+use super::{Broken, IMPACT_TIME, fall_apart, field_in_pieces};
 use crate::World;
 use crate::books::Books;
 use crate::report::id_from_number;
@@ -22,10 +22,6 @@ use frangible_dynamics::{Bodies, BodyId, Frame, NewBody, Tally};
 use frangible_fracture::PointLoad;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// How long a blow lasts [s]: stiff bodies of about a metre are in touch for some thousandths of a second (by Hertz's law a ball of
-/// concrete, half a metre in radius and at 5 m/s, for 2 ms). A blow's impulse over this time is its force.
-const IMPACT_TIME: f64 = 2e-3;
 
 /// A striker moves by no more of its radius in a short step [1], up to so many steps in a frame.
 const STEP: f64 = 0.1;
@@ -58,13 +54,14 @@ pub(super) fn rehearse(world: &World, frame: &Frame) -> Blows {
     stage.blows
 }
 
-/// What approaches no faster than gravity sets it in motion within a frame rests: its weight is no blow [m/s].
+/// What approaches no faster than gravity sets it in motion within a frame rests: its weight is no
+/// blow [m/s].
 fn at_rest(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt
 }
 
-/// Glued bodies that a blow overstrains in a frame, their strikers, and what is in the strikers' way; and
-/// how many short steps their ways take.
+/// Glued bodies that a blow overstrains in a frame, their strikers, and what is in the strikers'
+/// way; and how many short steps their ways take.
 fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
     let (mut members, mut steps) = (Vec::new(), 1);
     let is_glued = |i: usize| world.labels[i].bonds.is_some();
@@ -88,7 +85,8 @@ fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
             let Some(bonds) = &world.labels[sides[side]].bonds else { return false };
             let (load, field) = load(world, sides[side], &coming, side, frame);
             let mut glued = bonds.glued.clone();
-            glued.strains(&[load], field, bodies.densities[sides[side]]).into_iter().any(|at| at > 1.0)
+            let strains = glued.strains(&[load], field, bodies.densities[sides[side]]);
+            strains.into_iter().any(|strain| strain > 1.0)
         };
         if overstrains(0) || overstrains(1) {
             members.extend(sides);
@@ -170,27 +168,29 @@ impl Stage {
                 velocity: bodies.velocities[i],
                 contactant: bodies.contactants[i],
             };
-            let label = &world.labels[i];
-            let label = Label { name: String::new(), breaking: None, parent: None, ..label.clone() };
+            let Label { look, bonds, .. } = world.labels[i].clone();
+            let label = Label { name: String::new(), parent: None, look, breaking: None, bonds };
             origins.insert(stage.spawn(body, label), bodies.ids[i]);
         }
         let old = origins.keys().copied().collect();
         Self { world: stage, origins, old, blows: Blows::default(), count: 0 }
     }
 
-    /// One pass over the pairs that meet in a short step; what is in a blow is not in another one. `false` if there
-    /// was none.
+    /// One pass over the pairs that meet in a short step; what is in a blow is not in another one.
+    /// `false` if there was none.
     fn strike(&mut self, short: &Frame, at_rest: f64) -> bool {
-        let predicted = predict(&self.world.bodies, short);
-        let pairs = find_swept_pairs(&self.world.bodies, &predicted, 2.0 * at_rest * short.dt, short);
-        let mut taken = vec![false; self.world.bodies.len()];
+        let bodies = &self.world.bodies;
+        let predicted = predict(bodies, short);
+        let pairs = find_swept_pairs(bodies, &predicted, 2.0 * at_rest * short.dt, short);
+        let mut taken = vec![false; bodies.len()];
         let mut broken = Vec::new();
         for pair in pairs {
             let sides = [pair.first, pair.second];
             if self.count == MOST_BLOWS || sides.iter().any(|&i| taken[i]) {
                 continue;
             }
-            let Some(coming) = coming(&self.world.bodies, pair, &predicted, short) else { continue };
+            let coming = coming(&self.world.bodies, pair, &predicted, short);
+            let Some(coming) = coming else { continue };
             if speed(&coming) <= at_rest {
                 continue;
             }
@@ -231,26 +231,23 @@ impl Stage {
             if breaks[side] {
                 bore = bore.min(gave.bore * most);
             }
-            let (point, striker) = (coming.point, ids[1 - side]);
-            let cut = Cut { body: ids[side], bonds: names, striker, point, impulse: whole, borne: bore * whole };
-            match self.blows.cuts.iter_mut().find(|known| known.body == cut.body) {
-                Some(known) => known.bonds.extend(cut.bonds),
-                None => self.blows.cuts.push(cut),
-            }
             let (body, striker) = (sides[side], sides[1 - side]);
-            broken.push(Broken { body, striker, point, impulse: whole, borne: bore * whole });
+            let (point, impulse, borne) = (coming.point, whole, bore * whole);
+            broken.push(Broken { body, striker, point, impulse, borne });
+            let (body, striker) = (ids[side], ids[1 - side]);
+            self.blows.cut(Cut { body, bonds: names, striker, point, impulse, borne });
         }
         let impulse = coming.impulse.scaled(bore);
         // What has come free in this frame is not in the world yet.
-        let is_known = |&i: &usize| {
-            self.world.labels[i].bonds.is_some() || self.old.contains(&self.world.bodies.ids[i])
-        };
+        let World { bodies, labels, .. } = &self.world;
+        let is_known = |&i: &usize| labels[i].bonds.is_some() || self.old.contains(&bodies.ids[i]);
         if breaks.contains(&true) && ids[0] != ids[1] && sides.iter().all(is_known) {
-            let bodies = &self.world.bodies;
             let side = usize::from(bodies.inertias[sides[0]].is_infinite());
             let lever = coming.point - coming.poses[side].position;
-            self.blows.felt.push(Felt { pair: ids, impulse: impulse.at_contact, at: (side, lever) });
+            let impulse = impulse.at_contact;
+            self.blows.felt.push(Felt { pair: ids, impulse, at: (side, lever) });
         }
-        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, &mut Tally::default());
+        let tally = &mut Tally::default();
+        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, tally);
     }
 }
