@@ -85,7 +85,7 @@ def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
 
 
 def _made_anew(surface: Mesh, voxels: int) -> Mesh | None:
-    """What a surface encloses, made anew on a grid; `None` for what is too thin for that."""
+    """The solid in a surface, made anew on a grid; `None` if it is too thin for that."""
     vertices, triangles = surface
     corners = vertices[triangles]
     sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

@@ -31,7 +31,7 @@ FRAMES_EACH = 4
 MOST_COPIES = 1 << 32
 #: A process is asked for its next frame before the last one is fetched.
 AHEAD = 2
-#: What a process runs: where modules are found comes from the one that starts it.
+#: The program of a process; its module path comes from the one that starts it.
 _PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from frangible.film_processes import draw_frames; draw_frames()"
@@ -40,7 +40,7 @@ _PROGRAM = (
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """What all frames of a film share."""
+    """Facts that all frames of a film share."""
 
     recording: Recording
     camera: Camera

@@ -39,7 +39,7 @@ def deaf_work() -> Iterator[None]:
     if not _is_command or threading.current_thread() is not threading.main_thread():
         yield
         return
-    # What the caller ignores, or somebody else handles outside of Python, stays as it is.
+    # Signals that the caller ignores, or that are handled outside of Python, stay as they are.
     heard = [one for one in SIGNALS if signal.getsignal(one) not in (signal.SIG_IGN, None)]
     before = {one: signal.signal(one, signal.SIG_DFL) for one in heard}
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-#: What a group shows, and the names in it.
+#: The subject of a group, and the names in it.
 GROUPS = (
     (
         "Bodies break where they are hit",

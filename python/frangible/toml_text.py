@@ -38,7 +38,7 @@ def _table(fields: dict[str, Any], path: str) -> Iterator[str]:
 
 
 def _is_large(key: str, value: Any) -> bool:
-    """Whether the value is a table, or a list of tables, that is too long for a line."""
+    """True for a table, or a list of tables, that is too long for a line."""
     if isinstance(value, list):
         return bool(value) and all(isinstance(item, dict) for item in value)
     return isinstance(value, dict) and len(key) + len(json.dumps(value)) > WIDTH

@@ -1,14 +1,12 @@
 """A new user's ten minutes: the demo, then a mesh and a scene of one's own; a browser plays both."""
 
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
 from frangible import Recording
 from test_page import blob, needs_chromium, play
 
@@ -16,10 +14,6 @@ __all__ = ["play"]
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = Path(sys.executable).parent
-needs_make = pytest.mark.skipif(
-    shutil.which("make") is None or not (COMMANDS / "frangible").exists(),
-    reason="make, or the command beside this Python, is missing",
-)
 
 #: An arch, as two posts and a beam that are one surface.
 ARCH = """
@@ -64,7 +58,6 @@ def pieces(recording: Recording) -> int:
     return sum(body.parent is not None for body in recording.bodies)
 
 
-@needs_make
 def test_make_demo_makes_what_it_says(tmp_path: Path, play: Callable[..., dict[str, Any]]) -> None:  # noqa: F811
     # The target itself, with the package that is tested in place of the one that it builds.
     out = tmp_path / "out"

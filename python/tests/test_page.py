@@ -178,7 +178,7 @@ def test_all_images_of_a_material_are_in_the_page(scripted: Recording, tmp_path:
     kinds = ("image", "surfaceImage", "normalImage", "emissionImage")
     assert sorted(tiles[kind] for kind in kinds) == [0, 1, 2, 3]
     assert (tiles["roughness"], tiles["metallic"], tiles["emission"]) == (0.3, 1.0, [1.0, 0.5, 0.0])
-    # What no file gave shines as in pictures.
+    # A body without images of its own shines as in pictures.
     assert {one["roughness"] for one in header["materials"] if one["name"] != "tiles"} == {-1.0}
 
 

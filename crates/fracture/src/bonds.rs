@@ -50,7 +50,7 @@ pub struct PointLoad {
     pub force: DVec3,
 }
 
-/// What gave way under a load.
+/// The bonds that gave way under a load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaveWay {
     /// The bonds that broke, in order.
@@ -195,7 +195,8 @@ impl Glued {
         gave
     }
 
-    /// Whether the piece at a point has come free of what is anchored, or, if nothing is, of any piece.
+    /// True if the piece at a point has come free of what is anchored or, if nothing is, of any
+    /// piece.
     pub fn comes_free(&self, point: DVec3) -> bool {
         let islands = islands(self.pieces.len(), &self.bonds);
         if !self.is_anchored() {

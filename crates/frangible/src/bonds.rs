@@ -25,15 +25,15 @@ use rehearsal::rehearse;
 /// blow's impulse over this time is its force.
 const IMPACT_TIME: f64 = 2e-3;
 
-/// What was carried is forgotten below this part of the largest force [1].
+/// Carried loads are forgotten below this part of the largest force [1].
 const FAINT: f64 = 1e-2;
 
 /// The pieces that a body is glued together of.
 #[derive(Clone, Debug)]
 pub struct Bonds {
     glued: Glued,
-    /// What its contacts carried in the last frame, and, where that is shorter, on the average over
-    /// the time that a blow lasts; in the pieces' frame.
+    /// Loads that its contacts carried in the last frame or, where that is shorter, on the average
+    /// over the time that a blow lasts; in the pieces' frame.
     carried: Vec<PointLoad>,
     /// Between the surface samples of what it breaks into [m].
     sample_spacing: f64,
@@ -118,7 +118,7 @@ pub(crate) fn build_bonds(
 #[derive(Default)]
 pub(crate) struct Freed {
     pub(crate) fractures: Vec<Fracture>,
-    /// What the frame's blows will do besides.
+    /// The frame's blows on bonds that are still to act.
     pub(crate) blows: Blows,
 }
 

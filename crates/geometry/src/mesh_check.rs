@@ -6,10 +6,6 @@ use glam::DVec3;
 /// The file endings that [`crate::mesh_io::load`] reads.
 pub(crate) const KNOWN_ENDINGS: &str = ".obj, .ply, .stl, .gltf, .glb";
 
-/// Below this ratio of volume to (area times bounding diagonal) a mesh is flat: a plate has half of its thickness over
-/// its diagonal, and the rounding of single-precision files alone makes a tilted plane 1e-7 thick.
-const FLAT: f64 = 1e-6;
-
 /// Largest coordinate [m]: areas and volumes of larger ones lose their digits, and then overflow.
 const MOST_COORDINATE: f64 = 1e12;
 
@@ -96,18 +92,6 @@ pub enum MeshError {
         /// Highest index allowed.
         last: i64,
     },
-    /// Flat.
-    #[error(
-        "{mesh}: encloses {volume:e} m^3 within {area:e} m^2 of surface, must enclose a volume (it is flat, or its parts face opposite ways)"
-    )]
-    NoVolume {
-        /// File or "the mesh".
-        mesh: String,
-        /// [m^3]
-        volume: f64,
-        /// [m^2]
-        area: f64,
-    },
     /// No part is closed, or can be.
     #[error(
         "{mesh}: encloses no volume: it has {parts} open or flat part{} of {} m^2 in all, must have a \
@@ -155,18 +139,5 @@ impl TriMesh {
             }
         }
         if self.area() > 0.0 { Ok(()) } else { Err(MeshError::NoTriangles { mesh: mesh() }) }
-    }
-
-    /// Refuses a mesh that passes [`TriMesh::check`] but encloses no volume. Holes are no obstacle: what counts is the
-    /// volume with each of them closed by a cone. Nor is a surface that faces inward as a whole.
-    pub fn check_volume(&self, name: &str) -> Result<(), MeshError> {
-        let (low, high) = self.bounds();
-        let volume = self.mass_properties().volume;
-        let area = self.area();
-        if volume.abs() > FLAT * area * (high - low).length() {
-            Ok(())
-        } else {
-            Err(MeshError::NoVolume { mesh: name.to_owned(), volume, area })
-        }
     }
 }

@@ -19,7 +19,7 @@ const MOST_VOXELS: f64 = 1024.0;
 /// Why a mesh has no level set on a grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshToLevelSetError {
-    /// See [`TriMesh::check`] and [`TriMesh::check_volume`].
+    /// See [`TriMesh::check`].
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// Would not fit into memory.

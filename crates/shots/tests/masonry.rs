@@ -19,7 +19,7 @@ fn with_strength(times: f64) -> SceneDesc {
     scene
 }
 
-/// What a run came to.
+/// The end of a run.
 struct Run {
     world: World,
     /// Where the ball was when bonds first broke [m].
@@ -86,7 +86,8 @@ fn a_ball_knocks_a_hole() {
     assert!((lost / 1800.0 + volume - VOLUME).abs() < 1e-9, "{lost} kg");
 }
 
-/// The stronger the mortar, the less comes loose; the ball is caught, then bounces off a whole wall.
+/// The stronger the mortar, the less comes loose; the ball is caught, then bounces off a whole
+/// wall.
 #[test]
 fn mortar_holds_as_it_is_strong() {
     let runs = [0.3, 3.0, 10.0, 100.0].map(|times| Run::of(&with_strength(times), 30));

@@ -1,4 +1,4 @@
-//! What the blows of a frame do to glued bodies.
+//! Effects of a frame's blows on glued bodies.
 
 use super::{Broken, fall_apart};
 use crate::World;

@@ -1,6 +1,6 @@
 //! Which bonds a frame's blows break.
 //!
-//! What is anchored has infinite mass, so a striker would lose all of its momentum to it in the
+//! An anchored body has infinite mass, so a striker would lose all of its momentum to it in the
 //! solver, although the bonds around the struck piece bear less. So bonds are asked before contact is
 //! solved. Strikers and the glued bodies that they overstrain go through the frame in short steps,
 //! beside the world: a piece that comes free takes its own part of the blow, and the striker meets
@@ -54,7 +54,7 @@ pub(super) fn rehearse(world: &World, frame: &Frame) -> Blows {
     stage.blows
 }
 
-/// What approaches no faster than gravity sets it in motion within a frame rests: its weight is no
+/// A body that approaches no faster than gravity sets it in motion within a frame rests: its weight is no
 /// blow [m/s].
 fn at_rest(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt
@@ -117,7 +117,7 @@ fn speed(coming: &Coming) -> f64 {
     -coming.approach.relative_velocity.dot(coming.approach.contact.normal)
 }
 
-/// What a blow is to one side of its pair: a load in the frame of its pieces, and gravity there.
+/// A blow as it is to one side of its pair: a load in the frame of its pieces, and gravity there.
 fn load(world: &World, body: usize, coming: &Coming, side: usize, frame: &Frame) -> (PointLoad, DVec3) {
     let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
     let in_body = coming.poses[side].world_from_body().inverse();
@@ -211,7 +211,7 @@ impl Stage {
         let sides = [pair.first, pair.second];
         let bodies = &self.world.bodies;
         let whole = coming.impulse.at_contact.length();
-        // What breaks itself passes on no more than it bears.
+        // A body that breaks itself passes on no more than it bears.
         let bears = sides.map(|i| bodies.contactants[i].strength);
         let most = (bears[0].min(bears[1]) / whole).min(1.0);
         let ids = sides.map(|i| self.origins[&bodies.ids[i]]);
@@ -238,7 +238,7 @@ impl Stage {
             self.blows.cut(Cut { body, bonds: names, striker, point, impulse, borne });
         }
         let impulse = coming.impulse.scaled(bore);
-        // What has come free in this frame is not in the world yet.
+        // A piece that has come free in this frame is not in the world yet.
         let World { bodies, labels, .. } = &self.world;
         let is_known = |&i: &usize| labels[i].bonds.is_some() || self.old.contains(&bodies.ids[i]);
         if breaks.contains(&true) && ids[0] != ids[1] && sides.iter().all(is_known) {
