@@ -21,6 +21,8 @@ Below = tuple[Int64, Int64]
 
 #: A surface belongs to the deepest node of its file that this part of its area is of.
 OWNER = 0.9
+#: What lies below a surface is no farther from it than this part of the mesh's diagonal.
+MOST_REACH = 1.0 / 64.0
 #: Texture coordinates may go on beyond a triangle by this part of it.
 MOST_BEYOND = 0.5
 #: Of what has colours of its corners and no material.
@@ -81,6 +83,7 @@ class MeshSkin:
         unless that is farther than the closest by more than its reach (n,) [m]."""
         wanted = np.full(len(points), -1, np.int64) if charts is None else charts
         own = np.zeros(len(self.corners), np.int64) if charts is None else self.charts
+        reach = np.minimum(reach, MOST_REACH * np.linalg.norm(np.ptp(self.corners.reshape(-1, 3), axis=0)))
         arrays = (np.ascontiguousarray(points), np.ascontiguousarray(normals), wanted, np.ascontiguousarray(reach))
         return closest_triangles(self.corners, own, *arrays)
 
