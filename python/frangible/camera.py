@@ -20,6 +20,8 @@ VIEW_FROM = np.array([-0.62, 0.40, 1.0])
 THIN = 0.8
 #: What the subject's extent in the picture is multiplied by.
 MARGIN = 1.08
+#: Places that are checked for whether something hides them, about.
+HIDEABLE = 60
 #: A file about a camera that is larger than this holds something else [bytes].
 LARGEST_FILE = 1 << 16
 
@@ -86,8 +88,8 @@ class Camera:
 def frame_recording(recording: Recording, aspect: float) -> Camera:
     """One camera for every frame, ``aspect`` wide for its height.
 
-    It sees what breaks from shortly before until the end, as far as its fragments stay within
-    reach; without a break it sees what moves.
+    It sees what moves or breaks in all frames, but for what comes from far away or goes astray
+    (docs/films.md).
     """
     subject = find_subject(recording)
     # The first from which nothing in between hides more than from the others.
@@ -113,17 +115,20 @@ def _from_side(subject: Subject, front: Float64, side: float, aspect: float) -> 
     axes = np.array([right, np.cross(right, forward), forward])
 
     # Slide sideways until opposite margins are equal, then back until everything is inside them.
-    local = subject.points @ axes.T
-    eye = np.zeros(3)
+    boxes = subject.boxes
+    middle = boxes.around().centres[0]
+    centres, halves = boxes.centres - middle, (boxes.high - boxes.low) / 2
+    place = np.zeros(3)
     retreats = []
     for axis, slope in ((0, half_height * aspect / MARGIN), (1, half_height / MARGIN)):
-        high = np.max(local[:, axis] - slope * local[:, 2])
-        low = np.min(local[:, axis] + slope * local[:, 2])
-        eye[axis] = (high + low) / 2
+        # The planes of two opposite margins touch the boxes.
+        first, second = axes[axis] - slope * axes[2], axes[axis] + slope * axes[2]
+        high = np.max(centres @ first + halves @ np.abs(first))
+        low = np.min(centres @ second - halves @ np.abs(second))
+        place[axis] = (high + low) / 2
         retreats.append((low - high) / (2 * slope))
-    eye[2] = min(retreats)
-    target = (subject.points.min(axis=0) + subject.points.max(axis=0)) / 2
-    return Camera(eye=eye @ axes, axes=axes, half_height=half_height, target=target)
+    place[2] = min(retreats)
+    return Camera(eye=middle + place @ axes, axes=axes, half_height=half_height, target=middle)
 
 
 def _sides(subject: Subject) -> list[tuple[Float64, float]]:
@@ -142,12 +147,14 @@ def _sides(subject: Subject) -> list[tuple[Float64, float]]:
 
 def _hidden(subject: Subject, camera: Camera) -> float:
     """Share of the subject's parts that boxes around other bodies hide."""
-    if not len(subject.middles) or not len(subject.others):
+    places, others = subject.middles, subject.others
+    if not len(others.low):
         return 0.0
-    ways = subject.middles - camera.eye
+    ways = places[:: -(-len(places) // HIDEABLE)] - camera.eye
     with np.errstate(divide="ignore", invalid="ignore"):
         # (k, b, 2, 3) where the lines of sight cross the planes of the boxes' sides.
-        crossings = (subject.others - camera.eye) / ways[:, None, None, :]
+        sides = np.stack([others.low, others.high], axis=1) - camera.eye
+        crossings = sides / ways[:, None, None, :]
     enter = np.nanmax(np.nanmin(crossings, axis=2), axis=2)
     leave = np.nanmin(np.nanmax(crossings, axis=2), axis=2)
     blocked = (enter <= leave) & (leave > 0.0) & (enter < 0.99)

@@ -1,192 +1,229 @@
-"""The subject of a shot: the bodies that break, or without a break those that move."""
+"""The subject of a shot: what moves or breaks, without what comes from far away or goes astray."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from .recording import Body, Bool, Float64, Recording
 
-#: Frames that are looked at, spread evenly; a shot changes little between two of them.
-SAMPLED_FRAMES = 32
-#: The subject is seen this long before its first break [s].
-BEFORE_BREAK = 0.4
-#: Part of the weight that lies outside the frame on each side of each axis, at most.
-STRAGGLERS = 0.06
-#: How far beyond it what is no straggler may lie, over its size.
-NEARBY = 0.35
-#: Places that are checked for whether something hides them, about.
-HIDEABLE = 60
-#: How far fragments are followed along x, up and along z, and how far down, over the diagonal of
-#: what broke: they fly off, but fall onto something.
-REACH, FALL = 0.5, 1.5
+Int64 = npt.NDArray[np.int64]
+
+#: A film is cut into about so many parts; the box of a body in a part holds it in all its frames.
+PARTS = 32
+#: This share of the bodies is seen at first, each by its size, and all others that make the picture
+#: at most so many times as large: what is left comes from far away.
+CORE, FAR = 2 / 3, 2.0
+#: At least this share of the bodies is seen in all of their lives, and more as long as the share
+#: grows by more than the picture's size to the power of `COST`: what is left goes astray.
+MOST, COST = 0.75, 0.75
+#: Bodies are followed as long as the picture is at most `FAR` times as large as at first, or a
+#: body in it at least this part of it. All falls are followed.
+SMALLEST = 1 / 18
+#: What stands still is seen whole if it makes the picture at most so many times as large.
+BESIDE = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Boxes along the world's axes."""
+
+    #: (n, 3) corners [m].
+    low: Float64
+    high: Float64
+
+    def __getitem__(self, rows: Int64 | Bool) -> Boxes:
+        return Boxes(self.low[rows], self.high[rows])
+
+    @property
+    def centres(self) -> Float64:
+        """(n, 3) [m]."""
+        return (self.low + self.high) / 2
+
+    def sizes(self) -> Float64:
+        """(n,) diagonals [m]."""
+        diagonals: Float64 = np.linalg.norm(self.high - self.low, axis=1)
+        return diagonals
+
+    def around(self) -> Boxes:
+        """The one box around all of them."""
+        return Boxes(self.low.min(axis=0)[None], self.high.max(axis=0)[None])
+
+    def joined(self, others: Boxes) -> Boxes:
+        """These and others."""
+        return Boxes(np.vstack([self.low, others.low]), np.vstack([self.high, others.high]))
+
+    def nearest_first(self, box: Boxes) -> Int64:
+        """(n,) their order by how far they reach out of a box."""
+        reach = np.maximum(box.low - self.low, self.high - box.high).max(axis=1)
+        return np.argsort(reach, kind="stable")
+
+    def grown(self, box: Boxes) -> Boxes:
+        """(n,) the boxes around a box and the first of these, the first two ... all of them."""
+        low, high = box.joined(self).low, box.joined(self).high
+        return Boxes(np.minimum.accumulate(low)[1:], np.maximum.accumulate(high)[1:])
+
+    def fitting(self, box: Boxes, factor: float) -> Bool:
+        """(n,) which can be seen with a box if the picture grows by at most a factor."""
+        order = self.nearest_first(box)
+        fits = np.zeros(len(order), np.bool_)
+        fits[order] = self[order].grown(box).sizes() <= factor * box.sizes()
+        return fits
 
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """The points that the camera must see, world frame."""
+    """The boxes that the camera must see, world frame."""
 
-    #: (n, 3) points [m].
-    points: Float64
-    #: (3,) extents of its heaviest part before it breaks or moves [m].
-    extents: Float64
-    #: (3,) how far its parts are from where that one was at first, on average [m].
-    drift: Float64
-    #: (k, 3) some middles of its parts, which nothing should hide [m].
+    boxes: Boxes
+    #: (n, 3) middles of parts of it, which nothing should hide [m].
     middles: Float64
-    #: Corners (b, 2, 3) of boxes around everything else, along the world's axes [m].
-    others: Float64
+    #: (3,) its extents at first [m].
+    extents: Float64
+    #: (3,) how far its parts are from where it was at first, on average [m].
+    drift: Float64
+    #: Boxes around everything that stands still.
+    others: Boxes
 
 
 @dataclass(frozen=True, slots=True)
-class _Boxes:
-    """Boxes along the world's axes, one for each body and frame looked at."""
+class _Ways:
+    """Ways of bodies, in parts."""
 
-    #: (n, 3) [m].
-    centres: Float64
-    halves: Float64
-    #: (n,) mass of the body [kg].
-    masses: Float64
+    #: (n,) one for each body and part.
+    boxes: Boxes
+    #: (n,) index of the body, in order, and the part's first frame.
+    body: Int64
+    frame: Int64
 
-    def within(self, low: Float64, high: Float64) -> Bool:
-        """(n,) whether their centres lie in a box."""
-        inside: Bool = np.all((self.centres >= low) & (self.centres <= high), axis=1)
-        return inside
+    def __getitem__(self, rows: Int64 | Bool) -> _Ways:
+        return _Ways(self.boxes[rows], self.body[rows], self.frame[rows])
 
-    def corners(self) -> Float64:
-        """(8 n, 3) [m]."""
-        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        every: Float64 = self.centres[:, None] + signs * self.halves[:, None]
-        return every.reshape(-1, 3)
+    def lives(self) -> Boxes:
+        """(b,) one box for each body, around all of its parts."""
+        first = np.flatnonzero(np.diff(self.body, prepend=-1))
+        return Boxes(
+            np.minimum.reduceat(self.boxes.low, first), np.maximum.reduceat(self.boxes.high, first)
+        )
 
 
 def find_subject(recording: Recording) -> Subject:
     """The subject of the recording; a box on the floor if nothing has a surface."""
     solid = [body for body in recording.bodies if len(body.vertices)]
-    broken = {body.source for body in solid if body.parent is not None and body.birth_frame > 0}
-    if broken:
-        return _what_breaks(recording, [body for body in solid if body.source in broken])
-    movable = [body for body in solid if body.moves] or solid
-    if not movable:
-        nothing = np.zeros((0, 3))
-        points = np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])
-        return Subject(points, np.ones(3), np.zeros(3), nothing, nothing.reshape(0, 2, 3))
-
-    # A body on rails, or from far away, is there for the body that it strikes.
-    shown = _together([body for body in movable if np.isfinite(body.mass)] or movable)
-    boxes = _boxes(shown, _spread(0, recording.frames))
-    low, high = _typical(boxes, np.ones(len(boxes.masses)))
-    return _subject(recording, shown, boxes, *_around(boxes, low, high))
-
-
-def _together(bodies: list[Body]) -> list[Body]:
-    """The bodies that are close to each other at first, as most are."""
-    boxes = _boxes(bodies, [body.birth_frame for body in bodies], paired=True)
-    distances = np.linalg.norm(boxes.centres - np.median(boxes.centres, axis=0), axis=1)
-    sizes = np.linalg.norm(boxes.halves, axis=1)
-    near = distances <= 1.6 * np.quantile(distances, 0.75) + 2.0 * np.median(sizes)
-    return [body for body, keep in zip(bodies, near, strict=True) if keep]
-
-
-def _what_breaks(recording: Recording, family: list[Body]) -> Subject:
-    """Bodies shortly before they break, and their fragments within reach."""
-    # Each source until its first break; of many, a straggler on either side does not matter.
-    breaks = {body.source: recording.frames + 1 for body in family}
-    for body in family:
-        if body.birth_frame > 0:
-            breaks[body.source] = min(breaks[body.source], body.birth_frame)
-    wholes = [body for body in family if body.birth_frame < breaks[body.source]] or family
-    last = [
-        max(body.birth_frame, min(breaks[body.source] - 1, _last_frame(body))) for body in wholes
-    ]
-    struck = _boxes(wholes, last, paired=True)
-    low, high = _around(struck, *_typical(struck, struck.masses))
-
-    # All frames that show it, but no farther than its fragments are worth following.
-    first = max(0, min(breaks.values()) - max(1, round(BEFORE_BREAK * recording.fps)))
-    frames = _spread(first, recording.frames)
-    boxes = _boxes(family, frames)
-    flown_low, flown_high = _around(boxes, *_typical(boxes, boxes.masses))
-    diagonal = float(np.linalg.norm(high - low))
-    lowest, highest = low - diagonal * np.array([REACH, FALL, REACH]), high + diagonal * REACH
-    low = np.minimum(low, np.maximum(flown_low, lowest))
-    high = np.maximum(high, np.minimum(flown_high, highest))
-    pairs = zip(_parts(struck), _parts(boxes), strict=True)
-    both = _Boxes(*(np.concatenate(pair) for pair in pairs))
-    return _subject(recording, family, both, low, high)
-
-
-def _subject(
-    recording: Recording, family: list[Body], boxes: _Boxes, low: Float64, high: Float64
-) -> Subject:
-    near = boxes.within(low, high)
-    points = np.clip(boxes.corners()[np.repeat(near, 8)], low, high)
-    # The heaviest part, and where all of them go; that counts even out of reach.
-    main = max((body for body in family if body.birth_frame == family[0].birth_frame), key=_weight)
-    drift = np.average(boxes.centres - main.positions[0], axis=0, weights=boxes.masses)
-    middles = boxes.centres[near]
-    shown = {body.id for body in family}
-    beside = [body for body in recording.alive(0) if len(body.vertices) and body.id not in shown]
-    around = _boxes([body for body in beside if _stays(body)], [0])
-    return Subject(
-        points if len(points) else np.array([low, high]),
-        np.ptp(main.vertices_world(main.birth_frame), axis=0),
-        drift,
-        middles[:: max(1, len(middles) // HIDEABLE)],
-        np.stack([around.centres - around.halves, around.centres + around.halves], axis=1),
-    )
-
-
-def _stays(body: Body) -> bool:
-    """True if it goes no farther than half its size."""
-    way = np.linalg.norm(np.ptp(body.positions, axis=0))
-    return bool(way < 0.5 * np.linalg.norm(np.ptp(body.vertices, axis=0)))
-
-
-def _weight(body: Body) -> float:
-    """Mass [kg]; whatever has none of its own, like a ball on rails, weighs nothing here."""
-    return body.mass if np.isfinite(body.mass) and body.mass > 0.0 else 1e-300
-
-
-def _last_frame(body: Body) -> int:
-    return body.birth_frame + len(body.positions) - 1
-
-
-def _spread(first: int, last: int) -> list[int]:
-    """Frames from the first to the last."""
-    count = min(SAMPLED_FRAMES, last - first + 1)
-    frames: list[int] = np.unique(np.linspace(first, last, count).round().astype(int)).tolist()
-    return frames
-
-
-def _boxes(bodies: list[Body], frames: list[int], *, paired: bool = False) -> _Boxes:
-    """Boxes around bodies at all of the frames that show them, or at one frame each."""
-    middles, halves, positions, orientations, counts = [], [], [], [], []
-    sampled = np.array(frames)
-    for index, body in enumerate(bodies):
-        low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
-        middles.append((low.astype(np.float64) + high) / 2)
-        halves.append((high.astype(np.float64) - low) / 2)
-        rows = (sampled[index : index + 1] if paired else sampled) - body.birth_frame
-        rows = rows[(rows >= 0) & (rows < len(body.positions))]
-        positions.append(body.positions[rows])
-        orientations.append(body.orientations[rows])
-        counts.append(len(rows))
+    broken = {body.source for body in solid if body.parent is not None}
+    acting = [body for body in solid if np.isfinite(body.mass) or body.source in broken]
+    bodies = acting or [body for body in solid if body.moves] or solid
     if not bodies:
-        return _Boxes(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
-    matrices = _matrices(np.concatenate(orientations))
-    middle, half = (np.repeat(np.array(each), counts, axis=0) for each in (middles, halves))
-    centres = np.concatenate(positions) + np.einsum("nij,nj->ni", matrices, middle)
-    return _Boxes(
-        centres,
-        np.einsum("nij,nj->ni", np.abs(matrices), half),
-        np.repeat([_weight(body) for body in bodies], counts),
+        floor = Boxes(np.array([[-1.0, 0.0, -1.0]]), np.ones((1, 3)))
+        return Subject(floor, floor.centres, np.ones(3), np.zeros(3), _places([]))
+
+    begin = min(body.birth_frame for body in bodies)
+    early = [body for body in bodies if body.birth_frame == begin]
+    places = _places(early)
+    is_there = _close(places, _sizes(early))
+    visitors = {body.id for body, there in zip(early, is_there, strict=True) if not there}
+    bodies = [body for body in bodies if body.id not in visitors]
+    first = places[is_there].around()
+
+    ways, sizes = _ways(bodies, recording.frames), _sizes(bodies)
+    is_main = _main(ways.lives(), sizes, first)
+    most = max(FAR * float(first.sizes()[0]), float(np.median(sizes[is_main])) / SMALLEST)
+    boxes = first.joined(_followed(ways[is_main[ways.body]], first, most))
+
+    still = [body for body in solid if body.alive(begin) and not body.moves]
+    others = _places([body for body in still if body.source not in broken])
+    seen = boxes.joined(others[others.fitting(boxes.around(), BESIDE)])
+    drift = (boxes.centres - first.centres).mean(axis=0)
+    return Subject(seen, boxes.centres, (first.high - first.low)[0], drift, others)
+
+
+def _close(places: Boxes, sizes: Float64) -> Bool:
+    """(n,) which bodies are close to most of them."""
+    middle = _median(places.centres, sizes)[None]
+    order = places.nearest_first(Boxes(middle, middle))
+    share = np.cumsum(sizes[order]) / sizes.sum()
+    core = order[: int(np.argmax(share >= CORE)) + 1]
+    return places.fitting(places[core].around(), FAR)
+
+
+def _main(lives: Boxes, sizes: Float64, first: Boxes) -> Bool:
+    """(b,) which bodies do not go astray."""
+    order = lives.nearest_first(first)
+    share = np.cumsum(sizes[order]) / sizes.sum()
+    pictures = lives[order].grown(first).sizes()
+    worth = np.where(share >= MOST, share / pictures**COST, 0.0)
+    is_main = np.zeros(len(sizes), np.bool_)
+    is_main[order[: int(np.argmax(worth)) + 1]] = True
+    return is_main
+
+
+def _followed(ways: _Ways, first: Boxes, most: float) -> Boxes:
+    """The boxes before the picture gets larger than so much [m], but for falls."""
+    boxes = ways.boxes[np.argsort(ways.frame, kind="stable")]
+    pictures = boxes.grown(first)
+    pictures.low[:, 1] = first.low[0, 1]
+    return boxes[pictures.sizes() <= most]
+
+
+def _sizes(bodies: list[Body]) -> Float64:
+    """(b,) diagonals of the bodies' boxes [m]."""
+    return np.array([np.linalg.norm(np.ptp(body.vertices, axis=0)) for body in bodies])
+
+
+def _median(places: Float64, weights: Float64) -> Float64:
+    """(3,) weighted median of places (n, 3), axis by axis."""
+    order = np.argsort(places, axis=0, kind="stable")
+    share = np.cumsum(weights[order], axis=0)
+    row = np.argmax(share >= share[-1] / 2, axis=0)
+    return np.take_along_axis(places, order, axis=0)[row, range(3)]
+
+
+def _places(bodies: list[Body]) -> Boxes:
+    """(b,) where bodies are in their first frames."""
+    if not bodies:
+        return Boxes(np.zeros((0, 3)), np.zeros((0, 3)))
+    around = _around(_corners(bodies), np.array([body.orientations[0] for body in bodies]))
+    positions = np.array([body.positions[0] for body in bodies])
+    return Boxes(positions + around.low, positions + around.high)
+
+
+def _ways(bodies: list[Body], frames: int) -> _Ways:
+    """The ways of bodies through a film of so many frames."""
+    stride = max(1, -(-frames // PARTS))
+    counts = np.array([len(body.positions) for body in bodies])
+    parts = -(-counts // stride)
+    row = np.repeat(np.arange(len(bodies)), parts)
+    start = stride * (np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts))
+    begins = np.cumsum(counts) - counts
+    first = begins[row] + start
+    last = np.minimum(first + stride, begins[row] + counts[row]) - 1
+    positions = np.concatenate([body.positions for body in bodies])
+    orientations = np.concatenate([body.orientations for body in bodies])
+    # How a body turns within a part is known from both ends.
+    corners = _corners(bodies)[row]
+    ends = _around(corners, orientations[first]), _around(corners, orientations[last])
+    boxes = Boxes(
+        np.minimum.reduceat(positions, first) + np.minimum(ends[0].low, ends[1].low),
+        np.maximum.reduceat(positions, first) + np.maximum(ends[0].high, ends[1].high),
     )
+    births = np.array([body.birth_frame for body in bodies])
+    return _Ways(boxes, row, births[row] + start)
 
 
-def _parts(boxes: _Boxes) -> tuple[Float64, Float64, Float64]:
-    return boxes.centres, boxes.halves, boxes.masses
+def _corners(bodies: list[Body]) -> Float64:
+    """(b, 2, 3) corners of the bodies' boxes, body frame [m]."""
+    both = [(body.vertices.min(axis=0), body.vertices.max(axis=0)) for body in bodies]
+    return np.array(both, np.float64)
+
+
+def _around(corners: Float64, orientations: Float64) -> Boxes:
+    """(n,) boxes around bodies with such corners (n, 2, 3), from their positions."""
+    matrices = _matrices(orientations)
+    centres = np.einsum("nij,nj->ni", matrices, corners.mean(axis=1))
+    halves = np.einsum("nij,nj->ni", np.abs(matrices), np.ptp(corners, axis=1) / 2)
+    return Boxes(centres - halves, centres + halves)
 
 
 def _matrices(orientations: Float64) -> Float64:
@@ -198,26 +235,3 @@ def _matrices(orientations: Float64) -> Float64:
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), 2, 0)
-
-
-def _typical(boxes: _Boxes, weights: Float64) -> tuple[Float64, Float64]:
-    """Corners of the box (3,) that holds the centres, without the stragglers on each side."""
-    low, high = np.zeros(3), np.zeros(3)
-    for axis in range(3):
-        values = boxes.centres[:, axis]
-        order = np.argsort(values, kind="stable")
-        share = np.cumsum(weights[order]) / weights.sum()
-        low[axis] = values[order[min(int(np.searchsorted(share, STRAGGLERS)), len(order) - 1)]]
-        at = min(int(np.searchsorted(share, 1.0 - STRAGGLERS)), len(order) - 1)
-        high[axis] = values[order[at]]
-    return low, high
-
-
-def _around(boxes: _Boxes, low: Float64, high: Float64) -> tuple[Float64, Float64]:
-    """Corners of the box (3,) around all of the boxes whose centres lie in a box or nearby."""
-    room = NEARBY * (high - low)
-    inside = boxes.within(low - room, high + room)
-    if not inside.any():
-        return low, high
-    centres, halves = boxes.centres[inside], boxes.halves[inside]
-    return (centres - halves).min(axis=0), (centres + halves).max(axis=0)

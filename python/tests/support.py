@@ -6,7 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from frangible import Recording
+from frangible.camera import Camera
+from frangible.recording import Body
 
+#: Width over height of pictures.
+ASPECT = 16 / 9
 TOOLS = Path(__file__).parents[2] / "tests" / "tools"
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32) / 2
@@ -87,3 +92,44 @@ class ScriptedWorld:
         corners = vertices[CUBE_TRIANGLES]
         flat = [np.delete(three, np.argmin(np.ptp(three, axis=0)), axis=1) for three in corners]
         return vertices, CUBE_TRIANGLES, interior, np.array(flat, np.float32)
+
+
+def box(
+    body_id: int,
+    path: list[list[float]] | np.ndarray,
+    size: list[float],
+    *,
+    born: int = 0,
+    died: int | None = None,
+    parent: int | None = None,
+    mass: float = 1.0,
+) -> Body:
+    positions = np.array(path, np.float64)
+    return Body(
+        id=body_id,
+        name=f"box{body_id}",
+        parent=parent,
+        source=body_id if parent is None else parent,
+        birth_frame=born,
+        death_frame=died,
+        mass=mass,
+        look=None,
+        vertices=(CUBE_VERTICES * np.array(size)).astype(np.float32),
+        triangles=CUBE_TRIANGLES,
+        interior=np.zeros(12, np.bool_),
+        coordinates=np.zeros((12, 3, 2), np.float32),
+        positions=positions,
+        orientations=np.tile([0.0, 0.0, 0.0, 1.0], (len(positions), 1)),
+    )
+
+
+def shot(bodies: list[Body], frames: int) -> Recording:
+    return Recording("shot", "frame-rate", 30.0, frames, bodies)
+
+
+def on_picture(camera: Camera, points: np.ndarray) -> np.ndarray:
+    """Places (n, 2) in the picture, from -1 to 1 across its height and width."""
+    local = (points - camera.eye) @ camera.axes.T
+    assert np.all(local[:, 2] > 0.0)
+    half = camera.half_height * np.array([ASPECT, 1.0])
+    return local[:, :2] / local[:, 2:] / half

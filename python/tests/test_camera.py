@@ -8,44 +8,7 @@ import numpy as np
 import pytest
 from frangible import Recording
 from frangible.camera import Camera, CameraError, camera_for, frame_recording, read_camera
-from frangible.recording import Body
-from support import CUBE_TRIANGLES, CUBE_VERTICES
-
-ASPECT = 16 / 9
-STILL = np.array([0.0, 0.0, 0.0, 1.0])
-
-
-def box(
-    body_id: int,
-    path: list[list[float]] | np.ndarray,
-    size: list[float],
-    *,
-    born: int = 0,
-    died: int | None = None,
-    parent: int | None = None,
-    mass: float = 1.0,
-) -> Body:
-    positions = np.array(path, np.float64)
-    return Body(
-        id=body_id,
-        name=f"box{body_id}",
-        parent=parent,
-        source=body_id if parent is None else parent,
-        birth_frame=born,
-        death_frame=died,
-        mass=mass,
-        look=None,
-        vertices=(CUBE_VERTICES * np.array(size)).astype(np.float32),
-        triangles=CUBE_TRIANGLES,
-        interior=np.zeros(12, np.bool_),
-        coordinates=np.zeros((12, 3, 2), np.float32),
-        positions=positions,
-        orientations=np.tile(STILL, (len(positions), 1)),
-    )
-
-
-def shot(bodies: list[Body], frames: int) -> Recording:
-    return Recording("shot", "frame-rate", 30.0, frames, bodies)
+from support import ASPECT, box, on_picture, shot
 
 
 def wall_and_ball(towards: float, scale: float = 1.0) -> Recording:
@@ -64,14 +27,6 @@ def wall_and_ball(towards: float, scale: float = 1.0) -> Recording:
         for body in bodies
     ]
     return shot(scaled, 100)
-
-
-def on_picture(camera: Camera, points: np.ndarray) -> np.ndarray:
-    """Places (n, 2) in the picture, from -1 to 1 across its height and width."""
-    local = (points - camera.eye) @ camera.axes.T
-    assert np.all(local[:, 2] > 0.0)
-    half = camera.half_height * np.array([ASPECT, 1.0])
-    return local[:, :2] / local[:, 2:] / half
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

@@ -21,6 +21,7 @@ from frangible.materials import Image, Material
 from frangible.page import ASPECT, DATA, PLAYER, TITLE
 from frangible.page_data import encode
 from frangible.recording import Body
+from frangible.render import picture
 from frangible.skin import Skin
 from PIL import Image as Pillow
 from support import TOOLS
@@ -191,6 +192,39 @@ def test_a_browser_draws_what_has_images(wall: Recording, play: Play, tmp_path: 
         colours = np.asarray(picture.convert("RGB")).reshape(-1, 3).astype(int)
     # They shine in orange, which nothing else does.
     assert ((colours[:, 0] > 200) & (colours[:, 2] < 130)).sum() > 50
+
+
+def test_a_page_has_the_camera_of_pictures(wall: Recording) -> None:
+    inflated = zlib.decompress(encode(wall, frame_recording(wall, ASPECT)))
+    header = json.loads(inflated[4 : 4 + int.from_bytes(inflated[:4], "little")])
+    camera = frame_recording(wall, ASPECT)
+    assert header["camera"]["eye"] == camera.eye.tolist()
+    assert header["camera"]["fieldOfView"] == pytest.approx(camera.fov)
+    ahead = np.array(header["camera"]["target"]) - camera.eye
+    assert np.allclose(ahead / np.linalg.norm(ahead), camera.axes[2])
+
+
+@needs_chromium
+def test_a_browser_frames_what_pictures_do(wall: Recording, play: Play, tmp_path: Path) -> None:
+    wall.save(tmp_path / "wall.html")
+    play(tmp_path / "wall.html", [], f"frame=0={tmp_path / 'page.png'}")
+    with Pillow.open(tmp_path / "page.png") as image:
+        page = np.asarray(image.convert("RGB"))
+
+    def around(image: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        """Middle and extents of the wall, which alone is yellowish, over the picture's width."""
+        colours = image[:195].astype(int)
+        rows, columns = np.nonzero(colours[..., 0] - colours[..., 2] > 12)
+        corners = np.percentile(columns, (1, 99)), np.percentile(rows, (1, 99))
+        return np.mean(corners, axis=1) / 480, np.ptp(corners, axis=1) / 480
+
+    drawn = picture(wall, 0, 480, 270)
+    (middle, extents), (drawn_middle, drawn_extents) = around(page), around(drawn)
+    # The page leaves room for its controls below.
+    shrunk = extents[0] / drawn_extents[0]
+    assert 0.6 < shrunk <= 1.02
+    assert extents[1] / drawn_extents[1] == pytest.approx(shrunk, rel=0.05)
+    assert middle[0] - 0.5 == pytest.approx(shrunk * (drawn_middle[0] - 0.5), abs=0.02)
 
 
 @needs_chromium
