@@ -14,8 +14,10 @@ from .recording import Float64, Recording
 
 #: Vertical opening of the lens [degrees]: a short telephoto, which keeps uprights upright.
 FIELD_OF_VIEW_DEGREES = 28.0
-#: From the subject to the camera: in front, and a little to the left and above (right, up, front).
-VIEW_FROM = np.array([-0.62, 0.40, 1.0])
+#: From the subject to the camera: in front, a little to the left (right, front), and a little above
+#: or, into pits, from high above.
+VIEW_FROM = np.array([-0.62, 1.0])
+HEIGHTS = (0.40, 2.0)
 #: A subject this much thinner in one horizontal direction than in the other has a front.
 THIN = 0.8
 #: What the subject's extent in the picture is multiplied by.
@@ -94,8 +96,9 @@ def frame_recording(recording: Recording, aspect: float) -> Camera:
     subject = find_subject(recording)
     # The first from which nothing in between hides more than from the others.
     best, least = None, np.inf
-    for front, side in _sides(subject):
-        camera = _from_side(subject, front, side, aspect)
+    sides = [(height, *side) for height in HEIGHTS for side in _sides(subject)]
+    for height, front, side in sides:
+        camera = _from_side(subject, height, front, side, aspect)
         hidden = round(_hidden(subject, camera), 1)
         if best is None or hidden < least:
             best, least = camera, hidden
@@ -105,10 +108,12 @@ def frame_recording(recording: Recording, aspect: float) -> Camera:
     return best
 
 
-def _from_side(subject: Subject, front: Float64, side: float, aspect: float) -> Camera:
+def _from_side(
+    subject: Subject, height: float, front: Float64, side: float, aspect: float
+) -> Camera:
     half_height = float(np.tan(np.radians(FIELD_OF_VIEW_DEGREES / 2)))
     across = side * np.cross([0.0, 1.0, 0.0], front)
-    forward = -VIEW_FROM @ np.array([across, [0.0, 1.0, 0.0], front])
+    forward = -VIEW_FROM @ np.array([across, front]) - np.array([0.0, height, 0.0])
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, [0.0, 1.0, 0.0])
     right /= np.linalg.norm(right)

@@ -173,3 +173,16 @@ def test_shots_are_framed_well(name: str) -> None:
         if body.alive(0) and is_seen(camera, body, 0)
     ]
     assert np.ptp(np.concatenate(shown), axis=0).max() >= 2.0 * span
+
+
+def test_into_a_pit_the_camera_looks_from_above() -> None:
+    walls = [
+        box(10 + i, rest([x, 3, z]), [0.3 + 6 * abs(z) / 3, 6, 0.3 + 6 * abs(x) / 3], mass=np.inf)
+        for i, (x, z) in enumerate([(-3, 0), (3, 0), (0, -3), (0, 3)])
+    ]
+    loose = [box(2 + i, rest([i - 2, 0.5, 0]), [0.8, 1, 1]) for i in range(4)]
+    camera = frame_recording(shot([floor(), *walls, *loose], FRAMES), ASPECT)
+    ahead = camera.axes[2]
+    assert -ahead[1] > np.hypot(ahead[0], ahead[2])
+    without = frame_recording(shot([floor(), *loose], FRAMES), ASPECT)
+    assert -without.axes[2][1] < 0.5
