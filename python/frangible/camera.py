@@ -15,9 +15,10 @@ from .recording import Float64, Recording
 #: Vertical opening of the lens [degrees]: a short telephoto, which keeps uprights upright.
 FIELD_OF_VIEW_DEGREES = 28.0
 #: From the subject to the camera: in front, a little to the left (right, front), and a little above
-#: or, into pits, from high above.
+#: or, into pits that hide at least so much of it, from high above.
 VIEW_FROM = np.array([-0.62, 1.0])
 HEIGHTS = (0.40, 2.0)
+PIT = 0.5
 #: A subject this much thinner in one horizontal direction than in the other has a front.
 THIN = 0.8
 #: What the subject's extent in the picture is multiplied by.
@@ -96,13 +97,15 @@ def frame_recording(recording: Recording, aspect: float) -> Camera:
     subject = find_subject(recording)
     # The first from which nothing in between hides more than from the others.
     best, least = None, np.inf
-    sides = [(height, *side) for height in HEIGHTS for side in _sides(subject)]
-    for height, front, side in sides:
-        camera = _from_side(subject, height, front, side, aspect)
-        hidden = round(_hidden(subject, camera), 1)
-        if best is None or hidden < least:
-            best, least = camera, hidden
-        if hidden == 0.0:
+    for height in HEIGHTS:
+        for front, side in _sides(subject):
+            camera = _from_side(subject, height, front, side, aspect)
+            hidden = round(_hidden(subject, camera), 1)
+            if best is None or hidden < least:
+                best, least = camera, hidden
+            if hidden == 0.0:
+                return camera
+        if least < PIT:
             break
     assert best is not None
     return best

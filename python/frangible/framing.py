@@ -16,12 +16,13 @@ PARTS = 32
 #: This share of the bodies is seen at first, each by its size, and all others that make the picture
 #: at most so many times as large: what is left comes from far away.
 CORE, FAR = 2 / 3, 2.0
-#: At least this share of the bodies is seen in all of their lives, and more as long as the share
-#: grows by more than the picture's size to the power of `COST`: what is left goes astray.
+#: Of every body at least this share is seen in all of its life, by mass, and of the bodies, each by
+#: its size, at least the same; more of them as long as their share grows by more than the picture's
+#: size to the power of `COST`. What is left goes astray.
 MOST, COST = 0.75, 0.75
-#: Bodies are followed as long as the picture is at most `FAR` times as large as at first, or a
-#: body in it at least this part of it. All falls are followed.
-SMALLEST = 1 / 18
+#: Bodies are followed as long as the picture at first is at least this part of the whole one, or
+#: a typical body that stays whole is at least that part. All falls are followed.
+FIRST, SMALLEST = 1 / 3, 1 / 18
 #: What stands still is seen whole if it makes the picture at most so many times as large.
 BESIDE = 1.5
 
@@ -55,10 +56,20 @@ class Boxes:
         """These and others."""
         return Boxes(np.vstack([self.low, others.low]), np.vstack([self.high, others.high]))
 
+    def unions(self, start: Int64) -> Boxes:
+        """Boxes around those from each start to the next."""
+        return Boxes(
+            np.minimum.reduceat(self.low, start), np.maximum.reduceat(self.high, start)
+        )
+
+    def reach(self, box: Boxes) -> Float64:
+        """(n,) how far they reach out of a box [m]."""
+        out: Float64 = np.maximum(box.low - self.low, self.high - box.high).max(axis=1)
+        return out
+
     def nearest_first(self, box: Boxes) -> Int64:
         """(n,) their order by how far they reach out of a box."""
-        reach = np.maximum(box.low - self.low, self.high - box.high).max(axis=1)
-        return np.argsort(reach, kind="stable")
+        return np.argsort(self.reach(box), kind="stable")
 
     def grown(self, box: Boxes) -> Boxes:
         """(n,) the boxes around a box and the first of these, the first two ... all of them."""
@@ -103,10 +114,7 @@ class _Ways:
 
     def lives(self) -> Boxes:
         """(b,) one box for each body, around all of its parts."""
-        first = np.flatnonzero(np.diff(self.body, prepend=-1))
-        return Boxes(
-            np.minimum.reduceat(self.boxes.low, first), np.maximum.reduceat(self.boxes.high, first)
-        )
+        return self.boxes.unions(np.flatnonzero(np.diff(self.body, prepend=-1)))
 
 
 def find_subject(recording: Recording) -> Subject:
@@ -125,12 +133,18 @@ def find_subject(recording: Recording) -> Subject:
     is_there = _close(places, _sizes(early))
     visitors = {body.id for body, there in zip(early, is_there, strict=True) if not there}
     bodies = [body for body in bodies if body.id not in visitors]
-    first = places[is_there].around()
+    places = places[is_there]
+    first = places.around()
 
-    ways, sizes = _ways(bodies, recording.frames), _sizes(bodies)
-    is_main = _main(ways.lives(), sizes, first)
-    most = max(FAR * float(first.sizes()[0]), float(np.median(sizes[is_main])) / SMALLEST)
-    boxes = first.joined(_followed(ways[is_main[ways.body]], first, most))
+    ways = _ways(bodies, recording.frames)
+    is_main = _main(ways.lives(), bodies, first)
+    whole = [body for body, main in zip(bodies, is_main, strict=True) if main]
+    whole = [body for body in whole if body.source not in broken]
+    largest = float(first.sizes()[0]) / FIRST
+    if whole:
+        largest = max(largest, float(np.median(_sizes(whole))) / SMALLEST)
+    is_early = np.array([body.birth_frame == begin for body in bodies])
+    boxes = places[is_main[is_early]].joined(_followed(ways[is_main[ways.body]], first, largest))
 
     still = [body for body in solid if body.alive(begin) and not body.moves]
     others = _places([body for body in still if body.source not in broken])
@@ -148,23 +162,40 @@ def _close(places: Boxes, sizes: Float64) -> Bool:
     return places.fitting(places[core].around(), FAR)
 
 
-def _main(lives: Boxes, sizes: Float64, first: Boxes) -> Bool:
+def _main(lives: Boxes, bodies: list[Body], first: Boxes) -> Bool:
     """(b,) which bodies do not go astray."""
-    order = lives.nearest_first(first)
-    share = np.cumsum(sizes[order]) / sizes.sum()
-    pictures = lives[order].grown(first).sizes()
-    worth = np.where(share >= MOST, share / pictures**COST, 0.0)
-    is_main = np.zeros(len(sizes), np.bool_)
-    is_main[order[: int(np.argmax(worth)) + 1]] = True
+    # The nearest fragments of each body, and their box.
+    family = np.unique([body.source for body in bodies], return_inverse=True)[1]
+    masses, sizes = np.array([_mass(body) for body in bodies]), _sizes(bodies)
+    order = np.lexsort((lives.reach(first), family))
+    start = np.flatnonzero(np.diff(family[order], prepend=-1))
+    nearer = np.cumsum(masses[order]) - masses[order]
+    nearer -= nearer[start][family[order]]
+    most = order[nearer < MOST * np.add.reduceat(masses[order], start)[family[order]]]
+    boxes = lives[most].unions(np.flatnonzero(np.diff(family[most], prepend=-1)))
+
+    near = boxes.nearest_first(first)
+    weights = np.add.reduceat(sizes[order], start)[near]
+    share = np.cumsum(weights) / weights.sum()
+    worth = np.where(share >= MOST, share / boxes[near].grown(first).sizes() ** COST, 0.0)
+    chosen = near[: int(np.argmax(worth)) + 1]
+    is_main = np.zeros(len(bodies), np.bool_)
+    is_main[most[np.isin(family[most], chosen)]] = True
     return is_main
 
 
-def _followed(ways: _Ways, first: Boxes, most: float) -> Boxes:
+def _mass(body: Body) -> float:
+    """[kg], of what is held in place for a density of one."""
+    held = not np.isfinite(body.mass)
+    return float(np.prod(np.ptp(body.vertices, axis=0))) if held else body.mass
+
+
+def _followed(ways: _Ways, first: Boxes, largest: float) -> Boxes:
     """The boxes before the picture gets larger than so much [m], but for falls."""
     boxes = ways.boxes[np.argsort(ways.frame, kind="stable")]
     pictures = boxes.grown(first)
     pictures.low[:, 1] = first.low[0, 1]
-    return boxes[pictures.sizes() <= most]
+    return boxes[pictures.sizes() <= largest]
 
 
 def _sizes(bodies: list[Body]) -> Float64:
