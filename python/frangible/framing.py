@@ -145,6 +145,7 @@ def find_subject(recording: Recording) -> Subject:
         largest = max(largest, float(np.median(_sizes(whole))) / SMALLEST)
     is_early = np.array([body.birth_frame == begin for body in bodies])
     boxes = places[is_main[is_early]].joined(_followed(ways[is_main[ways.body]], first, largest))
+    boxes = boxes if len(boxes.low) else first
 
     still = [body for body in solid if body.alive(begin) and not body.moves]
     others = _places([body for body in still if body.source not in broken])

@@ -178,6 +178,8 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
     """
     # A link leads to what is written.
     folder = os.path.dirname(os.path.realpath(path) if os.path.islink(path) else path) or "."
+    if not path:
+        raise OutputError("--out: '', must be the name of a file")
     ending = os.path.splitext(path)[1].lower()
     if ending not in extras:
         known = ", ".join([*sorted(extras), *([besides] if besides else [])])

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
-from ._frangible import BuildError, shot_scene
+from ._frangible import BuildError, shot_scene, shots
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .usd_mesh import ENDINGS as USD_ENDINGS
 from .usd_mesh import readable_mesh
@@ -164,6 +164,9 @@ def find_scene(
 
 
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:
+    if name not in dict(shots()) and os.path.exists(name):
+        kind = "is a folder" if os.path.isdir(name) else "is no scene file"
+        raise BuildError(f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot")
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
         scene: Scene = json.loads(shot_scene(name, mesh=readable, **options))
     # The reader of the scene reads the mesh's file too.

@@ -26,9 +26,8 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         captured = capsys.readouterr()
         assert status == 2
         assert captured.out == ""
-        # Of bad arguments, the usage comes first; a busy machine may have said what it is at.
-        *usage, line = (said for said in captured.err.splitlines() if not said.endswith(" ..."))
-        assert not usage or usage[0].startswith("usage: frangible")
+        # A busy machine may have said what it is at.
+        (line,) = (said for said in captured.err.splitlines() if not said.endswith(" ..."))
         return line
 
     return run
@@ -59,7 +58,28 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "wall", "--out", f"{__file__}/such/wall.glb"], [f"{__file__}/such/wall.glb", "is no folder"]),
         (["run", "wall", "--frames", "3", "--frame", "4", "--out", "wall.png"], ["--frame", "4", "3"]),
         (["run", "wall", "--frame", "4"], ["--frame", ".png"]),
-        (["run"], ["SHOT"]),
+        (["run"], ["SHOT", "see frangible run -h"]),
+        (["run", "wall", "--frames", "9" * 20], ["--frames", "9" * 20, "<= 4294967295"]),
+        (["run", "wall", "--size", "-5x20"], ["--size", "must be --size WxH"]),
+        (["run", __file__], [__file__]),
+        (["run", "wall", "--out", ""], ["--out: ''", "must be the name of a file"]),
+        (["run", "wall", "wall"], ["wall", "see frangible run -h"]),
+        (["run", "wall", "--camera", "fti", "--out", "a.png"], ["fti", "no such file", "'fit'"]),
+        (["run", "wall", "--pieces", "-1"], ["--pieces", "'-1'", ">= 0"]),
+        (["run", "wall", "--set", "bodies.wal.density=3"], ["wal", "(did you mean 'wall'?)"]),
+        (["run", "wall", "--set", "bodies.wall.densty=3"], ["densty", "(did you mean 'density'?)"]),
+        (["run", "wall", "--set", "bodies.wall.density=-3"], ["density", "-3", "kg/m^3"]),
+        (["run", "wall", "--set", "bodies.wall.density=20kg"], ["density", '"20kg"', "finite"]),
+        (["run", "wall", "--set", "bodies.wall.density"], ["must be PATH=VALUE"]),
+        (["run", "wall", "--set", "gravity=9.81"], ["gravity", "9.81", "list of 3 numbers"]),
+        (["run", "wall", "--set", "frames=2.5"], ["frames", "2.5", "whole number"]),
+        (["render", __file__, "--out", "a.png"], [__file__, "is not a .npz file"]),
+        (["render", "no/such.npz", "--out", "a.png"], ["no/such.npz", "no such file"]),
+        (["scene", "wal"], ["wal", "(did you mean 'wall'?)"]),
+        (["scene", "impact"], ["impact", "--mesh FILE"]),
+        (["info", "a.obj", "b.obj"], ["b.obj", "see frangible info -h"]),
+        (["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--at", "1,2"], ["--at", "X"]),
+        (["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--thickness", "1cm"], ["'1cm'"]),
         (["run", "wall", "--unknown"], ["--unknown"]),
         (["info", "no/such.obj"], ["no/such.obj", "no such file"]),
         (["info", str(HERE)], [str(HERE), "is a folder"]),
@@ -84,6 +104,17 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
 def test_arguments(arguments: list[str], words: list[str], complain: Callable[..., str]) -> None:
     line = complain(*arguments)
     assert [word for word in words if word not in line] == [], line
+
+
+def test_what_is_no_scene_is_told_apart_from_an_unknown_shot(
+    complain: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("notes.txt").write_text("dear")
+    Path("folder").mkdir()
+    rule = "must end in .json or .toml, or be the name of a shot"
+    assert complain("run", "notes.txt") == f"frangible: notes.txt: is no scene file, {rule}"
+    assert complain("run", "folder") == f"frangible: folder: is a folder, {rule}"
 
 
 MESHES = {

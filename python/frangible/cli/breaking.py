@@ -15,7 +15,15 @@ from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
 from ..progress import report_stages
 from ..usd_mesh import readable_mesh
-from .options import add_inside, add_pose_time, add_thickness, check_pieces, finite, natural, positive
+from .options import (
+    add_inside,
+    add_pose_time,
+    add_thickness,
+    check_pieces,
+    count,
+    finite,
+    natural,
+)
 
 
 def add_break(commands: Any) -> None:
@@ -24,7 +32,7 @@ def add_break(commands: Any) -> None:
     breaker.set_defaults(command=_break)
     breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
     breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
-    breaker.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="number of cells [the pattern's]")
+    breaker.add_argument("--cells", type=count, metavar="N", help="number of cells [the pattern's]")
     breaker.add_argument(
         "--pieces",
         type=natural(MOST_PIECES),

@@ -15,6 +15,8 @@ from ..piece_count import MOST_PIECES
 from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 
+#: No more frames, cells and so on are asked for, as in scenes.
+MOST_COUNT = 2**32 - 1
 #: More threads than any machine has processors.
 MOST_THREADS = 4096
 
@@ -26,12 +28,22 @@ EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
 
 
 class Parser(argparse.ArgumentParser):
-    """Answers bad arguments with its usage and one sentence, which asks for the nearest word that it knows."""
+    """Answers bad arguments with one sentence, which asks for the nearest word that it knows."""
 
     def error(self, message: str) -> NoReturn:
-        self.print_usage(sys.stderr)
-        print(f"{self.prog}: {message}{self._near(message)}", file=sys.stderr)
+        print(f"{self.prog}: {message}{self._rule(message)}", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
+
+    def _rule(self, message: str) -> str:
+        """The form of an option without its values, or of all arguments, or the nearest word."""
+        if bad_values := re.search(r"argument (-[^ /:]+).*: expected ", message):
+            name = bad_values[1]
+            values = self._option_string_actions[name].metavar or ""
+            form = " ".join(values) if isinstance(values, tuple) else values
+            return f", must be {name} {form}".rstrip()
+        near = self._near(message)
+        # `choose from` names them already.
+        return near or ("" if "invalid" in message or "must be" in message else f"; see {self.prog} -h")
 
     def _near(self, message: str) -> str:
         if bad_choice := re.search(r"invalid choice: '([^']*)'", message):
@@ -55,7 +67,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=VALUE",
         help="a field of the scene, as in bodies.wall.breaking.strength=2e6; may be repeated",
     )
-    parser.add_argument("--fps", type=positive(float, "a number"), metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
+    parser.add_argument("--fps", type=positive, metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
     parser.add_argument("--method", help=f"which step advances a frame [{defaults['method']}, or the file's]")
     parser.add_argument(
         "--pieces", type=natural(MOST_PIECES), metavar="N", help="each break makes about so many pieces [what its pattern makes]"
@@ -91,7 +103,7 @@ def add_thickness(parser: argparse.ArgumentParser) -> None:
     """Add ``--thickness``."""
     parser.add_argument(
         "--thickness",
-        type=positive(float, "a number"),
+        type=positive,
         metavar="LENGTH",
         help="open parts of the mesh are sheets and become plates so thick, in the file's unit"
         " [their holes are closed, flat ones left out]",
@@ -126,17 +138,22 @@ def finite(text: str) -> float:
     return value
 
 
-def positive(kind: Callable[[str], Any], noun: str) -> Callable[[str], Any]:
-    def parse(text: str) -> Any:
-        try:
-            value = kind(text)
-        except ValueError:
-            value = math.nan
-        if not 0 < value < math.inf:
-            raise argparse.ArgumentTypeError(f"{text!r}, must be {noun} > 0")
-        return value
+def count(text: str) -> int:
+    """A number of frames, pieces and so on."""
+    if not text.isdecimal() or not 0 < int(text) <= MOST_COUNT:
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number > 0 and <= {MOST_COUNT}")
+    return int(text)
 
-    return parse
+
+def positive(text: str) -> float:
+    """A number that a quantity can be."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a number > 0")
+    return value
 
 
 def natural(largest: int) -> Callable[[str], int]:

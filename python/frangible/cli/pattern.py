@@ -12,7 +12,7 @@ from .. import _frangible
 from ..output import OutputError
 from ..piece_count import MOST_PIECES
 from ..usd_mesh import readable_mesh
-from .options import check_pieces, natural, positive, readable
+from .options import check_pieces, count, natural, readable
 
 
 def add_pattern(commands: Any) -> None:
@@ -25,7 +25,7 @@ def add_pattern(commands: Any) -> None:
     )
     pattern.set_defaults(command=_pattern)
     pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
-    pattern.add_argument("--cells", type=positive(int, "a whole number"), metavar="N", help="about so many pieces [the kind's]")
+    pattern.add_argument("--cells", type=count, metavar="N", help="about so many pieces [the kind's]")
     pattern.add_argument(
         "--pieces", type=natural(MOST_PIECES), metavar="N", help="so many pieces, as nearly as the kind has them [the cells']"
     )

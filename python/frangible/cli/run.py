@@ -26,8 +26,8 @@ from .options import (
     add_scene_options,
     add_view,
     chosen_scene,
+    count,
     natural,
-    positive,
 )
 from .outputs import open_outputs, write
 
@@ -38,7 +38,7 @@ def add_run(commands: Any) -> None:
     run.set_defaults(command=_run)
     add_scene_options(run)
     run.add_argument(
-        "--frames", type=positive(int, "a whole number"), metavar="N", help="number of steps [the shot's, or 3 s]"
+        "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
     )
     run.add_argument("--threads", type=natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
     run.add_argument(
