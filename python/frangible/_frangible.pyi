@@ -14,6 +14,7 @@ from .verification import Finding
 
 __all__ = [
     "BuildError",
+    "MOST_TRIANGLES",
     "Pattern",
     "World",
     "__version__",
@@ -41,6 +42,9 @@ __all__ = [
 ]
 
 __version__: str
+
+MOST_TRIANGLES: int
+"""The most triangles of a mesh file, its instances counted one by one."""
 
 _memory_kept_ms: int
 """How long freed memory is kept for the next frame [ms]; `MIMALLOC_PURGE_DELAY` in the environment says otherwise."""

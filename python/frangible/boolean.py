@@ -220,19 +220,47 @@ def _without_slivers(
 def _joined(body: Manifold, cutters: list[Manifold], members: list[tuple[int, list[Manifold]]]) -> list[Manifold]:
     """Parts as one, without the cracks between them: what the united cells cut out. Cells share the corners of their faces bit for
     bit, and parts of a body do not: those would touch without being one."""
-    whole = [Manifold.compose(shells) for _, shells in members]
-    volume = sum(solid.volume() for solid in whole)
+    whole = [_composed(shells) for _, shells in members]
+    volume = sum(shell.volume() for _, shells in members for shell in shells)
     low, high = np.split(np.array([solid.bounding_box() for solid in whole]), 2, axis=1)
     box, near = np.append(low.min(axis=0), high.max(axis=0)), FITS * np.ptp([low, high])
     united = Manifold.batch_boolean([cutters[cell] for cell in sorted({cell for cell, _ in members})], OpType.Add)
     for shells in _connected(body ^ united, LEAST_PART * body.volume()):
         # Volumes and boxes tell it from others without more Boolean calls.
-        solid = Manifold.compose(shells)
-        fits = abs(solid.volume() - volume) <= FITS * body.volume()
-        if fits and np.allclose(solid.bounding_box(), box, rtol=0.0, atol=near):
+        fits = abs(sum(shell.volume() for shell in shells) - volume) <= FITS * body.volume()
+        if fits and np.allclose(shells[0].bounding_box(), box, rtol=0.0, atol=near):
             return shells
-    # Where cells leave gaps or overlap.
+    # Where cells leave gaps or overlap, or other parts touch them.
     return list(Manifold.batch_boolean(whole, OpType.Add).decompose())
+
+
+def _composed(shells: list[Manifold]) -> Manifold:
+    """An outer shell and its cavities as one: the library's own composition unites them, and fills the cavities."""
+    if len(shells) == 1:
+        return shells[0]
+    meshes = [shell.to_mesh64() for shell in shells]
+    counts = np.cumsum([0, *(len(mesh.vert_properties) for mesh in meshes)])
+    corners = np.cumsum([0, *(3 * len(mesh.tri_verts) for mesh in meshes)])
+
+    def joined(name: str, offsets: npt.NDArray[np.int64] | None, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+        rows = [np.asarray(getattr(mesh, name)) for mesh in meshes]
+        if offsets is not None:
+            rows = [own.astype(np.int64) + offset for own, offset in zip(rows, offsets, strict=False)]
+        return np.ascontiguousarray(np.concatenate(rows), dtype)
+
+    # Runs begin where those of the mesh before end.
+    begins = [np.asarray(mesh.run_index, np.int64)[:-1] + offset for mesh, offset in zip(meshes, corners, strict=False)]
+    return Manifold(
+        Mesh64(
+            np.ascontiguousarray(np.concatenate([mesh.vert_properties[:, :3] for mesh in meshes])),
+            joined("tri_verts", counts, np.uint64),
+            merge_from_vert=joined("merge_from_vert", counts, np.uint64),
+            merge_to_vert=joined("merge_to_vert", counts, np.uint64),
+            run_index=np.concatenate([*begins, corners[-1:]]).astype(np.uint64),
+            run_original_id=joined("run_original_id", None, np.uint32),
+            face_id=joined("face_id", None, np.uint64),
+        )
+    )
 
 
 def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:

@@ -1,4 +1,4 @@
-"""Materials of mesh files: MTL beside OBJ, and glTF's own."""
+"""Materials of mesh files: MTL beside OBJ, glTF's own, and images that PLY names."""
 
 from __future__ import annotations
 
@@ -27,11 +27,16 @@ _MAGIC = {b"\x89PNG": "image/png", b"\xff\xd8": "image/jpeg"}
 
 
 def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Material], Transforms]:
-    """The materials of those names: in OBJ and USD names or paths, in glTF numbers. One that is not found has a name only."""
+    """The materials of those names: in OBJ and USD names or paths, in PLY images, in glTF numbers.
+
+    One that is not found has a name only.
+    """
     if os.path.splitext(path)[1].lower() in USD_ENDINGS:
         from .usd_looks import read_usd_materials
 
         return read_usd_materials(path, names), {}
+    if os.path.splitext(plain)[1].lower() == ".ply":
+        return [_of_image(path, name) for name in names], {}
     if os.path.splitext(plain)[1].lower() == ".obj":
         found = _of_obj(path)
         return [found.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names], {}
@@ -66,6 +71,11 @@ def known_image(path: str, name: str, data: bytes) -> Image | None:
             pass
     warnings.warn(f"{path}: the image {name!r} is neither PNG nor JPEG, and is left out", FileNote, stacklevel=2)
     return None
+
+
+def _of_image(path: str, name: str) -> Material:
+    stem = os.path.splitext(os.path.basename(name.replace("\\", "/")))[0]
+    return Material((1.0, 1.0, 1.0), ROUGHNESS, name=stem, image=image_file(path, name))
 
 
 def _of_obj(path: str) -> dict[str, Material]:

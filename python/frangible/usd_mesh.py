@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._frangible import BuildError
+from ._frangible import MOST_TRIANGLES, BuildError
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .gltf_mesh import make_plain
 from .output import missing_packages
@@ -22,8 +22,8 @@ from .reading import FileNote, file_fault
 #: What USD files end in.
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 
-#: The most points of a stage, its instances counted one by one: some gigabytes.
-MOST_POINTS = 50_000_000
+#: The most points of a stage, its instances counted one by one: of triangles without neighbours.
+MOST_POINTS = 3 * MOST_TRIANGLES
 #: The most meshes, shapes and instances of them: some ten seconds.
 MOST_PARTS = 200_000
 
@@ -101,8 +101,9 @@ class _Reader:
     time: Any
     #: True if somebody asked for that time, at which skeletons would have moved.
     is_posed: bool
-    #: Points and parts that were made so far.
+    #: Points, triangles and parts that were made so far.
     points: int = 0
+    triangles: int = 0
     parts: int = 0
     #: The parts of each prototype, by its path; `None` while it is read.
     prototypes: dict[str, list[Part] | None] = field(default_factory=dict)
@@ -183,7 +184,7 @@ class _Reader:
             or np.any((gone < 0) | (gone >= len(counts)))
         ):
             raise BuildError(f"{self.path}: the faces of {prim.GetPath()} do not fit its points")
-        self._count(1, len(points))
+        self._count(1, len(points), _triangles(counts))
 
         # Polygons that are holes go, and left-handed ones turn.
         part = Part(
@@ -239,7 +240,7 @@ class _Reader:
         for number, prototype in enumerate(prototypes):
             chosen = np.flatnonzero((numbers == number) & there)
             for part in self._prototype(instancer, prototype) if len(chosen) else []:
-                self._count(len(chosen), len(part.points) * len(chosen))
+                self._count(len(chosen), len(part.points), _triangles(part.counts))
                 for instance in chosen.tolist():
                     moved = _moved(part, matrices[instance])
                     parts.append(replace(moved, name=f"{part.name}[{instance}]"))
@@ -259,12 +260,18 @@ class _Reader:
             raise BuildError(f"{self.path}: {path} is an instance of itself")
         return parts
 
-    def _count(self, parts: int, points: int) -> None:
+    def _count(self, parts: int, points: int, triangles: int) -> None:
+        """Adds so many parts of so many points and triangles each."""
         self.parts += parts
-        self.points += points
-        if self.parts > MOST_PARTS or self.points > MOST_POINTS:
-            what = f"{MOST_PARTS} meshes" if self.parts > MOST_PARTS else f"{MOST_POINTS} points"
-            raise BuildError(f"{self.path}: has more than {what}, each instance counted, must have at most so many")
+        self.points += parts * points
+        self.triangles += parts * triangles
+        limits = {"meshes": (self.parts, MOST_PARTS), "points": (self.points, MOST_POINTS)}
+        limits["triangles"] = (self.triangles, MOST_TRIANGLES)
+        for what, (count, most) in limits.items():
+            if count > most:
+                raise BuildError(
+                    f"{self.path}: has {count} {what} or more, each instance counted, must have at most {most}"
+                )
 
     def _leave_out(self, prim: Any, what: str) -> None:
         first, count = self.left_out.get(what, (str(prim.GetPath()), 0))
@@ -286,6 +293,11 @@ def _missing(stage: Any) -> list[str]:
         return []
     more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
     return [f"is not complete: {missing[0].splitlines()[0].rstrip('.')}{more}"]
+
+
+def _triangles(counts: Int64) -> int:
+    """How many triangles make polygons of so many corners."""
+    return int(np.maximum(counts - 2, 0).sum())
 
 
 def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:

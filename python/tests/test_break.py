@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from frangible import Pattern, Piece, Pieces, break_mesh
 from frangible._frangible import load_mesh, mesh_mass
+from frangible.boolean import arrays, cut
 from frangible.cli import main
+from manifold3d import Manifold
 from pxr import Usd, UsdGeom, UsdShade
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 from test_gltf import khronos_report, objections
@@ -349,3 +351,16 @@ def test_a_missing_library_is_named_with_the_way_to_get_it(
     arguments = ["break", str(cross_file), "--pattern", "voronoi", "--exact", "--out", str(tmp_path / "pieces.glb")]
     assert main(arguments) == 2
     assert "pip install 'frangible[exact]'" in capsys.readouterr().err
+
+
+def test_a_part_that_joins_a_hollow_one_leaves_its_cavity() -> None:
+    # A block with a cavity, and on one side of it a thin plate and a beam, all in one.
+    block = Manifold.cube([3, 2, 2]).translate([-3, 0, 0]) - Manifold.cube([1, 1, 1]).translate([-2, 0.5, 0.5])
+    plate = Manifold.cube([0.001, 0.5, 0.5]).translate([0, 0.2, 0.2])
+    beam = Manifold.cube([2, 0.5, 0.5]).translate([0, 1.2, 1.2])
+    body = block + plate + beam
+    cells = [Manifold.cube([4, 4, 4]).translate([low, -1, -1]) for low in (-4, 0)]
+    cutters = [(*arrays(cell), np.arange(12, dtype=np.uint32) // 2) for cell in cells]
+    parts = cut(body, cutters, smallest=0.01)
+    volumes = sorted(mesh_mass((part.vertices, part.triangles))["volume_m3"] for part in parts)
+    assert volumes == pytest.approx([0.5, 11.0 + 0.001 * 0.25], rel=1e-12)

@@ -158,6 +158,31 @@ def test_colours_of_vertices_in_ply(folder: Path) -> None:
         assert [piece.skin.materials[i].corner_colours for i in np.unique(piece.skin.material[outer])] == [True]
 
 
+def test_an_image_that_ply_names_arrives(folder: Path) -> None:
+    (folder / "checks.png").write_bytes(CHECKS)
+    head = ["ply", "format ascii 1.0", "comment TextureFile checks.png", "comment TextureFile lost.png"]
+    head += ["element vertex 8", *(f"property float {axis}" for axis in "xyz"), "element face 12"]
+    head += ["property list uchar int vertex_indices", "property list uchar float texcoord"]
+    head += ["property int texnumber", "end_header"]
+    rows = ["%g %g %g" % tuple(v) for v in CUBE_VERTICES.tolist()]
+    for number, corners in enumerate(CUBE_TRIANGLES.tolist()):
+        places = " ".join(f"{value:.9g}" for value in uv(CUBE_VERTICES[corners].astype(np.float64)).ravel())
+        rows.append(f"3 {corners[0]} {corners[1]} {corners[2]} 6 {places} {int(number > 5)}")
+    path = folder / "images.ply"
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    with pytest.warns(match="has no image 'lost.png' in its own folder"):
+        broken = break_mesh(path, Pattern.named("voronoi", cells=6), exact=True)
+    shown = {}
+    for piece in broken.pieces:
+        assert piece.skin is not None
+        outer = ~piece.inner
+        corners = piece.vertices[piece.triangles[outer]]
+        assert piece.coordinates[outer] == pytest.approx(uv(corners), abs=1e-5)
+        shown |= {m.name: m.image for m in piece.skin.materials}
+    assert shown["checks"] is not None and shown["checks"].data == CHECKS
+    assert shown["lost"] is None
+
+
 @pytest.mark.parametrize("kind", ["gltf", "usd", "obj"])
 def test_files_of_pieces_have_materials_images_and_names(kind: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
     path = str(request.getfixturevalue(f"{kind}_file"))

@@ -252,9 +252,12 @@ def test_instances_that_do_not_fit_are_refused(saved: Any, monkeypatch: pytest.M
         for level in range(9):
             lower = instancer(stage, f"/Level{level}", [str(lower)], [0] * 10, [(0, 0, 0)] * 10).GetPath()
 
-    monkeypatch.setattr("frangible.usd_mesh.MOST_PARTS", 2000)
-    with pytest.raises(BuildError, match="has more than 2000 meshes"):
-        info(saved(crowd, "crowd.usda"))
+    for limit, most, what in (("MOST_PARTS", 2000, "meshes"), ("MOST_TRIANGLES", 20000, "triangles")):
+        monkeypatch.setattr(f"frangible.usd_mesh.{limit}", most)
+        sentence = f"has [0-9]+ {what} or more, each instance counted, must have at most {most}$"
+        with pytest.raises(BuildError, match=sentence):
+            info(saved(crowd, f"{what}.usda"))
+        monkeypatch.undo()
 
 
 def test_what_is_left_out_is_named_once_each(saved: Any, capsys: pytest.CaptureFixture[str]) -> None:

@@ -97,16 +97,20 @@ impl Bvh {
     /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in a leaf that `enters` its box, given
     /// by the lowest and the highest corner [m], and those of all the nodes above it. What is visited need not enter by itself.
     pub fn visit(&self, mut enters: impl FnMut(DVec3, DVec3) -> bool, mut visit: impl FnMut(usize)) {
-        let mut waiting: Vec<usize> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
-        while let Some(index) = waiting.pop() {
-            let node = &self.nodes[index];
+        let mut stack = [0; 64];
+        let mut waiting = usize::from(!self.nodes.is_empty());
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.nodes[stack[waiting]];
             if !enters(node.low, node.high) {
                 continue;
             }
-            if node.is_leaf() {
+            if node.is_leaf() || waiting + 2 > stack.len() {
+                // Of a subtree deeper than the stack all is visited.
                 node.range().for_each(|slot| visit(self.source[slot] as usize));
             } else {
-                waiting.extend(node.children().into_iter().rev());
+                [stack[waiting + 1], stack[waiting]] = node.children();
+                waiting += 2;
             }
         }
     }
@@ -146,10 +150,10 @@ impl Bvh {
             let node = &self.nodes[index];
             if node.is_leaf() || waiting + 2 > stack.len() {
                 // Test the triangles of a leaf (or of a subtree deeper than the stack).
-                for slot in node.range() {
+                for slot in node.range().filter(|&slot| wanted(self.source[slot] as usize)) {
                     let candidate = closest_point_on_triangle(point, &self.triangles[slot]);
                     let squared = (point - candidate).length_squared();
-                    if squared < best_squared && wanted(self.source[slot] as usize) {
+                    if squared < best_squared {
                         best_squared = squared;
                         best = Some((slot, candidate));
                     }

@@ -6,21 +6,56 @@
 
 use crate::Grid;
 use crate::bvh::Bvh;
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};
+
+/// Triangles longer than this part of the whole are known by the boxes of their parts, where their
+/// own are far larger than they.
+const SHORT: f64 = 1.0 / 128.0;
+/// A box seen along x is far larger than a triangle from this many times its area on.
+const ROOMY: f64 = 4.0;
+/// Most boxes a triangle, on average, or in all for few.
+const MOST_BOXES: usize = 4;
+const MOST_BOXES_OF_FEW: usize = 200_000;
+/// Boxes are larger by this part of the largest coordinate: halving rounds.
+const CLEAR: f64 = 1e-14;
 
 /// Closed surfaces with the lines through them.
 pub(crate) struct LineCrossings<'a> {
     triangles: &'a [[DVec3; 3]],
+    /// Of boxes that hold the triangles, and whose box each is.
     tree: Bvh,
+    source: Vec<u32>,
 }
 
 impl<'a> LineCrossings<'a> {
     /// Of triangles, given by their corners [m]. At each edge as many must run one way as the
     /// other, between the same numbers.
     pub(crate) fn new(triangles: &'a [[DVec3; 3]]) -> Self {
-        Self { triangles, tree: Bvh::new(triangles) }
+        let all = || triangles.iter().flatten();
+        let low = all().fold(DVec3::INFINITY, |low, corner| low.min(*corner));
+        let high = all().fold(DVec3::NEG_INFINITY, |high, corner| high.max(*corner));
+        let most = (MOST_BOXES * triangles.len()).max(MOST_BOXES_OF_FEW);
+        let clear = CLEAR * low.abs().max(high.abs()).max_element();
+
+        // Longer parts where there would be too many.
+        let mut shortest = SHORT * (high - low).length();
+        loop {
+            let mut boxes = Vec::with_capacity(triangles.len());
+            let mut source = Vec::with_capacity(triangles.len());
+            for (triangle, corners) in triangles.iter().enumerate() {
+                add_boxes(corners, shortest, clear, &mut boxes);
+                source.resize(boxes.len(), triangle as u32);
+                if boxes.len() > most {
+                    break;
+                }
+            }
+            if boxes.len() <= most {
+                return Self { triangles, tree: Bvh::of_boxes(&boxes), source };
+            }
+            shortest *= 2.0;
+        }
     }
 
     /// Corners of the triangles [m].
@@ -28,9 +63,33 @@ impl<'a> LineCrossings<'a> {
         self.triangles
     }
 
-    /// The tree over the triangles.
-    pub(crate) fn tree(&self) -> &Bvh {
-        &self.tree
+    /// The triangles in boxes that `enters`, in their order: see [`Bvh::visit`].
+    pub(crate) fn in_boxes(&self, enters: impl FnMut(DVec3, DVec3) -> bool) -> Vec<usize> {
+        let mut found = Vec::new();
+        self.tree.visit(enters, |number| found.push(self.source[number] as usize));
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Calls `met` with each triangle in a box that `enters` and that the line along x through a
+    /// point passes through, and with the turn of that.
+    fn passed(
+        &self,
+        point: DVec3,
+        enters: impl FnMut(DVec3, DVec3) -> bool,
+        mut met: impl FnMut(&[DVec3; 3], i32),
+    ) {
+        let mut known: Vec<u32> = Vec::new();
+        self.tree.visit(enters, |number| {
+            let triangle = self.source[number];
+            let corners = &self.triangles[triangle as usize];
+            let turn = passes(point, corners);
+            if turn != 0 && !known.contains(&triangle) {
+                known.push(triangle);
+                met(corners, turn);
+            }
+        });
     }
 
     /// How many times the surfaces wind around a point; of one that lies on them, around one
@@ -42,10 +101,8 @@ impl<'a> LineCrossings<'a> {
                 && (low.y <= point.y && point.y <= high.y)
                 && (low.z <= point.z && point.z <= high.z)
         };
-        self.tree.visit(enters, |triangle| {
-            let corners = &self.triangles[triangle];
-            let turn = passes(point, corners);
-            if turn != 0 && lies_beyond(point, corners, turn) {
+        self.passed(point, enters, |corners, turn| {
+            if lies_beyond(point, corners, turn) {
                 winding -= turn;
             }
         });
@@ -61,12 +118,7 @@ impl<'a> LineCrossings<'a> {
             let enters = |low: DVec3, high: DVec3| {
                 (low.y <= first.y && first.y <= high.y) && (low.z <= first.z && first.z <= high.z)
             };
-            self.tree.visit(enters, |triangle| {
-                let corners = &self.triangles[triangle];
-                let turn = passes(first, corners);
-                if turn == 0 {
-                    return;
-                }
+            self.passed(first, enters, |corners, turn| {
                 // The first node beyond the triangle: about where the line meets it.
                 let beyond = |i: usize| lies_beyond(grid.node(i, row % ny, row / ny), corners, turn);
                 let guess = (met_at(first, corners) - first.x) / grid.spacing;
@@ -88,6 +140,29 @@ impl<'a> LineCrossings<'a> {
             }
         });
         winding
+    }
+}
+
+/// Adds the box of a triangle, or those of its halves where that is far larger, seen along x, than
+/// the triangle, and longer than `shortest` [m].
+fn add_boxes(corners: &[DVec3; 3], shortest: f64, clear: f64, boxes: &mut Vec<(DVec3, DVec3)>) {
+    let [a, b, c] = *corners;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let size = high - low;
+    let area = 0.5 * (b - a).cross(c - a).x.abs();
+    let sides = [(b - a).yz().length(), (c - b).yz().length(), (a - c).yz().length()];
+    let longest = sides[0].max(sides[1]).max(sides[2]);
+    if longest > shortest && size.y * size.z > ROOMY * area && size.y.min(size.z) > 0.5 * shortest {
+        let halves = if longest == sides[0] {
+            [[a, a.midpoint(b), c], [a.midpoint(b), b, c]]
+        } else if longest == sides[1] {
+            [[a, b, b.midpoint(c)], [a, b.midpoint(c), c]]
+        } else {
+            [[a, b, c.midpoint(a)], [c.midpoint(a), b, c]]
+        };
+        halves.iter().for_each(|half| add_boxes(half, shortest, clear, boxes));
+    } else {
+        boxes.push((low - clear, high + clear));
     }
 }
 

@@ -20,7 +20,7 @@ use std::path::Path;
 /// file are welded. A mesh that faces inward as a whole is turned. Lengths are taken for metres,
 /// and no axis is changed.
 pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
-    load_with_attributes(path).map(|(mesh, _)| mesh)
+    read(path, false).map(|parsed| parsed.mesh)
 }
 
 /// The same mesh, and what the file says of its triangles besides their shape.
@@ -28,6 +28,11 @@ pub fn load(path: &Path) -> Result<TriMesh, MeshError> {
 /// # Errors
 /// As for [`load`].
 pub fn load_with_attributes(path: &Path) -> Result<(TriMesh, MeshAttributes), MeshError> {
+    read(path, true).map(|parsed| (parsed.mesh, parsed.attributes))
+}
+
+/// Reads a file, with attributes where they are `wanted`.
+fn read(path: &Path, wanted: bool) -> Result<Parsed, MeshError> {
     // Read the file.
     let name = path.display().to_string();
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -66,13 +71,14 @@ pub fn load_with_attributes(path: &Path) -> Result<(TriMesh, MeshAttributes), Me
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
 
     // Turn it into a mesh that keeps the rules.
-    let mut parsed = parse(&File { name: &name, path, bytes })?;
+    let mut parsed = parse(&File { name: &name, path, bytes, wanted })?;
+    TriMesh::check_size(&name, parsed.mesh.triangles.len())?;
     parsed.mesh.check(&name)?;
     parsed.drop_unused();
     if parsed.mesh.mass_properties().volume < 0.0 {
         parsed.flip();
     }
-    Ok((parsed.mesh, parsed.attributes))
+    Ok(parsed)
 }
 
 /// True if a file begins as text in UTF-16 does: with its mark, or with characters and zeros by
@@ -94,6 +100,8 @@ struct File<'a> {
     name: &'a str,
     path: &'a Path,
     bytes: &'a [u8],
+    /// Whether attributes are wanted besides the shape.
+    wanted: bool,
 }
 
 impl File<'_> {
@@ -108,4 +116,13 @@ fn push_polygon(mesh: &mut TriMesh, polygon: &[u32]) {
     let at = |vertex: u32| mesh.positions[vertex as usize];
     let triangles = triangulate(polygon, &at);
     mesh.triangles.extend(triangles);
+}
+
+/// The triangles of a strip: each corner from the third on makes one with the two before it, every
+/// other one turned.
+fn strip(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    corners
+        .windows(3)
+        .enumerate()
+        .map(|(n, t)| if n % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
 }

@@ -3,7 +3,7 @@
 use crate::bvh::{Bvh, closest_point_on_triangle};
 use crate::line_crossings::LineCrossings;
 use crate::mesh_check::{MeshError, short};
-use crate::solid_boundary::boundary_triangles;
+use crate::solid_boundary::{Deep, boundary_triangles};
 use crate::sweep::{Nearest, UNKNOWN};
 use crate::{CleanMesh, Grid, LevelSet, TriMesh};
 use glam::DVec3;
@@ -77,7 +77,10 @@ pub fn solids_to_level_set(clean: &CleanMesh, grid: Grid) -> Result<LevelSet, Me
     };
     let (asked, alone): (Vec<usize>, Vec<usize>) = (0..triangles.len()).partition(meets);
     let mut boundary: Vec<[DVec3; 3]> = alone.into_iter().map(|triangle| triangles[triangle]).collect();
-    boundary.extend(boundary_triangles(&surfaces, &asked, grid.spacing));
+    let windings = surfaces.at_nodes(&grid);
+    if !asked.is_empty() {
+        boundary.extend(boundary_triangles(&surfaces, &asked, &Deep::new(&grid, &windings)));
+    }
 
     // Measure the nodes near the triangles, then those far from them.
     let mut nearest = measure_band(&grid, &boundary);
@@ -86,7 +89,7 @@ pub fn solids_to_level_set(clean: &CleanMesh, grid: Grid) -> Result<LevelSet, Me
     // Tell inside from outside.
     let mut phi = nearest.distance;
     let mut inner = 0_usize;
-    for (value, winding) in phi.iter_mut().zip(surfaces.at_nodes(&grid)) {
+    for (value, winding) in phi.iter_mut().zip(windings) {
         if winding > 0 {
             *value = -*value;
             inner += 1;

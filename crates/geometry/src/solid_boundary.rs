@@ -3,6 +3,7 @@
 //! Where parts of a mesh overlap, pieces of its surface have the inside on both sides: they bound
 //! nothing, and a distance to them would put false surfaces into a solid.
 
+use crate::Grid;
 use crate::line_crossings::LineCrossings;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,36 +11,91 @@ use rayon::prelude::*;
 /// How far in front of a triangle its front side is probed, in cells: less than any thickness that
 /// a grid resolves.
 const PROBE: f64 = 1e-4;
-/// Length in cells up to which a triangle that another surface meets is probed in a few places,
-/// before it is divided.
-const COARSE: f64 = 1.0;
-/// Length in cells down to which a triangle that another surface crosses is divided: the error at
-/// the crease.
+/// Length in cells from which on a part of a triangle that another surface crosses is divided: the
+/// error at the crease.
 const CREASE: f64 = 0.125;
-/// Lines closer to the border of a triangle than this many cells, or than this part of its height,
-/// do not divide it.
+/// Lines closer to the border of a triangle's part than this many cells, or than this part of the
+/// triangle's height, do not divide it.
 const BORDER: f64 = 1e-3;
 
 /// A straight line from point to point.
 type Line = [DVec3; 2];
 
-/// The triangles of `asked`, or parts of them, with outside in front and inside behind. `spacing`
-/// is a cell's edge [m].
-pub(crate) fn boundary_triangles(surfaces: &LineCrossings, asked: &[usize], spacing: f64) -> Vec<[DVec3; 3]> {
+/// The triangles of `asked`, or parts of them, with outside in front and inside behind; none of
+/// those that lie `deep` in the solid.
+pub(crate) fn boundary_triangles(surfaces: &LineCrossings, asked: &[usize], deep: &Deep) -> Vec<[DVec3; 3]> {
+    let spacing = deep.grid.spacing;
     let divided = |&triangle: &usize| {
         let corners = surfaces.triangles()[triangle];
         let mut pieces = Vec::new();
+        if deep.holds(&corners) {
+            return pieces;
+        }
         if let Some(normal) = normal(&corners).try_normalize() {
             let lines = if longest_edge(&corners) > CREASE * spacing {
                 meeting_lines(surfaces, triangle, normal, PROBE * spacing)
             } else {
                 Vec::new()
             };
-            Probe { surfaces, normal, spacing }.gather(&corners, &lines, &mut pieces);
+            let height = self::normal(&corners).length() / longest_edge(&corners);
+            let border = BORDER * spacing.min(height);
+            let probe = Probe { surfaces, deep, normal, spacing, border };
+            // Whole where it separates as a whole.
+            if probe.gather(&corners, &lines, &mut pieces) {
+                pieces = vec![corners];
+            }
         }
         pieces
     };
     asked.par_iter().flat_map_iter(divided).collect()
+}
+
+/// Tells where a grid has inner nodes only.
+pub(crate) struct Deep<'a> {
+    grid: &'a Grid,
+    /// Number of outer nodes below each node in all three coordinates, one row more along each.
+    outer: Vec<u32>,
+}
+
+impl<'a> Deep<'a> {
+    /// `winding` numbers of the nodes, above zero inside.
+    pub(crate) fn new(grid: &'a Grid, winding: &[i32]) -> Self {
+        let [nx, ny, nz] = grid.dims;
+        let mut outer = vec![0_u32; (nx + 1) * (ny + 1) * (nz + 1)];
+        let at = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
+        for k in 0..nz {
+            for j in 0..ny {
+                let mut row = 0;
+                for i in 0..nx {
+                    row += u32::from(winding[(k * ny + j) * nx + i] <= 0);
+                    let [below, beside, both] =
+                        [(j + 1, k), (j, k + 1), (j, k)].map(|(j, k)| outer[at(i + 1, j, k)]);
+                    outer[at(i + 1, j + 1, k + 1)] = row + below + beside - both;
+                }
+            }
+        }
+        Self { grid, outer }
+    }
+
+    /// True if all nodes within a cell of a polygon's box are inside: nothing of it bounds what the
+    /// grid can tell.
+    fn holds(&self, corners: &[DVec3]) -> bool {
+        let place = |point: DVec3| (point - self.grid.origin) / self.grid.spacing;
+        let first = (place(lowest(corners)) - 1.0).floor().to_array();
+        let last = (place(highest(corners)) + 1.0).ceil().to_array();
+        let dims = self.grid.dims;
+        let fits = |axis: usize| first[axis] >= 0.0 && last[axis] < dims[axis] as f64;
+        if !(0..3).all(fits) {
+            return false;
+        }
+        let (low, high) = (first.map(|n| n as usize), last.map(|n| n as usize + 1));
+        let at =
+            |i: usize, j: usize, k: usize| i64::from(self.outer[(k * (dims[1] + 1) + j) * (dims[0] + 1) + i]);
+        let slice = |k: usize| {
+            at(high[0], high[1], k) - at(low[0], high[1], k) - at(high[0], low[1], k) + at(low[0], low[1], k)
+        };
+        slice(high[2]) == slice(low[2])
+    }
 }
 
 /// The lines in a triangle's plane along which others meet it, or end on it.
@@ -48,57 +104,58 @@ fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near:
     let (low, high) = (lowest(&own) - near, highest(&own) + near);
     let apart =
         |other_low: DVec3, other_high: DVec3| other_low.cmpgt(high).any() || other_high.cmplt(low).any();
+    // Boxes beside the triangle's plane hold nothing that meets it.
+    let enters = |other_low: DVec3, other_high: DVec3| {
+        let height = (0.5 * (other_low + other_high) - own[0]).dot(normal);
+        let reach = (0.5 * (other_high - other_low)).dot(normal.abs());
+        !apart(other_low, other_high) && height.abs() <= reach + near
+    };
     let mut lines = Vec::new();
-    surfaces.tree().visit(
-        |node_low, node_high| !apart(node_low, node_high),
-        |other| {
-            let corners = &surfaces.triangles()[other];
-            if other == triangle || apart(lowest(corners), highest(corners)) {
-                return;
-            }
-            let heights = corners.map(|corner| {
-                let height = (corner - own[0]).dot(normal);
-                if height.abs() > near { height } else { 0.0 }
-            });
-            if heights == [0.0; 3] {
-                lines.extend((0..3).map(|k| [corners[k], corners[(k + 1) % 3]]));
-                return;
-            }
-            let mut ends = [DVec3::ZERO; 2];
-            let mut count = 0;
-            for from in 0..3 {
-                let to = (from + 1) % 3;
-                let end = if heights[from] == 0.0 {
-                    corners[from]
-                } else if heights[from] * heights[to] < 0.0 {
-                    let along = heights[from] / (heights[from] - heights[to]);
-                    corners[from].lerp(corners[to], along)
-                } else {
-                    continue;
-                };
-                ends[count] = end;
-                count += 1;
-            }
-            if count == 2 {
-                lines.push(ends);
-            }
-        },
-    );
-    lines.retain(|line| divides(line, &own, normal, near / PROBE));
+    for other in surfaces.in_boxes(enters) {
+        let corners = &surfaces.triangles()[other];
+        if other == triangle || apart(lowest(corners), highest(corners)) {
+            continue;
+        }
+        let heights = corners.map(|corner| {
+            let height = (corner - own[0]).dot(normal);
+            if height.abs() > near { height } else { 0.0 }
+        });
+        if heights == [0.0; 3] {
+            lines.extend((0..3).map(|k| [corners[k], corners[(k + 1) % 3]]));
+            continue;
+        }
+        let mut ends = [DVec3::ZERO; 2];
+        let mut count = 0;
+        for from in 0..3 {
+            let to = (from + 1) % 3;
+            let end = if heights[from] == 0.0 {
+                corners[from]
+            } else if heights[from] * heights[to] < 0.0 {
+                let along = heights[from] / (heights[from] - heights[to]);
+                corners[from].lerp(corners[to], along)
+            } else {
+                continue;
+            };
+            ends[count] = end;
+            count += 1;
+        }
+        if count == 2 {
+            lines.push(ends);
+        }
+    }
     lines
 }
 
-/// True if a line passes through the inside of a triangle in the same plane.
-fn divides(line: &Line, corners: &[DVec3; 3], normal: DVec3, spacing: f64) -> bool {
-    let height = self::normal(corners).length() / longest_edge(corners);
-    let border = BORDER * spacing.min(height);
+/// How much of a line lies in a convex polygon in the same plane, farther than `border` [m] from its
+/// edges; zero if none.
+fn length_within(line: &Line, polygon: &[DVec3], normal: DVec3, border: f64) -> f64 {
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);
-    for from in 0..3 {
-        let edge = corners[(from + 1) % 3] - corners[from];
+    for (from, &corner) in polygon.iter().enumerate() {
+        let edge = polygon[(from + 1) % polygon.len()] - corner;
         let inward = normal.cross(edge).normalize_or_zero();
-        let [first, last] = line.map(|point| inward.dot(point - corners[from]) - border);
+        let [first, last] = line.map(|point| inward.dot(point - corner) - border);
         if first <= 0.0 && last <= 0.0 {
-            return false;
+            return 0.0;
         }
         if first < 0.0 {
             begin = begin.max(first / (first - last));
@@ -106,19 +163,36 @@ fn divides(line: &Line, corners: &[DVec3; 3], normal: DVec3, spacing: f64) -> bo
             end = end.min(first / (first - last));
         }
     }
-    begin < end
+    (end - begin).max(0.0) * (line[1] - line[0]).length()
 }
 
-fn lowest(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    a.min(b).min(c)
+/// The two parts of a convex polygon on the left and on the right of a line in its plane.
+fn divided(polygon: &[DVec3], line: &Line, normal: DVec3) -> [Vec<DVec3>; 2] {
+    let left = normal.cross(line[1] - line[0]).normalize_or_zero();
+    let mut parts = [Vec::with_capacity(polygon.len() + 1), Vec::with_capacity(polygon.len() + 1)];
+    for (from, &corner) in polygon.iter().enumerate() {
+        let next = polygon[(from + 1) % polygon.len()];
+        let [here, there] = [corner, next].map(|point| left.dot(point - line[0]));
+        if here >= 0.0 {
+            parts[0].push(corner);
+        }
+        if here <= 0.0 {
+            parts[1].push(corner);
+        }
+        if here * there < 0.0 {
+            let point = corner.lerp(next, here / (here - there));
+            parts.iter_mut().for_each(|part| part.push(point));
+        }
+    }
+    parts
 }
 
-fn highest(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    a.max(b).max(c)
+fn lowest(corners: &[DVec3]) -> DVec3 {
+    corners.iter().fold(DVec3::INFINITY, |low, corner| low.min(*corner))
 }
 
-fn center(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    (a + b + c) / 3.0
+fn highest(corners: &[DVec3]) -> DVec3 {
+    corners.iter().fold(DVec3::NEG_INFINITY, |high, corner| high.max(*corner))
 }
 
 fn longest_edge(&[a, b, c]: &[DVec3; 3]) -> f64 {
@@ -132,10 +206,13 @@ fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
 /// Asks on which sides of a triangle the inside is.
 struct Probe<'a> {
     surfaces: &'a LineCrossings<'a>,
+    deep: &'a Deep<'a>,
     /// Unit.
     normal: DVec3,
-    /// [m]
+    /// Of the grid [m].
     spacing: f64,
+    /// Lines that are closer to the border [m] do not divide.
+    border: f64,
 }
 
 impl Probe<'_> {
@@ -145,50 +222,32 @@ impl Probe<'_> {
         self.surfaces.winding(point + self.normal * (PROBE * self.spacing)) == 0
     }
 
-    /// Collects the parts of a triangle that separate, whole where it does as a whole; returns
-    /// whether it does. `lines` may divide it.
-    fn gather(&self, corners: &[DVec3; 3], lines: &[Line], pieces: &mut Vec<[DVec3; 3]>) -> bool {
-        let longest = longest_edge(corners);
-        let center = center(corners);
-        let mut unanimous = None;
-        if lines.is_empty() || longest <= CREASE * self.spacing {
-            unanimous = Some(self.separates(center));
-        } else if longest <= COARSE * self.spacing {
-            let answer = self.separates(center);
-            let agrees = |corner: &DVec3| self.separates(corner.lerp(center, 0.1)) == answer;
-            unanimous = corners.iter().all(agrees).then_some(answer);
+    /// Collects the parts of a convex polygon that separate, in triangles; returns whether all of it
+    /// does. `lines` may divide it.
+    fn gather(&self, polygon: &[DVec3], lines: &[Line], pieces: &mut Vec<[DVec3; 3]>) -> bool {
+        if polygon.len() < 3 || self.deep.holds(polygon) {
+            return polygon.len() < 3;
         }
 
-        // Divide it where the answers may differ.
-        let start = pieces.len();
-        let whole = unanimous.unwrap_or_else(|| {
-            let [first, second] = halves(corners).map(|half| {
-                let passes = |line: &&Line| divides(line, &half, self.normal, self.spacing);
-                let own: Vec<Line> = lines.iter().filter(passes).copied().collect();
-                self.gather(&half, &own, pieces)
-            });
-            first && second
-        });
-        if whole {
-            pieces.truncate(start);
-            pieces.push(*corners);
+        // Divide it along the line that most of lies in it: beside a line the answers may differ.
+        let size = (highest(polygon) - lowest(polygon)).max_element();
+        let within = |line: &Line| length_within(line, polygon, self.normal, self.border);
+        let own: Vec<(f64, Line)> = if size > CREASE * self.spacing {
+            lines.iter().map(|line| (within(line), *line)).filter(|line| line.0 > 0.0).collect()
+        } else {
+            Vec::new()
+        };
+        if let Some(&(_, longest)) = own.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            let own: Vec<Line> = own.into_iter().map(|line| line.1).collect();
+            let [left, right] = divided(polygon, &longest, self.normal);
+            let whole = self.gather(&left, &own, pieces);
+            return self.gather(&right, &own, pieces) && whole;
         }
-        whole
-    }
-}
-
-/// A triangle cut at the middle of its longest edge.
-fn halves(corners: &[DVec3; 3]) -> [[DVec3; 3]; 2] {
-    let [a, b, c] = *corners;
-    let longest = longest_edge(corners);
-    if (b - a).length() == longest {
-        let middle = a.midpoint(b);
-        [[a, middle, c], [middle, b, c]]
-    } else if (c - b).length() == longest {
-        let middle = b.midpoint(c);
-        [[a, b, middle], [a, middle, c]]
-    } else {
-        let middle = c.midpoint(a);
-        [[a, b, middle], [middle, b, c]]
+        let middle = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        let separates = self.separates(middle);
+        if separates {
+            pieces.extend((1..polygon.len() - 1).map(|n| [polygon[0], polygon[n], polygon[n + 1]]));
+        }
+        separates
     }
 }

@@ -350,3 +350,56 @@ fn many_parts_are_each_a_solid() {
     let clean = assert_volume(&mesh, 500.0);
     assert_eq!(clean.solid.iter().max(), Some(&499));
 }
+
+/// A closed surface between a flat polygon and the same one at height 1, through all of its corners.
+fn extruded(outline: &[(f64, f64)]) -> TriMesh {
+    let n = outline.len() as u32;
+    let rows = [0.0, 1.0].map(|z| outline.iter().map(move |&(x, y)| DVec3::new(x, y, z)));
+    let fans = (1..n - 1).flat_map(|k| [[0, k + 1, k], [n, n + k, n + k + 1]]);
+    let sides = (0..n).flat_map(|k| {
+        let next = (k + 1) % n;
+        [[k, next, n + next], [k, n + next, n + k]]
+    });
+    TriMesh { positions: rows.into_iter().flatten().collect(), triangles: fans.chain(sides).collect() }
+}
+
+/// Of an outline that crosses itself all edges of the walls end on faces, and none passes through
+/// one: the walls cross all the same.
+#[test]
+fn walls_that_cross_between_flat_ends_are_found() {
+    let bow = extruded(&[(0.0, 0.0), (3.0, 2.0), (3.0, 0.0), (0.0, 1.5)]);
+    let square = extruded(&[(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 1.5)]);
+    for (is_crossing, mesh) in [(true, bow), (false, square)] {
+        for (_, mesh) in variants(&mesh) {
+            let clean = mesh.cleaned("the mesh").unwrap();
+            let meeting = clean.meeting();
+            assert_eq!((meeting.others.len(), meeting.others[0]), (1, false));
+            // The outline encloses two triangles, one of which faces inward.
+            assert_eq!(meeting.buried[0] > 0.2, is_crossing, "{:?}", meeting.buried);
+            assert_eq!(meeting.buried[0] > 0.0, is_crossing, "{:?}", meeting.buried);
+        }
+    }
+}
+
+/// A cone over a fan, both of very many sides: nothing crosses, in the time that the number of
+/// triangles takes and not its square.
+#[test]
+fn fans_of_many_sides_are_clean() {
+    let sides = 20_000_u32;
+    let rim = |n: u32| {
+        let (sin, cos) = libm::sincos(2.0 * std::f64::consts::PI * f64::from(n) / f64::from(sides));
+        DVec3::new(sin, 0.0, cos)
+    };
+    let mut positions: Vec<DVec3> = (0..sides).map(rim).collect();
+    positions.extend([DVec3::new(0.0, 2.0, 0.0), DVec3::ZERO]);
+    let cone = (0..sides).flat_map(|n| {
+        let next = (n + 1) % sides;
+        [[n, next, sides], [next, n, sides + 1]]
+    });
+    let clean = TriMesh { positions, triangles: cone.collect() }.cleaned("the mesh").unwrap();
+    assert_eq!(clean.mesh.triangles.len(), 40_000);
+    let volume = clean.mesh.mass_properties().volume;
+    assert!((volume / (2.0 * std::f64::consts::PI / 3.0) - 1.0).abs() < 1e-7, "{volume}");
+    let meeting = clean.meeting();
+    assert_eq!((meeting.others, meeting.buried), (vec![false], vec![0.0]));
+}

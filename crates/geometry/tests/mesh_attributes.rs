@@ -54,3 +54,28 @@ fn a_file_of_a_shape_only_says_nothing() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     assert!(load("a.obj", text.as_bytes()).1.is_empty());
 }
+
+/// Comments name the images of a PLY file, faces their numbers.
+#[test]
+fn images_of_ply_are_materials() {
+    let header = |images: &str, number: &str| {
+        format!(
+            "ply\nformat ascii 1.0\n{images}element vertex 4\nproperty float x\nproperty float y\n\
+             property float z\nelement face 4\nproperty list uchar int vertex_indices\n{number}end_header\n\
+             0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+        )
+    };
+    let two = "comment TextureFile wood.png\ncomment TextureFile <this>_a b.jpg\n";
+    let text = header(two, "property int texnumber\n") + "3 0 2 1 1\n3 0 1 3 0\n3 1 2 3 -1\n3 2 0 3 7\n";
+    let (_, said) = load("a.ply", text.as_bytes());
+    assert_eq!(said.materials, ["wood.png", "a_a b.jpg"]);
+    let materials: Vec<_> = said.faces.iter().map(|face| face.material).collect();
+    assert_eq!(materials, [Some(1), Some(0), None, None]);
+
+    // One image without numbers is that of all faces.
+    let faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    let (_, said) = load("a.ply", (header("comment TextureFile wood.png\n", "") + faces).as_bytes());
+    assert!(said.faces.iter().all(|face| face.material == Some(0)));
+    let (_, said) = load("a.ply", (header("", "") + faces).as_bytes());
+    assert!(said.is_empty());
+}

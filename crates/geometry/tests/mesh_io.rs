@@ -257,6 +257,35 @@ fn ply_refusals_name_the_place() {
     assert_eq!(cut, "a.ply: is not a valid PLY file: its header breaks off before the line \"end_header\"");
 }
 
+/// Strips as MeshLab's oldest files have them: the corners of the next triangle are the last two and
+/// a new one, and a negative number begins another strip.
+#[test]
+fn ply_strips_are_read() {
+    // Around four sides of the cube, then its top and its bottom.
+    let mut text = ply_text().replace("element face 6\nproperty uchar flag", "element tristrips 1");
+    let first = text.find("0 4 0 4 6 2").unwrap();
+    text.truncate(first);
+    text += "20 0 2 4 6 5 7 1 3 0 2 -1 2 3 6 7 -1 1 0 5 4\n";
+    let mesh = TestFile::new("cube.ply", &text).load();
+    assert_is_cube(&mesh);
+    assert_eq!(
+        refusal("a.ply", text.replace(" 5 4\n", " 5 8\n")),
+        "a.ply: strip 0 refers to vertex 8, must be 0 to 7"
+    );
+}
+
+/// A line of an exporter's own before the first element; a misspelt statement after it stays one.
+#[test]
+fn ply_lines_without_a_keyword_before_the_first_element_are_passed_over() {
+    for made in
+        ["Created by Blender3D 247 - www.blender.org, source file: ", "comments: none", "\u{e9}t\u{e9}"]
+    {
+        let text = ply_text().replace("comment made by a test", made);
+        assert_eq!(TestFile::new("cube.ply", &text).load(), cube());
+        assert_eq!(TestFile::new("cube.ply", text.replace('\n', "\r\n")).load(), cube());
+    }
+}
+
 // --- STL ---------------------------------------------------------------------------------------------------------------
 
 fn stl_text() -> String {

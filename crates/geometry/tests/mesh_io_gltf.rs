@@ -60,6 +60,28 @@ fn refuse(change: impl Fn(&mut Value)) -> String {
     refusal("a.gltf", document.to_string())
 }
 
+/// A small file whose nodes share a mesh holds any number of triangles.
+#[test]
+fn instances_are_counted_before_they_are_made() {
+    let most = TriMesh::MOST_TRIANGLES / 12;
+    for (count, is_refused) in [(20, false), (most + 1, true)] {
+        let change = |document: &mut Value| {
+            document["nodes"] = json!(vec![json!({"mesh": 0}); count]);
+            document["scenes"][0]["nodes"] = json!((0..count).collect::<Vec<_>>());
+        };
+        if is_refused {
+            assert_eq!(
+                refuse(change),
+                "a.gltf: has 3000012 triangles, each instance counted, must have at most 3000000"
+            );
+        } else {
+            let mut document = cube_document();
+            change(&mut document);
+            assert_eq!(load(&document).triangles, 12 * count);
+        }
+    }
+}
+
 /// The cube in a GLB file.
 fn cube_glb() -> Vec<u8> {
     let mut document = cube_document();

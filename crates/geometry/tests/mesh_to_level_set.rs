@@ -5,7 +5,7 @@ mod common;
 
 use common::{bunny, icosphere, joined, moved, open_box};
 use frangible_geometry::{Grid, LevelSet, MeshToLevelSetError, TriMesh, mesh_to_level_set};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -197,6 +197,44 @@ fn level_set_is_continuous_across_holes() {
         }
     }
     assert!(inside > 10_000, "{inside} nodes inside");
+}
+
+/// Rods in all directions: near the surface of the union the distance is exact, deep in it none of
+/// their own faces is in the way.
+#[test]
+fn rods_that_cross_are_one_solid() {
+    let mut mesh = TriMesh::default();
+    let mut planes = Vec::new();
+    for n in 0..12 {
+        let turn = DQuat::from_rotation_y(0.5 * f64::from(n)) * DQuat::from_rotation_z(1.3 * f64::from(n));
+        let mut rod = open_box(DVec3::new(-1.0, -0.06, -0.05), DVec3::new(1.0, 0.06, 0.05), 0);
+        rod.positions.iter_mut().for_each(|position| *position = turn * *position);
+        mesh = joined(mesh, &rod);
+        planes.push(turn);
+    }
+    // Below zero in a box, the distance outside of it.
+    let of_box = |point: DVec3| {
+        let apart = point.abs() - DVec3::new(1.0, 0.06, 0.05);
+        apart.max(DVec3::ZERO).length() + apart.max_element().min(0.0)
+    };
+    let set = level_set(&mesh, [80, 80, 80], 2);
+    let spacing = set.grid().spacing;
+    // Where rods meet, their faces are divided along the line that they meet in.
+    let crease = 0.01 * spacing;
+    let (mut inside, mut outside) = (0, 0);
+    for (point, cells) in nodes(&set) {
+        let phi = cells * spacing;
+        let expected = planes.iter().map(|turn| of_box(turn.inverse() * point)).fold(f64::INFINITY, f64::min);
+        assert!(expected.abs() < 1e-9 || (phi < 0.0) == (expected < 0.0), "{point}: {phi} {expected}");
+        if expected > 0.0 && expected < 2.5 * spacing {
+            assert!((phi - expected).abs() < crease, "{point}: {phi} {expected}");
+            outside += 1;
+        }
+        // The union is deeper than any of its parts.
+        assert!(expected > 0.0 || phi < expected + crease, "{point}: {phi} {expected}");
+        inside += i32::from(expected < 0.0);
+    }
+    assert!(inside > 2000 && outside > 5000, "{inside} {outside}");
 }
 
 #[test]

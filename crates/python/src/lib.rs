@@ -176,6 +176,7 @@ fn _frangible(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.setattr("_memory_kept_ms", memory::keep_freed())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("BuildError", module.py().get_type::<BuildError>())?;
+    module.add("MOST_TRIANGLES", frangible::geometry::TriMesh::MOST_TRIANGLES)?;
     module.add_class::<world::World>()?;
     module.add_class::<patterns::Pattern>()?;
     module.add_function(wrap_pyfunction!(patterns::patterns, module)?)?;

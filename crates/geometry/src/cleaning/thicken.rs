@@ -28,6 +28,7 @@ impl TriMesh {
     /// As for [`TriMesh::check`], and if the thickness is not above zero. `name` begins the
     /// sentence.
     pub fn thickened(&self, thickness: f64, name: &str) -> Result<Thickened, MeshError> {
+        Self::check_size(name, self.triangles.len())?;
         self.check(name)?;
         if !(thickness.is_finite() && thickness > 0.0) {
             return Err(MeshError::Thickness { mesh: name.to_owned(), thickness });

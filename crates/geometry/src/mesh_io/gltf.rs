@@ -2,9 +2,9 @@
 
 mod attributes;
 
-use super::File;
 use super::attributes::{FaceAttributes, Parsed, number_of};
-use crate::{MeshError, read_file};
+use super::{File, strip};
+use crate::{MeshError, TriMesh, read_file};
 use base64::Engine;
 use glam::{DMat4, DVec3};
 use gltf::accessor::{DataType, Dimensions};
@@ -27,6 +27,7 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let mut seen = vec![false; document.nodes().len()];
     let mut waiting: Vec<(Node, DMat4, Vec<String>)> =
         scene.nodes().map(|node| (node, DMat4::IDENTITY, Vec::new())).collect();
+    let mut placed: Vec<(Node, DMat4, Vec<String>)> = Vec::new();
     while let Some((node, scene_from_parent, above)) = waiting.pop() {
         if std::mem::replace(&mut seen[node.index()], true) {
             return Err(malformed(format!("node {} is the child of more than one node", node.index())));
@@ -36,8 +37,20 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
 
         let mut path = above;
         path.extend(attributes::name(&node));
+        waiting.extend(node.children().map(|child| (child, scene_from_node, path.clone())));
+        if node.mesh().is_some() {
+            placed.push((node, scene_from_node, path));
+        }
+    }
 
-        // Append the node's triangles.
+    // Nodes may share a mesh: a small file can hold any number of triangles.
+    let all = placed.iter().flat_map(|(node, _, _)| node.mesh()).flat_map(|mesh| mesh.primitives());
+    let bytes = buffers.iter().map(Vec::len).sum();
+    let count = all.map(|primitive| most_triangles(&primitive, bytes)).fold(0, usize::saturating_add);
+    TriMesh::check_size(file.name, count)?;
+
+    // Append the nodes' triangles.
+    for (node, scene_from_node, path) in placed {
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             let place = format!("node {}, primitive {}", node.index(), primitive.index());
             let (positions, indices) =
@@ -56,6 +69,9 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 .map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
             let own: Vec<[u32; 3]> = turned.collect();
             mesh.triangles.extend(own.iter().map(|corners| corners.map(|corner| base + corner)));
+            if !file.wanted {
+                continue;
+            }
 
             // Their attributes.
             let corners = attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
@@ -67,7 +83,6 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 corners: triangle.map(|corner| corners[corner as usize]),
             }));
         }
-        waiting.extend(node.children().map(|child| (child, scene_from_node, path.clone())));
     }
     Ok(parsed)
 }
@@ -183,15 +198,24 @@ fn items<'a>(accessor: &Accessor, buffers: &'a [Vec<u8>]) -> Result<Vec<&'a [u8]
     Ok(items)
 }
 
+/// As many triangles as a primitive has at most; none if its corners cannot be in so many `bytes`,
+/// which is said when they are read.
+fn most_triangles(primitive: &Primitive, bytes: usize) -> usize {
+    let positions = || primitive.get(&Semantic::Positions);
+    let corners = primitive.indices().or_else(positions).map_or(0, |accessor| accessor.count());
+    let corners = if corners <= bytes { corners } else { 0 };
+    match primitive.mode() {
+        Mode::Triangles => corners / 3,
+        Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => 0,
+    }
+}
+
 /// The triangles of a list, a strip or a fan of indices; none for points and lines.
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => {
-            let turned =
-                |(n, t): (usize, &[u32])| if n % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
-            indices.windows(3).enumerate().map(turned).collect()
-        }
+        Mode::TriangleStrip => strip(indices).collect(),
         Mode::TriangleFan => indices.windows(2).skip(1).map(|t| [indices[0], t[0], t[1]]).collect(),
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
     }

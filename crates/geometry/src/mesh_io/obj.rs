@@ -75,10 +75,14 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 for word in words {
                     let vertex = corner(file, &place, word, parsed.mesh.positions.len())?;
                     polygon.push(vertex);
-                    corners.push(lists.corner(word, vertex));
+                    if file.wanted {
+                        corners.push(lists.corner(word, vertex));
+                    }
                 }
                 push_polygon(&mut parsed.mesh, &polygon);
-                parsed.describe(owner, material, &polygon, &corners);
+                if file.wanted {
+                    parsed.describe(owner, material, &polygon, &corners);
+                }
             }
             _ => {}
         }

@@ -1,25 +1,30 @@
-//! PLY, text and binary: the elements `vertex` and `face`.
+//! PLY, text and binary: the elements `vertex`, `face` and `tristrips`.
 //!
 //! A library reads the header. The numbers after it are read here, because its text form knows neither `nan` nor `1.`.
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, unit};
-use super::{File, push_polygon};
+use super::{File, push_polygon, strip};
 use crate::MeshError;
 use glam::{DVec3, Vec2};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
+use std::io::Read;
+use std::path::Path;
 use std::str::SplitWhitespace;
 
 /// Characters of a line that a sentence shows.
 const MOST_SHOWN: usize = 60;
+/// Bytes before the first element that are looked through for lines without a keyword.
+const MOST_PREAMBLE: usize = 1 << 16;
 
 pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     // Read the header.
-    let mut reader = Reader::new(file.bytes);
+    let (preamble, rest) = preamble(file.bytes);
+    let mut reader = Reader::new(preamble.chain(rest));
     let header = Parser::<DefaultElement>::new().read_header(&mut reader);
     let header =
         header.map_err(|error| file.malformed("PLY", header_fault(file.bytes, &error.to_string())))?;
-    let body = reader.into_inner();
+    let body = reader.into_inner().into_inner().1;
     let text = String::from_utf8_lossy(body);
     let mut numbers = match header.encoding {
         Encoding::Ascii => Numbers::Text(text.split_whitespace()),
@@ -29,7 +34,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
 
     // Read the elements in the order of the header; others than vertices and faces only to get past them.
     let mut parsed = Parsed::default();
-    let (mut corners_of_vertices, mut faces) = (Vec::new(), Vec::new());
+    let mut corners_of_vertices = Vec::new();
+    let mut faces = Faces::default();
     for element in header.elements.values() {
         let name = &element.name;
         if element.properties.is_empty() || element.count > body.len() {
@@ -49,34 +55,125 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 ("vertex", [Some(x), Some(y), Some(z)], _) => {
                     let coordinate = |at: usize| values[at].first().copied().unwrap_or(f64::NAN);
                     parsed.mesh.positions.push(DVec3::new(coordinate(x), coordinate(y), coordinate(z)));
-                    corners_of_vertices.push(besides.corner(&values));
+                    if file.wanted {
+                        corners_of_vertices.push(besides.corner(&values));
+                    }
                 }
                 ("vertex", _, _) => return Err(file.malformed("PLY", "its vertices have no x, y and z")),
-                ("face", _, Some(corners)) => faces.push((values[corners].clone(), besides.face(&values))),
+                ("face", _, Some(corners)) => {
+                    faces.add(&values[corners]);
+                    if file.wanted {
+                        faces.own.push(besides.face(&values));
+                    }
+                }
+                ("tristrips", _, Some(corners)) => faces.strips.push(values[corners].clone()),
                 ("face", _, None) => return Err(file.malformed("PLY", "its faces have no vertex_indices")),
+                ("tristrips", _, None) => {
+                    return Err(file.malformed("PLY", "its strips have no vertex_indices"));
+                }
                 _ => {}
             }
         }
     }
 
-    // Make triangles of the faces, with each index checked.
-    let last = parsed.mesh.positions.len() as i64 - 1;
-    for (face, (corners, own)) in faces.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64)) {
-            let (mesh, place) = (file.name.to_owned(), format!("face {face}"));
-            return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
-        }
-        let polygon: Vec<u32> = corners.iter().map(|&index| index as u32).collect();
-        push_polygon(&mut parsed.mesh, &polygon);
-        let corners = polygon.iter().zip(0..).map(|(&vertex, at)| {
-            let corner = corners_of_vertices[vertex as usize];
-            let coordinates = own.coordinates.get(at).copied().or(corner.coordinates);
-            CornerAttributes { coordinates, colour: corner.colour.or(own.colour), ..corner }
-        });
-        let corners: Vec<CornerAttributes> = corners.collect();
-        parsed.describe(None, None, &polygon, &corners);
-    }
+    parsed.attributes.materials = images(&header.comments, file.path);
+    faces.add_triangles(file, &corners_of_vertices, &mut parsed)?;
     Ok(parsed)
+}
+
+/// The corners of all faces, one after the other.
+#[derive(Default)]
+struct Faces {
+    corners: Vec<f64>,
+    /// For each face the place behind its last corner.
+    ends: Vec<usize>,
+    /// Its attributes, where they are wanted.
+    own: Vec<OfFace>,
+    /// Corners of strips.
+    strips: Vec<Vec<f64>>,
+}
+
+impl Faces {
+    fn add(&mut self, corners: &[f64]) {
+        self.corners.extend(corners);
+        self.ends.push(self.corners.len());
+    }
+
+    /// Makes triangles of the faces and strips, with each index checked. `attributes` are those of
+    /// the vertices, where they are wanted.
+    fn add_triangles(
+        &self,
+        file: &File,
+        attributes: &[CornerAttributes],
+        parsed: &mut Parsed,
+    ) -> Result<(), MeshError> {
+        let last = parsed.mesh.positions.len() as i64 - 1;
+        let vertices = |what: &str, number: usize, corners: &[f64]| {
+            if let Some(&index) = corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64)) {
+                let (mesh, place) = (file.name.to_owned(), format!("{what} {number}"));
+                return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
+            }
+            Ok(corners.iter().map(|&index| index as u32).collect::<Vec<u32>>())
+        };
+        let images = parsed.attributes.materials.len();
+        let mut first = 0;
+        for (face, &end) in self.ends.iter().enumerate() {
+            let polygon = vertices("face", face, &self.corners[first..end])?;
+            first = end;
+            push_polygon(&mut parsed.mesh, &polygon);
+            let Some(own) = self.own.get(face) else { continue };
+            let corners = polygon.iter().zip(0..).map(|(&vertex, at)| {
+                let corner = attributes[vertex as usize];
+                let coordinates = own.coordinates.get(at).copied().or(corner.coordinates);
+                CornerAttributes { coordinates, colour: corner.colour.or(own.colour), ..corner }
+            });
+            let corners: Vec<CornerAttributes> = corners.collect();
+            let material = own.image.filter(|&image| (image as usize) < images);
+            parsed.describe(None, material, &polygon, &corners);
+        }
+
+        // In a strip a negative number begins another one.
+        for (number, corners) in self.strips.iter().enumerate() {
+            for part in corners.split(|&index| index < 0.0) {
+                let corners = vertices("strip", number, part)?;
+                parsed.mesh.triangles.extend(strip(&corners));
+                if file.wanted {
+                    let of = corners.iter().map(|&vertex| attributes[vertex as usize]);
+                    parsed.describe(None, (images > 0).then_some(0), &corners, &of.collect::<Vec<_>>());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What lies before a file's first element, with comments for lines that no keyword begins, as some
+/// exporters write them; and the rest of the file.
+fn preamble(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
+    const KEYWORDS: [&[u8]; 7] =
+        [b"ply", b"format", b"comment", b"obj_info", b"element", b"property", b"end_header"];
+    let (mut known, mut rest) = (Vec::new(), bytes);
+    while let Some(end) = rest.iter().position(|&byte| byte == b'\n') {
+        let (line, later) = rest.split_at(end + 1);
+        let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        // The first line says what the file is.
+        let is_known = known.is_empty() || word.is_empty() || KEYWORDS.contains(&word);
+        if [&b"element"[..], b"property", b"end_header"].contains(&word) || known.len() > MOST_PREAMBLE {
+            break;
+        }
+        known.extend(if is_known { &b""[..] } else { b"comment " });
+        known.extend(line);
+        rest = later;
+    }
+    (known, rest)
+}
+
+/// The images that comments name, in the order of their numbers: `<this>` stands for the file's own
+/// name.
+fn images(comments: &[String], path: &Path) -> Vec<String> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let named = comments.iter().filter_map(|comment| comment.trim().strip_prefix("TextureFile "));
+    named.map(|name| name.trim().replace("<this>", &stem)).collect()
 }
 
 /// Where an element has colours, normals and texture coordinates, if it has any.
@@ -87,12 +184,15 @@ struct Besides {
     coordinates: Option<[usize; 2]>,
     /// Texture coordinates of a face's corners, one after the other.
     list: Option<usize>,
+    /// The number of a face's image.
+    image: Option<usize>,
 }
 
 /// The attributes of a face.
 struct OfFace {
     colour: Option<[f32; 4]>,
     coordinates: Vec<Vec2>,
+    image: Option<u32>,
 }
 
 impl Besides {
@@ -112,6 +212,7 @@ impl Besides {
             normal: all(["nx", "ny", "nz"]),
             coordinates: pairs.iter().find_map(|[u, v]| Some([index(u)?, index(v)?])),
             list: index("texcoord"),
+            image: index("texnumber"),
         }
     }
 
@@ -138,7 +239,13 @@ impl Besides {
     fn face(&self, values: &[Vec<f64>]) -> OfFace {
         let places = self.list.map_or(&[][..], |list| &values[list][..]);
         let place = |pair: &[f64]| Vec2::new(pair[0] as f32, pair[1] as f32);
-        OfFace { colour: self.colour(values), coordinates: places.chunks_exact(2).map(place).collect() }
+        // Without a number it is the first one; a negative number is none.
+        let image = self.image.map_or(0.0, |image| number(values, image));
+        OfFace {
+            colour: self.colour(values),
+            coordinates: places.chunks_exact(2).map(place).collect(),
+            image: (image >= 0.0).then_some(image as u32),
+        }
     }
 }
 
