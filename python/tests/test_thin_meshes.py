@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from frangible import _frangible
+from frangible import Piece, _frangible
 from frangible.breaking import break_mesh
 from frangible.mesh_facts import describe_mesh
 
@@ -81,6 +81,47 @@ def test_a_thin_surface_that_crosses_itself_keeps_its_volume(tmp_path: Path, thi
     assert broken.volume == pytest.approx(whole, rel=0.05)
     assert sum(piece.volume for piece in broken.pieces) == pytest.approx(whole, rel=0.05)
     assert len(broken.pieces) > 3
+
+
+def test_a_thick_strip_that_crosses_itself_counts_once(tmp_path: Path) -> None:
+    # All its edges lie in two planes: no edge passes through a face.
+    strip = crossing_strip(tmp_path / "strip.obj", 0.3)
+    whole = 0.5 * (0.3 * 6.0 - 0.3 * 0.3)
+    broken = break_mesh(strip, _frangible.Pattern.named("voronoi", seed=1, cells=12))
+    assert broken.volume == pytest.approx(whole, rel=2e-3)
+    assert broken.volume_defect < 1e-9
+    # Flat faces of a grid's surface need few triangles.
+    assert sum(len(piece.triangles) for piece in broken.pieces) < 20_000
+
+
+def shells(piece: Piece) -> list[float]:
+    """Volumes of the parts of a piece's surface that share no vertex."""
+    label = np.arange(len(piece.vertices))
+    triangles = piece.triangles.astype(np.int64)
+    while True:
+        new = label.copy()
+        np.minimum.at(new, triangles.ravel(), np.repeat(label[triangles].min(axis=1), 3))
+        new = new[new]
+        if np.array_equal(new, label):
+            break
+        label = new
+    of = label[triangles[:, 0]]
+    parts = [piece.triangles[of == number] for number in np.unique(of)]
+    return [_frangible.mesh_mass((piece.vertices, part))["volume_m3"] for part in parts]
+
+
+@pytest.mark.parametrize("pattern", ["voronoi", "concrete", "radial", "bricks"])
+def test_pieces_of_a_grid_have_no_loose_parts(tmp_path: Path, pattern: str) -> None:
+    # Two legs and a bar, fingers of two voxels, and a block beside them.
+    legs = [((0.0, 0.0, 0.0), (0.3, 2.0, 0.6)), ((1.2, 0.0, 0.0), (0.3, 2.0, 0.6)), ((0.0, 1.7, 0.0), (1.5, 0.3, 0.6))]
+    fingers = [((0.2 * n, 2.0, 0.1), (0.09, 0.7, 0.09)) for n in range(7)]
+    mesh = written(tmp_path / "legs.obj", [*legs, *fingers, ((1.7, 0.0, 0.0), (0.5, 0.5, 0.5))])
+    named = _frangible.Pattern.named(pattern, seed=2)
+    broken = break_mesh(mesh, named, exact=False, voxels=48)
+    assert len(broken.pieces) > 3
+    for piece in broken.pieces:
+        volumes = shells(piece)
+        assert sum(volume > 0.0 for volume in volumes) == 1, (piece.name, volumes)
 
 
 def test_an_exception_ends_the_search() -> None:
