@@ -13,7 +13,9 @@ const NEAR: f64 = 1e-9;
 /// How far from a triangle it is asked what lies there, relative to the diagonal.
 const PROBE: f64 = 1e-6;
 /// How far apart it is asked, relative to the diagonal.
-const SAMPLED: f64 = 1.0 / 48.0;
+const SAMPLED: f64 = 1.0 / 24.0;
+/// Of more triangles only some are asked.
+const MOST_SAMPLED: usize = 20_000;
 
 /// How the surfaces of solids meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,10 +219,11 @@ fn buried_part(surface: &[[DVec3; 3]], diagonal: f64) -> f64 {
     let winding = WindingNumber::new(Bvh::new(surface));
     let areas: Vec<[f64; 2]> = surface
         .par_iter()
+        .step_by(surface.len().div_ceil(MOST_SAMPLED).max(1))
         .map(|&[a, b, c]| {
             let across = (b - a).cross(c - a);
             let offset = PROBE * diagonal * across.normalize_or_zero();
-            let parts = (across.length().sqrt() / (SAMPLED * diagonal)).ceil().max(1.0);
+            let parts = (across.length().sqrt() / (SAMPLED * diagonal)).round().max(1.0);
             let mut buried = 0;
             for [u, v] in middles(parts as u32) {
                 let front = winding.at(a + u * (b - a) + v * (c - a) + offset);
