@@ -184,6 +184,11 @@ def _box(solid: Manifold) -> Manifold:
     return Manifold.cube(high - low).translate(low)
 
 
+def count_parts(solid: Manifold) -> int:
+    """How many connected parts a solid has before it is cut."""
+    return len(_connected(solid, LEAST_PART * solid.volume()))
+
+
 def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
     """The connected parts of a solid, each an outer shell and its cavities, the largest first."""
     return _with_cavities([shell for shell in solid.decompose() if abs(shell.volume()) > least])

@@ -205,7 +205,7 @@ def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> Pieces:
 
 
 def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | None) -> Pieces:
-    from .boolean import Part, arrays, closed, cut, texture_coordinates
+    from .boolean import Part, arrays, closed, count_parts, cut, texture_coordinates
 
     clean, skin = target.clean, target.skin
     solid, notes = closed(clean, target.voxels)
@@ -216,7 +216,10 @@ def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | N
         cutters = _frangible.pattern_cutters(chosen, (box[:3], box[3:]), at, normal)
         return cut(solid, cutters, target.smallest)
 
-    parts = parts_of(pattern) if wanted is None else nearest_to(wanted, pattern, parts_of)
+    if wanted is None:
+        parts = parts_of(pattern)
+    else:
+        parts = nearest_to(wanted, count_parts(solid), pattern, parts_of)
 
     # The triangle of the file that each of the solid's lies in, if its surface is the file's.
     below = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from . import _frangible
@@ -62,15 +63,25 @@ def break_on_grid_into(
         aim = min(max(1, round(aim * pieces / max(count, 1))), MOST_PIECES)
         if abs(count - pieces) <= WITHIN * pieces or aim in tried:
             break
+        # Without a contact each piece is a part of the mesh by itself: none makes fewer.
+        if count >= pieces and not broken.contacts:
+            break
     assert best is not None
     return best
 
 
+class _Enough(Exception):
+    """Ends a search."""
+
+
 def nearest_to(
-    pieces: int, pattern: _frangible.Pattern, cut: Callable[[_frangible.Pattern], list[Part]]
+    pieces: int,
+    fewest: int,
+    pattern: _frangible.Pattern,
+    cut: Callable[[_frangible.Pattern], list[Part]],
 ) -> list[Part]:
     """The parts that ``cut`` makes along the pattern, which is made finer, coarser or larger until
-    there are about so many."""
+    there are about so many; no pattern makes less than the ``fewest``."""
     best: list[Part] | None = None
 
     def attempt(chosen: _frangible.Pattern) -> int:
@@ -78,9 +89,12 @@ def nearest_to(
         parts = cut(chosen)
         if best is None or abs(len(parts) - pieces) < abs(len(best) - pieces):
             best = parts
+        if pieces <= fewest and len(parts) <= fewest:
+            raise _Enough
         return len(parts)
 
-    pattern.with_pieces_by(pieces, attempt)
+    with suppress(_Enough):
+        pattern.with_pieces_by(pieces, attempt)
     assert best is not None
     return best
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from frangible import Piece, _frangible
+from frangible import Piece, _frangible, boolean, breaking
 from frangible.breaking import break_mesh
 from frangible.mesh_facts import describe_mesh
 
@@ -122,6 +123,28 @@ def test_pieces_of_a_grid_have_no_loose_parts(tmp_path: Path, pattern: str) -> N
     for piece in broken.pieces:
         volumes = shells(piece)
         assert sum(volume > 0.0 for volume in volumes) == 1, (piece.name, volumes)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_parts_that_are_apart_end_the_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exact: bool
+) -> None:
+    boxes = [((3.0 * n, 0.0, 0.0), (1.0, 1.0, 1.0)) for n in range(12)]
+    mesh = written(tmp_path / "row.obj", boxes)
+    module, name = (boolean, "cut") if exact else (breaking, "_break_on_grid")
+    function = getattr(module, name)
+    counts: list[int] = []
+
+    def counted(*arguments: Any) -> Any:
+        made = function(*arguments)
+        counts.append(len(made if exact else made.pieces))
+        return made
+
+    monkeypatch.setattr(module, name, counted)
+    broken = break_mesh(mesh, _frangible.Pattern.named("voronoi", seed=1), pieces=5, exact=exact)
+    assert len(broken.pieces) == 12
+    # The search ends with the first pattern that breaks none of them.
+    assert counts.count(12) == 1 and len(counts) <= 4, counts
 
 
 def test_an_exception_ends_the_search() -> None:
