@@ -121,12 +121,13 @@ def break_mesh(
     else:
         stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
         if pieces is None:
-            broken = _break_on_grid(target, pattern)
+            on_grid = _break_on_grid(target, pattern)
         else:
             blow = (point, direction)
-            broken = break_on_grid_into(
+            on_grid = break_on_grid_into(
                 pieces, pattern, mesh, blow, voxels, lambda chosen: _break_on_grid(target, chosen)
             )
+        broken = _pieces_on_grid(target, on_grid)
         if exact is None:
             broken.notes.append(f"cutting the mesh itself {hint}")
     if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
@@ -171,12 +172,17 @@ def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
     return landing
 
 
-def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> Pieces:
+def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> dict[str, Any]:
+    mesh = (target.clean["vertices"], target.clean["triangles"])
+    return _frangible.break_mesh_on_grid(
+        pattern, mesh, target.at.tolist(), target.normal.tolist(), target.voxels, target.smallest
+    )
+
+
+def _pieces_on_grid(target: _Target, broken: dict[str, Any]) -> Pieces:
+    """What `_break_on_grid` made, with the mesh's attributes."""
     clean, voxels = target.clean, target.voxels
     mesh = (clean["vertices"], clean["triangles"])
-    broken = _frangible.break_mesh_on_grid(
-        pattern, mesh, target.at.tolist(), target.normal.tolist(), voxels, target.smallest
-    )
     notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
     # What is smaller than a voxel has no surface there.
     specks = [number for number, piece in enumerate(broken["pieces"]) if len(piece["triangles"]) == 0]

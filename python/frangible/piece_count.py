@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import _frangible
-from .pieces import Pieces
 from .recording import Float64, UInt32
 
 if TYPE_CHECKING:
@@ -32,10 +31,11 @@ def break_on_grid_into(
     mesh: tuple[Float64, UInt32],
     blow: tuple[Float64, Float64],
     voxels: int,
-    cut: Callable[[_frangible.Pattern], Pieces],
-) -> Pieces:
-    """The pieces that ``cut`` makes of a mesh on a grid of ``voxels``, along the pattern, which is
-    made finer, coarser or larger until there are about so many."""
+    cut: Callable[[_frangible.Pattern], dict[str, Any]],
+) -> dict[str, Any]:
+    """What ``cut`` makes of a mesh on a grid of ``voxels``, as `_frangible.break_mesh_on_grid`
+    returns it, along the pattern, which is made finer, coarser or larger until there are about so
+    many pieces with a surface."""
     at, normal = blow[0].tolist(), blow[1].tolist()
 
     def counted(aim: int) -> _frangible.Pattern:
@@ -51,23 +51,23 @@ def break_on_grid_into(
                     raise
         raise AssertionError
 
-    best: Pieces | None = None
+    best: tuple[int, dict[str, Any]] | None = None
     aim, tried = pieces, set[int]()
     for _ in range(TRIES):
         tried.add(aim)
         broken = cut(counted(aim))
-        count = len(broken.pieces)
-        if best is None or abs(count - pieces) < abs(len(best.pieces) - pieces):
-            best = broken
+        count = sum(len(piece["triangles"]) > 0 for piece in broken["pieces"])
+        if best is None or abs(count - pieces) < abs(best[0] - pieces):
+            best = (count, broken)
         # More pieces than the grid shows ask for fewer there.
         aim = min(max(1, round(aim * pieces / max(count, 1))), MOST_PIECES)
         if abs(count - pieces) <= WITHIN * pieces or aim in tried:
             break
         # Without a contact each piece is a part of the mesh by itself: none makes fewer.
-        if count >= pieces and not broken.contacts:
+        if count >= pieces and not broken["contacts"]:
             break
     assert best is not None
-    return best
+    return best[1]
 
 
 class _Enough(Exception):

@@ -137,7 +137,7 @@ def test_parts_that_are_apart_end_the_search(
 
     def counted(*arguments: Any) -> Any:
         made = function(*arguments)
-        counts.append(len(made if exact else made.pieces))
+        counts.append(len(made if exact else made["pieces"]))
         return made
 
     monkeypatch.setattr(module, name, counted)
