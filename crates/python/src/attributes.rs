@@ -1,7 +1,7 @@
 //! Attributes of mesh files, and the closest triangles to lay them on others.
 
 use crate::{build_error, convert};
-use frangible::geometry::bvh::Bvh;
+use frangible::geometry::bvh::{Bvh, closest_point_on_triangle};
 use frangible::geometry::mesh_io::{self, CornerAttributes, FaceAttributes};
 use glam::DVec3;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
@@ -79,7 +79,24 @@ pub(crate) fn closest_triangles<'py>(
     let found: Vec<i64> = py.detach(|| {
         let tree = Bvh::new(&triangles);
         let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
+        let members = Groups::new(&groups);
         let closest = |&(point, normal, group, reach): &(DVec3, DVec3, i64, f64)| {
+            // Of a small group each is asked: it may be far away, behind many others.
+            let few = members.of(group);
+            if (1..=MOST_ASKED).contains(&few.len()) {
+                let asked = few.iter().map(|&triangle| {
+                    let way = closest_point_on_triangle(point, &triangles[triangle]) - point;
+                    (way.length(), triangle)
+                });
+                let asked: Vec<(f64, usize)> = asked.collect();
+                let nearest = |among: &mut dyn Iterator<Item = &(f64, usize)>| {
+                    among.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
+                };
+                let Some((distance, any)) = nearest(&mut asked.iter()) else { return -1 };
+                let facing = |one: &&(f64, usize)| one.0 < distance + reach && faces[one.1].dot(normal) > 0.0;
+                let best = nearest(&mut asked.iter().filter(facing));
+                return best.map_or(any, |best| best.1) as i64;
+            }
             let own = |triangle: usize| group < 0 || groups[triangle] == group;
             let any =
                 tree.closest_of(point, f64::INFINITY, own).or_else(|| tree.closest(point, f64::INFINITY));
@@ -93,4 +110,29 @@ pub(crate) fn closest_triangles<'py>(
         queries.par_iter().map(closest).collect()
     });
     Ok(PyArray1::from_vec(py, found))
+}
+
+/// Triangles of a group of at most so many are asked one by one.
+const MOST_ASKED: usize = 64;
+
+/// Which triangles are in each group.
+struct Groups {
+    /// Group and triangle, sorted.
+    members: Vec<(i64, usize)>,
+    triangles: Vec<usize>,
+}
+
+impl Groups {
+    fn new(groups: &[i64]) -> Self {
+        let mut members: Vec<(i64, usize)> = groups.iter().copied().zip(0..).collect();
+        members.sort_unstable();
+        let triangles = members.iter().map(|&(_, triangle)| triangle).collect();
+        Self { members, triangles }
+    }
+
+    fn of(&self, group: i64) -> &[usize] {
+        let first = self.members.partition_point(|&(other, _)| other < group);
+        let last = self.members.partition_point(|&(other, _)| other <= group);
+        &self.triangles[first..last]
+    }
 }
