@@ -174,6 +174,15 @@ def test_a_mesh_to_break_must_enclose_something(complain: Callable[..., str], tm
     assert "flat.obj" in line and "volume" in line
 
 
+def test_a_mesh_is_not_written_over(complain: Callable[..., str], tmp_path: Path) -> None:
+    mesh = tmp_path / "tetrahedron.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    before = mesh.read_text()
+    line = complain("break", mesh, "--pattern", "voronoi", "--out", mesh)
+    assert "--out" in line and str(mesh) in line and "must be another file" in line
+    assert mesh.read_text() == before
+
+
 def test_a_blow_must_come_from_somewhere(complain: Callable[..., str], tmp_path: Path) -> None:
     mesh = tmp_path / "tetrahedron.obj"
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from typing import Any
 
 from .. import _frangible
 from ..breaking import DEFAULT_NORMAL, DEFAULT_SMALLEST, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
+from ..output import OutputError
 from ..piece_count import MOST_PIECES
 from ..pieces import describe_pieces
 from ..pieces_files import open_pieces_output
@@ -89,9 +91,17 @@ def add_break(commands: Any) -> None:
     breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
 
+def _is_one_file(path: str, other: str) -> bool:
+    return os.path.isfile(path) and os.path.exists(other) and os.path.samefile(path, other)
+
+
 def _break(options: argparse.Namespace) -> None:
     check_pieces(options.pieces, options.cells)
     output = open_pieces_output(options.out)
+    for written in (output.path, output.report):
+        for source in (options.mesh, options.pattern):
+            if _is_one_file(written, source):
+                raise OutputError(f"--out: {written}: is what is read, must be another file")
     with readable_mesh(options.pattern) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
     begin = time.perf_counter()
