@@ -180,7 +180,7 @@ def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> dict[str, An
 
 
 def _pieces_on_grid(target: _Target, broken: dict[str, Any]) -> Pieces:
-    """What `_break_on_grid` made, with the mesh's attributes."""
+    """The pieces of `_break_on_grid`, with the mesh's attributes."""
     clean, voxels = target.clean, target.voxels
     mesh = (clean["vertices"], clean["triangles"])
     notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]

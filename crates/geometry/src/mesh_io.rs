@@ -100,7 +100,7 @@ struct File<'a> {
     name: &'a str,
     path: &'a Path,
     bytes: &'a [u8],
-    /// Whether attributes are wanted besides the shape.
+    /// True if attributes are wanted besides the shape.
     wanted: bool,
 }
 

@@ -54,8 +54,8 @@ pub(super) fn rehearse(world: &World, frame: &Frame) -> Blows {
     stage.blows
 }
 
-/// A body that approaches no faster than gravity sets it in motion within a frame rests: its weight is no
-/// blow [m/s].
+/// A body that approaches no faster than gravity sets it in motion within a frame rests: its
+/// weight is no blow [m/s].
 fn at_rest(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt
 }

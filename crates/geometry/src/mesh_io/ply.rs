@@ -147,7 +147,7 @@ impl Faces {
     }
 }
 
-/// What lies before a file's first element, with comments for lines that no keyword begins, as some
+/// The lines before a file's first element, with comments for lines that no keyword begins, as some
 /// exporters write them; and the rest of the file.
 fn preamble(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
     const KEYWORDS: [&[u8]; 7] =
