@@ -33,8 +33,8 @@ def break_on_grid_into(
     voxels: int,
     cut: Callable[[_frangible.Pattern], dict[str, Any]],
 ) -> dict[str, Any]:
-    """The pieces that ``cut`` makes of a mesh on a grid of ``voxels``, as `_frangible.break_mesh_on_grid`
-    returns it, along the pattern, which is made finer, coarser or larger until there are about so
+    """The pieces that ``cut`` makes of a mesh on a grid of ``voxels``, as
+    `_frangible.break_mesh_on_grid` returns it, along the pattern, which is made finer, coarser or larger until there are about so
     many pieces with a surface."""
     at, normal = blow[0].tolist(), blow[1].tolist()
 
