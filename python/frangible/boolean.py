@@ -10,28 +10,21 @@ import numpy.typing as npt
 from manifold3d import Manifold, Mesh64, OpType
 
 from . import _frangible
-from ._frangible import BuildError
-from .cleaning import MOST_BURIED, CleanMesh
 from .recording import Bool, Float32, Float64, UInt32
 
 Mesh = tuple[Float64, UInt32]
 #: Vertices, triangles, and the face of the cell that each triangle is a part of.
 Cutter = tuple[Float64, UInt32, UInt32]
+#: Two parts by their numbers, the area [m^2] that they have in common, and the unit normal from the
+#: first to the second.
+Touching = tuple[int, int, float, list[float]]
 
 #: A part with less of the whole's volume is what rounding leaves where faces touch, no piece.
 LEAST_PART = 1e-12
 #: Cells whose parts make up the whole but for this part of its volume fit: the rest is rounding.
 FITS = 1e-9
-#: Solids that are united in one call.
-AT_ONCE = 16
-#: Volumes that differ by less are the same, relatively.
-SAME = 1e-12
-
-
-#: Voxels in the thickness of what a grid can make anew: thinner plates lose most of their volume.
-LEAST_THICKNESS = 1.0
-#: By this part of a voxel a surface from a grid may move for fewer triangles: below its own error.
-SIMPLER = 0.03
+#: How far parts that touch are pushed into one another to be one, in their largest coordinate.
+GLUED = 1e-11
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,86 +44,7 @@ class Part:
         return self.face >= 0
 
 
-def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
-    """The solid that a clean mesh bounds, and what had to be done to it in sentences."""
-    notes = list(clean["notes"])
-    anew = np.flatnonzero(clean["buried"] > MOST_BURIED)
-    whole = _manifold(clean["vertices"], clean["triangles"])
-    if len(anew) == 0 and not clean["meets"].any():
-        return whole, notes
-
-    # A surface that crosses itself is made anew, the others keep their triangles.
-    count = len(clean["meets"])
-    surfaces = _surfaces(clean, count)
-    kept = []
-    for number in anew:
-        made = _made_anew(surfaces[number], voxels)
-        if made is None:
-            kept.append(number)
-        else:
-            surfaces[number] = made
-    on_grid = f"a grid of {voxels} voxels along the longest side"
-    if len(anew) > len(kept):
-        notes.append(f"{_crossing(len(anew) - len(kept))} made anew, on {on_grid}")
-    if kept:
-        notes.append(f"{_crossing(len(kept))} kept, too thin for {on_grid}")
-    solids = [_manifold(*surface) for surface in surfaces]
-    united = _united(solids)
-
-    # Solids that only came near one another stay as they are.
-    apart = sum(solid.volume() for solid in solids)
-    if len(anew) == 0 and abs(united.volume() - apart) <= SAME * apart and united.num_tri() == whole.num_tri():
-        return whole, notes
-    if clean["meets"].any():
-        notes.append(f"{int(clean['meets'].sum())} parts that cross, touch or lie in one another made one")
-    return united, notes
-
-
-def _made_anew(surface: Mesh, voxels: int) -> Mesh | None:
-    """The solid in a surface, made anew on a grid; `None` if it is too thin for that."""
-    vertices, triangles = surface
-    corners = vertices[triangles]
-    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    areas = np.linalg.norm(np.cross(*sides), axis=1)
-    # A plate's thickness is twice its volume by its area.
-    thickness = 4.0 * _frangible.mesh_mass(surface)["volume_m3"] / areas.sum()
-    voxel = float(np.ptp(vertices, axis=0).max()) / voxels
-    if thickness < LEAST_THICKNESS * voxel:
-        return None
-    try:
-        made = _manifold(*_frangible.resurface(surface, voxels))
-    except BuildError:
-        return None
-    return arrays(made.simplify(SIMPLER * voxel)) if made.num_tri() else None
-
-
-def _crossing(count: int) -> str:
-    if count == 1:
-        return "a surface that crosses itself was"
-    return f"{count} surfaces that cross themselves were"
-
-
-def _united(solids: list[Manifold]) -> Manifold:
-    """The union, a few at a time: between them signals are heard."""
-    while len(solids) > 1:
-        solids = [Manifold.batch_boolean(solids[n : n + AT_ONCE], OpType.Add) for n in range(0, len(solids), AT_ONCE)]
-        for solid in solids:
-            solid.num_tri()
-    return solids[0]
-
-
-def _surfaces(clean: CleanMesh, count: int) -> list[Mesh]:
-    """The surface of each solid, with its cavities."""
-    order = np.argsort(clean["solid"], kind="stable")
-    bounds = np.searchsorted(clean["solid"][order], np.arange(count + 1))
-    surfaces = []
-    for first, last in zip(bounds[:-1], bounds[1:], strict=True):
-        used, triangles = np.unique(clean["triangles"][order[first:last]], return_inverse=True)
-        surfaces.append((clean["vertices"][used], triangles.reshape(-1, 3).astype(np.uint32)))
-    return surfaces
-
-
-def _manifold(vertices: Float64, triangles: UInt32, original: int | None = None) -> Manifold:
+def as_manifold(vertices: Float64, triangles: UInt32, original: int | None = None) -> Manifold:
     """With an original id, each triangle keeps its number through all cuts."""
     corners = np.ascontiguousarray(triangles, np.uint64)
     if original is None:
@@ -157,13 +71,13 @@ def cut(solid: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> list[P
     gaps or overlap. One of less than ``smallest`` of the mean volume joins its neighbour."""
     # Body and cells are told apart by the ids of their triangles, faces by numbers of their own.
     first = Manifold.reserve_ids(len(cutters) + 1)
-    body = _manifold(*arrays(solid), first)
+    body = as_manifold(*arrays(solid), first)
     least = LEAST_PART * body.volume()
     solids: list[Manifold] = []
     cells, face_of, count = [], {}, 0
     for cell, (vertices, triangles, face) in enumerate(cutters):
         if len(triangles) > 0:
-            solids.append(_manifold(vertices, triangles, first + 1 + cell))
+            solids.append(as_manifold(vertices, triangles, first + 1 + cell))
             cells.append(body ^ solids[-1])
             face_of[first + 1 + cell] = face.astype(np.int64) + count
             count += int(face.max()) + 1
@@ -210,22 +124,37 @@ def _without_slivers(
     if not volumes or min(volumes) >= smallest * sum(volumes) / len(volumes):
         return parts
     surfaces = [((part.vertices, part.triangles), part.inner) for part in parts]
-    contacts = [([contact["a"], contact["b"]], contact["area_m2"]) for contact in _frangible.piece_contacts(surfaces)]
-    hosts = _frangible.join_slivers(volumes, contacts, smallest)
+    found = [
+        ([contact["a"], contact["b"]], contact["area_m2"], contact["normal"])
+        for contact in _frangible.piece_contacts(surfaces)
+    ]
+    hosts = _frangible.join_slivers(volumes, [(pair, area) for pair, area, _ in found], smallest)
     kept = []
     for number, part in enumerate(parts):
         members = [other for other, host in enumerate(hosts) if host == number]
         if members == [number]:
             kept.append(part)
         elif members:
-            kept.append(_part(_joined(body, cutters, [groups[member] for member in members]), face_of))
+            touching = [
+                (members.index(a), members.index(b), area, normal)
+                for (a, b), area, normal in found
+                if a in members and b in members
+            ]
+            shells = _joined(body, cutters, [groups[member] for member in members], touching)
+            kept.append(_part(shells, face_of))
     return kept
 
 
-def _joined(body: Manifold, cutters: list[Manifold], members: list[tuple[int, list[Manifold]]]) -> list[Manifold]:
-    """Parts as one, without the cracks between them: what the united cells cut out. Cells share the corners of their faces bit for
-    bit, and parts of a body do not: those would touch without being one."""
-    whole = [_composed(shells) for _, shells in members]
+def _joined(
+    body: Manifold,
+    cutters: list[Manifold],
+    members: list[tuple[int, list[Manifold]]],
+    touching: list[Touching],
+) -> list[Manifold]:
+    """Parts as one, without the cracks between them: what the united cells cut out. Cells share the
+    corners of their faces bit for bit, and parts of a body do not: those would touch without being
+    one."""
+    whole = [composed(shells) for _, shells in members]
     volume = sum(shell.volume() for _, shells in members for shell in shells)
     low, high = np.split(np.array([solid.bounding_box() for solid in whole]), 2, axis=1)
     box, near = np.append(low.min(axis=0), high.max(axis=0)), FITS * np.ptp([low, high])
@@ -236,10 +165,26 @@ def _joined(body: Manifold, cutters: list[Manifold], members: list[tuple[int, li
         if fits and np.allclose(shells[0].bounding_box(), box, rtol=0.0, atol=near):
             return shells
     # Where cells leave gaps or overlap, or other parts touch them.
-    return list(Manifold.batch_boolean(whole, OpType.Add).decompose())
+    return _glued(whole, touching, LEAST_PART * body.volume())
 
 
-def _composed(shells: list[Manifold]) -> Manifold:
+def _glued(solids: list[Manifold], touching: list[Touching], least: float) -> list[Manifold]:
+    """Solids whose faces touch but for rounding as one: each is moved into the larger one that it
+    touches, by so little that single precision does not show it."""
+    depth = GLUED * float(np.abs([solid.bounding_box() for solid in solids]).max())
+    first = max(range(len(solids)), key=lambda number: solids[number].volume())
+    one, done = solids[first], {first}
+    ways = [*touching, *((b, a, area, [-x for x in normal]) for a, b, area, normal in touching)]
+    while reached := [way for way in ways if way[0] in done and way[1] not in done]:
+        _, number, _, normal = max(reached, key=lambda way: way[2])
+        one = one + solids[number].translate([-depth * x for x in normal])
+        done.add(number)
+    rest = [solid for number, solid in enumerate(solids) if number not in done]
+    one = Manifold.batch_boolean([one.simplify(2.0 * depth), *rest], OpType.Add)
+    return [shell for shell in one.decompose() if abs(shell.volume()) > least]
+
+
+def composed(shells: list[Manifold]) -> Manifold:
     """An outer shell and its cavities as one: the library's own composition unites them, and fills the cavities."""
     if len(shells) == 1:
         return shells[0]

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,11 @@ from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
 from .usd_mesh import readable_mesh
 from .volumes import volumes_differ
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+    from .boolean import Part
 
 #: Voxels along the longest side of a mesh that is broken, or closed, on a grid.
 DEFAULT_VOXELS = 128
@@ -70,8 +75,9 @@ def break_mesh(
     ``at`` the blow goes through the middle of the bounding box and lands where it first meets the mesh.
 
     The mesh's own triangles are cut, wherever it bounds a solid or can be made to; what crosses itself gets a new surface from a
-    grid of ``voxels`` along the longest side. With ``exact`` the latter is an error, and so is a missing extra ``exact`` of the
-    installation, without which the mesh is broken on the grid as a whole, as it is where ``exact`` is false.
+    grid of ``voxels`` along the longest side. With ``exact`` the latter is an error, and so is a
+    missing extra ``exact`` of the installation, without which samples of the mesh are broken on the
+    grid. Where ``exact`` is false all surfaces are made anew on one grid and cut.
 
     Pieces keep what the file says of their outer faces; ``inside`` names the material of the others: one of the file's, a look
     such as concrete, or a new one. What moves in a glTF or
@@ -112,9 +118,11 @@ def break_mesh(
     if exact and crosses:
         surfaces = "a surface that crosses itself" if crosses == 1 else f"{crosses} surfaces that cross themselves"
         raise _frangible.BuildError(f"{path}: has {surfaces}, must have none to be cut exactly; without --exact they are made anew")
-    is_cut = exact is not False and hint is None
 
-    if is_cut:
+    if hint is None and exact is False:
+        stage(f"sampling the mesh on a grid of {voxels} voxels along its longest side")
+        broken = _break_sampled(target, pattern, pieces, stage)
+    elif hint is None:
         stage("cutting the mesh along the pattern")
         with deaf_work():
             broken = _break_exactly(target, pattern, pieces)
@@ -130,6 +138,8 @@ def break_mesh(
         broken = _pieces_on_grid(target, on_grid)
         if exact is None:
             broken.notes.append(f"cutting the mesh itself {hint}")
+        else:
+            broken.notes.append(f"cutting the grid's surface {hint}")
     if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
         broken.notes.append(sentence)
     return broken
@@ -181,11 +191,15 @@ def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> dict[str, An
 
 def _pieces_on_grid(target: _Target, broken: dict[str, Any]) -> Pieces:
     """The pieces of `_break_on_grid`, with the mesh's attributes."""
-    clean, voxels = target.clean, target.voxels
-    mesh = (clean["vertices"], clean["triangles"])
-    notes = [*clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
-    # What is smaller than a voxel has no surface there.
-    specks = [number for number, piece in enumerate(broken["pieces"]) if len(piece["triangles"]) == 0]
+    voxels = target.voxels
+    notes = [*target.clean["notes"], f"broken on a grid of {voxels} voxels along the longest side"]
+    # What is smaller than a voxel has no surface there, or none that encloses anything.
+    voxel = float(np.ptp(target.clean["vertices"], axis=0).max()) / voxels
+    specks = [
+        number
+        for number, piece in enumerate(broken["pieces"])
+        if _frangible.mesh_mass((piece["vertices"], piece["triangles"]))["volume_m3"] < voxel**3
+    ]
     if specks:
         part = math.fsum(broken["pieces"][number]["volume_m3"] for number in specks) / broken["volume_m3"]
         what = "1 speck" if len(specks) == 1 else f"{len(specks)} specks"
@@ -201,20 +215,58 @@ def _pieces_on_grid(target: _Target, broken: dict[str, Any]) -> Pieces:
         for contact in found
         if contact["a"] in number_of and contact["b"] in number_of
     ]
-    # Solids that meet have a volume of their own only where they were united.
-    is_known = not clean["meets"].any() and not (clean["buried"] > MOST_BURIED).any()
-    whole = _frangible.mesh_mass(mesh)["volume_m3"] if is_known else broken["volume_m3"]
-    written = math.fsum(piece.volume for piece in pieces)
-    if sentence := volumes_differ(mesh, whole, broken["volume_m3"], written, voxels):
-        notes.append(sentence)
+    whole, sentence = _against_mesh(target, broken["volume_m3"], pieces)
+    notes += sentence
     return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
 
 
 def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | None) -> Pieces:
-    from .boolean import Part, arrays, closed, count_parts, cut, texture_coordinates
+    from .boolean import arrays
+    from .solids import closed
 
     clean, skin = target.clean, target.skin
     solid, notes = closed(clean, target.voxels)
+    parts = _parts(target, solid, pattern, wanted)
+
+    # The triangle of the file that each of the solid's lies in, if its surface is the file's.
+    found: list[Below] | None = None
+    if skin is not None and not (clean["buried"] > MOST_BURIED).any():
+        vertices, triangles = arrays(solid)
+        corners = vertices[triangles]
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
+        below = skin.closest(corners.mean(axis=1), faces, reach)
+        outer = [below[part.source[~part.inner]] for part in parts]
+        found = [(own, np.repeat(own[:, None], 3, axis=1)) for own in outer]
+    pieces, contacts = _pieces_of_parts(target, parts, found)
+    return Pieces(
+        target.name, pieces, contacts, solid.volume(), target.at, target.normal, notes
+    )
+
+
+def _break_sampled(
+    target: _Target, pattern: _frangible.Pattern, wanted: int | None, stage: StageCallback
+) -> Pieces:
+    """The same of a surface that is made anew on a grid."""
+    from .solids import on_grid
+
+    # What the file says of its faces is laid on triangle by triangle.
+    solid, notes = on_grid(target.clean, target.voxels, simpler=target.skin is None)
+    stage("cutting the new surface along the pattern")
+    with deaf_work():
+        parts = _parts(target, solid, pattern, wanted)
+    pieces, contacts = _pieces_of_parts(target, parts, None)
+    whole, sentence = _against_mesh(target, solid.volume(), pieces)
+    notes += sentence
+    return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
+
+
+def _parts(
+    target: _Target, solid: Manifold, pattern: _frangible.Pattern, wanted: int | None
+) -> list[Part]:
+    """What the pattern's cells cut out of a solid."""
+    from .boolean import count_parts, cut
+
     box = solid.bounding_box()
 
     def parts_of(chosen: _frangible.Pattern) -> list[Part]:
@@ -223,28 +275,37 @@ def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | N
         return cut(solid, cutters, target.smallest)
 
     if wanted is None:
-        parts = parts_of(pattern)
-    else:
-        parts = nearest_to(wanted, count_parts(solid), pattern, parts_of)
+        return parts_of(pattern)
+    return nearest_to(wanted, count_parts(solid), pattern, parts_of)
 
-    # The triangle of the file that each of the solid's lies in, if its surface is the file's.
-    below = None
-    if skin is not None and not (clean["buried"] > MOST_BURIED).any():
-        vertices, triangles = arrays(solid)
-        corners = vertices[triangles]
-        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
-        below = skin.closest(corners.mean(axis=1), faces, reach)
+
+def _pieces_of_parts(
+    target: _Target, parts: list[Part], found: list[Below] | None
+) -> tuple[list[Piece], list[Contact]]:
+    """``found`` as in `_pieces`."""
+    from .boolean import texture_coordinates
+
     surfaces = [(part.vertices, part.triangles, part.inner) for part in parts]
-    found: list[Below] | None = None
-    if below is not None:
-        outer = [below[part.source[~part.inner]] for part in parts]
-        found = [(own, np.repeat(own[:, None], 3, axis=1)) for own in outer]
-    pieces = _pieces(surfaces, [texture_coordinates(part) for part in parts], skin, found)
-    contacts = _frangible.piece_contacts([((part.vertices, part.triangles), part.inner) for part in parts])
-    return Pieces(
-        target.name, pieces, contacts, solid.volume(), target.at, target.normal, notes
+    coordinates = [texture_coordinates(part) for part in parts]
+    contacts = _frangible.piece_contacts(
+        [((part.vertices, part.triangles), part.inner) for part in parts]
     )
+    return _pieces(surfaces, coordinates, target.skin, found), contacts
+
+
+def _against_mesh(
+    target: _Target, on_grid: float, pieces: list[Piece]
+) -> tuple[float, list[str]]:
+    """The volume [m^3] of a mesh that was broken on a grid, and the sentence if the grid or the
+    pieces hold another one."""
+    clean = target.clean
+    mesh = (clean["vertices"], clean["triangles"])
+    # Solids that meet have a volume of their own only where they were united.
+    is_known = not clean["meets"].any() and not (clean["buried"] > MOST_BURIED).any()
+    whole = _frangible.mesh_mass(mesh)["volume_m3"] if is_known else on_grid
+    written = math.fsum(piece.volume for piece in pieces)
+    sentence = volumes_differ(mesh, whole, on_grid, written, target.voxels)
+    return whole, [sentence] if sentence else []
 
 
 def _pieces(surfaces: Any, coordinates: list[Any], skin: MeshSkin | None, found: list[Below] | None) -> list[Piece]:

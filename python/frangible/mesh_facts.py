@@ -30,7 +30,8 @@ def described(facts: dict[str, Any], clean: CleanMesh | None) -> dict[str, objec
     notes: list[str] = facts.pop("notes")
     watertight: bool = facts["watertight"]
     if clean is not None and (clean["meets"].any() or clean["buried"].any()):
-        from .boolean import arrays, closed
+        from .boolean import arrays
+        from .solids import closed
 
         with deaf_work():
             solid, notes = closed(clean, DEFAULT_VOXELS)

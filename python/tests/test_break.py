@@ -186,7 +186,7 @@ def test_drawn_cells_that_nearly_fit_cut_a_mesh_into_all_of_it(size: float, cros
 
 def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
     """The gap is a shell: it goes to its neighbour without what it encloses."""
-    from frangible.boolean import _manifold, cut
+    from frangible.boolean import as_manifold, cut
 
     def cutter(*meshes: Mesh) -> Any:
         vertices, triangles = joined(*meshes)
@@ -196,7 +196,7 @@ def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
     around = cutter(whole, (corners, faces[:, ::-1]))
     inner = cutter(box([-0.49, -0.49, -0.49], [0.49, 0.49, 0.49]))
     vertices, triangles = whole
-    parts = cut(_manifold(vertices, triangles.astype(np.uint32)), [around, inner])
+    parts = cut(as_manifold(vertices, triangles.astype(np.uint32)), [around, inner])
     volumes = [mesh_mass((part.vertices, part.triangles))["volume_m3"] for part in parts]
     assert volumes == pytest.approx([8.0 - 0.98**3, 0.98**3])
 

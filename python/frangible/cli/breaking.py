@@ -71,7 +71,13 @@ def add_break(commands: Any) -> None:
         const=True,
         help="fail if the mesh's own triangles cannot be cut [they are wherever that can be]",
     )
-    way.add_argument("--grid", dest="exact", action="store_const", const=False, help="break samples of the mesh on a grid")
+    way.add_argument(
+        "--grid",
+        dest="exact",
+        action="store_const",
+        const=False,
+        help="make the mesh's surface anew on a grid before it is cut",
+    )
     add_inside(breaker)
     breaker.add_argument(
         "--voxels",
