@@ -3,7 +3,7 @@
 ===================== ================== =====================================================================
 key                   shape and type     meaning
 ===================== ================== =====================================================================
-``format``            () int64           version of this table, 4; 3 had no keys from ``paths`` on
+``format``            () int64           version of this table, 5; 4 had no ``before``, 3 no skins
 ``shot``              () str             name of the shot
 ``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
@@ -22,7 +22,7 @@ key                   shape and type     meaning
 ``coordinates``       (t, 3, 2) float32  texture coordinates of its corners [m]
 ``positions``         (p, 3) float64     centre of mass, world frame [m]; rows ``pose_offsets[i:i+2]``
 ``orientations``      (p, 4) float64     ``world_from_body``, quaternions x, y, z, w; the same rows
-``paths``             (b,) str           names of the nodes above it in its mesh's file, as a JSON list; empty without a skin
+``paths``             (b,) str           skins begin here: names of the nodes above it in its mesh's file, as a JSON list
 ``materials``         () str             of all skins, as JSON: the fields of `Material`, images as numbers
 ``image_data``        (n,) uint8         the images' files; those of image i are ``image_offsets[i:i+2]``
 ``material``          (t,) int32         index of each triangle's material, -1 for what the look decides
@@ -43,15 +43,13 @@ from zipfile import is_zipfile
 import numpy as np
 import numpy.typing as npt
 
-from .cache_check import KEYS, check_arrays, read_arrays
+from .cache_check import check_arrays, check_family, read_arrays
 from .reading import file_fault, one_sentence
 from .recording import Body, Recording
 from .report import StepReport
-from .skin_cache import offsets, read_skins, rows, skin_arrays
+from .skin_cache import no_constant, offsets, read_skins, rows, skin_arrays
 
-FORMAT = 4
-#: Those that can be read.
-FORMATS = (3, FORMAT)
+FORMAT = 5
 
 
 class CacheError(ValueError):
@@ -101,11 +99,6 @@ def read_npz(path: str) -> Recording:
         arrays = read_arrays(path)
         if "format" not in arrays:
             raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
-        if int(arrays["format"]) not in FORMATS:
-            raise CacheError(f"{path}: format {int(arrays['format'])} is unknown, must be 3 or 4")
-        missing = [key for key in KEYS if key not in arrays]
-        if missing:
-            raise CacheError(f"{path}: has no key {missing[0]!r}")
         check_arrays(arrays)
         return _recording(arrays)
 
@@ -122,6 +115,8 @@ def _before(body: Body) -> npt.NDArray[np.float64]:
 
 def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
     vertices, triangles, poses = (arrays[key].tolist() for key in ("vertex_offsets", "triangle_offsets", "pose_offsets"))
+    reports = _reports(str(arrays["reports"]), int(arrays["frames"]))
+    check_family(arrays, reports)
     bodies = []
     skins = read_skins(arrays)
     none = np.zeros(len(arrays["ids"]), np.bool_)
@@ -155,12 +150,12 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
         fps=float(arrays["fps"]),
         frames=int(arrays["frames"]),
         bodies=bodies,
-        reports=_reports(str(arrays["reports"]), int(arrays["frames"])),
+        reports=reports,
     )
 
 
 def _reports(text: str, frames: int) -> list[StepReport]:
-    reports = json.loads(text)
+    reports = json.loads(text, parse_constant=no_constant)
     if not isinstance(reports, list) or not all(isinstance(report, dict) for report in reports) or len(reports) not in (0, frames):
         raise ValueError(f"reports: must be a list with an object for each of {frames} frames")
     return reports

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -18,6 +18,49 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 #: Fields of a material that hold an image, if any.
 _IMAGES = ("image", "surface_image", "normal_image", "emission_image")
+
+
+def _shares(count: int, most: float = 1.0) -> Callable[[Any], bool]:
+    """Whether a value is so many numbers from 0 to the most."""
+    is_share = _number(0.0, most)
+
+    def holds(value: Any) -> bool:
+        return isinstance(value, list) and len(value) == count and all(map(is_share, value))
+
+    return holds
+
+
+def _number(least: float, most: float) -> Callable[[Any], bool]:
+    return lambda value: type(value) in (int, float) and least <= value <= most
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and not any(
+        sign == "\0" or "\ud800" <= sign <= "\udfff" for sign in value
+    )
+
+
+def _is_truth(value: Any) -> bool:
+    return isinstance(value, bool)
+
+
+#: What the fields of a material must be, but for its images.
+_FIELDS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "colour": (_shares(3), "three numbers from 0 to 1"),
+    "roughness": (_number(0.0, 1.0), "from 0 to 1"),
+    "metallic": (_number(0.0, 1.0), "from 0 to 1"),
+    "clear": (_number(0.0, 1.0), "from 0 to 1"),
+    "name": (_is_text, "text"),
+    "emission": (_shares(3, 1e6), "three numbers from 0 to 1e6"),
+    "cutoff": (lambda value: value is None or _number(0.0, 1.0)(value), "from 0 to 1, or null"),
+    "blended": (_is_truth, "true or false"),
+    "corner_colours": (_is_truth, "true or false"),
+}
+
+
+def no_constant(text: str) -> None:
+    """`ValueError`: JSON has no such number."""
+    raise ValueError(f"JSON holds {text}")
 
 
 def rows(parts: Sequence[npt.NDArray[Any]], empty: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
@@ -74,14 +117,25 @@ def read_skins(arrays: Arrays) -> list[Skin | None]:
         return [None] * count
 
     # The materials, with their images.
-    listed = json.loads(str(arrays["materials"]))
+    listed = json.loads(str(arrays["materials"]), parse_constant=no_constant)
     firsts = arrays["image_offsets"].tolist()
+    if len(listed["images"]) != len(firsts) - 1:
+        raise ValueError(f"image_offsets: {len(firsts)}, must be one more than images")
+    numbers = arrays["material"]
+    if np.any(bad := numbers >= len(listed["materials"])):
+        raise ValueError(f"material: {numbers[bad][0]}, must be below {len(listed['materials'])}")
     images = [
         Image(file["name"], file["mime"], arrays["image_data"][slice(*firsts[i : i + 2])].tobytes())
         for i, file in enumerate(listed["images"])
     ]
 
     def material(values: dict[str, Any]) -> Material:
+        for key, (holds, rule) in _FIELDS.items():
+            if key in values and not holds(values[key]):
+                raise ValueError(f"materials: {key} is {str(values[key])[:40]}, must be {rule}")
+        for key in _IMAGES:
+            if values[key] is not None and not 0 <= values[key] < len(images):
+                raise ValueError(f"materials: {key} is {values[key]}, must be below {len(images)}")
         own: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
         own |= {name: None if values[name] is None else images[values[name]] for name in _IMAGES}
         return Material(**own)
