@@ -132,6 +132,10 @@ class Pattern:
     def half_extent(self) -> npt.NDArray[np.float64]:
         """(3,) half of the box's edge lengths."""
 
+    @property
+    def is_planar(self) -> bool:
+        """True if all cells are polyhedra."""
+
     def is_joint(self, cell: int) -> bool:
         """Whether a cell is mortar between others; `IndexError` if there is no such cell."""
 
@@ -213,10 +217,15 @@ def piece_contacts(
     """Contacts of pieces that were cut out of a mesh: for each the surface, and whether a crack made each triangle (t,)."""
 
 def pattern_cutters(
-    pattern: Pattern, bounds: tuple[Sequence[float], Sequence[float]], at: Sequence[float], normal: Sequence[float]
+    pattern: Pattern,
+    bounds: tuple[Sequence[float], Sequence[float]],
+    at: Sequence[float],
+    normal: Sequence[float],
+    coarseness: float = 1.0,
 ) -> list[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint32]]]:
     """The cells of a pattern, laid onto the box of a mesh (lowest and highest corner [m]) that is struck at a point: for each its
-    closed surface, and for each triangle the face that it is a part of: a plane, or a rough crack towards one neighbour."""
+    closed surface, and for each triangle the face that it is a part of: a plane, or a rough crack towards one neighbour. Cells
+    beside the box are empty; triangles of rough ones are larger by the ``coarseness``."""
 
 def break_mesh_on_grid(
     pattern: Pattern,

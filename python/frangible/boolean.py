@@ -66,26 +66,28 @@ def arrays(solid: Manifold) -> Mesh:
     return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, np.uint32)
 
 
-def cut(solid: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> list[Part]:
-    """The connected parts of a solid in each cell, cell by cell, the largest first. Together they are the solid, even if the cells leave
-    gaps or overlap. One of less than ``smallest`` of the mean volume joins its neighbour."""
-    # Body and cells are told apart by the ids of their triangles, faces by numbers of their own.
-    first = Manifold.reserve_ids(len(cutters) + 1)
-    body = as_manifold(*arrays(solid), first)
+def labelled(solid: Manifold) -> Manifold:
+    """The same solid, whose triangles keep their numbers through all cuts."""
+    return as_manifold(*arrays(solid), Manifold.reserve_ids(1))
+
+
+def cut(body: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> Cutting:
+    """What cells cut out of a `labelled` solid."""
+    # Cells are told apart by the ids of their triangles, faces by numbers of their own.
+    first = Manifold.reserve_ids(max(len(cutters), 1))
     least = LEAST_PART * body.volume()
     solids: list[Manifold] = []
     cells, face_of, count = [], {}, 0
     for cell, (vertices, triangles, face) in enumerate(cutters):
         if len(triangles) > 0:
-            solids.append(as_manifold(vertices, triangles, first + 1 + cell))
+            solids.append(as_manifold(vertices, triangles, first + cell))
             cells.append(body ^ solids[-1])
-            face_of[first + 1 + cell] = face.astype(np.int64) + count
+            face_of[first + cell] = face.astype(np.int64) + count
             count += int(face.max()) + 1
     if not _fit(cells, body) and not _fit([_box(body) ^ solid for solid in solids], _box(body)):
         cells = _fitted(body, cells, least)
     groups = [(cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)]
-    parts = [_part(shells, face_of) for _, shells in groups]
-    return _without_slivers(body, solids, groups, parts, face_of, smallest)
+    return Cutting(body, solids, groups, face_of, smallest)
 
 
 def _fit(cells: list[Manifold], whole: Manifold) -> bool:
@@ -98,9 +100,12 @@ def _box(solid: Manifold) -> Manifold:
     return Manifold.cube(high - low).translate(low)
 
 
-def count_parts(solid: Manifold) -> int:
-    """How many connected parts a solid has before it is cut."""
-    return len(_connected(solid, LEAST_PART * solid.volume()))
+def count_parts(solid: Manifold, smallest: float) -> int:
+    """How many connected parts a solid has before it is cut, without those of less than
+    ``smallest`` of the mean volume."""
+    parts = _connected(solid, LEAST_PART * solid.volume())
+    volumes = np.array([sum(shell.volume() for shell in shells) for shells in parts])
+    return int((volumes >= _least(volumes, smallest)).sum())
 
 
 def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
@@ -108,41 +113,71 @@ def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
     return _with_cavities([shell for shell in solid.decompose() if abs(shell.volume()) > least])
 
 
-def _without_slivers(
-    body: Manifold,
-    cutters: list[Manifold],
-    groups: list[tuple[int, list[Manifold]]],
-    parts: list[Part],
-    face_of: dict[int, npt.NDArray[np.int64]],
-    smallest: float,
-) -> list[Part]:
-    """The parts, with those that are too small united with the neighbour that they have the largest surface in common with.
+class Cutting:
+    """The connected parts of a solid in each cell. One of less than ``smallest`` of the mean volume
+    joins the neighbour that it has the largest surface in common with."""
 
-    ``groups`` are the shells of each part, and the number of the cutter that cut it out of the body.
-    """
-    volumes = [sum(shell.volume() for shell in shells) for _, shells in groups]
-    if not volumes or min(volumes) >= smallest * sum(volumes) / len(volumes):
-        return parts
-    surfaces = [((part.vertices, part.triangles), part.inner) for part in parts]
-    found = [
-        ([contact["a"], contact["b"]], contact["area_m2"], contact["normal"])
-        for contact in _frangible.piece_contacts(surfaces)
-    ]
-    hosts = _frangible.join_slivers(volumes, [(pair, area) for pair, area, _ in found], smallest)
-    kept = []
-    for number, part in enumerate(parts):
-        members = [other for other, host in enumerate(hosts) if host == number]
-        if members == [number]:
-            kept.append(part)
-        elif members:
-            touching = [
-                (members.index(a), members.index(b), area, normal)
-                for (a, b), area, normal in found
-                if a in members and b in members
+    def __init__(
+        self,
+        body: Manifold,
+        cutters: list[Manifold],
+        groups: list[tuple[int, list[Manifold]]],
+        face_of: dict[int, npt.NDArray[np.int64]],
+        smallest: float,
+    ) -> None:
+        """``groups`` are the shells of each part, and the number of the cutter that cut it out of
+        the body; ``face_of`` the face of each triangle of a cutter, by its id."""
+        self._body, self._cutters, self._groups, self._face_of = body, cutters, groups, face_of
+        volumes = [sum(shell.volume() for shell in shells) for _, shells in groups]
+        self._hosts = list(range(len(groups)))
+        self._found: list[tuple[list[int], float, list[float]]] = []
+        if volumes and min(volumes) < smallest * sum(volumes) / len(volumes):
+            parts = [self._part(shells) for _, shells in groups]
+            surfaces = [((part.vertices, part.triangles), part.inner) for part in parts]
+            self._found = [
+                ([contact["a"], contact["b"]], contact["area_m2"], contact["normal"])
+                for contact in _frangible.piece_contacts(surfaces)
             ]
-            shells = _joined(body, cutters, [groups[member] for member in members], touching)
-            kept.append(_part(shells, face_of))
-    return kept
+            areas = [(pair, area) for pair, area, _ in self._found]
+            self._hosts = _frangible.join_slivers(volumes, areas, smallest)
+        joined = np.zeros(len(groups))
+        np.add.at(joined, self._hosts, volumes)
+        joined = joined[joined > 0.0]
+        #: How many parts there are, without crumbs: those that are too small and touch no other.
+        self.count = int((joined >= _least(joined, smallest)).sum())
+        self.crumbs = len(joined) - self.count
+
+    def parts(self) -> list[Part]:
+        """Cell by cell, the largest first. Together they are the solid, even if the cells leave gaps
+        or overlap."""
+        kept = []
+        for number, (_, shells) in enumerate(self._groups):
+            members = [other for other, host in enumerate(self._hosts) if host == number]
+            if members == [number]:
+                kept.append(self._part(shells))
+            elif members:
+                touching = [
+                    (members.index(a), members.index(b), area, normal)
+                    for (a, b), area, normal in self._found
+                    if a in members and b in members
+                ]
+                own = [self._groups[member] for member in members]
+                kept.append(self._part(_joined(self._body, self._cutters, own, touching)))
+        return kept
+
+    def _part(self, shells: list[Manifold]) -> Part:
+        return _part(shells, self._face_of)
+
+
+def _least(volumes: Float64, smallest: float) -> float:
+    """This part of the mean of the volumes that are not below it."""
+    least = 0.0
+    while len(volumes):
+        bound = smallest * float(volumes.sum()) / max(int((volumes >= least).sum()), 1)
+        if bound <= least:
+            break
+        least = bound
+    return least
 
 
 def _joined(
@@ -155,6 +190,9 @@ def _joined(
     corners of their faces bit for bit, and parts of a body do not: those would touch without being
     one."""
     whole = [composed(shells) for _, shells in members]
+    if max(cell for cell, _ in members) >= len(cutters):
+        # A gap between all cells.
+        return _glued(whole, touching, LEAST_PART * body.volume())
     volume = sum(shell.volume() for _, shells in members for shell in shells)
     low, high = np.split(np.array([solid.bounding_box() for solid in whole]), 2, axis=1)
     box, near = np.append(low.min(axis=0), high.max(axis=0)), FITS * np.ptp([low, high])

@@ -140,8 +140,8 @@ def break_mesh(
             broken.notes.append(f"cutting the mesh itself {hint}")
         else:
             broken.notes.append(f"cutting the grid's surface {hint}")
-    if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
-        broken.notes.append(sentence)
+        if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
+            broken.notes.append(sentence)
     return broken
 
 
@@ -226,7 +226,8 @@ def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | N
 
     clean, skin = target.clean, target.skin
     solid, notes = closed(clean, target.voxels)
-    parts = _parts(target, solid, pattern, wanted)
+    parts, counted = _parts(target, solid, pattern, wanted)
+    notes += counted
 
     # The triangle of the file that each of the solid's lies in, if its surface is the file's.
     found: list[Below] | None = None
@@ -251,32 +252,43 @@ def _break_sampled(
     from .solids import on_grid
 
     # What the file says of its faces is laid on triangle by triangle.
-    solid, notes = on_grid(target.clean, target.voxels, simpler=target.skin is None)
+    is_even = target.skin is None or target.skin.is_even
+    solid, notes = on_grid(target.clean, target.voxels, simpler=is_even)
     stage("cutting the new surface along the pattern")
     with deaf_work():
-        parts = _parts(target, solid, pattern, wanted)
+        parts, counted = _parts(target, solid, pattern, wanted)
     pieces, contacts = _pieces_of_parts(target, parts, None)
     whole, sentence = _against_mesh(target, solid.volume(), pieces)
-    notes += sentence
+    notes += sentence + counted
     return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
 
 
 def _parts(
     target: _Target, solid: Manifold, pattern: _frangible.Pattern, wanted: int | None
-) -> list[Part]:
-    """What the pattern's cells cut out of a solid."""
-    from .boolean import count_parts, cut
+) -> tuple[list[Part], list[str]]:
+    """What the pattern's cells cut out of a solid, and what there is to say of its number."""
+    from .boolean import Cutting, count_parts, cut, labelled
 
     box = solid.bounding_box()
+    body = labelled(solid)
 
-    def parts_of(chosen: _frangible.Pattern) -> list[Part]:
+    def along(chosen: _frangible.Pattern, coarseness: float) -> Cutting:
         at, normal = target.at.tolist(), target.normal.tolist()
-        cutters = _frangible.pattern_cutters(chosen, (box[:3], box[3:]), at, normal)
-        return cut(solid, cutters, target.smallest)
+        cutters = _frangible.pattern_cutters(chosen, (box[:3], box[3:]), at, normal, coarseness)
+        return cut(body, cutters, target.smallest)
 
+    notes = []
     if wanted is None:
-        return parts_of(pattern)
-    return nearest_to(wanted, count_parts(solid), pattern, parts_of)
+        made = along(pattern, 1.0)
+    else:
+        fewest = count_parts(solid, target.smallest)
+        made = nearest_to(wanted, fewest, pattern, along)
+        if sentence := difference(made.count, wanted):
+            notes.append(sentence)
+    if made.crumbs:
+        those = "1 loose part is" if made.crumbs == 1 else f"{made.crumbs} loose parts are"
+        notes.append(f"{those} smaller than {target.smallest:g} of the mean piece")
+    return made.parts(), notes
 
 
 def _pieces_of_parts(

@@ -74,6 +74,12 @@ class MeshSkin:
         return bool(np.isfinite(self.colours).any())
 
     @cached_property
+    def is_even(self) -> bool:
+        """True if all faces look alike."""
+        is_plain = not self.has_colours and not np.isfinite(self.coordinates).any()
+        return is_plain and bool(np.all(self.material == self.material[:1]))
+
+    @cached_property
     def has_normals(self) -> bool:
         """True if any corner has one."""
         return bool(np.isfinite(self.normals).any())

@@ -10,7 +10,7 @@ from . import _frangible
 from .recording import Float64, UInt32
 
 if TYPE_CHECKING:
-    from .boolean import Part
+    from .boolean import Cutting
 
 #: Breaks on a grid that are tried: the number of pieces is first found on a coarse one, which
 #: resolves no small ones.
@@ -19,6 +19,8 @@ TRIES = 4
 WITHIN = 0.05
 #: How far it may be without a word.
 SILENT_WITHIN = 0.1
+#: How much larger triangles of rough cells are while pieces are counted.
+COARSENESS = 4.0
 #: As many as a pattern may have cells.
 MOST_PIECES = 10_000
 #: Voxels along the longest side of a mesh on the coarse grid.
@@ -78,25 +80,36 @@ def nearest_to(
     pieces: int,
     fewest: int,
     pattern: _frangible.Pattern,
-    cut: Callable[[_frangible.Pattern], list[Part]],
-) -> list[Part]:
-    """The parts that ``cut`` makes along the pattern, which is made finer, coarser or larger until
-    there are about so many; no pattern makes less than the ``fewest``."""
-    best: list[Part] | None = None
+    cut: Callable[[_frangible.Pattern, float], Cutting],
+) -> Cutting:
+    """What ``cut`` makes along the pattern, which is made finer, coarser or larger until there are
+    about so many parts; no pattern makes less than the ``fewest``. Rough cells are first counted
+    with larger triangles: ``cut`` is told by how much."""
 
-    def attempt(chosen: _frangible.Pattern) -> int:
-        nonlocal best
-        parts = cut(chosen)
-        if best is None or abs(len(parts) - pieces) < abs(len(best) - pieces):
-            best = parts
-        if pieces <= fewest and len(parts) <= fewest:
-            raise _Enough
-        return len(parts)
+    def searched(coarseness: float) -> tuple[_frangible.Pattern, Cutting]:
+        best: tuple[_frangible.Pattern, Cutting] | None = None
 
-    with suppress(_Enough):
-        pattern.with_pieces_by(pieces, attempt)
-    assert best is not None
-    return best
+        def attempt(chosen: _frangible.Pattern) -> int:
+            nonlocal best
+            made = cut(chosen, coarseness)
+            if best is None or abs(made.count - pieces) < abs(best[1].count - pieces):
+                best = (chosen, made)
+            if pieces <= fewest and made.count <= fewest:
+                raise _Enough
+            return made.count
+
+        with suppress(_Enough):
+            pattern.with_pieces_by(pieces, attempt)
+        assert best is not None
+        return best
+
+    if pattern.is_planar:
+        return searched(1.0)[1]
+    chosen, coarse = searched(COARSENESS)
+    made = cut(chosen, 1.0)
+    if made.count == coarse.count or abs(made.count - pieces) <= SILENT_WITHIN * pieces:
+        return made
+    return min(made, searched(1.0)[1], key=lambda found: abs(found.count - pieces))
 
 
 def difference(count: int, wanted: int) -> str | None:

@@ -16,8 +16,9 @@ AT_ONCE = 16
 SAME = 1e-12
 #: Voxels in the thickness of what a grid can make anew: thinner plates lose most of their volume.
 LEAST_THICKNESS = 1.0
-#: Shells of fewer voxels are what a grid leaves of thinner walls, no parts of the solid.
-LEAST_SHELL = 1.0
+#: Smaller solids are not made anew [voxels], and smaller shells that a grid shows are what it leaves
+#: of thinner walls, no parts of the solid.
+LEAST_SHELL = 27.0
 #: By this part of a voxel a surface from a grid may move for fewer triangles: below its own error.
 SIMPLER = 0.03
 
@@ -61,12 +62,12 @@ def on_grid(
     clean: CleanMesh, voxels: int, simpler: bool = True
 ) -> tuple[Manifold, list[str]]:
     """The solid that a clean mesh bounds, with all surfaces made anew on one grid of ``voxels``
-    along the longest side, and what was done in sentences. Solids that are thinner than a voxel
-    keep their own surface. Flat faces get few triangles, unless ``simpler`` is false."""
+    along the longest side, and what was done in sentences. Solids that are thinner than a voxel, or
+    smaller than 27 of them, keep their own surface. Flat faces get few triangles, unless ``simpler`` is false."""
     notes = list(clean["notes"])
     surfaces = _surfaces(clean, len(clean["meets"]))
     voxel = float(np.ptp(clean["vertices"], axis=0).max()) / voxels
-    is_thin = np.array([_thickness(surface) < LEAST_THICKNESS * voxel for surface in surfaces])
+    is_thin = np.array([_is_too_small(surface, voxel) for surface in surfaces])
     made = None
     if not is_thin.all():
         triangles = clean["triangles"][~is_thin[clean["solid"]]]
@@ -91,19 +92,22 @@ def on_grid(
 def _made_anew(surface: Mesh, voxels: int) -> Mesh | None:
     """The solid in a surface, made anew on a grid; `None` if it is too thin for that."""
     voxel = float(np.ptp(surface[0], axis=0).max()) / voxels
-    if _thickness(surface) < LEAST_THICKNESS * voxel:
+    if _is_too_small(surface, voxel):
         return None
     made = _resurfaced(surface, voxels, True)
     return None if made is None else arrays(made)
 
 
-def _thickness(surface: Mesh) -> float:
-    """[m] Of a plate of this volume and area."""
+def _is_too_small(surface: Mesh, voxel: float) -> bool:
+    """True if a surface encloses a plate or a crumb that a grid would not show."""
     vertices, triangles = surface
     corners = vertices[triangles]
     sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     areas = np.linalg.norm(np.cross(*sides), axis=1)
-    return float(4.0 * _frangible.mesh_mass(surface)["volume_m3"] / areas.sum())
+    volume = _frangible.mesh_mass(surface)["volume_m3"]
+    # A plate's thickness is twice its volume by its area.
+    thickness = 4.0 * volume / areas.sum()
+    return bool(thickness < LEAST_THICKNESS * voxel or volume < LEAST_SHELL * voxel**3)
 
 
 def _resurfaced(surface: Mesh, voxels: int, simpler: bool) -> Manifold | None:

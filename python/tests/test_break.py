@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from frangible import Pattern, Piece, Pieces, break_mesh
 from frangible._frangible import load_mesh, mesh_mass
-from frangible.boolean import arrays, cut
+from frangible.boolean import arrays, cut, labelled
 from frangible.cli import main
 from manifold3d import Manifold
 from pxr import Usd, UsdGeom, UsdShade
@@ -186,7 +186,7 @@ def test_drawn_cells_that_nearly_fit_cut_a_mesh_into_all_of_it(size: float, cros
 
 def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
     """The gap is a shell: it goes to its neighbour without what it encloses."""
-    from frangible.boolean import as_manifold, cut
+    from frangible.boolean import as_manifold
 
     def cutter(*meshes: Mesh) -> Any:
         vertices, triangles = joined(*meshes)
@@ -196,7 +196,8 @@ def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
     around = cutter(whole, (corners, faces[:, ::-1]))
     inner = cutter(box([-0.49, -0.49, -0.49], [0.49, 0.49, 0.49]))
     vertices, triangles = whole
-    parts = cut(as_manifold(vertices, triangles.astype(np.uint32)), [around, inner])
+    body = labelled(as_manifold(vertices, triangles.astype(np.uint32)))
+    parts = cut(body, [around, inner]).parts()
     volumes = [mesh_mass((part.vertices, part.triangles))["volume_m3"] for part in parts]
     assert volumes == pytest.approx([8.0 - 0.98**3, 0.98**3])
 
@@ -361,6 +362,6 @@ def test_a_part_that_joins_a_hollow_one_leaves_its_cavity() -> None:
     body = block + plate + beam
     cells = [Manifold.cube([4, 4, 4]).translate([low, -1, -1]) for low in (-4, 0)]
     cutters = [(*arrays(cell), np.arange(12, dtype=np.uint32) // 2) for cell in cells]
-    parts = cut(body, cutters, smallest=0.01)
+    parts = cut(labelled(body), cutters, smallest=0.01).parts()
     volumes = sorted(mesh_mass((part.vertices, part.triangles))["volume_m3"] for part in parts)
     assert volumes == pytest.approx([0.5, 11.0 + 0.001 * 0.25], rel=1e-12)

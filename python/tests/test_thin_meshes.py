@@ -184,7 +184,7 @@ def test_parts_that_are_apart_end_the_search(
 
     def counted(*arguments: Any) -> Any:
         made = function(*arguments)
-        counts.append(len(made))
+        counts.append(made.count)
         return made
 
     monkeypatch.setattr(boolean, "cut", counted)

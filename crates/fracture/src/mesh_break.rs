@@ -45,9 +45,16 @@ pub enum MeshBreakError {
     NoMass(#[from] NoMass),
 }
 
-/// The cells of a pattern, laid onto the box from `low` to `high` around a mesh that is struck at `impact`: intersected
-/// with the mesh they are its pieces. Empty meshes stand for cells that the pattern has none of.
-pub fn cutters(pattern: &Pattern, impact: &Impact, (low, high): (DVec3, DVec3)) -> Vec<Cutter> {
+/// The cells of a pattern, laid onto the box from `low` to `high` around a mesh that is struck at
+/// `impact`: intersected with the mesh they are its pieces. Empty meshes stand for cells that the
+/// pattern has none of, and for those that lie beside the box. Triangles of rough cells are larger
+/// by `coarseness`, 1 for pieces that are shown.
+pub fn cutters(
+    pattern: &Pattern,
+    impact: &Impact,
+    (low, high): (DVec3, DVec3),
+    coarseness: f64,
+) -> Vec<Cutter> {
     let mut placement = Placement::around(pattern, impact, &corners((low, high)));
     placement.scale *= 1.0 + CLEAR_OF_THE_BOX;
 
@@ -55,10 +62,22 @@ pub fn cutters(pattern: &Pattern, impact: &Impact, (low, high): (DVec3, DVec3)) 
     let volume = 8.0 * pattern.half_extent.element_product();
     let longest_edge = match pattern.planar() {
         Some(_) => f64::INFINITY,
-        None => ROUGH_EDGE * libm::cbrt(volume / pattern.len() as f64),
+        None => coarseness * ROUGH_EDGE * libm::cbrt(volume / pattern.len() as f64),
+    };
+    let clear = CLEAR_OF_THE_BOX * (high - low).max_element();
+    let lies_beside = |number: usize| {
+        let Some((points, reach)) = pattern.around_cell(number) else { return false };
+        let reach = reach * placement.scale + clear;
+        let points = points.iter().map(|&point| placement.point(point));
+        let bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let bounds = points.fold(bounds, |(least, most), point| (least.min(point), most.max(point)));
+        (bounds.0 - reach).cmpgt(high).any() || (bounds.1 + reach).cmplt(low).any()
     };
     let cell = |number: usize| {
-        let mut mesh = pattern.region_mesh(number, longest_edge);
+        if lies_beside(number) {
+            return TriMesh::default();
+        }
+        let mut mesh = pattern.cell_mesh(number, longest_edge, coarseness).mesh;
         mesh.positions.iter_mut().for_each(|position| *position = placement.point(*position));
         mesh
     };

@@ -1,6 +1,6 @@
 //! A smooth, bounded, random displacement of space that is one-to-one.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Value noise in three components [Perlin02]: independent random vectors at the nodes of a lattice, blended between them by a
@@ -53,17 +53,41 @@ impl Noise {
         sum * window * (self.steepness / steepness)
     }
 
-    /// The point that is moved to `target`: its displacement is a contraction, whose fixed point iteration finds it.
+    /// No displacement is longer.
+    pub(crate) fn reach(&self) -> f64 {
+        let amplitudes: f64 = OCTAVES.iter().map(|(share, relative)| share * relative).sum();
+        self.steepness * self.wavelength * amplitudes / STEEPEST
+    }
+
+    /// The point that is moved to `target`, by Broyden's method [Broyden65]: its displacement is a
+    /// contraction, so that a step without a guess at the derivative always leads nearer.
     pub(crate) fn origin_of(&self, target: DVec3, half_extent: DVec3) -> DVec3 {
         const MOST_ROUNDS: usize = 400;
-        let mut point = target;
+        let near = 1e-14 * half_extent.max_element();
+        let beyond = |point: DVec3| point + self.displacement(point, half_extent) - target;
+        // Components across walls that the target lies in stay zero.
+        let mut inverse = DMat3::IDENTITY;
+        let (mut point, mut off) = (target, beyond(target));
         for _ in 0..MOST_ROUNDS {
-            let next = target - self.displacement(point, half_extent);
-            let done = next.abs_diff_eq(point, 1e-14 * half_extent.max_element());
-            point = next;
-            if done {
+            if off.abs().max_element() <= near {
                 break;
             }
+            let step = -(inverse * off);
+            let (next, next_off) = (point + step, beyond(point + step));
+            if next_off.length_squared() > 0.5 * off.length_squared() {
+                inverse = DMat3::IDENTITY;
+                point -= off;
+                off = beyond(point);
+                continue;
+            }
+            let guessed = inverse * (next_off - off);
+            let along = inverse.transpose() * step;
+            let scale = step.dot(guessed);
+            if scale != 0.0 {
+                let rest = (step - guessed) / scale;
+                inverse += DMat3::from_cols(rest * along.x, rest * along.y, rest * along.z);
+            }
+            (point, off) = (next, next_off);
         }
         point
     }

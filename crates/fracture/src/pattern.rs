@@ -226,7 +226,18 @@ impl Pattern {
     /// The closed surface of a cell within the box, without an edge longer than `longest_edge` (infinite: each face as
     /// large as it is). Cells that meet face to face share the vertices of the face bit for bit, and its triangles.
     pub fn region_mesh(&self, cell: usize, longest_edge: f64) -> TriMesh {
-        self.cell_mesh(cell, longest_edge).mesh
+        self.cell_mesh(cell, longest_edge, 1.0).mesh
+    }
+
+    /// Points around a cell, and how far it may reach beyond them; `None` for a drawn cell.
+    pub(crate) fn around_cell(&self, cell: usize) -> Option<(Vec<DVec3>, f64)> {
+        let (regions, reach) = match &self.cells {
+            Cells::Planar(regions) => (regions, 0.0),
+            Cells::Rough(rough) => (&rough.regions, rough.noise.reach()),
+            Cells::Drawn(_) => return None,
+        };
+        let hull = regions[cell].hull(self.half_extent);
+        Some((hull.map_or_else(Vec::new, |hull| hull.vertices().to_vec()), reach))
     }
 
     /// Samples cells that are not planar, as the first break would otherwise: takes some tenths of
@@ -239,10 +250,10 @@ impl Pattern {
         }
     }
 
-    fn cell_mesh(&self, cell: usize, longest_edge: f64) -> CellMesh {
+    pub(crate) fn cell_mesh(&self, cell: usize, longest_edge: f64, coarseness: f64) -> CellMesh {
         match &self.cells {
             Cells::Planar(regions) => CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge),
-            Cells::Rough(rough) => rough.cell_mesh(cell, longest_edge, self.half_extent),
+            Cells::Rough(rough) => rough.cell_mesh(cell, longest_edge, self.half_extent, coarseness),
             Cells::Drawn(drawn) => drawn.cell_mesh(cell, self.half_extent).refined(longest_edge),
         }
     }

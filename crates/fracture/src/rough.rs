@@ -166,9 +166,16 @@ impl Rough {
         self.regions[cell].distance(moved) / (1.0 + self.noise.steepness)
     }
 
-    /// See [`crate::Pattern::region_mesh`]; fine enough to show the noise.
-    pub(crate) fn cell_mesh(&self, cell: usize, longest_edge: f64, half_extent: DVec3) -> CellMesh {
-        let edge = longest_edge.min(self.noise.resolution());
+    /// See [`crate::Pattern::region_mesh`]; fine enough to show the noise, but for a `coarseness`
+    /// above 1.
+    pub(crate) fn cell_mesh(
+        &self,
+        cell: usize,
+        longest_edge: f64,
+        half_extent: DVec3,
+        coarseness: f64,
+    ) -> CellMesh {
+        let edge = longest_edge.min(coarseness * self.noise.resolution());
         let mut made = CellMesh::planar(&self.regions, half_extent, cell).refined(edge);
         for vertex in &mut made.mesh.positions {
             *vertex = self.noise.origin_of(*vertex, half_extent);

@@ -31,8 +31,12 @@ fn fine_box() -> TriMesh {
 
 #[test]
 fn cutters_are_closed_and_enclose_the_box() {
-    for pattern in patterns() {
-        let cells = cutters(&pattern, &IMPACT, (-HALF, HALF));
+    // All cells of a pattern in the middle of the box are in it.
+    let impact = Impact { point_body: DVec3::ZERO, ..IMPACT };
+    let coarseness = [1.0, 1.0, 4.0];
+    let [plane, rough] = patterns();
+    for (pattern, coarseness) in [plane, rough.clone(), rough].into_iter().zip(coarseness) {
+        let cells = cutters(&pattern, &impact, (-HALF, HALF), coarseness);
         assert_eq!(cells.len(), pattern.len());
         let volume: f64 = cells.iter().map(|cell| cell.mesh.mass_properties().volume).sum();
         let corners = (0..8).map(|n| {
@@ -60,9 +64,25 @@ fn cutters_are_closed_and_enclose_the_box() {
 }
 
 #[test]
+fn cells_beside_the_box_are_left_out() {
+    for pattern in patterns() {
+        // A blow from above: half of the pattern lies over the box.
+        let impact = Impact { point_body: DVec3::new(0.0, HALF.y, 0.0), ..IMPACT };
+        let cells = cutters(&pattern, &impact, (-HALF, HALF), 1.0);
+        let left_out = cells.iter().filter(|cell| cell.mesh.triangles.is_empty()).count();
+        assert!(left_out > 0 && left_out < cells.len(), "{left_out} of {}", cells.len());
+        let shown = cells.iter().filter(|cell| !cell.mesh.triangles.is_empty());
+        for (low, high) in shown.map(|cell| cell.mesh.bounds()) {
+            assert!(low.cmple(HALF).all() && high.cmpge(-HALF).all());
+        }
+    }
+}
+
+#[test]
 fn contacts_of_cells_are_those_of_convex_pieces() {
     let pattern = voronoi();
-    let cells = cutters(&pattern, &IMPACT, (-HALF, HALF));
+    let impact = Impact { point_body: DVec3::ZERO, ..IMPACT };
+    let cells = cutters(&pattern, &impact, (-HALF, HALF), 1.0);
     let convex: Vec<Fragment> = cells
         .iter()
         .map(|cell| {

@@ -79,11 +79,11 @@ pub(crate) fn closest_triangles<'py>(
     let found: Vec<i64> = py.detach(|| {
         let tree = Bvh::new(&triangles);
         let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
-        let members = Groups::new(&groups);
+        let members = Groups::new(&groups, &triangles);
         let closest = |&(point, normal, group, reach): &(DVec3, DVec3, i64, f64)| {
-            // Of a small group each is asked: it may be far away, behind many others.
-            let few = members.of(group);
-            if (1..=MOST_ASKED).contains(&few.len()) {
+            let (few, own_tree) = members.of(group);
+            // Of a small group each is asked.
+            if own_tree.is_none() && !few.is_empty() {
                 let asked = few.iter().map(|&triangle| {
                     let way = closest_point_on_triangle(point, &triangles[triangle]) - point;
                     (way.length(), triangle)
@@ -97,15 +97,15 @@ pub(crate) fn closest_triangles<'py>(
                 let best = nearest(&mut asked.iter().filter(facing));
                 return best.map_or(any, |best| best.1) as i64;
             }
-            let own = |triangle: usize| group < 0 || groups[triangle] == group;
-            let any =
-                tree.closest_of(point, f64::INFINITY, own).or_else(|| tree.closest(point, f64::INFINITY));
-            let Some(any) = any else { return -1 };
+            // A large one has a tree of its own: it may be far away, behind many others.
+            let number = |slot: usize| if own_tree.is_some() { few[slot] } else { slot };
+            let tree = own_tree.unwrap_or(&tree);
+            let Some(any) = tree.closest(point, f64::INFINITY) else { return -1 };
             // A sheet's other side is near, too.
             let bound = any.distance_squared.sqrt() + reach;
-            let facing = |triangle: usize| own(triangle) && faces[triangle].dot(normal) > 0.0;
+            let facing = |slot: usize| faces[number(slot)].dot(normal) > 0.0;
             let best = tree.closest_of(point, bound * bound, facing).unwrap_or(any);
-            best.triangle as i64
+            number(best.triangle) as i64
         };
         queries.par_iter().map(closest).collect()
     });
@@ -117,22 +117,45 @@ const MOST_ASKED: usize = 64;
 
 /// Which triangles are in each group.
 struct Groups {
-    /// Group and triangle, sorted.
-    members: Vec<(i64, usize)>,
+    /// The number of each group, sorted, and where its triangles begin.
+    first_of: Vec<(i64, usize)>,
     triangles: Vec<usize>,
+    /// Of each group that is large.
+    trees: Vec<Option<Bvh>>,
 }
 
 impl Groups {
-    fn new(groups: &[i64]) -> Self {
+    fn new(groups: &[i64], corners: &[[DVec3; 3]]) -> Self {
         let mut members: Vec<(i64, usize)> = groups.iter().copied().zip(0..).collect();
         members.sort_unstable();
-        let triangles = members.iter().map(|&(_, triangle)| triangle).collect();
-        Self { members, triangles }
+        let mut first_of: Vec<(i64, usize)> = Vec::new();
+        for (at, &(group, _)) in members.iter().enumerate() {
+            if first_of.last().is_none_or(|&(last, _)| last != group) {
+                first_of.push((group, at));
+            }
+        }
+        let triangles: Vec<usize> = members.iter().map(|&(_, triangle)| triangle).collect();
+        let mut made = Self { first_of, triangles, trees: Vec::new() };
+        let tree = |group: usize| {
+            let own = &made.triangles[made.range(group)];
+            let corners: Vec<[DVec3; 3]> = own.iter().map(|&triangle| corners[triangle]).collect();
+            (own.len() > MOST_ASKED).then(|| Bvh::new(&corners))
+        };
+        made.trees = (0..made.first_of.len()).into_par_iter().map(tree).collect();
+        made
     }
 
-    fn of(&self, group: i64) -> &[usize] {
-        let first = self.members.partition_point(|&(other, _)| other < group);
-        let last = self.members.partition_point(|&(other, _)| other <= group);
-        &self.triangles[first..last]
+    fn range(&self, group: usize) -> std::ops::Range<usize> {
+        let end = self.first_of.get(group + 1).map_or(self.triangles.len(), |&(_, first)| first);
+        self.first_of[group].1..end
+    }
+
+    /// The triangles of a group, in ascending order, and their tree if they are many; none of a
+    /// group that there is not.
+    fn of(&self, group: i64) -> (&[usize], Option<&Bvh>) {
+        match self.first_of.binary_search_by_key(&group, |&(number, _)| number) {
+            Ok(at) => (&self.triangles[self.range(at)], self.trees[at].as_ref()),
+            Err(_) => (&[], None),
+        }
     }
 }

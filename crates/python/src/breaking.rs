@@ -22,16 +22,19 @@ type CutterArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, 
 
 /// The cells, laid onto a box.
 #[pyfunction]
+#[pyo3(signature = (pattern, bounds, at, normal, coarseness=1.0))]
 pub(crate) fn pattern_cutters<'py>(
     py: Python<'py>,
     pattern: &Pattern,
     bounds: ([f64; 3], [f64; 3]),
     at: [f64; 3],
     normal: [f64; 3],
+    coarseness: f64,
 ) -> PyResult<Vec<CutterArrays<'py>>> {
     let impact = Impact { point_body: at.into(), normal_body: DVec3::from(normal) };
     let pattern = pattern.0.clone();
-    let cells = interruptible(py, move || cutters(&pattern, &impact, (bounds.0.into(), bounds.1.into())))?;
+    let bounds = (bounds.0.into(), bounds.1.into());
+    let cells = interruptible(py, move || cutters(&pattern, &impact, bounds, coarseness))?;
     let arrays = |cell: &frangible::fracture::Cutter| {
         let (vertices, triangles) = mesh_arrays(py, &cell.mesh)?;
         Ok((vertices, triangles, PyArray1::from_slice(py, &cell.face)))

@@ -158,6 +158,11 @@ impl Pattern {
         PyArray1::from_slice(py, &self.0.half_extent.to_array())
     }
 
+    #[getter]
+    fn is_planar(&self) -> bool {
+        self.0.planar().is_some()
+    }
+
     fn is_joint(&self, cell: usize) -> PyResult<bool> {
         self.check(cell)?;
         Ok(self.0.is_joint(cell))

@@ -3,6 +3,7 @@
 use super::hulls::{SAME_PLANE, overlap_of_faces};
 use super::{Contacts, Interface};
 use frangible_geometry::TriMesh;
+use frangible_geometry::bvh::Bvh;
 use glam::DVec3;
 
 /// A piece of a mesh: a connected part of what one cell of a pattern cut out of it.
@@ -27,21 +28,24 @@ struct CrackTriangle {
 /// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's frame. Exact: the two sides of a
 /// crack are cut into different triangles, but lie in the same planes.
 pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
-    let mut triangles: Vec<CrackTriangle> =
+    let triangles: Vec<CrackTriangle> =
         pieces.iter().enumerate().flat_map(|(number, piece)| crack_triangles(number, piece)).collect();
-    let low = triangles.iter().fold(DVec3::INFINITY, |low, triangle| low.min(triangle.low));
-    let high = triangles.iter().fold(DVec3::NEG_INFINITY, |high, triangle| high.max(triangle.high));
+    let boxes: Vec<(DVec3, DVec3)> = triangles.iter().map(|one| (one.low, one.high)).collect();
+    let low = boxes.iter().fold(DVec3::INFINITY, |low, bounds| low.min(bounds.0));
+    let high = boxes.iter().fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.1));
     let near = SAME_PLANE * (high - low).max_element();
 
-    // Sweep along x: a triangle can lie on those only that begin before it ends.
-    triangles.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    let tree = Bvh::of_boxes(&boxes);
     let mut contacts = Contacts::default();
     for (at, first) in triangles.iter().enumerate() {
-        for second in triangles[at + 1..].iter().take_while(|other| other.low.x <= first.high.x + near) {
-            let apart =
-                second.low.cmpgt(first.high + near).any() || first.low.cmpgt(second.high + near).any();
-            if first.piece == second.piece || apart || first.normal.dot(second.normal) > 0.0 {
-                continue;
+        let enters = |low: DVec3, high: DVec3| {
+            low.cmple(first.high + near).all() && first.low.cmple(high + near).all()
+        };
+        tree.visit(enters, |other| {
+            let second = &triangles[other];
+            let is_counted = other <= at || first.piece == second.piece;
+            if is_counted || !enters(second.low, second.high) || first.normal.dot(second.normal) > 0.0 {
+                return;
             }
             let (a, b) = if first.piece < second.piece { (first, second) } else { (second, first) };
             let from_plane = |corner: &DVec3| (a.normal.dot(*corner - a.corners[0])).abs();
@@ -50,7 +54,7 @@ pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
             {
                 contacts.add((a.piece, b.piece), area * a.normal, centroid);
             }
-        }
+        });
     }
     contacts.into_interfaces()
 }
