@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from manifold3d import Manifold, OpType
 
 from . import _frangible
 from ._frangible import BuildError
-from .boolean import Mesh, arrays, as_manifold, composed
+from .boolean import Mesh, arrays, as_manifold
 from .cleaning import MOST_BURIED, CleanMesh
+from .recording import UInt32
 
 #: Solids that are united in one call.
 AT_ONCE = 16
@@ -115,16 +117,34 @@ def _resurfaced(surface: Mesh, voxels: int, simpler: bool) -> Manifold | None:
     specks; `None` if that is nothing."""
     voxel = float(np.ptp(surface[0], axis=0).max()) / voxels
     try:
-        made = as_manifold(*_frangible.resurface(surface, voxels))
+        vertices, triangles = _frangible.resurface(surface, voxels)
     except BuildError:
         return None
-    if simpler:
-        made = made.simplify(SIMPLER * voxel)
-    shells = made.decompose()
-    large = [shell for shell in shells if abs(shell.volume()) >= LEAST_SHELL * voxel**3]
-    if not large:
+    shell = _shells(len(vertices), triangles)
+    sides = vertices[triangles]
+    volumes = np.einsum("ij,ij->i", sides[:, 0], np.cross(sides[:, 1], sides[:, 2])) / 6.0
+    is_large = np.abs(np.bincount(shell, volumes)) >= LEAST_SHELL * voxel**3
+    if not is_large.any():
         return None
-    return made if len(large) == len(shells) else composed(large)
+    made = as_manifold(vertices, triangles[is_large[shell]])
+    return made.simplify(SIMPLER * voxel) if simpler else made
+
+
+def _shells(count: int, triangles: UInt32) -> npt.NDArray[np.int64]:
+    """(t,) the number of the connected part that each triangle is in, of ``count`` vertices."""
+    corners = triangles.astype(np.int64)
+    label = np.arange(count)
+    while True:
+        # The lowest number of each triangle's corners goes to all of them and to their parts.
+        lowest = label[corners].min(axis=1)
+        new = label.copy()
+        for corner in corners.T:
+            np.minimum.at(new, label[corner], lowest)
+        new = new[new]
+        new = new[label]
+        if np.array_equal(new, label):
+            return np.unique(label[corners[:, 0]], return_inverse=True)[1]
+        label = new
 
 
 def _crossing(count: int) -> str:
