@@ -237,8 +237,11 @@ impl Probe<'_> {
         } else {
             Vec::new()
         };
-        if let Some(&(_, longest)) = own.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-            let own: Vec<Line> = own.into_iter().map(|line| line.1).collect();
+        let longest = (0..own.len()).max_by(|&a, &b| own[a].0.total_cmp(&own[b].0));
+        if let Some(longest) = longest {
+            // It divides once, whatever rounding says of its distance from the parts' borders.
+            let mut own: Vec<Line> = own.into_iter().map(|line| line.1).collect();
+            let longest = own.remove(longest);
             let [left, right] = divided(polygon, &longest, self.normal);
             let whole = self.gather(&left, &own, pieces);
             return self.gather(&right, &own, pieces) && whole;

@@ -289,3 +289,36 @@ fn what_has_no_level_set_is_refused() {
         "the mesh: triangle 0 refers to vertex 99, must be 0 to 7"
     );
 }
+
+/// A box, given by its half extents and where it lies.
+fn placed_box(half: f64, turned: DQuat, center: DVec3) -> TriMesh {
+    let sign = |bit: usize, corner: usize| if corner >> bit & 1 == 1 { half } else { -half };
+    let place =
+        |corner: usize| center + turned * DVec3::new(sign(2, corner), sign(1, corner), sign(0, corner));
+    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    TriMesh { positions: (0..8).map(place).collect(), triangles }
+}
+
+/// A vertex amid an edge, which one of its faces has and the other has not: a triangle without a
+/// height closes the gap. Another box crosses it there.
+#[test]
+fn triangles_without_height_are_divided_once() {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    for _ in 0..24 {
+        let mut direction = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
+        let axes = [direction(), direction()].map(|axis| axis.normalize());
+        let turned = DQuat::from_axis_angle(axes[0], 1.3);
+        let mut mesh = placed_box(0.5, turned, DVec3::ZERO);
+        let [a, b] = [mesh.positions[0], mesh.positions[1]];
+        mesh.positions.push(a.lerp(b, random.random_range(0.2..0.8)));
+        mesh.triangles[0] = [0, 8, 3];
+        mesh.triangles.extend([[8, 1, 3], [0, 1, 8]]);
+        let place = a.lerp(b, random.random_range(0.2..0.8));
+        let crossing = placed_box(0.15, DQuat::from_axis_angle(axes[1], 1.0), place);
+        let level_set = level_set(&joined(mesh, &crossing), [24; 3], 2);
+        let voxel = level_set.grid().voxel_volume();
+        let volume = voxel * nodes(&level_set).filter(|(_, phi)| *phi < 0.0).count() as f64;
+        assert!(volume > 1.0 && volume < 1.0 + 0.3f64.powi(3), "{volume}");
+    }
+}
