@@ -284,7 +284,8 @@ def _parts(
         fewest = count_parts(solid, target.smallest)
         made = nearest_to(wanted, fewest, pattern, along)
         if sentence := difference(made.count, wanted):
-            notes.append(sentence)
+            apart = f"{wanted} pieces were asked for, and the mesh has {fewest} parts that lie apart"
+            notes.append(apart if fewest > wanted else sentence)
     if made.crumbs:
         those = "1 loose part is" if made.crumbs == 1 else f"{made.crumbs} loose parts are"
         notes.append(f"{those} smaller than {target.smallest:g} of the mean piece")

@@ -53,6 +53,10 @@ class Document:
         """A list of the document, such as its nodes; empty if there is none."""
         found = self.json.get(key, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
+            asset = self.json.get("asset")
+            version = asset.get("version") if isinstance(asset, dict) else None
+            if str(version).startswith("1."):
+                raise BuildError(f"{self.path}: is glTF of version {version}, must be of version 2")
             raise self.fail(f"its {key} are no list of objects")
         return found
 

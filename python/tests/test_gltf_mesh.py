@@ -343,6 +343,14 @@ def test_textures_of_extensions_do_no_harm_and_unknown_extensions_are_refused(tm
         info(made.save(tmp_path))
 
 
+def test_files_of_version_1_are_named_as_such(tmp_path: Path) -> None:
+    made = Made().cube()
+    # Its lists are objects by name.
+    made.json |= {"asset": {"version": "1.0"}, "skins": {}, "nodes": {"box": {}}}
+    with pytest.raises(BuildError, match="made.glb: is glTF of version 1.0, must be of version 2"):
+        info(made.save(tmp_path))
+
+
 def test_whole_commands_take_packed_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     made = Made().cube(CORNERS.astype(np.int16))
     made.uses("KHR_mesh_quantization")

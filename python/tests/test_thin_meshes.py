@@ -190,6 +190,7 @@ def test_parts_that_are_apart_end_the_search(
     monkeypatch.setattr(boolean, "cut", counted)
     broken = break_mesh(mesh, _frangible.Pattern.named("voronoi", seed=1), pieces=5, exact=exact)
     assert len(broken.pieces) == 12
+    assert broken.notes[-1] == "5 pieces were asked for, and the mesh has 12 parts that lie apart"
     # The search ends with the first pattern that breaks none of them.
     assert counts.count(12) == 1 and len(counts) <= 4, counts
 
