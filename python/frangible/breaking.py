@@ -15,11 +15,11 @@ from .cleaning import MOST_BURIED, CleanMesh
 from .interrupts import deaf_work
 from .mesh_skin import Below, MeshSkin, read_skin
 from .output import missing_packages
-from .piece_count import break_on_grid_into, difference, nearest_to
+from .piece_count import LEAST_PIECES, MOST_PIECES, break_on_grid_into, difference, nearest_to
 from .pieces import Contact, Piece, Pieces
 from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
-from .usd_mesh import readable_mesh
+from .usd_mesh import check_ending, readable_mesh
 from .volumes import volumes_differ
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ DEFAULT_VOXELS = 128
 MOST_VOXELS = 1024
 #: A piece of less than this part of the mean piece's volume joins its neighbour.
 DEFAULT_SMALLEST = 1e-4
+#: How far outside of the mesh's bounding box a blow may lie without a word; of its diagonal.
+NEAR = 0.05
 #: Up.
 DEFAULT_NORMAL = (0.0, 1.0, 0.0)
 
@@ -90,6 +92,7 @@ def break_mesh(
     their holes are closed, and flat ones are left out.
     """
     stage("reading the mesh")
+    check_ending(path)
     # Where the blow lands.
     with readable_mesh(path, pose_time) as file:
         clean = _solids(file, thickness)
@@ -104,7 +107,10 @@ def break_mesh(
     if not np.all(np.isfinite(point)):
         raise _frangible.BuildError(f"at: {_listed(point)}, must be finite")
     if not 1 <= voxels <= MOST_VOXELS:
-        raise _frangible.BuildError(f"voxels: {voxels}, must be 1 to {MOST_VOXELS}")
+        raise _frangible.BuildError(f"voxels: {voxels}, must be from 1 to {MOST_VOXELS}")
+    if pieces is not None and not LEAST_PIECES <= pieces <= MOST_PIECES:
+        rule = f"from {LEAST_PIECES} to {MOST_PIECES}"
+        raise _frangible.BuildError(f"pieces: {pieces}, must be {rule}")
     if not 0.0 <= smallest <= 1.0:
         raise _frangible.BuildError(f"smallest: {smallest:g}, must be from 0 to 1")
 
@@ -142,7 +148,21 @@ def break_mesh(
             broken.notes.append(f"cutting the grid's surface {hint}")
         if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
             broken.notes.append(sentence)
+    broken.notes.extend(_far_off(mesh, point, len(broken.pieces)))
     return broken
+
+
+def _far_off(mesh: tuple[Float64, UInt32], point: Float64, pieces: int) -> list[str]:
+    """Sentences about a blow that does not meet the mesh, and a pattern that does not cut it."""
+    low, high = mesh[0].min(axis=0), mesh[0].max(axis=0)
+    off = float(np.linalg.norm(point - np.clip(point, low, high)))
+    notes = []
+    if off > NEAR * np.linalg.norm(high - low):
+        where = f"{off:.3g} m outside of the mesh's bounding box"
+        notes.append(f"the blow at {_listed(point)} lies {where}")
+    if pieces == 1:
+        notes.append("no crack of the pattern passes through the mesh, which stays in one piece")
+    return notes
 
 
 def _solids(file: str, thickness: float | None) -> CleanMesh:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .ground import with_visible_ground
-from .materials import Image, Material, Palette
+from .materials import Image, Material, Palette, Sampler
 from .normals import corner_normals, shaded_mesh, textured_corners
 from .paths import by_source, unique_names
 from .pieces import Pieces
@@ -68,6 +68,19 @@ def write_pieces(pieces: Pieces, path: str) -> None:
         file.write(gltf.to_bytes() if path.endswith(".glb") else gltf.to_text())
 
 
+#: The extension that holds light brighter than 1.
+_EMISSION = "KHR_materials_emissive_strength"
+
+
+def _sampler(sampler: Sampler) -> Json | None:
+    """As glTF writes it; `None` for its defaults."""
+    if sampler == Sampler():
+        return None
+    filters = {"magFilter": sampler.magnified, "minFilter": sampler.minified}
+    given = {key: number for key, number in filters.items() if number is not None}
+    return {"wrapS": sampler.wrap_s, "wrapT": sampler.wrap_t, **given}
+
+
 class _Gltf:
     """The JSON document and the binary data, as they grow."""
 
@@ -87,6 +100,7 @@ class _Gltf:
             "images": [],
             "accessors": [],
         }
+        self.extensions: set[str] = set()
         self.channels: list[Json] = []
         self.samplers: list[Json] = []
         self.parts: list[list[bytes]] = [[], [], [], [], [], []]
@@ -133,7 +147,14 @@ class _Gltf:
             if image is not None:
                 holder[key] = {"index": self.add_texture(image)}
         if any(material.emission):
-            item["emissiveFactor"] = list(material.emission)
+            # A factor is at most 1.
+            strength = max(1.0, *material.emission)
+            item["emissiveFactor"] = [channel / strength for channel in material.emission]
+            if strength > 1.0:
+                item["extensions"] = {_EMISSION: {"emissiveStrength": strength}}
+                self.extensions.add(_EMISSION)
+        if material.double_sided:
+            item["doubleSided"] = True
         if material.cutoff is not None:
             item |= {"alphaMode": "MASK", "alphaCutoff": material.cutoff}
         elif material.clear > 0.0 or material.blended:
@@ -144,7 +165,13 @@ class _Gltf:
         if image not in self.textures:
             # The number of the image stands for its buffer view until all others are known.
             source = self.add("images", {"name": image.name, "mimeType": image.mime, "bufferView": len(self.textures)})
-            self.textures[image] = self.add("textures", {"source": source})
+            texture = {"source": source}
+            if (sampler := _sampler(image.sampler)) is not None:
+                held = self.document.setdefault("samplers", [])
+                if sampler not in held:
+                    held.append(sampler)
+                texture["sampler"] = held.index(sampler)
+            self.textures[image] = self.add("textures", texture)
         return self.textures[image]
 
     def add_family(self, name: str, bodies: list[Body], names: Iterable[str], palette: Palette[int]) -> int:
@@ -302,6 +329,8 @@ class _Gltf:
             document["animations"] = [
                 {"name": "simulation", "channels": self.channels, "samplers": self.samplers}
             ]
+        if self.extensions:
+            document["extensionsUsed"] = sorted(self.extensions)
         if data:
             document["buffers"] = [{"byteLength": len(data)}]
             document["bufferViews"] = views

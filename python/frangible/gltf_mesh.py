@@ -53,13 +53,22 @@ def make_plain(path: str, glb: str, pose_time: float | None) -> bool:
         if pose_time is not None:
             pose(document, pose_time)
             if len(document.items("animations")) != 1:
-                count = len(document.items("animations"))
-                what = "the first of them" if count else "the rest pose"
-                warnings.warn(f"{path}: has {count} animations, posed by {what}", FileNote, stacklevel=2)
+                warnings.warn(f"{path}: {_posed_by(document)}", FileNote, stacklevel=2)
         content = _Plain(document).content()
     with open(glb, "wb") as file:
         file.write(content)
     return True
+
+
+def _posed_by(document: Document) -> str:
+    """The sentence about the animation that a pose is of, and about those that are left out."""
+    animations = document.items("animations")
+    if not animations:
+        return "has 0 animations, posed by the rest pose"
+    first, *others = (str(one.get("name", number))[:40] for number, one in enumerate(animations))
+    named = ", ".join(map(repr, others[:5])) + (" and others" if len(others) > 5 else "")
+    said = f"has {len(animations)} animations, posed by the first of them, {first!r}"
+    return f"{said}; left out: {named}"
 
 
 def _check_extensions(document: Document) -> None:

@@ -12,7 +12,7 @@ from .mesh_facts import described, read_facts
 from .output import missing_packages
 from .reading import one_sentence
 from .recording import Recording
-from .usd_mesh import ENDINGS, readable_mesh
+from .usd_mesh import ENDINGS, check_ending, readable_mesh
 
 
 def describe_file(path: str, pose_time: float | None = None) -> dict[str, object]:
@@ -33,6 +33,7 @@ def describe_file(path: str, pose_time: float | None = None) -> dict[str, object
             facts = describe_glb(path)
         if facts is not None:
             return facts
+    check_ending(path)
     with readable_mesh(path, pose_time) as file:
         known = read_facts(file)
     return described(*known)

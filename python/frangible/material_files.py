@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
+from dataclasses import replace
 from io import BytesIO
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .gltf_document import Document, open_document, own_file
-from .materials import Colour, Image, Material
+from .materials import MAGNIFIED, MINIFIED, REPEAT, USD_WRAPS, Colour, Image, Material, Sampler
 from .output import missing_packages
 from .reading import FileNote, file_fault, one_sentence
 from .usd_mesh import ENDINGS as USD_ENDINGS
@@ -161,12 +162,16 @@ def _of_gltf(path: str, document: Document) -> tuple[list[Material], Transforms]
     def image(info: Any) -> Image | None:
         if not isinstance(info, dict):
             return None
-        source = document.item("textures", info["index"]).get("source")
+        texture = document.item("textures", info["index"])
+        source = texture.get("source")
         if source is None:
             return None
         if source not in images:
             images[source] = _gltf_image(path, document, source)
-        return images[source]
+        found = images[source]
+        if found is None or "sampler" not in texture:
+            return found
+        return replace(found, sampler=_sampler(document.item("samplers", texture["sampler"])))
 
     materials, transforms = [], {}
     for number, item in enumerate(document.items("materials")):
@@ -195,10 +200,29 @@ def _gltf_image(path: str, document: Document, number: int) -> Image | None:
     return Image(name if own.lower() in (".png", ".jpg", ".jpeg") else stem + ending, found.mime, found.data)
 
 
+def _sampler(item: dict[str, Any]) -> Sampler:
+    """Numbers that glTF does not have are left to the program that draws."""
+
+    def number(key: str, known: Container[Any], otherwise: Any) -> Any:
+        return item[key] if item.get(key) in known else otherwise
+
+    return Sampler(
+        number("wrapS", USD_WRAPS, REPEAT),
+        number("wrapT", USD_WRAPS, REPEAT),
+        number("magFilter", MAGNIFIED, None),
+        number("minFilter", MINIFIED, None),
+    )
+
+
 def _gltf_material(number: int, item: dict[str, Any], image: Callable[[Any], Image | None]) -> Material:
     surface = item.get("pbrMetallicRoughness", {})
     red, green, blue, opacity = (float(channel) for channel in surface.get("baseColorFactor", [1.0] * 4))
     glow = [float(channel) for channel in item.get("emissiveFactor", [0.0] * 3)]
+    extensions = item.get("extensions", {})
+    strength = extensions.get("KHR_materials_emissive_strength", {})
+    brighter = float(strength.get("emissiveStrength", 1.0))
+    if np.isfinite(brighter) and 0.0 <= brighter <= 1e6:
+        glow = [brighter * channel for channel in glow]
     mode = item.get("alphaMode", "OPAQUE")
     return Material(
         (red, green, blue),
@@ -213,6 +237,7 @@ def _gltf_material(number: int, item: dict[str, Any], image: Callable[[Any], Ima
         emission_image=image(item.get("emissiveTexture")),
         cutoff=float(item.get("alphaCutoff", 0.5)) if mode == "MASK" else None,
         blended=mode == "BLEND",
+        double_sided=item.get("doubleSided") is True,
     )
 
 

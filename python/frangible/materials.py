@@ -37,6 +37,26 @@ OUTSIDE_ROUGHNESS = 0.7
 SCENERY: Colour = (0.42, 0.43, 0.44)
 
 
+#: How an image goes on beyond its edges, as glTF's numbers name it.
+REPEAT, CLAMP, MIRROR = 10497, 33071, 33648
+#: The same in USD.
+USD_WRAPS = {REPEAT: "repeat", CLAMP: "clamp", MIRROR: "mirror"}
+#: How an image is magnified, and made smaller, in glTF's numbers.
+MAGNIFIED = (9728, 9729)
+MINIFIED = (*MAGNIFIED, 9984, 9985, 9986, 9987)
+
+
+@dataclass(frozen=True, slots=True)
+class Sampler:
+    """How an image is laid on; `None` for what the program that draws it decides."""
+
+    #: Across, and down.
+    wrap_s: int = REPEAT
+    wrap_t: int = REPEAT
+    magnified: int | None = None
+    minified: int | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Image:
     """An image as its file holds it."""
@@ -46,6 +66,7 @@ class Image:
     #: "image/png" or "image/jpeg", as a rule.
     mime: str
     data: bytes
+    sampler: Sampler = Sampler()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +96,8 @@ class Material:
     blended: bool = False
     #: True if the colours of the corners are all that it shows.
     corner_colours: bool = False
+    #: True if its back is drawn too.
+    double_sided: bool = False
 
     def images(self) -> list[Image]:
         """All of its images."""

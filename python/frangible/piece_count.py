@@ -21,6 +21,8 @@ WITHIN = 0.05
 SILENT_WITHIN = 0.1
 #: How much larger triangles of rough cells are while pieces are counted.
 COARSENESS = 4.0
+#: A break makes as many at least.
+LEAST_PIECES = 2
 #: As many as a pattern may have cells.
 MOST_PIECES = 10_000
 #: Voxels along the longest side of a mesh on the coarse grid.

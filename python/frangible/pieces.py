@@ -10,6 +10,7 @@ import numpy as np
 
 from .recording import Body, Bool, Float32, Float64, UInt32
 from .skin import Skin
+from .words import counted
 
 
 class Contact(TypedDict):
@@ -152,7 +153,8 @@ def describe_pieces(summary: dict[str, Any]) -> str:
     whole = summary["volume_m3"]
     lines = [
         *summary["notes"],
-        f"{summary['pieces']} pieces of {summary['mesh']} in {summary['seconds']:.2g} s, {summary['contacts']} contacts",
+        f"{counted(summary['pieces'], 'piece')} of {summary['mesh']} in {summary['seconds']:.2g} s,"
+        f" {counted(summary['contacts'], 'contact')}",
         f"volume {whole:.6g} m^3; the pieces' add up to it within {summary['volume_defect']:.1g}",
         f"largest piece {summary['largest_m3'] / whole:.2%}, smallest {summary['smallest_m3'] / whole:.2g} of it",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -42,6 +43,9 @@ def one_sentence(path: str, kind: str, error: type[ValueError] = BuildError) -> 
 def _in_brackets(reason: BaseException) -> str:
     """The first line of a short reason, or nothing: some libraries answer with a page."""
     lines = str(reason).strip().splitlines()
+    # USD's sentences come with the place in its own code.
+    if len(lines) == 1 and (place := re.search(r" at line \d+ in file .* : '(.*)'$", lines[0])):
+        lines = [place[1]]
     if len(lines) != 1 or len(lines[0]) > 160:
         return ""
     return f" ({lines[0]})"

@@ -14,7 +14,7 @@ from typing import Any
 from ._frangible import BuildError, shot_scene, shots
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .usd_mesh import ENDINGS as USD_ENDINGS
-from .usd_mesh import readable_mesh
+from .usd_mesh import check_ending, readable_mesh
 from .words import did_you_mean
 
 #: A scene as `docs/scene_format.md` describes it.
@@ -167,6 +167,8 @@ def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[st
     if name not in dict(shots()) and os.path.exists(name):
         kind = "is a folder" if os.path.isdir(name) else "is no scene file"
         raise BuildError(f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot")
+    if mesh is not None:
+        check_ending(mesh)
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
         scene: Scene = json.loads(shot_scene(name, mesh=readable, **options))
     # The reader of the scene reads the mesh's file too.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .materials import Image, Material
+from .materials import MAGNIFIED, MINIFIED, USD_WRAPS, Image, Material, Sampler
 from .recording import Body
 from .skin import NO_MATERIAL, Skin
 
@@ -55,7 +55,17 @@ _FIELDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "cutoff": (lambda value: value is None or _number(0.0, 1.0)(value), "from 0 to 1, or null"),
     "blended": (_is_truth, "true or false"),
     "corner_colours": (_is_truth, "true or false"),
+    "double_sided": (_is_truth, "true or false"),
 }
+
+
+def _sampler(values: dict[str, Any]) -> Sampler:
+    sampler = Sampler(**values)
+    wraps = sampler.wrap_s in USD_WRAPS and sampler.wrap_t in USD_WRAPS
+    filters = sampler.magnified in (None, *MAGNIFIED) and sampler.minified in (None, *MINIFIED)
+    if not wraps or not filters:
+        raise ValueError(f"materials: the sampler {str(values)[:40]}, must have glTF's numbers")
+    return sampler
 
 
 def no_constant(text: str) -> None:
@@ -95,7 +105,9 @@ def skin_arrays(bodies: list[Body]) -> Arrays:
         return values
 
     described = [fields(material) for material in materials]
-    files = [{"name": image.name, "mime": image.mime} for image in images]
+    files = [
+        {"name": image.name, "mime": image.mime, "sampler": asdict(image.sampler)} for image in images
+    ]
     data = [image.data for image in images]
     return {
         "paths": np.array(["" if body.skin is None else json.dumps(body.skin.path) for body in bodies], np.str_),
@@ -125,7 +137,12 @@ def read_skins(arrays: Arrays) -> list[Skin | None]:
     if np.any(bad := numbers >= len(listed["materials"])):
         raise ValueError(f"material: {numbers[bad][0]}, must be below {len(listed['materials'])}")
     images = [
-        Image(file["name"], file["mime"], arrays["image_data"][slice(*firsts[i : i + 2])].tobytes())
+        Image(
+            file["name"],
+            file["mime"],
+            arrays["image_data"][slice(*firsts[i : i + 2])].tobytes(),
+            _sampler(file.get("sampler", {})),
+        )
         for i, file in enumerate(listed["images"])
     ]
 

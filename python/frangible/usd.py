@@ -120,6 +120,10 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(body.vertices, np.float32)))
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(body.triangles), 3, np.int32)))
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(body.triangles.ravel().astype(np.int32)))
+    if body.skin is not None:
+        shown = np.unique(body.skin.material[body.skin.material >= 0]).tolist()
+        if any(body.skin.materials[index].double_sided for index in shown):
+            mesh.CreateDoubleSidedAttr(True)
     low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
     mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
     shaded = shaded_mesh(body.vertices, body.triangles, body.interior)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from pxr import Ar, UsdGeom, UsdShade
 
 from .material_files import known_image
-from .materials import Colour, Image, Material
+from .materials import REPEAT, USD_WRAPS, Colour, Image, Material, Sampler
 from .reading import FileNote, file_fault
 from .usd_stage import open_stage
 
@@ -175,7 +175,15 @@ def _texture(path: str, shader: Any, name: str) -> tuple[Image | None, Colour]:
     asset = _value(texture, "file", None)
     if asset is None:
         return None, (1.0, 1.0, 1.0)
-    return _image(path, asset), _colour(tuple(_value(texture, "scale", (1.0,) * 4))[:3])
+    image = _image(path, asset)
+    if image is not None:
+        # What the file leaves open, and what only USD has, repeats.
+        wraps = {name: number for number, name in USD_WRAPS.items()}
+        across, down = (
+            wraps.get(str(_value(texture, key, "")), REPEAT) for key in ("wrapS", "wrapT")
+        )
+        image = replace(image, sampler=Sampler(across, down))
+    return image, _colour(tuple(_value(texture, "scale", (1.0,) * 4))[:3])
 
 
 def _image(path: str, asset: Any) -> Image | None:

@@ -7,7 +7,7 @@ from typing import Any
 from pxr import Gf, Sdf, UsdShade
 
 from .image_folder import ImageFolder
-from .materials import Material
+from .materials import USD_WRAPS, Material
 
 
 def add_material(stage: Any, path: str, side: Material, images: ImageFolder) -> Any:
@@ -56,8 +56,9 @@ def _add_images(stage: Any, path: str, shader: Any, side: Material, images: Imag
         texture.CreateIdAttr("UsdUVTexture")
         texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(f"./{images.path(image)}")
         texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set(space)
-        for wrap in ("wrapS", "wrapT"):
-            texture.CreateInput(wrap, Sdf.ValueTypeNames.Token).Set("repeat")
+        wraps = {"wrapS": image.sampler.wrap_s, "wrapT": image.sampler.wrap_t}
+        for key, wrap in wraps.items():
+            texture.CreateInput(key, Sdf.ValueTypeNames.Token).Set(USD_WRAPS[wrap])
         if scale != (1.0,) * 4:
             texture.CreateInput("scale", Sdf.ValueTypeNames.Float4).Set(Gf.Vec4f(*scale))
         if any(bias):

@@ -31,6 +31,15 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """`BuildError` unless the file's ending is that of a mesh file."""
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    known = (".obj", ".ply", ".stl", *GLTF_ENDINGS, *ENDINGS)
+    if ending not in known:
+        rule = f"must end in one of {', '.join(known)}"
+        raise BuildError(f"{os.fspath(path)}: ends in {ending!r}, {rule}")
+
+
 @contextmanager
 def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) -> Iterator[str]:
     """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads, while the context lasts.

@@ -1,7 +1,9 @@
 """Bad input is answered with one sentence that names what is wrong, before anything is simulated."""
 
+import json
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import frangible
@@ -43,15 +45,15 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "./wall"], ["./wall", "no such file"]),
         (["verify", "hea"], ["hea", "(did you mean 'heap'?)"]),
         (["pattern", "voronio"], ["voronio", "(did you mean 'voronoi'?)"]),
-        (["run", "wall", "--frames", "0"], ["--frames", "'0'", "> 0"]),
-        (["run", "wall", "--frames", "-3"], ["--frames", "'-3'", "> 0"]),
+        (["run", "wall", "--frames", "0"], ["--frames", "'0'", "from 1 to"]),
+        (["run", "wall", "--frames", "-3"], ["--frames", "'-3'", "from 1 to"]),
         (["run", "wall", "--frames", "two"], ["--frames", "'two'"]),
         (["run", "wall", "--fps", "0"], ["--fps", "'0'", "> 0"]),
         (["run", "wall", "--fps", "nan"], ["--fps", "'nan'", "> 0"]),
         (["run", "wall", "--fps", "inf"], ["--fps", "'inf'", "> 0"]),
-        (["run", "wall", "--threads", "-1"], ["--threads", "'-1'", ">= 0"]),
-        (["run", "wall", "--threads", "99999"], ["--threads", "'99999'", "<= 4096"]),
-        (["run", "wall", "--seed", "x"], ["--seed", "'x'", ">= 0"]),
+        (["run", "wall", "--threads", "-1"], ["--threads", "'-1'", "from 0 to"]),
+        (["run", "wall", "--threads", "99999"], ["--threads", "'99999'", "to 4096"]),
+        (["run", "wall", "--seed", "x"], ["--seed", "'x'", "from 0 to"]),
         (["run", "wall", "--seed", str(2**64)], ["--seed", str(2**64), str(2**64 - 1)]),
         (["run", "wall", "--method", "magic"], ["method", "magic", "frame-rate, paper"]),
         (["run", "wall", "--out", "wall.fbx"], ["wall.fbx", "'.fbx'", ".usdc"]),
@@ -59,13 +61,13 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "wall", "--frames", "3", "--frame", "4", "--out", "wall.png"], ["--frame", "4", "3"]),
         (["run", "wall", "--frame", "4"], ["--frame", ".png"]),
         (["run"], ["SHOT", "see frangible run -h"]),
-        (["run", "wall", "--frames", "9" * 20], ["--frames", "9" * 20, "<= 4294967295"]),
+        (["run", "wall", "--frames", "9" * 20], ["--frames", "9" * 20, "to 4294967295"]),
         (["run", "wall", "--size", "-5x20"], ["--size", "must be --size WxH"]),
         (["run", __file__], [__file__]),
         (["run", "wall", "--out", ""], ["--out: ''", "must be the name of a file"]),
         (["run", "wall", "wall"], ["wall", "see frangible run -h"]),
         (["run", "wall", "--camera", "fti", "--out", "a.png"], ["fti", "no such file", "'fit'"]),
-        (["run", "wall", "--pieces", "-1"], ["--pieces", "'-1'", ">= 0"]),
+        (["run", "wall", "--pieces", "-1"], ["--pieces", "'-1'", "from 0 to"]),
         (["run", "wall", "--set", "bodies.wal.density=3"], ["wal", "(did you mean 'wall'?)"]),
         (["run", "wall", "--set", "bodies.wall.densty=3"], ["densty", "(did you mean 'density'?)"]),
         (["run", "wall", "--set", "bodies.wall.density=-3"], ["density", "-3", "kg/m^3"]),
@@ -95,7 +97,7 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["break", "no.obj", "--pattern", "voronoi", "--out", "p.fbx"], ["p.fbx", ".glb", ".usdc", "folder"]),
         (["break", "no.obj", "--pattern", "voronoi", "--out", f"{__file__}/p.glb"], ["is no folder"]),
         (["break", "no.obj", "--pattern", "voronoi", "--out", str(HERE)], [str(HERE), "must be new, empty"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"], ["--cells", "> 0"]),
+        (["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"], ["--cells", "from 1 to"]),
         (["break", "no.obj", "--pattern", "voronoi", "--at", "0", "x", "0", "--out", "p.glb"], ["--at", "'x'", "finite"]),
         (["break", "no.obj", "--pattern", "voronoi", "--voxels", "9999", "--out", "p.glb"], ["--voxels", "1024"]),
         (["break", "no.obj", "--out", "p.glb"], ["--pattern"]),
@@ -188,3 +190,97 @@ def test_a_blow_must_come_from_somewhere(complain: Callable[..., str], tmp_path:
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
     line = complain("break", mesh, "--pattern", "voronoi", "--normal", 0, 0, 0, "--out", tmp_path / "pieces.glb")
     assert "normal" in line and "zero" in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["break", "MESH", "--pieces", "1"], "--pieces: 1, must be from 2 to 10000"),
+        (["break", "MESH", "--inside", ""], "argument --inside: '', must be a name"),
+        (["break", "MESH", "--voxels", "0"], "argument --voxels: '0', must be a whole number from 1 to 1024"),
+        (["break", "MESH.xyz"], "must end in one of .obj, .ply, .stl, .gltf, .glb, .usd, "),
+    ],
+)
+def test_break_keeps_the_rules_of_run(
+    tetrahedron: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], sentence: str
+) -> None:
+    for name in ("a.obj", "a.xyz"):
+        (tmp_path / name).write_text(tetrahedron)
+    mesh = str(tmp_path / "a")
+    chosen = [mesh + word[4:] if word.startswith("MESH.") else word for word in arguments]
+    chosen = [f"{mesh}.obj" if word == "MESH" else word for word in chosen]
+    with suppress(SystemExit):
+        assert main([*chosen, "--pattern", "voronoi", "--out", str(tmp_path / "o.glb")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert sentence in line
+
+
+def test_a_blow_beside_the_mesh_and_one_piece_are_named(
+    tetrahedron: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = tmp_path / "a.obj"
+    mesh.write_text(tetrahedron)
+    way = ["--pattern", "voronoi", "--quiet", "--out", str(tmp_path / "o.glb")]
+    assert main(["break", str(mesh), *way, "--at", "100", "100", "100"]) == 0
+    said = capsys.readouterr()
+    assert "the blow at (100, 100, 100) lies 171 m outside of the mesh's bounding box" in said.out
+    assert "no crack of the pattern passes through the mesh" in said.out
+    assert "\n1 piece of a in" in said.out and said.err == ""
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "rule"),
+    [
+        ("bodies.a.breaking.strength", "1e-200", "must be between 1e-15 and 1e12 N s"),
+        ("bodies.a.linear_velocity", "[1e6, 0, 0]", "must be three numbers from -1e5 to 1e5 m/s"),
+        ("bodies.a.angular_velocity", "[0, 1e5, 0]", "must be three numbers from -1e4 to 1e4 rad/s"),
+        ("gravity", "[0, -1e30, 0]", "must be three numbers from -1e4 to 1e4 m/s^2"),
+        ("frames", "0", "must be from 1 to 4294967295"),
+        ("frames", "-3", "must be a whole number from 1 to 4294967295"),
+        ("bodies.a.breaking.pattern.spokes", "100000", "spokes: 100000, must be from 3 to 10000"),
+    ],
+)
+def test_what_the_engine_cannot_hold_is_refused_by_its_field(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], field: str, value: str, rule: str
+) -> None:
+    breaking = {"strength": 1.0, "pattern": {"kind": "radial"}}
+    body = {"name": "a", "shape": {"kind": "sphere", "radius": 1.0}, "breaking": breaking}
+    scene = tmp_path / "s.json"
+    scene.write_text(json.dumps({"bodies": [body]}))
+    assert main(["run", str(scene), "--quiet", "--set", f"{field}={value}"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert field.rpartition(".")[2] in line and rule in line
+
+
+def test_usd_errors_name_no_place_in_its_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.usdz"
+    path.write_bytes(b"PK damaged" * 20)
+    assert main(["info", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "is not a readable USD file" in line and "pxr" not in line
+
+
+def test_files_in_the_way_of_old_systems_are_read(
+    tetrahedron: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mesh = tmp_path / "a.obj"
+    mesh.write_bytes(tetrahedron.replace("\n", "\r").encode())
+    assert main(["info", str(mesh)]) == 0
+    assert "volume_m3       0.166667" in capsys.readouterr().out
+    # A number with two hundred digits is shown with a few.
+    mesh.write_text(tetrahedron.replace("v 1", "v 1" + "0" * 200))
+    assert main(["info", str(mesh)]) == 2
+    assert "vertex 1 is (1e200, 0, 0), coordinates must be" in capsys.readouterr().err
+
+
+def test_triangles_of_a_scene_are_named_with_their_body(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    shape = {"kind": "triangles", "positions": corners, "triangles": [[0, 1, 7]]}
+    scene = tmp_path / "s.json"
+    scene.write_text(json.dumps({"bodies": [{"name": "wing", "shape": shape}]}))
+    assert main(["run", str(scene), "--quiet"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    sentence = 'bodies[0].shape: triangle 0 refers to vertex 7, must be 0 to 2 (body "wing")'
+    assert line == f"frangible: {sentence}"

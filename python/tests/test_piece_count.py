@@ -105,5 +105,5 @@ def test_a_scene_asks_for_pieces() -> None:
         assert fractures[0]["wanted"] == pieces
         assert abs(len(fractures[0]["fragments"]) - pieces) <= 0.1 * pieces
     wall["breaking"]["pieces"] = 1
-    with pytest.raises(_frangible.BuildError, match=r"bodies\[0\]\.breaking\.pieces: 1, must be between 2 and 10000"):
+    with pytest.raises(_frangible.BuildError, match=r"bodies\[0\]\.breaking\.pieces: 1, must be from 2 to 10000"):
         _frangible.World.build(json.dumps({"bodies": [wall]}))

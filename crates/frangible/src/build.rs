@@ -28,7 +28,7 @@ impl World {
     /// The first rule that the scene breaks, with the field's path and its value; or what is wrong with a mesh file.
     pub fn build(scene: &SceneDesc) -> Result<Self, BuildError> {
         let checker = Checker::root();
-        let gravity = checker.field("gravity").vector(scene.gravity, "m/s^2")?;
+        let gravity = checker.field("gravity").bounded(scene.gravity, MOST_GRAVITY, "m/s^2")?;
         let rate = checker.field("frames_per_second").within(scene.frames_per_second, 1.0, 1e5)?;
         if let Some(frames) = scene.frames {
             checker.field("frames").count(frames as usize, 1, u32::MAX as usize)?;
@@ -76,6 +76,12 @@ fn settings_of(method: Method) -> StepSettings {
 const LEAST_SIZE: f64 = 1e-6;
 const MOST_SIZE: f64 = 1e6;
 
+/// What a scene may ask for [m/s^2], [m/s], [rad/s]: above it, contacts are lost to rounding in
+/// single precision, and bodies with them.
+const MOST_GRAVITY: f64 = 1e4;
+const MOST_SPEED: f64 = 1e5;
+const MOST_SPIN: f64 = 1e4;
+
 /// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
 const LEAST_DENSITY: f64 = 1e-6;
 const MOST_DENSITY: f64 = 1e9;
@@ -88,15 +94,19 @@ fn check_density(density: f64, at: &Checker) -> Result<f64, BuildError> {
     Err(at.field("density").broken(&format!("{density:?}"), &rule))
 }
 
-/// A body must be of a size at which lengths, and of a mass and moments at which impulses, can be
-/// reckoned with in single precision.
-fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildError> {
+/// A body must be of a size at which lengths can be reckoned with in single precision.
+fn check_size(shape: &Shape, at: &Checker) -> Result<(), BuildError> {
     let (low, high) = shape.bounds;
     let longest = (high - low).max_element();
     if !(LEAST_SIZE..=MOST_SIZE).contains(&longest) {
         let rule = format!("between {LEAST_SIZE:e} and {MOST_SIZE:e} m along its longest side");
         return Err(at.field("shape").broken(&format!("{longest:e} m"), &rule));
     }
+    Ok(())
+}
+
+/// A body must be of a mass and moments at which impulses can be reckoned with in single precision.
+fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildError> {
     let (mass, moments) = (density * shape.volume, density * shape.unit_moments);
     if !is_representable(&Inertia::new(mass, moments)) {
         let least = moments.min_element();
@@ -122,8 +132,8 @@ fn build_body(
     let restitution = at.field("restitution").within(desc.restitution, 0.0, 1.0)?;
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
-    let linear = at.field("linear_velocity").vector(desc.linear_velocity, "m/s")?;
-    let angular = at.field("angular_velocity").vector(desc.angular_velocity, "rad/s")?;
+    let linear = at.field("linear_velocity").bounded(desc.linear_velocity, MOST_SPEED, "m/s")?;
+    let angular = at.field("angular_velocity").bounded(desc.angular_velocity, MOST_SPIN, "rad/s")?;
 
     // Breaking, and the shape that it asks for.
     let breaking = match &desc.breaking {
@@ -140,6 +150,9 @@ fn build_body(
         return Err(at
             .field("motion")
             .broken(desc.motion.name(), "static for a half-space, which has no mass"));
+    }
+    if shape.volume > 0.0 {
+        check_size(&shape, at)?;
     }
     if desc.motion == MotionDesc::Dynamic {
         check_inertia(&shape, density, at)?;
@@ -226,7 +239,7 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {
     let material = match desc {
-        StrengthDesc::Impulse(impulse) => return Ok(Strength::Impulse(at.positive(*impulse, "N s")?)),
+        StrengthDesc::Impulse(impulse) => return Ok(Strength::Impulse(at.impulse(*impulse)?)),
         StrengthDesc::Named(name) => name.properties(),
         StrengthDesc::Material(material) => *material,
     };

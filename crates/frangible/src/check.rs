@@ -61,7 +61,17 @@ impl BuildError {
                 error.extend(name(&path));
                 Self::File { path, error }
             }
-            Self::Mesh(_) | Self::Pattern(_) | Self::Sampling { .. } => self,
+            // Of triangles that the scene itself gives, a sentence begins with the field.
+            Self::Mesh(_) | Self::Sampling { .. } => {
+                let sentence = self.to_string();
+                match sentence.split_once(": ") {
+                    Some((path, error)) if name(path).is_some() => {
+                        Self::File { path: path.into(), error: error.into() }.in_body(names)
+                    }
+                    _ => self,
+                }
+            }
+            Self::Pattern(_) => self,
         }
     }
 }
@@ -123,6 +133,13 @@ impl Checker {
         if holds { Ok(value) } else { Err(self.broken(&format!("{value:?}"), rule)) }
     }
 
+    /// An impulse that bodies of the least mass meet at the least speeds, or more.
+    pub(crate) fn impulse(&self, value: f64) -> Result<f64, BuildError> {
+        let (least, most) = (1e-15, 1e12);
+        let rule = format!("between {least:e} and {most:e} N s");
+        self.require((least..=most).contains(&value), value, &rule)
+    }
+
     pub(crate) fn positive(&self, value: f64, unit: &str) -> Result<f64, BuildError> {
         const MOST: f64 = 1e12;
         self.require(value > 0.0 && value <= MOST, value, &format!("> 0 and at most {MOST:e} {unit}"))
@@ -146,14 +163,18 @@ impl Checker {
     }
 
     pub(crate) fn count(&self, value: usize, least: usize, most: usize) -> Result<usize, BuildError> {
-        self.require((least..=most).contains(&value), value, &format!("between {least} and {most}"))
+        self.require((least..=most).contains(&value), value, &format!("from {least} to {most}"))
     }
 
     /// Three numbers that are not too large for their squares and products to be summed.
     pub(crate) fn vector(&self, value: [f64; 3], unit: &str) -> Result<DVec3, BuildError> {
-        const MOST: f64 = 1e9;
-        let holds = value.iter().all(|x| x.abs() <= MOST);
-        self.require(holds, value, &format!("three numbers from -{MOST:e} to {MOST:e} {unit}"))
+        self.bounded(value, 1e9, unit)
+    }
+
+    /// Three numbers whose sizes are at most `most`.
+    pub(crate) fn bounded(&self, value: [f64; 3], most: f64, unit: &str) -> Result<DVec3, BuildError> {
+        let holds = value.iter().all(|x| x.abs() <= most);
+        self.require(holds, value, &format!("three numbers from -{most:e} to {most:e} {unit}"))
             .map(DVec3::from_array)
     }
 

@@ -16,10 +16,10 @@ pub struct SceneDesc {
     /// For reports and files.
     #[serde(default)]
     pub name: String,
-    /// [m/s^2]
+    /// Up to 1e4 along each axis [m/s^2].
     #[serde(default = "defaults::gravity")]
     pub gravity: [f64; 3],
-    /// One step each.
+    /// One step each; from 1 to 1e5.
     #[serde(default = "defaults::frames_per_second")]
     pub frames_per_second: f64,
     /// Which step.
@@ -31,6 +31,7 @@ pub struct SceneDesc {
     pub sleep: bool,
     /// How many frames `frangible run` takes, unless told otherwise; without it, three seconds' worth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
     pub frames: Option<u32>,
     /// In the order in which they enter the world.
     pub bodies: Vec<BodyDesc>,
@@ -65,13 +66,13 @@ pub struct BodyDesc {
     /// Quaternion x, y, z, w that takes the shape's frame to the world's; need not be of unit length.
     #[serde(default = "defaults::orientation")]
     pub orientation: [f64; 4],
-    /// Of the centre of mass [m/s].
+    /// Of the centre of mass, up to 1e5 along each axis [m/s].
     #[serde(default)]
     pub linear_velocity: [f64; 3],
-    /// [rad/s]
+    /// Up to 1e4 about each axis [rad/s].
     #[serde(default)]
     pub angular_velocity: [f64; 3],
-    /// [kg/m^3]
+    /// From 1e-6 to 1e9 [kg/m^3].
     #[serde(default = "defaults::density")]
     pub density: f64,
     /// Coulomb's coefficient; a pair has the smaller of its two.

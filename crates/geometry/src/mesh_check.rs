@@ -12,7 +12,12 @@ const MOST_COORDINATE: f64 = 1e12;
 /// A number with four digits.
 pub(crate) fn short(number: f64) -> String {
     let text = format!("{number:.3e}");
-    text.parse::<f64>().map_or(text, |rounded| format!("{rounded}"))
+    match text.parse::<f64>() {
+        // Not hundreds of zeros.
+        Ok(rounded) if rounded == 0.0 || (1e-6..1e12).contains(&rounded.abs()) => format!("{rounded}"),
+        Ok(rounded) => format!("{rounded:e}"),
+        Err(_) => text,
+    }
 }
 
 /// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value and the rule.
@@ -80,7 +85,10 @@ pub enum MeshError {
         triangles: usize,
     },
     /// NaN or infinite.
-    #[error("{mesh}: vertex {vertex} is ({}, {}, {}), coordinates must be finite and at most {MOST_COORDINATE:e}", position.x, position.y, position.z)]
+    #[error(
+        "{mesh}: vertex {vertex} is ({}, {}, {}), coordinates must be finite and at most {MOST_COORDINATE:e}",
+        short(position.x), short(position.y), short(position.z)
+    )]
     NotFinite {
         /// File or "the mesh".
         mesh: String,

@@ -104,9 +104,19 @@ struct File<'a> {
     wanted: bool,
 }
 
+/// Characters of a word in a sentence.
+const LONGEST_WORD: usize = 60;
+
 impl File<'_> {
     fn malformed(&self, format: &'static str, reason: impl ToString) -> MeshError {
-        MeshError::Malformed { mesh: self.name.to_owned(), format, reason: reason.to_string() }
+        // A word of a damaged file may be as long as the file.
+        let reason = reason.to_string();
+        let words = reason.split(' ').map(|word| match word.char_indices().nth(LONGEST_WORD) {
+            Some((end, _)) => format!("{}...", &word[..end]),
+            None => word.to_owned(),
+        });
+        let reason = words.collect::<Vec<_>>().join(" ");
+        MeshError::Malformed { mesh: self.name.to_owned(), format, reason }
     }
 }
 

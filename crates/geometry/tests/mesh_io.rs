@@ -339,6 +339,24 @@ fn stl_binary_is_read_and_welded() {
     }
 }
 
+/// Bytes may follow the triangles, also where the header begins with the word of text files.
+#[test]
+fn stl_binary_with_bytes_behind_it_is_no_text() {
+    for header in ["made by a test", "solid cube"] {
+        let mut bytes = stl_binary(header);
+        bytes.extend([0; 30]);
+        assert_is_cube(&TestFile::new("cube.stl", bytes).load());
+    }
+}
+
+#[test]
+fn obj_lines_may_end_with_a_carriage_return() {
+    let text = format!("{}{}", obj_vertices(), obj_quads());
+    for ending in ["\r", "\r\n"] {
+        assert_eq!(TestFile::new("cube.obj", text.replace('\n', ending)).load(), cube());
+    }
+}
+
 #[test]
 fn stl_refusals_name_the_line() {
     assert_eq!(

@@ -78,10 +78,10 @@ def add_break(commands: Any) -> None:
         const=False,
         help="make the mesh's surface anew on a grid before it is cut",
     )
-    add_inside(breaker)
+    add_inside(breaker, "inner")
     breaker.add_argument(
         "--voxels",
-        type=natural(MOST_VOXELS),
+        type=natural(MOST_VOXELS, 1),
         default=DEFAULT_VOXELS,
         metavar="N",
         help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses itself, or with --grid",
@@ -94,6 +94,7 @@ def add_break(commands: Any) -> None:
         metavar="FILE|FOLDER",
         help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and neighbours go beside it as .json",
     )
+    breaker.add_argument("--quiet", action="store_true", help="no progress and no list of files")
     breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
 
@@ -111,7 +112,7 @@ def _break(options: argparse.Namespace) -> None:
     with readable_mesh(options.pattern) as name:
         pattern = _frangible.Pattern.named(name, cells=options.cells, seed=options.seed)
     begin = time.perf_counter()
-    with report_stages() as stage:
+    with report_stages(options.quiet) as stage:
         pieces = break_mesh(
             options.mesh,
             pattern,
@@ -128,5 +129,6 @@ def _break(options: argparse.Namespace) -> None:
         )
     summary = pieces.summary(time.perf_counter() - begin)
     output.write(pieces)
-    print(f"wrote {output.path} and {output.report}", file=sys.stderr)
+    if not options.quiet:
+        print(f"wrote {output.path} and {output.report}", file=sys.stderr)
     print(json.dumps(summary) if options.json else describe_pieces(summary))

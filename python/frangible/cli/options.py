@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from .. import _frangible
-from ..piece_count import MOST_PIECES
+from ..piece_count import LEAST_PIECES, MOST_PIECES
 from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 
@@ -79,6 +79,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
 
 def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
     """The scene, number of frames and name that the options of `add_scene_options` choose."""
+    check_pieces(options.pieces, None)
     return find_scene(
         options.shot,
         mesh=options.mesh,
@@ -92,11 +93,21 @@ def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
     )
 
 
-def add_inside(parser: argparse.ArgumentParser) -> None:
-    """Add ``--inside``."""
+def add_inside(parser: argparse.ArgumentParser, default: str) -> None:
+    """Add ``--inside``, with the name that it has by default."""
     parser.add_argument(
-        "--inside", metavar="NAME", help="material of what cracks lay bare: one of the mesh's file, a look, or a new one [inner]"
+        "--inside",
+        type=_name,
+        metavar="NAME",
+        help="material of what cracks lay bare: one of the mesh's file, a look, or a new one"
+        f" [{default}]",
     )
+
+
+def _name(text: str) -> str:
+    if not text.strip():
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a name")
+    return text
 
 
 def add_thickness(parser: argparse.ArgumentParser) -> None:
@@ -121,9 +132,10 @@ def add_pose_time(parser: argparse.ArgumentParser) -> None:
 
 
 def check_pieces(pieces: int | None, cells: int | None) -> None:
-    """`BuildError` unless at most one of the two is given, and it is at least 1."""
-    if pieces == 0:
-        raise _frangible.BuildError(f"--pieces: 0, must be from 1 to {MOST_PIECES}")
+    """`BuildError` unless at most one of the two is given, and there are pieces."""
+    if pieces is not None and pieces < LEAST_PIECES:
+        rule = f"from {LEAST_PIECES} to {MOST_PIECES}"
+        raise _frangible.BuildError(f"--pieces: {pieces}, must be {rule}")
     if pieces is not None and cells is not None:
         raise _frangible.BuildError(f"--pieces: {pieces}, must come without --cells, which follow from it")
 
@@ -141,7 +153,7 @@ def finite(text: str) -> float:
 def count(text: str) -> int:
     """A number of frames, pieces and so on."""
     if not text.isdecimal() or not 0 < int(text) <= MOST_COUNT:
-        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number > 0 and <= {MOST_COUNT}")
+        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number from 1 to {MOST_COUNT}")
     return int(text)
 
 
@@ -156,10 +168,11 @@ def positive(text: str) -> float:
     return value
 
 
-def natural(largest: int) -> Callable[[str], int]:
+def natural(largest: int, least: int = 0) -> Callable[[str], int]:
     def parse(text: str) -> int:
-        if not text.isdecimal() or int(text) > largest:
-            raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number >= 0 and <= {largest}")
+        if not text.isdecimal() or not least <= int(text) <= largest:
+            rule = f"a whole number from {least} to {largest}"
+            raise argparse.ArgumentTypeError(f"{text!r}, must be {rule}")
         return int(text)
 
     return parse

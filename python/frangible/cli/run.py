@@ -44,7 +44,7 @@ def add_run(commands: Any) -> None:
     run.add_argument(
         "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for its frames; may be repeated"
     )
-    add_inside(run)
+    add_inside(run, "inside, or the look's own")
     add_view(run)
     run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
     run.add_argument("--quiet", action="store_true", help="no progress and no list of what was written")

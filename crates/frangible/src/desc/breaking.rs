@@ -34,7 +34,8 @@ pub struct BreakingDesc {
     tensile_strength, youngs_modulus and fracture_energy"
 )]
 pub enum StrengthDesc {
-    /// The largest impulse in one collision [N s] [Su09 sec. 4.2]. Fragments bear twice their parent's.
+    /// The largest impulse in one collision, from 1e-15 to 1e12 [N s] [Su09 sec. 4.2]. Fragments bear
+    /// twice their parent's.
     Impulse(f64),
     /// A material of a table.
     Named(MaterialName),

@@ -232,7 +232,8 @@ impl<'a> Reader<'a> {
             return "a finite number".into();
         }
         if allows(schema, "integer") {
-            return format!("a whole number from 0 to {}", most(schema));
+            let least = schema.get("minimum").and_then(Value::as_u64).unwrap_or(0);
+            return format!("a whole number from {least} to {}", most(schema));
         }
         if allows(schema, "boolean") {
             return "true or false".into();

@@ -17,7 +17,12 @@ struct Lists {
 }
 
 pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
+    // Lines end as on any system: with a line feed, a carriage return, or both.
     let text = String::from_utf8_lossy(file.bytes);
+    let text = match text.contains('\r') {
+        true => text.replace("\r\n", "\n").replace('\r', "\n").into(),
+        false => text,
+    };
     let mut parsed = Parsed::default();
     let mut lists = Lists::default();
     let (mut object, mut group): (Option<String>, Option<String>) = (None, None);

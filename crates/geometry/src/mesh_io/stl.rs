@@ -30,7 +30,10 @@ fn binary_triangles(bytes: &[u8]) -> Option<&[u8]> {
     let count: [u8; 4] = bytes.get(HEADER_BYTES..HEADER_BYTES + 4)?.try_into().ok()?;
     let length = (u32::from_le_bytes(count) as usize).checked_mul(TRIANGLE_BYTES)?;
     let triangles = bytes.get(HEADER_BYTES + 4..)?.get(..length)?;
-    let is_text = bytes.starts_with(b"solid") && triangles.len() + HEADER_BYTES + 4 != bytes.len();
+    // Text has no zeros; the number of a binary file's triangles has some, and as a rule its header.
+    let has_zeros = bytes[..HEADER_BYTES + 4].contains(&0);
+    let is_whole = triangles.len() + HEADER_BYTES + 4 == bytes.len();
+    let is_text = bytes.starts_with(b"solid") && !is_whole && !has_zeros;
     (!is_text).then_some(triangles)
 }
 
