@@ -284,3 +284,14 @@ def test_triangles_of_a_scene_are_named_with_their_body(
     (line,) = capsys.readouterr().err.splitlines()
     sentence = 'bodies[0].shape: triangle 0 refers to vertex 7, must be 0 to 2 (body "wing")'
     assert line == f"frangible: {sentence}"
+
+
+def test_voxels_are_checked_where_none_are_needed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shape = {"kind": "sphere", "radius": 1.0, "resolution": {"voxels": [0, 1, 1]}}
+    breaking = {"strength": 1.0, "pattern": {"kind": "radial"}}
+    scene = tmp_path / "s.json"
+    scene.write_text(json.dumps({"bodies": [{"shape": shape, "breaking": breaking}]}))
+    assert main(["run", str(scene), "--quiet"]) == 2
+    assert "bodies[0].shape.resolution.voxels: 0, must be from 1 to" in capsys.readouterr().err

@@ -62,6 +62,10 @@ impl ShapeLibrary {
 }
 
 fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, BuildError> {
+    // A rule holds also where the shape needs no voxels.
+    for count in desc.resolution().voxels.into_iter().flatten() {
+        at.field("resolution.voxels").count(count, 1, Grid::MOST_NODES)?;
+    }
     match desc {
         ShapeDesc::HalfSpace => {
             let ground = HalfSpace { normal: DVec3::Y, offset: 0.0 };
@@ -262,9 +266,6 @@ fn voxels_for(
         (extent / spacing).to_array().map(|count| count.ceil().max(1.0) as usize)
     });
     let at = at.field("resolution.voxels");
-    for count in voxels {
-        at.count(count, 1, Grid::MOST_NODES)?;
-    }
     let total =
         voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
     if total.is_none_or(|total| total > Grid::MOST_NODES) {

@@ -280,6 +280,33 @@ fn nested_parts_are_solids_and_cavities() {
     assert_eq!(clean.solid.iter().max(), Some(&1));
 }
 
+/// A rim that is not flat is closed in the same way, whatever the order of the file, and whether it
+/// is drawn once or twice.
+#[test]
+fn a_bent_rim_is_closed_in_one_way() {
+    const SIDES: u32 = 8;
+    let mut positions = vec![DVec3::ZERO];
+    for n in 0..SIDES {
+        let angle = 0.1 + f64::from(n) * std::f64::consts::TAU / f64::from(SIDES);
+        let height = [1.0, 1.4, 1.1, 1.7][n as usize % 4];
+        positions.push(DVec3::new(libm::cos(angle), height, libm::sin(angle)));
+    }
+    let bowl: Vec<[u32; 3]> = (0..SIDES).map(|n| [0, 1 + n, 1 + (n + 1) % SIDES]).collect();
+    let volume = |triangles: Vec<[u32; 3]>| {
+        let clean = TriMesh { positions: positions.clone(), triangles }.cleaned("bowl").unwrap();
+        assert!(clean.changes.holes > 0);
+        clean.mesh.mass_properties().volume
+    };
+    let once = volume(bowl.clone());
+    for first in 0..bowl.len() {
+        let mut other = bowl.clone();
+        other.rotate_left(first);
+        assert!((volume(other.clone()) - once).abs() < 1e-12, "from {first}");
+        other.extend(bowl.iter().map(|&[a, b, c]| [a, c, b]));
+        assert!((volume(other) - once).abs() < 1e-12, "twice, from {first}");
+    }
+}
+
 #[test]
 fn holes_are_closed_and_counted() {
     for missing in 1..=3 {

@@ -4,6 +4,7 @@ use super::pairing::{NONE, Pairing};
 use crate::TriMesh;
 use crate::disjoint_sets::DisjointSets;
 use crate::polygon::triangulate;
+use glam::DVec3;
 
 /// Triangles that close what is open. Corners are numbered `3 t + k`, and those that `vertices`
 /// has united are one vertex.
@@ -55,7 +56,7 @@ pub(super) fn close(pairing: &Pairing, turned: &[bool]) -> Closed {
                 rim.iter().for_each(|&passed| seen_at[place_of(passed) as usize] = NONE);
                 vertices.unite(rim[0], vertex);
                 if rim.len() > 2 {
-                    holes.push(triangulate(&rim, &at));
+                    holes.push(triangulate(&from_least(rim, &at), &at));
                 }
             }
             let to = std::mem::replace(&mut next[vertex as usize], NONE);
@@ -69,6 +70,18 @@ pub(super) fn close(pairing: &Pairing, turned: &[bool]) -> Closed {
         walked.iter().for_each(|&passed| seen_at[place_of(passed) as usize] = NONE);
     }
     Closed { vertices, holes }
+}
+
+/// The same loop from the vertex whose coordinates come first, so that a rim that is not flat is
+/// closed in one way, whatever the order of the file.
+fn from_least(mut rim: Vec<u32>, at: &impl Fn(u32) -> DVec3) -> Vec<u32> {
+    let in_order = |&(_, a): &(usize, DVec3), &(_, b): &(usize, DVec3)| {
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+    };
+    let places = rim.iter().map(|&corner| at(corner)).enumerate();
+    let first = places.min_by(in_order).map_or(0, |(first, _)| first);
+    rim.rotate_left(first);
+    rim
 }
 
 /// The corners that a half-edge joins.
