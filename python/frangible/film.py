@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -73,6 +74,8 @@ def _encode(
 ) -> None:
     from imageio_ffmpeg import write_frames
 
+    # It has a line of its own for a film that somebody stops.
+    logging.getLogger("imageio_ffmpeg").setLevel(logging.CRITICAL)
     # The format that other programs play: even sizes and 4:2:0.
     film = write_frames(
         path,

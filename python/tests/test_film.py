@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from frangible import OutputError, Recording, film_processes
 from frangible.camera import frame_recording
 from frangible.cli import main
+from frangible.film import _encode
 from frangible.film_processes import Film, film_pictures
 from frangible.output import View, open_output
 from PIL import Image
@@ -163,3 +165,15 @@ def test_a_floor_has_no_speckles(scale: float, scripted: Recording) -> None:
     # Far from the cube the floor changes smoothly, apart from faint lines.
     floor = image[120:, :80].sum(axis=2)
     assert np.abs(np.diff(floor, axis=1)).max() < 90
+
+
+def test_a_film_that_is_stopped_says_nothing_of_its_own(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    def stopped() -> Iterator[np.ndarray]:
+        raise KeyboardInterrupt
+        yield
+
+    with pytest.raises(KeyboardInterrupt):
+        _encode(stopped(), str(tmp_path / "a.mp4"), ".mp4", 64, 64, 30.0)
+    assert capfd.readouterr().err == "" and not caplog.records
