@@ -123,7 +123,7 @@ fn the_seed_decides_and_nothing_else() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let error = Pattern::radial(&Radial { spokes: 2, ..Radial::default() }).unwrap_err();
-    assert_eq!(error.to_string(), "spokes: 2, must be at least 3");
+    assert_eq!(error.to_string(), "spokes: 2, must be from 3 to 10000");
     let jitter = Pattern::radial(&Radial { jitter: f64::NAN, ..Radial::default() });
     assert!(matches!(jitter, Err(PatternError::Parameter { parameter: "jitter", .. })));
     for voronoi in [

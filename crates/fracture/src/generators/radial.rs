@@ -45,13 +45,8 @@ impl Pattern {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn radial(radial: &Radial) -> Result<Self, PatternError> {
-        require(radial.spokes >= 3, "spokes", radial.spokes as f64, "from 3 to 10000")?;
-        require(
-            radial.spokes <= MOST_CELLS,
-            "spokes",
-            radial.spokes as f64,
-            "from 3 to 10000",
-        )?;
+        let is_known = (3..=MOST_CELLS).contains(&radial.spokes);
+        require(is_known, "spokes", radial.spokes as f64, "from 3 to 10000")?;
         let cells = radial.rings.saturating_add(1).saturating_mul(radial.spokes);
         require(
             cells <= MOST_CELLS,
