@@ -20,7 +20,7 @@ from .pieces import Contact, Piece, Pieces
 from .progress import StageCallback, no_stage
 from .recording import Float64, UInt32
 from .usd_mesh import check_ending, readable_mesh
-from .volumes import volumes_differ
+from .volumes import SILENT_WITHIN, volumes_differ
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -260,9 +260,13 @@ def _break_exactly(target: _Target, pattern: _frangible.Pattern, wanted: int | N
         outer = [below[part.source[~part.inner]] for part in parts]
         found = [(own, np.repeat(own[:, None], 3, axis=1)) for own in outer]
     pieces, contacts = _pieces_of_parts(target, parts, found)
-    return Pieces(
-        target.name, pieces, contacts, solid.volume(), target.at, target.normal, notes
-    )
+    whole, written = solid.volume(), math.fsum(piece.volume for piece in pieces)
+    if abs(written / whole - 1.0) > SILENT_WITHIN:
+        notes.append(
+            f"the mesh encloses {whole:.4g} m^3, but the pieces' surfaces enclose {written:.4g} m^3"
+            f" ({written / whole - 1.0:+.1%}): some of it is turned inside out"
+        )
+    return Pieces(target.name, pieces, contacts, whole, target.at, target.normal, notes)
 
 
 def _break_sampled(

@@ -21,6 +21,8 @@ LEAST_THICKNESS = 1.0
 #: Smaller solids are not made anew [voxels], and smaller shells that a grid shows are what it leaves
 #: of thinner walls, no parts of the solid.
 LEAST_SHELL = 27.0
+#: A grid shows no more of a thin plate than this many times its volume.
+CANCELS = 1.5
 #: By this part of a voxel a surface from a grid may move for fewer triangles: below its own error.
 SIMPLER = 0.03
 
@@ -70,6 +72,9 @@ def on_grid(
     surfaces = _surfaces(clean, len(clean["meets"]))
     voxel = float(np.ptp(clean["vertices"], axis=0).max()) / voxels
     is_thin = np.array([_is_too_small(surface, voxel) for surface in surfaces])
+    for number in np.flatnonzero(is_thin & (clean["buried"] > MOST_BURIED)):
+        size = float(np.ptp(surfaces[number][0], axis=0).max())
+        is_thin[number] = _made_anew(surfaces[number], max(1, round(size / voxel))) is None
     made = None
     if not is_thin.all():
         triangles = clean["triangles"][~is_thin[clean["solid"]]]
@@ -92,12 +97,15 @@ def on_grid(
 
 
 def _made_anew(surface: Mesh, voxels: int) -> Mesh | None:
-    """The solid in a surface, made anew on a grid; `None` if it is too thin for that."""
+    """The solid in a surface that crosses itself, made anew on a grid; `None` if it is too thin for
+    that."""
     voxel = float(np.ptp(surface[0], axis=0).max()) / voxels
-    if _is_too_small(surface, voxel):
-        return None
     made = _resurfaced(surface, voxels, True)
-    return None if made is None else arrays(made)
+    if made is None:
+        return None
+    # Where some of it is turned inside out, what it encloses cancels, and it only seems thin.
+    cancels = made.volume() > CANCELS * _frangible.mesh_mass(surface)["volume_m3"]
+    return arrays(made) if cancels or not _is_too_small(surface, voxel) else None
 
 
 def _is_too_small(surface: Mesh, voxel: float) -> bool:

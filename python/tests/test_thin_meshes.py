@@ -125,6 +125,20 @@ def test_pieces_of_a_grid_have_no_loose_parts(tmp_path: Path, pattern: str) -> N
         assert sum(volume > 0.0 for volume in volumes) == 1, (piece.name, volumes)
 
 
+@pytest.mark.parametrize("exact", [None, False])
+def test_what_is_partly_inside_out_is_not_thin(tmp_path: Path, exact: bool | None) -> None:
+    # Two triangles of nearly the same size that meet in a point, one of them the wrong way round.
+    ring = [(0.0, 0.0), (2.0, 1.0), (2.0, 0.0), (0.0, 0.98)]
+    lines = [f"v {x} {y} {z}" for z in (0, 1) for x, y in ring] + ["f 1 4 3 2", "f 5 6 7 8"]
+    lines += [f"f {n + 1} {(n + 1) % 4 + 1} {(n + 1) % 4 + 5} {n + 5}" for n in range(4)]
+    path = tmp_path / "bow_tie.obj"
+    path.write_text("\n".join(lines) + "\n")
+    broken = break_mesh(path, _frangible.Pattern.named("voronoi", seed=1), pieces=8, exact=exact)
+    assert broken.volume == pytest.approx(0.5 * 2.0 / 1.98, rel=0.02)
+    assert broken.volume_defect < 1e-9
+    assert abs(len(broken.pieces) - 8) <= 1
+
+
 def star_prism(path: Path, points: int) -> Path:
     """1 m high, with points 1 m from its axis."""
     angles = np.pi * np.arange(2 * points) / points
