@@ -18,8 +18,8 @@ AT_ONCE = 16
 SAME = 1e-12
 #: Voxels in the thickness of what a grid can make anew: thinner plates lose most of their volume.
 LEAST_THICKNESS = 1.0
-#: Smaller solids are not made anew [voxels], and smaller shells that a grid shows are what it leaves
-#: of thinner walls, no parts of the solid.
+#: Smaller solids are not made anew [voxels], and smaller shells that a grid shows are what it
+#: leaves of thinner walls, no parts of the solid.
 LEAST_SHELL = 27.0
 #: A grid shows no more of a thin plate than this many times its volume.
 CANCELS = 1.5
@@ -67,7 +67,8 @@ def on_grid(
 ) -> tuple[Manifold, list[str]]:
     """The solid that a clean mesh bounds, with all surfaces made anew on one grid of ``voxels``
     along the longest side, and what was done in sentences. Solids that are thinner than a voxel, or
-    smaller than 27 of them, keep their own surface. Flat faces get few triangles, unless ``simpler`` is false."""
+    smaller than 27 of them, keep their own surface. Flat faces get few triangles, unless
+    ``simpler`` is false."""
     notes = list(clean["notes"])
     surfaces = _surfaces(clean, len(clean["meets"]))
     voxel = float(np.ptp(clean["vertices"], axis=0).max()) / voxels
@@ -90,8 +91,8 @@ def on_grid(
         assert made is not None
         return made, notes
     count = int(is_thin.sum())
-    parts = "1 part thinner than a voxel keeps its" if count == 1 else f"{count} parts thinner than a voxel keep their"
-    notes.append(f"{parts} own surface")
+    one, several = "1 part thinner than a voxel keeps its", "parts thinner than a voxel keep their"
+    notes.append(f"{one if count == 1 else f'{count} {several}'} own surface")
     kept = [as_manifold(*surface) for surface, thin in zip(surfaces, is_thin, strict=True) if thin]
     return _united(kept if made is None else [made, *kept]), notes
 
