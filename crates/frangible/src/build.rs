@@ -79,8 +79,8 @@ const MOST_SIZE: f64 = 1e6;
 /// What a scene may ask for [m/s^2], [m/s], [rad/s]: above it, contacts are lost to rounding in
 /// single precision, and bodies with them.
 const MOST_GRAVITY: f64 = 1e4;
-const MOST_SPEED: f64 = 1e5;
-const MOST_SPIN: f64 = 1e4;
+pub(crate) const MOST_SPEED: f64 = 1e5;
+pub(crate) const MOST_SPIN: f64 = 1e4;
 
 /// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
 const LEAST_DENSITY: f64 = 1e-6;

@@ -2,6 +2,7 @@
 
 use crate::bonds::Bonds;
 use crate::books::{Books, Totals};
+use crate::build::{MOST_SPEED, MOST_SPIN};
 use crate::check::{BuildError, Checker};
 use crate::desc::{LookDesc, Method};
 use crate::fineness::Fineness;
@@ -147,8 +148,8 @@ impl World {
     pub fn set_velocity(&mut self, id: BodyId, linear: DVec3, angular: DVec3) -> Result<(), BuildError> {
         let at = Checker::root();
         let body = at.field("body");
-        let linear = at.field("linear").vector(linear.to_array(), "m/s")?;
-        let angular = at.field("angular").vector(angular.to_array(), "rad/s")?;
+        let linear = at.field("linear").bounded(linear.to_array(), MOST_SPEED, "m/s")?;
+        let angular = at.field("angular").bounded(angular.to_array(), MOST_SPIN, "rad/s")?;
         let dense = self
             .bodies
             .index_of(id)
