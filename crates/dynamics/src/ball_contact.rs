@@ -15,6 +15,13 @@ const TOUCH: f64 = 1e-4;
 /// Part of the distance that a step goes: a sampled distance can change a little faster than the way.
 const CAUTION: f64 = 0.9;
 
+/// On a way that is shorter than this, relative to the ball's radius, the normal hardly turns.
+const SHORT: f64 = 0.02;
+
+/// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of
+/// what it does in all.
+const HALVINGS: u32 = 10;
+
 /// A ball and what it may touch.
 pub(crate) struct BallContact<'a> {
     pub(crate) encounter: &'a Encounter<'a>,
@@ -26,23 +33,24 @@ pub(crate) struct BallContact<'a> {
 }
 
 impl BallContact<'_> {
-    /// The ball's point of contact: where the two first touch on their ballistic ways through the frame (conservative advancement
-    /// [Mir96]), or the nearest point at its start if they do not.
+    /// The ball's point of contact: where the two first touch on their ballistic ways through the
+    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not. Along
+    /// that normal what only passes does not touch.
     pub(crate) fn point(&self) -> Option<ManifoldPoint> {
-        let [ball, other] = self.ball_and_other();
         let start = self.gap(0.0);
         if start.phi > self.encounter.reach {
             return None;
         }
-        let now = start.phi;
-        let gap = self.first_touch(start).unwrap_or(start);
+        let gap = self.first_touch(start);
 
         // The ball's centre, and the material point of the other that it touches or will touch.
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
         let on_other = on_ball - gap.phi * gap.outward;
         let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
-        let velocity = |flight: &Flight| flight.velocity(on_ball, gap.time);
-        let closing = -gap.outward.dot(velocity(ball) - velocity(other));
+        // Along that normal, where the two are now.
+        let other_now = start.pose_other.world_from_body().point(anchor_other);
+        let now = (start.pose_ball.position - other_now).dot(gap.outward) - self.radius;
+        let closing = -self.parting(&gap);
         let (normal, anchor_first, anchor_second, rounding) = if self.ball_is_first {
             (gap.outward, DVec3::ZERO, anchor_other, [self.radius, 0.0])
         } else {
@@ -67,21 +75,47 @@ impl BallContact<'_> {
         Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
     }
 
-    /// The instant of the first touch within the frame, after `start`; `None` if they pass or do not get there.
-    fn first_touch(&self, start: Gap) -> Option<Gap> {
+    /// The instant of the first touch within the frame, after `start`, or that at which they are
+    /// nearest.
+    fn first_touch(&self, start: Gap) -> Gap {
         let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
-                return Some(gap);
+                return gap;
             }
             let time = gap.time + CAUTION * gap.phi / most_speed;
-            if time > dt {
+            let parts = self.parting(&gap) >= 0.0;
+            if time > dt || parts {
                 break;
             }
             gap = self.gap(time);
         }
-        None
+        self.nearest(gap)
+    }
+
+    /// The instant from one on at which they begin to part, by bisection, or the frame's end.
+    fn nearest(&self, from: Gap) -> Gap {
+        let way = self.encounter.most_speed * (self.encounter.frame.dt - from.time);
+        if self.parting(&from) >= 0.0 || way < SHORT * self.radius {
+            return from;
+        }
+        let (mut before, mut after) = (from, self.gap(self.encounter.frame.dt));
+        if self.parting(&after) < 0.0 {
+            return after;
+        }
+        for _ in 0..HALVINGS {
+            let middle = self.gap(0.5 * (before.time + after.time));
+            if self.parting(&middle) < 0.0 { before = middle } else { after = middle }
+        }
+        after
+    }
+
+    /// Speed at which the gap opens [m/s].
+    fn parting(&self, gap: &Gap) -> f64 {
+        let [ball, other] = self.ball_and_other();
+        let on_ball = gap.pose_ball.position - self.radius * gap.outward;
+        gap.outward.dot(ball.velocity(on_ball, gap.time) - other.velocity(on_ball, gap.time))
     }
 }
 

@@ -48,7 +48,9 @@ impl BirthFits {
             }
             still.insert(ids, deepest);
             for (point, gap) in points.iter_mut().zip(gaps) {
-                point.rounding[0] -= (-gap).clamp(0.0, deepest);
+                let forgiven = (-gap).clamp(0.0, deepest);
+                point.rounding[0] -= forgiven;
+                point.gap += forgiven;
             }
         }
         self.overlaps = still;

@@ -115,7 +115,7 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
 }
 
 /// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the ground, would have.
-fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
+pub(crate) fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
     let (size, [first, second]) = (encounter.size, encounter.flights);
     let is_ground = |body: Placed| matches!(Solid::of(body.shape), Solid::Ground(_));
     let most = if encounter.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };

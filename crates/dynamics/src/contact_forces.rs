@@ -17,7 +17,8 @@ pub struct ContactForce {
     pub force: DVec3,
 }
 
-/// The forces of the last substep in which each pair was solved, of this frame or of one before it, at the points that some manifolds had at its start, in order. What bounced has left none.
+/// The mean forces of the frame in which each pair was solved, this one or one before it, at the
+/// points that some manifolds had at its start, in order. Blows are in them.
 pub fn contact_forces<'a>(
     bodies: &Bodies,
     manifolds: impl Iterator<Item = Manifold<'a>>,
@@ -26,15 +27,14 @@ pub fn contact_forces<'a>(
     let of = |manifold: Manifold| {
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
-            let forces = &carried.get(bodies, pair, point.sample)?.forces;
-            let force = |at: usize| forces[at].force.as_dvec3();
+            let force = carried.get(bodies, pair, point.sample)?.force.mean.as_dvec3();
             let towards =
                 |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);
             let points = [
                 point.anchor_first - towards(pair.first, point.rounding[0]),
                 point.anchor_second + towards(pair.second, point.rounding[1]),
             ];
-            Some(ContactForce { pair, points, force: force(0) + force(1) })
+            Some(ContactForce { pair, points, force })
         });
         forces.collect::<Vec<_>>()
     };

@@ -1,6 +1,6 @@
 //! Two bodies on their ballistic ways through a frame.
 
-use crate::detection::Placed;
+use crate::detection::{ContactPoint, Placed};
 use crate::flight::Flight;
 #[cfg(doc)]
 use crate::hull_contact::HullPoint;
@@ -31,6 +31,9 @@ pub(crate) struct Encounter<'a> {
     /// The normal of two polyhedra when they were last looked at, if they touched: see [`HullPoint::normal`].
     pub(crate) last_normal: Option<DVec3>,
 }
+
+/// How far beside a sample it is looked where its own body is, relative to the smaller body.
+const BESIDE: f64 = 1e-2;
 
 impl<'a> Encounter<'a> {
     /// Of a pair whose bodies fly as told.
@@ -79,6 +82,18 @@ impl<'a> Encounter<'a> {
         let acceleration = -(first.acceleration - second.acceleration).dot(normal);
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
+    }
+
+    /// Whether a sample passes beside the other body's surface: the body that it is of lies on
+    /// the far side. Where two edges lie on each other a distance has the normals of both sides.
+    pub(crate) fn is_beside(&self, sample_of_first: bool, contact: &ContactPoint) -> bool {
+        let [first, second] = self.placed();
+        let (own, outward) =
+            if sample_of_first { (first, contact.normal) } else { (second, -contact.normal) };
+        let step = BESIDE * self.size;
+        let body_from_world = own.pose.world_from_body().inverse();
+        let distance = |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;
+        distance(contact.point + step * outward) - distance(contact.point) > 0.5 * step
     }
 }
 

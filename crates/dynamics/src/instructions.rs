@@ -48,17 +48,11 @@ pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync 
     fn max_singles(a: Singles, b: Singles) -> Singles;
     fn above_singles(a: Singles, b: Singles) -> u8;
     fn select_singles(mask: u8, yes: Singles, no: Singles) -> Singles;
-    /// To double precision.
-    fn widen(a: Singles) -> Numbers;
-    /// To the nearest in single precision.
-    fn narrow(a: Numbers) -> Singles;
     /// Rows become columns.
     fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES];
     fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
     /// Asks for what will be needed soon; changes nothing.
     fn prefetch<T>(soon: &[T]);
-    /// Asks for one of some things, none larger than 64 bytes; changes nothing, whether it is there or not.
-    fn prefetch_one<T>(of: &[T], at: u32);
     /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine must have them.
     fn run(kernel: impl FnOnce());
 }
@@ -161,16 +155,6 @@ impl Instructions for Scalar {
     }
 
     #[inline(always)]
-    fn widen(a: Singles) -> Numbers {
-        Numbers(each(|lane| f64::from(a.0[lane])))
-    }
-
-    #[inline(always)]
-    fn narrow(a: Numbers) -> Singles {
-        Singles(each(|lane| a.0[lane] as f32))
-    }
-
-    #[inline(always)]
     fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES] {
         let mut columns = [Numbers::ZERO; LANES];
         for (i, row) in rows.iter().enumerate() {
@@ -196,9 +180,6 @@ impl Instructions for Scalar {
     fn prefetch<T>(_: &[T]) {}
 
     #[inline(always)]
-    fn prefetch_one<T>(_: &[T], _: u32) {}
-
-    #[inline(always)]
     fn run(kernel: impl FnOnce()) {
         kernel();
     }
@@ -220,7 +201,7 @@ pub(crate) use x86::{Avx2, Avx512, Sse2};
 mod tests {
     use super::*;
 
-    /// Rows become columns, and what is narrowed is the nearest single, in every width that this machine has.
+    /// Rows become columns, and arithmetic has the same bits, in every width that this machine has.
     #[test]
     fn all_widths_agree() {
         fn check<I: Instructions>() {
@@ -232,17 +213,15 @@ mod tests {
                 for k in 0..LANES {
                     assert_eq!(columns[k].0[i], rows[i].0[k]);
                 }
-                let single = I::narrow(rows[i]);
-                assert_eq!(single, Scalar::narrow(rows[i]));
-                assert_eq!(I::widen(single), Scalar::widen(single));
             }
-            let singles: [Singles; LANES] = std::array::from_fn(|i| Scalar::narrow(rows[i]));
+            let narrow = |numbers: Numbers| Singles(numbers.0.map(|number| number as f32));
+            let singles: [Singles; LANES] = rows.map(narrow);
             assert_eq!(I::transpose_singles(singles), Scalar::transpose_singles(singles));
             assert_eq!(Scalar::transpose_singles(singles)[3].0[5], singles[5].0[3]);
 
             // Arithmetic, of doubles and of singles.
             let (a, b) = (rows[0], Numbers(std::array::from_fn(|lane| 3.0 - 0.7 * lane as f64)));
-            let (c, d) = (Scalar::narrow(a), Scalar::narrow(b));
+            let (c, d) = (narrow(a), narrow(b));
             for (of, expected) in [
                 (I::add(a, b), Scalar::add(a, b)),
                 (I::sub(a, b), Scalar::sub(a, b)),

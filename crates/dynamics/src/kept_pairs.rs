@@ -4,48 +4,28 @@
 mod ahead;
 mod passing;
 
-use crate::clusters::has_settled;
 use crate::detection::{moved, moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::hull_contact::{HullPoint, hull_points};
 use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid};
-use crate::moving::fastest;
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
 use crate::threads;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, BodyId, Frame, Motion, Pose};
+use crate::{Bodies, BodyId, Frame, Pose};
 use ahead::{Ahead, Seen};
 use frangible_geometry::RigidTransform;
 use glam::DVec3;
 use passing::{NOWHERE, Passing, firsts};
 
-/// For how long a pair keeps its points, relative to the size of the smaller body.
-#[derive(Clone, Copy)]
-struct Lasting {
-    /// Relative motion up to which it does.
-    steady: f64,
-    /// Overlap with which it is looked at anew in the next frame: what jams goes on to part only along an axis that is the best one now.
-    deep: f64,
-}
+/// Relative motion up to which a pair keeps its points, in units of the smaller body's radius:
+/// what lies on an edge sticks out over it by as much before it tips.
+const STEADY: f64 = 0.03;
 
-/// What lies on an edge sticks out over it by as much before it tips.
-const USUALLY: Lasting = Lasting { steady: 5e-3, deep: 1e-2 };
-
-/// Heaps rock where their points are found anew, and have them found anew where they rock. With a fifth instead of a tenth deep overlaps grow by a third.
-const IN_HEAPS: Lasting = Lasting { steady: 0.1, deep: 0.1 };
-
-/// What creeps there is left alone: most of its motion is what points give that are found anew because of it. A calm heap moves at a fifth of the speed then; before jams stayed on a face its deepest overlaps (99th percentile) were 6.5 instead of 4.9 mm.
-const CREEPING: Lasting = Lasting { steady: 0.5, deep: 0.2 };
-
-/// Speed of the fastest point up to which a body creeps, in units of what gravity gives in a frame [1]. At 30 Hz that is 0.1 m/s. With a tenth instead, and points kept for 0.3 of a size, half as much is gained.
-const CREEPS: f64 = 0.3;
-
-/// See [`CREEPS`] [m/s].
-pub(crate) fn creeping_below(frame: &Frame) -> f64 {
-    CREEPS * frame.gravity.length() * frame.dt
-}
+/// Overlap, in the same units, with which a pair's points are found anew in the next frame: what
+/// jams goes on to part only along an axis that is the best one now.
+const DEEP: f64 = 0.1;
 
 /// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
 const MARGIN: f64 = 0.2;
@@ -63,10 +43,6 @@ pub struct KeptPairs {
     found: Manifolds,
 }
 
-/// Of how near two bodies may be that meet although they rest, so much counts where both have settled or are in a heap [1]: what lies there does not fall unless something else moves it,
-/// and what does may get as much deeper into the other one until the next frame, 4 mm at 30 Hz. Without it a third of a heap's pairs do not touch, and it rocks more.
-pub(crate) const CLOSE: f64 = 0.25;
-
 /// Pairs that go to a thread together: a tenth of a millisecond of work.
 const SHARE: usize = 1024;
 
@@ -77,12 +53,6 @@ struct Way {
     pose: Pose,
     /// No point of it has moved further since it was first seen, all frames together [m].
     length: f64,
-    /// Whether it was part of a heap in the last frame, or does not take part in what a heap does.
-    is_in_heap: bool,
-    /// See [`has_settled`].
-    has_settled: bool,
-    /// Whether it is slower than [`CREEPS`].
-    creeps: bool,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -128,7 +98,7 @@ impl KeptPairs {
     ) -> &mut Manifolds {
         let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
         let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
-        let places = self.go_on(bodies, &flights, (warm, frame));
+        let places = self.go_on(bodies, &flights);
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.kept);
         self.kept.resize_with(count, Kept::default);
@@ -152,25 +122,8 @@ impl KeptPairs {
     }
 
     /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
-    fn go_on(
-        &mut self,
-        bodies: &Bodies,
-        flights: &[Flight],
-        (warm, frame): (&WarmStart, &Frame),
-    ) -> Vec<u32> {
-        let creeps = creeping_below(frame);
-        let at_rest = |i: usize| {
-            let id = bodies.ids[i];
-            let is_in_heap = bodies.motions[i] != Motion::Dynamic || warm.is_in_heap(id);
-            Way {
-                id,
-                pose: bodies.poses[i],
-                length: 0.0,
-                is_in_heap,
-                has_settled: has_settled(bodies, i, warm),
-                creeps: !matches!(bodies.motions[i], Motion::Kinematic { .. }) && fastest(bodies, i) < creeps,
-            }
-        };
+    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
+        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
         let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
         let place = |last: &Way| {
             let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
@@ -239,7 +192,7 @@ impl Share<'_> {
                     let encounter = encounter(pair);
                     self.kept.points.extend_from_slice(points);
                     let within_reach = points.iter().filter_map(|point| point.within_reach(&encounter));
-                    self.found.add_near(pair, within_reach, self.near(&encounter));
+                    self.found.add(pair, within_reach);
                 }
                 self.keep(KeptPair { since, ..*kept }, pair);
                 continue;
@@ -263,28 +216,10 @@ impl Share<'_> {
         self.ways[pair.first].length + self.ways[pair.second].length
     }
 
-    /// How near at least one point of a pair must be for the two to meet [m].
-    fn near(&self, encounter: &Encounter) -> f64 {
-        let [first, second] = [encounter.pair.first, encounter.pair.second].map(|i| &self.ways[i]);
-        let have_settled = first.has_settled && second.has_settled;
-        let lie = have_settled || (first.is_in_heap && second.is_in_heap);
-        if lie { encounter.reach - (1.0 - CLOSE) * encounter.near } else { f64::INFINITY }
-    }
-
-    /// For how long a pair keeps its points.
-    fn lasting(&self, pair: Pair) -> Lasting {
-        let [first, second] = [pair.first, pair.second].map(|i| &self.ways[i]);
-        match (first.is_in_heap && second.is_in_heap, first.creeps && second.creeps) {
-            (true, true) => CREEPING,
-            (true, false) => IN_HEAPS,
-            (false, _) => USUALLY,
-        }
-    }
-
     /// If the points of a pair are still its points, and nothing else has come within reach: from when on its ways count.
     #[inline]
     fn still_holds(&self, kept: &KeptPair, points: &[KeptPoint], encounter: &Encounter) -> Option<f64> {
-        let steady = self.lasting(encounter.pair).steady * encounter.size;
+        let steady = STEADY * encounter.size;
         let steady = if points.is_empty() { f64::INFINITY } else { steady };
         let most = steady.min(kept.beyond - encounter.reach);
         let ways = self.ways_of(encounter.pair);
@@ -312,8 +247,7 @@ impl Share<'_> {
     /// Looks where a pair touches, and keeps it for the next frame.
     fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
         let Encounter { bodies, pair, reach, size, .. } = encounter;
-        let (lasting, near) = (self.lasting(pair), self.near(&encounter));
-        encounter.search = (1.0 + MARGIN) * reach + lasting.steady * size;
+        encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
         let ManifoldFinder { room, points } = &mut *self.finder;
         points.clear();
         let beyond = match solids {
@@ -337,14 +271,14 @@ impl Share<'_> {
         }));
 
         // What will meet later will do so elsewhere; what jams is looked at again.
-        let is_deep = room.points.iter().any(|point| point.gap < -lasting.deep * size);
+        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
         let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
             let kept = &self.kept.points[begin..];
             let within_reach = kept.iter().filter_map(|point| point.within_reach(&encounter));
-            self.found.add_near(pair, within_reach, near);
+            self.found.add(pair, within_reach);
             beyond
         } else {
-            self.found.add_near(pair, points.iter().copied(), near);
+            self.found.add(pair, points.iter().copied());
             f64::NEG_INFINITY
         };
         let (first, second) = placed(bodies, pair, &bodies.poses);
@@ -382,6 +316,3 @@ impl KeptPoint {
         })
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -60,16 +60,6 @@ macro_rules! of_lanes {
             }
 
             #[inline(always)]
-            pub(crate) fn get(&self, lane: usize) -> f64 {
-                self.0.0[lane].into()
-            }
-
-            #[inline(always)]
-            pub(crate) fn set(&mut self, lane: usize, value: f64) {
-                self.0.0[lane] = value as $number;
-            }
-
-            #[inline(always)]
             pub(crate) fn sqrt(self) -> Self {
                 Self(I::$sqrt(self.0), PhantomData)
             }
@@ -119,19 +109,13 @@ of_lanes!(Single, Singles, f32: above_singles, sqrt_singles, select_singles,
     Add add add_singles, Sub sub sub_singles, Mul mul mul_singles, Div div div_singles);
 
 impl<I: Instructions> Lanes<I> {
-    /// In single precision.
-    #[inline(always)]
-    pub(crate) fn single(self) -> Single<I> {
-        Single(I::narrow(self.0), PhantomData)
-    }
-
     /// Rows become columns.
     #[inline(always)]
     pub(crate) fn transposed(rows: [Numbers; LANES]) -> [Self; LANES] {
         let columns = I::transpose(rows);
         let mut lanes = [Self::ZERO; LANES];
-        for (lanes, column) in lanes.iter_mut().zip(columns) {
-            lanes.0 = column;
+        for i in 0..LANES {
+            lanes[i].0 = columns[i];
         }
         lanes
     }
@@ -140,19 +124,24 @@ impl<I: Instructions> Lanes<I> {
     #[inline(always)]
     pub(crate) fn rows(columns: [Self; LANES]) -> [Numbers; LANES] {
         let mut numbers = [Numbers::ZERO; LANES];
-        for (numbers, column) in numbers.iter_mut().zip(columns) {
-            *numbers = column.0;
+        for i in 0..LANES {
+            numbers[i] = columns[i].0;
         }
         I::transpose(numbers)
-    }
-
-    /// The sum over all lanes, always in the same order.
-    pub(crate) fn sum(self) -> f64 {
-        self.0.0.iter().sum()
     }
 }
 
 impl<I: Instructions> Single<I> {
+    /// Of one lane.
+    pub(crate) fn get(&self, lane: usize) -> f64 {
+        f64::from(self.0.0[lane])
+    }
+
+    /// Of one lane.
+    pub(crate) fn set(&mut self, lane: usize, value: f64) {
+        self.0.0[lane] = value as f32;
+    }
+
     /// Eight numbers that lie side by side.
     #[inline(always)]
     pub(crate) fn of_column(column: &Column) -> Self {
@@ -189,8 +178,8 @@ impl<I: Instructions> Single<I> {
     pub(crate) fn transposed(rows: [Singles; LANES]) -> [Self; LANES] {
         let columns = I::transpose_singles(rows);
         let mut lanes = [Self::ZERO; LANES];
-        for (lanes, column) in lanes.iter_mut().zip(columns) {
-            lanes.0 = column;
+        for i in 0..LANES {
+            lanes[i].0 = columns[i];
         }
         lanes
     }
@@ -199,22 +188,10 @@ impl<I: Instructions> Single<I> {
     #[inline(always)]
     pub(crate) fn rows(columns: [Self; LANES]) -> [Singles; LANES] {
         let mut singles = [Singles::ZERO; LANES];
-        for (singles, column) in singles.iter_mut().zip(columns) {
-            *singles = column.0;
+        for i in 0..LANES {
+            singles[i] = columns[i].0;
         }
         I::transpose_singles(singles)
-    }
-
-    /// In double precision.
-    #[inline(always)]
-    pub(crate) fn double(self) -> Lanes<I> {
-        Lanes(I::widen(self.0), PhantomData)
-    }
-
-    /// The same, but another one in some lanes.
-    #[inline(always)]
-    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
-        lanes.select(other, self)
     }
 
     /// The larger one; `other` where this is not a number.
@@ -228,24 +205,10 @@ impl<I: Instructions> Single<I> {
     pub(crate) fn min(self, other: Self) -> Self {
         Self(I::min_singles(self.0, other.0), PhantomData)
     }
-
-    #[inline(always)]
-    pub(crate) fn differs_from_zero(self) -> Mask {
-        self.above(Self::ZERO).or(Self::ZERO.above(self))
-    }
 }
 
 impl Mask {
     pub(crate) const NONE: Self = Self(0);
-
-    #[inline(always)]
-    pub(crate) fn of(value: impl Fn(usize) -> bool) -> Self {
-        let mut mask = Self::NONE;
-        for lane in 0..LANES {
-            mask.set(lane, value(lane));
-        }
-        mask
-    }
 
     #[inline(always)]
     pub(crate) fn get(self, lane: usize) -> bool {
@@ -281,11 +244,6 @@ impl Mask {
     pub(crate) fn any(self) -> bool {
         self.0 != 0
     }
-
-    #[inline(always)]
-    pub(crate) fn count(self) -> u32 {
-        self.0.count_ones()
-    }
 }
 
 impl<N: Blend> Blend for Three<N> {
@@ -299,45 +257,10 @@ impl<N: Blend> Blend for Three<N> {
     }
 }
 
-impl<I: Instructions> Lanes3<I> {
-    pub(crate) const ZERO: Self = Self { x: Lanes::ZERO, y: Lanes::ZERO, z: Lanes::ZERO };
-
-    /// In single precision.
-    #[inline(always)]
-    pub(crate) fn single(self) -> Single3<I> {
-        Three { x: self.x.single(), y: self.y.single(), z: self.z.single() }
-    }
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> DVec3 {
-        DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
-    }
-
-    /// The sum over all lanes, always in the same order.
-    pub(crate) fn sum(self) -> DVec3 {
-        DVec3::new(self.x.sum(), self.y.sum(), self.z.sum())
-    }
-}
+impl<I: Instructions> Lanes3<I> {}
 
 impl<I: Instructions> Single3<I> {
     pub(crate) const ZERO: Self = Self { x: Single::ZERO, y: Single::ZERO, z: Single::ZERO };
-
-    /// Of unit vectors, others across them [Duf17].
-    #[inline(always)]
-    pub(crate) fn across(self) -> Self {
-        let Self { x, y, z } = self;
-        let one = Single::splat(1.0);
-        // Minus zero is negative.
-        let sign = Single::ZERO.above(one / z).select(-one, one);
-        let a = -one / (sign + z);
-        Self { x: x * y * a, y: sign + y * y * a, z: -y }
-    }
-
-    /// In double precision.
-    #[inline(always)]
-    pub(crate) fn double(self) -> Lanes3<I> {
-        Three { x: self.x.double(), y: self.y.double(), z: self.z.double() }
-    }
 
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> DVec3 {
@@ -349,19 +272,6 @@ impl<I: Instructions> Single3<I> {
         self.x.set(lane, value.x);
         self.y.set(lane, value.y);
         self.z.set(lane, value.z);
-    }
-
-    /// See [`Single::but`].
-    #[inline(always)]
-    pub(crate) fn but(self, lanes: Mask, other: Self) -> Self {
-        lanes.select(other, self)
-    }
-
-    /// The lanes in which it is another one.
-    #[inline(always)]
-    pub(crate) fn differs(self, other: Self) -> Mask {
-        let apart = self - other;
-        apart.x.differs_from_zero().or(apart.y.differs_from_zero()).or(apart.z.differs_from_zero())
     }
 
     /// No longer than `most` in each lane.
@@ -394,13 +304,7 @@ impl<N: Number> Three<N> {
     }
 }
 
-impl<I: Instructions> Symmetric<Lanes<I>> {
-    /// In single precision.
-    #[inline(always)]
-    pub(crate) fn single(self) -> Symmetric<Single<I>> {
-        Symmetric { diagonal: self.diagonal.single(), off: self.off.single() }
-    }
-}
+impl<I: Instructions> Symmetric<Lanes<I>> {}
 
 impl<N: Number> Mul<Three<N>> for Symmetric<N> {
     type Output = Three<N>;

@@ -110,6 +110,8 @@ pub(crate) struct Island {
     pub(crate) members: Vec<usize>,
     /// What moves it from outside, if anything does.
     pub(crate) anchor: Anchor,
+    /// What closing its overlaps did [J].
+    pub(crate) recovered: f64,
     /// The energy that it may have at the end of the frame, without the bank [J].
     pub(crate) allowance: f64,
     /// [J]
@@ -137,11 +139,6 @@ impl Ledger {
     /// All that is in the banks [J].
     pub fn bank(&self) -> f64 {
         self.bank.iter().map(|(_, amount)| amount).sum()
-    }
-
-    /// What some bodies have in their banks [J].
-    pub(crate) fn bank_of(&self, bodies: &Bodies, who: &[usize]) -> f64 {
-        who.iter().filter_map(|&i| self.bank.get(bodies.ids[i])).sum()
     }
 
     /// Closes the books of a frame: balances every island. Bodies that broke are linked to their fragments in the tally.
@@ -175,7 +172,7 @@ impl Ledger {
                 mass += bodies.masses[i];
             }
             let too_much = |total: f64, island: &Island| {
-                let excess = total - island.allowance - island.bank;
+                let excess = total - island.allowance - island.bank - island.recovered;
                 (frame.settings.ledger && excess > ROUNDING * scale).then_some(excess)
             };
             balance.islands += 1;
@@ -213,7 +210,10 @@ impl Ledger {
             }
 
             // What is left goes into the bank, up to its cap, and is the members' by mass.
-            let left = island.allowance + island.bank - after;
+            // Closing overlaps is excepted from gain, as far as it was needed.
+            let needed = (after - island.allowance - island.bank).max(0.0).min(island.recovered);
+            tally.recovery += needed;
+            let left = island.allowance + island.bank + needed - after;
             let cap = frame.settings.bank_cap * mass;
             // An island with a body whose numbers went bad has nothing to keep.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
@@ -277,11 +277,21 @@ impl Ledger {
             }
         }
 
+        let mut recovered = vec![0.0; members.len()];
+        for (ids, energy) in &tally.recovered {
+            let Some(&mobile) = ids.iter().find(|&&id| !is_immobile(id)) else { continue };
+            let node = islands.node(bodies, mobile);
+            if let Some(number) = islands.number(node) {
+                recovered[number] += energy;
+            }
+        }
+
         let island = |number: usize| {
             let ids = &members[number];
             Island {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, anchors[number]),
+                recovered: recovered[number].max(0.0),
                 allowance: sum(&opening.0, ids) + work_on(&tally.work, ids),
                 bank: sum(&self.bank, ids),
                 debts: debts[number].clone(),

@@ -4,7 +4,7 @@
 mod found;
 
 use crate::ball_contact::BallContact;
-use crate::compound_contact::compound_points;
+use crate::compound_contact::{compound_points, few};
 use crate::detection::{ContactPoint, NearSamples, Penetration, Placed, contact_point, radius};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
@@ -64,10 +64,8 @@ impl ManifoldPoint {
 pub struct Manifold<'a> {
     /// Who.
     pub pair: Pair,
-    /// At most [`MOST_POINTS`]; none if they meet only because one of them is struck.
+    /// At most [`MOST_POINTS`].
     pub points: &'a [ManifoldPoint],
-    /// How much faster they may come against each other because they are struck [m/s].
-    pub struck: f64,
 }
 
 /// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
@@ -126,9 +124,11 @@ impl ManifoldFinder {
         if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
             let candidates = find_candidates(encounter);
             let chosen = choose(&candidates, has_carried);
-            points.extend(chosen.into_iter().map(|index| candidates[index].point(encounter)));
+            let chosen: Vec<ManifoldPoint> =
+                chosen.into_iter().map(|index| candidates[index].point(encounter)).collect();
+            points.extend(few(encounter, &chosen, room));
         }
-        (!points.is_empty()).then_some(Manifold { pair, points, struck: 0.0 })
+        (!points.is_empty()).then_some(Manifold { pair, points })
     }
 }
 
@@ -225,6 +225,7 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
         let sample = (penetration.sample_of_first, penetration.sample.into());
         // What separates, or is too far to get there, is left out.
         let touches = phi <= 0.0 || phi < frame.dt * closing + encounter.near;
+        let touches = touches && !encounter.is_beside(sample.0, &contact);
         touches.then_some(Candidate { sample, contact, phi, approach })
     };
     penetrations.iter().filter_map(candidate).collect()

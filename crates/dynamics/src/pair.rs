@@ -17,6 +17,11 @@ pub struct Pair {
 }
 
 impl Pair {
+    /// Its bodies.
+    pub(crate) fn both(self) -> [usize; 2] {
+        [self.first, self.second]
+    }
+
     /// By which its bodies are known over the frames.
     pub(crate) fn ids(self, bodies: &Bodies) -> [BodyId; 2] {
         [bodies.ids[self.first], bodies.ids[self.second]]

@@ -29,6 +29,13 @@ pub struct StepSettings {
     pub impulse_clamp: bool,
     /// Let no island end a frame with more energy than it may have.
     pub ledger: bool,
+    /// Least number of substeps of an island that touches anything, a power of two: 4 for a draft,
+    /// 8 for a game, 16 by default, 32 for film. Overlaps fall with its square.
+    pub substeps: u32,
+    /// Most substeps of an island: what is loaded or struck beyond that overlaps more.
+    pub most_substeps: u32,
+    /// Speed at which overlaps close at most [m/s].
+    pub recovery_speed: f64,
     /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
     pub bank_cap: f64,
     /// Let islands that stand still sleep; off, all bodies are awake in every frame. Only the frame-rate method does.
@@ -78,6 +85,9 @@ impl Default for StepSettings {
             rotation: Rotation::SecondOrder { energy_fix: true },
             impulse_clamp: true,
             ledger: true,
+            substeps: 16,
+            most_substeps: 128,
+            recovery_speed: 3.0,
             bank_cap: 0.1,
             sleep: false,
             width: Width::Avx512,

@@ -1,12 +1,11 @@
 //! Islands that sleep, where the scene lets them: what stands on something that does not move, and has been slow for long enough, stays where it is. It is
 //! still looked whom it may touch; so whatever comes near wakes it before it touches, and whatever goes, as a support that breaks, wakes what it held.
 
-use crate::kept_pairs::CLOSE;
 use crate::ledger::energy;
 use crate::manifold::{Manifold, ManifoldPoint};
 use crate::pair::Pair;
 use crate::tally::{Cause, Tally};
-use crate::warm_start::{Carried, WarmStart};
+use crate::warm_start::{Carried, Part, WarmStart};
 use crate::{Bodies, BodyId, Frame, Motion, Velocity};
 use glam::DVec3;
 
@@ -63,7 +62,7 @@ impl Sleep {
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
         // Only what is close: who meets what is further away depends on who has settled.
-        let is_close = |point: &ManifoldPoint| point.gap <= CLOSE * frame.sag();
+        let is_close = |point: &ManifoldPoint| point.gap <= 0.25 * frame.sag();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {
@@ -83,9 +82,7 @@ impl Sleep {
                 let Drowsiness { slow_for, touching, .. } = warm.drowsiness(bodies.ids[i]);
                 slow_for >= enough && touching == sleep.touching[i] && is_slow(bodies, i)
             };
-            let presses = |at: usize| {
-                carried[at].iter().flat_map(|carried| &carried.forces).any(|force| force.normal > 0.0)
-            };
+            let presses = |at: usize| carried[at].iter().any(|carried| carried.force.normal > 0.0);
             let is_fixed = |i: usize| bodies.motions[i] != Motion::Dynamic;
             let stands = |&at: &usize| {
                 let Pair { first, second } = manifolds[at].pair;
@@ -102,7 +99,7 @@ impl Sleep {
 
     /// The bodies that sleep stand still: what they lose by that, what they stand on has given.
     pub(crate) fn hold(&self, bodies: &mut Bodies, manifolds: &[Manifold], tally: &mut Tally) -> Vec<bool> {
-        let mut are_asleep = vec![false; self.touching.len()];
+        let mut are_asleep = vec![false; bodies.len()];
         for Pair { first, second } in self.manifolds.iter().map(|&at| manifolds[at].pair) {
             for i in [first, second].into_iter().filter(|&i| bodies.motions[i] == Motion::Dynamic) {
                 if !std::mem::replace(&mut are_asleep[i], true) {
@@ -118,6 +115,15 @@ impl Sleep {
             }
         }
         are_asleep
+    }
+
+    /// What the contacts of those that sleep carried goes on.
+    pub(crate) fn carried(&self, manifolds: &[Manifold], carried: &[&[Carried]]) -> Part {
+        let mut part = Part::default();
+        for &at in &self.manifolds {
+            part.keep(at, manifolds[at].pair, carried[at]);
+        }
+        part
     }
 
     /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an overlap moves, though it is slow in the end.
@@ -157,95 +163,4 @@ fn is_slow(bodies: &Bodies, i: usize) -> bool {
 /// Whether it is a kinematic body that moves.
 fn is_driven(bodies: &Bodies, i: usize) -> bool {
     matches!(bodies.motions[i], Motion::Kinematic { linear, angular } if linear != DVec3::ZERO || angular != DVec3::ZERO)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::broad_phase::find_swept_pairs;
-    use crate::collisions::predict;
-    use crate::kept_pairs::KeptPairs;
-    use crate::ledger::Ledger;
-    use crate::manifold::find_manifolds;
-    use crate::substeps::solve;
-    use crate::{Contactant, NewBody, Pose, StepSettings};
-    use frangible_geometry::{ClosedForm, Shape};
-    use glam::DQuat;
-    use std::sync::Arc;
-
-    fn spawn(bodies: &mut Bodies, motion: Motion, height: f64) -> BodyId {
-        bodies.spawn(NewBody {
-            shape: Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(0.5) }, 0.1)),
-            density: 1.0,
-            motion,
-            pose: Pose { position: height * DVec3::Y, orientation: DQuat::IDENTITY },
-            velocity: Velocity::default(),
-            contactant: Contactant::new(0.0, 0.5),
-        })
-    }
-
-    /// What sleeps carries on what it carried; if another support is where its own was, it wakes, as that has to learn what lies on it.
-    #[test]
-    fn another_support_wakes_what_lies_on_it() {
-        let mut bodies = Bodies::default();
-        let support = spawn(&mut bodies, Motion::Static, 0.0);
-        let sleeper = spawn(&mut bodies, Motion::Dynamic, 1.0);
-        let settings = StepSettings { sleep: true, ..StepSettings::default() };
-        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
-        let mut warm = WarmStart::default();
-        let mut run = |bodies: &mut Bodies, frames: usize| {
-            for _ in 0..frames {
-                let ends = predict(bodies, &frame);
-                let pairs = find_swept_pairs(bodies, &ends, frame.sag(), &frame);
-                let found = find_manifolds(bodies, &pairs, &warm, &frame);
-                let manifolds: Vec<Manifold> = found.iter().collect();
-                solve(bodies, &manifolds, &mut warm, &Ledger::default(), &frame);
-            }
-            let carried = warm.of_pair(bodies, Pair { first: 0, second: 1 }).to_vec();
-            (warm.is_asleep(sleeper), carried)
-        };
-        let awake = run(&mut bodies, 12);
-        assert!(!awake.0 && !awake.1.is_empty());
-        let asleep = run(&mut bodies, 30);
-        assert!(asleep.0);
-        assert_eq!(run(&mut bodies, 10), asleep, "it carries what it carried");
-
-        bodies.remove(&[bodies.ids[0] == support, bodies.ids[1] == support]);
-        spawn(&mut bodies, Motion::Static, 0.0);
-        let (is_asleep, carried) = run(&mut bodies, 1);
-        assert!(!is_asleep);
-        assert!(carried.iter().any(|point| point.forces[0].normal > 0.0));
-        assert!(run(&mut bodies, 30).0);
-    }
-
-    /// What sleeps goes on to beside what is near but does not touch, though what has settled does not meet that.
-    #[test]
-    fn what_is_near_wakes_nobody() {
-        let mut bodies = Bodies::default();
-        spawn(&mut bodies, Motion::Static, 0.0);
-        let shape = Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(0.2) }, 0.1));
-        let sleepers = [-0.2015, 0.2015].map(|x| {
-            bodies.spawn(NewBody {
-                shape: shape.clone(),
-                density: 1.0,
-                motion: Motion::Dynamic,
-                pose: Pose { position: DVec3::new(x, 0.7, 0.0), orientation: DQuat::IDENTITY },
-                velocity: Velocity::default(),
-                contactant: Contactant::new(0.0, 0.5),
-            })
-        });
-        // Without a ledger there is enough to close overlaps with.
-        let settings = StepSettings { sleep: true, ledger: false, ..StepSettings::default() };
-        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings };
-        let (mut warm, mut kept) = (WarmStart::default(), KeptPairs::default());
-        for number in 0..120 {
-            let ends = predict(&bodies, &frame);
-            let pairs = find_swept_pairs(&bodies, &ends, frame.sag(), &frame);
-            let found = kept.find_manifolds(&bodies, &pairs, &warm, &frame);
-            let manifolds: Vec<Manifold> = found.iter().collect();
-            solve(&mut bodies, &manifolds, &mut warm, &Ledger::default(), &frame);
-            let are_asleep = sleepers.map(|id| warm.is_asleep(id));
-            assert!(number < 40 || are_asleep == [true; 2], "{number}: {are_asleep:?}");
-        }
-    }
 }

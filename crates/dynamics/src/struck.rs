@@ -4,8 +4,11 @@
 mod ways;
 
 use crate::broad_phase::Swept;
-use crate::manifold::Manifolds;
+use crate::encounter::Encounter;
+use crate::flight::Flight;
+use crate::manifold::{ManifoldFinder, Manifolds};
 use crate::pair::Pair;
+use crate::warm_start::WarmStart;
 use crate::{Bodies, Frame, Pose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -49,18 +52,36 @@ impl Stray {
     }
 }
 
-/// Notes in the manifolds of pairs that are `swept` along their ballistic ways to `ends`, with a margin of [`Frame::sag`], how much faster they may come against each other
-/// because one of them is struck; pairs that meet by that alone get places among them, as far as [`MOST_MORE`] goes.
-pub fn note_struck(bodies: &Bodies, ends: &[Pose], swept: &Swept, manifolds: &mut Manifolds, frame: &Frame) {
-    let Some(Straying { strays, more }) = straying(bodies, ends, swept, manifolds, frame) else { return };
-    let faster = |pair: &Pair| {
-        let further = strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
-        (*pair, further / frame.dt)
+/// Finds the manifolds of pairs that may come faster against each other than on their ballistic
+/// ways to `ends`, because one of them is struck; pairs that meet by that alone are added, as far
+/// as [`MOST_MORE`] goes.
+pub fn note_struck(
+    bodies: &Bodies,
+    ends: &[Pose],
+    swept: &Swept,
+    (manifolds, warm): (&mut Manifolds, &WarmStart),
+    frame: &Frame,
+) {
+    let Some(Straying { strays, more }) = straying(bodies, ends, swept, manifolds, frame) else {
+        return;
     };
-    let all = swept.pairs.iter().chain(&more).map(faster).filter(|&(_, faster)| faster > 0.0);
-    let mut struck: Vec<(Pair, f64)> = all.collect();
-    struck.sort_unstable_by_key(|&(pair, _)| pair);
-    manifolds.note_struck(&struck);
+    let mut finder = ManifoldFinder::default();
+    let mut pairs: Vec<Pair> = swept.pairs.iter().chain(&more).copied().collect();
+    pairs.sort_unstable();
+    let mut found = Vec::new();
+    for pair in pairs {
+        let further = strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
+        if further > 0.0 {
+            let [first, second] = Flight::of_pair(bodies, pair, frame);
+            let encounter = Encounter::new(bodies, pair, [&first, &second], frame);
+            let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
+            let encounter = encounter.struck(further / frame.dt);
+            if let Some(manifold) = finder.of_encounter(&encounter, has_carried) {
+                found.push((pair, manifold.points.to_vec()));
+            }
+        }
+    }
+    manifolds.replace(&found);
 }
 
 /// Who may stray, and who may meet by it.
@@ -199,7 +220,6 @@ mod tests {
     use super::*;
     use crate::collisions::predict;
     use crate::manifold::find_manifolds;
-    use crate::warm_start::WarmStart;
     use crate::{Contactant, Motion, NewBody, StepSettings, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::{DQuat, DVec3};

@@ -19,8 +19,10 @@ pub struct Tally {
     pub work: BTreeMap<[BodyId; 2], f64>,
     /// Contacts that gave energy to their bodies.
     pub debts: Vec<Debt>,
-    /// What the contacts of each pair gave in the substeps, also less than nothing, until [`Self::find_nets`] has seen it [J].
-    pub(crate) given: Vec<(Pair, f64)>,
+    /// Energy that islands gained by closing overlaps [J].
+    pub recovery: f64,
+    /// Work of closing the overlaps of each pair [J].
+    pub(crate) recovered: Vec<([BodyId; 2], f64)>,
     /// Pairs that exchanged impulses or pushed each other.
     pub links: Vec<(BodyId, BodyId)>,
     /// Impulses applied to velocities that last.
@@ -166,16 +168,10 @@ impl Tally {
         }
     }
 
-    /// Finds [`Debt::net`] of all debts by what was given.
-    pub(crate) fn find_nets(&mut self, bodies: &Bodies) {
-        let mut of_bodies = vec![0.0; bodies.len()];
-        for (pair, energy) in self.given.drain(..) {
-            of_bodies[pair.first] += energy;
-            of_bodies[pair.second] += energy;
-        }
-        for debt in &mut self.debts {
-            debt.net = debt.by_weight(bodies).map_or(0.0, |[lighter, _]| of_bodies[lighter]);
-        }
+    /// Books the work of closing the overlaps of a pair in a frame [J].
+    pub(crate) fn recover(&mut self, bodies: &Bodies, pair: Pair, energy: f64) {
+        self.causes.add(Cause::Projection, energy);
+        self.recovered.push((pair.ids(bodies), energy));
     }
 
     /// Notes that a pair touched.
@@ -197,7 +193,8 @@ impl Tally {
             *self.work.entry(id).or_insert(0.0) += work;
         }
         append(&mut self.links, other.links);
-        append(&mut self.given, other.given);
+        append(&mut self.recovered, other.recovered);
+        self.recovery += other.recovery;
         self.impulses += other.impulses;
         self.clamped += other.clamped;
         self.discarded += other.discarded;

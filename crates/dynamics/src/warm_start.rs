@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Pairs that a thread looks up together: some ten microseconds of work.
 const SHARE: usize = 1024;
 
-/// What acted in the last substep in which a pair was solved, of the last frame or of one before it, at each contact point, before and after its drift, and for how long each body has been able to rest.
+/// What acted in the last substep of a frame at each contact point, and how each body's island went.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     /// Of some pairs each.
@@ -28,10 +28,23 @@ pub struct WarmStart {
 struct CarriedBody {
     /// Its dense index then.
     place: usize,
-    /// In so many frames, one after the other until then, it could come to rest.
-    settled_for: u8,
-    is_in_heap: bool,
+    substeps: Substeps,
     drowsiness: Drowsiness,
+}
+
+/// The substeps of an island; none if it touched nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Substeps {
+    pub(crate) count: u32,
+    /// How many would have done.
+    pub(crate) needed: f32,
+}
+
+impl Substeps {
+    /// The larger of both numbers.
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self { count: self.count.max(other.count), needed: self.needed.max(other.needed) }
+    }
 }
 
 /// Where the points of a pair are.
@@ -56,8 +69,8 @@ pub(crate) struct Part {
 pub struct Carried {
     /// Whether it is a sample or feature of the pair's first body, and which.
     pub sample: (bool, u64),
-    /// Before and after the drift: impulses per second of a substep, since the next frame may have more or fewer of them.
-    pub forces: [PointImpulse; 2],
+    /// Impulses per second, since the next frame may have more or fewer substeps.
+    pub force: PointImpulse,
 }
 
 /// What acts at one contact point.
@@ -69,17 +82,8 @@ pub struct PointImpulse {
     pub force: Vec3,
     /// Of rolling and spinning friction, world frame [N m s].
     pub twist: Vec3,
-}
-
-impl PointImpulse {
-    pub(crate) const ZERO: Self = Self { normal: 0.0, force: Vec3::ZERO, twist: Vec3::ZERO };
-
-    /// So many times as much.
-    #[inline(always)]
-    pub(crate) fn scaled(&self, by: f64) -> Self {
-        let by = by as f32;
-        Self { normal: by * self.normal, force: by * self.force, twist: by * self.twist }
-    }
+    /// Of the whole frame, blows included, per second: world frame [N].
+    pub mean: Vec3,
 }
 
 impl WarmStart {
@@ -127,14 +131,9 @@ impl WarmStart {
         self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
     }
 
-    /// In so many frames, one after the other until the last one, a body could come to rest.
-    pub(crate) fn settled_for(&self, id: BodyId) -> u8 {
-        self.bodies.get(id).map_or(0, |body| body.settled_for)
-    }
-
-    /// Whether a body was in a heap in the last frame: in a cluster that gets no more than one pass.
-    pub(crate) fn is_in_heap(&self, id: BodyId) -> bool {
-        self.bodies.get(id).is_some_and(|body| body.is_in_heap)
+    /// Those of a body's island in the last frame.
+    pub(crate) fn substeps(&self, id: BodyId) -> Substeps {
+        self.bodies.get(id).map_or(Substeps::default(), |body| body.substeps)
     }
 
     /// What decides whether a body sleeps.
@@ -163,12 +162,11 @@ impl WarmStart {
         self.drowsiness(id).is_asleep()
     }
 
-    /// Of so many pairs, some of them in each part, and of all bodies, which could come to rest in so many frames until now, may be in heaps, and are drowsy if any may sleep.
+    /// Of so many pairs, some of them in each part, and of all bodies, whose islands took so many substeps, and which are drowsy if any may sleep.
     pub(crate) fn of_parts(
         bodies: &Bodies,
         (pairs, parts): (usize, Vec<Part>),
-        settled_for: &[u8],
-        are_in_heaps: &[bool],
+        substeps: &[Substeps],
         drowsiness: &[Drowsiness],
     ) -> Self {
         let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
@@ -178,9 +176,9 @@ impl WarmStart {
             bodies: PerBody::default(),
         };
         for (place, &id) in bodies.ids.iter().enumerate() {
-            let (settled_for, is_in_heap) = (settled_for[place], are_in_heaps[place]);
+            let substeps = substeps[place];
             let drowsiness = drowsiness.get(place).copied().unwrap_or_default();
-            all.bodies.insert(id, CarriedBody { place, settled_for, is_in_heap, drowsiness });
+            all.bodies.insert(id, CarriedBody { place, substeps, drowsiness });
         }
         for Part { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
@@ -213,70 +211,5 @@ impl Part {
     /// The points since the last pair are those of a pair that has some place among all.
     pub(crate) fn end_pair(&mut self, place: usize, pair: Pair) {
         self.pairs.push((place, pair, self.points.len()));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Contactant, Motion, NewBody, Pose, Velocity};
-    use frangible_geometry::{ClosedForm, Shape};
-    use glam::{DQuat, DVec3};
-    use std::sync::Arc;
-
-    fn spawn(bodies: &mut Bodies) -> BodyId {
-        bodies.spawn(NewBody {
-            shape: Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1)),
-            density: 1.0,
-            motion: Motion::Dynamic,
-            pose: Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY },
-            velocity: Velocity::default(),
-            contactant: Contactant::new(0.0, 0.5),
-        })
-    }
-
-    /// What a pair carried is its own, whatever has been taken out of the world or put into it since.
-    #[test]
-    fn pairs_keep_what_they_carried() {
-        let mut bodies = Bodies::default();
-        (0..5).for_each(|_| _ = spawn(&mut bodies));
-        let mut all: Vec<Pair> =
-            (0..5).flat_map(|first| (first + 1..5).map(move |second| Pair { first, second })).collect();
-        all.reverse();
-        let point = |sample| Carried { sample: (true, sample), forces: [PointImpulse::ZERO; 2] };
-        let sample_of = |pair: Pair| 10 * pair.first as u64 + pair.second as u64;
-
-        // Two parts that take turns, and a pair that carried nothing.
-        let mut parts = vec![Part::default(), Part::default()];
-        for (place, &pair) in all.iter().enumerate().rev() {
-            let part = &mut parts[place % 2];
-            if place != 0 {
-                part.points.push(point(sample_of(pair)));
-            }
-            part.end_pair(place, pair);
-        }
-        let warm = WarmStart::of_parts(&bodies, (all.len(), parts), &[0, 1, 2, 3, 4], &[false; 5], &[]);
-        let ids = bodies.ids.clone();
-        bodies.remove(&[false, true, false, false, false]);
-        let newborn = spawn(&mut bodies);
-        assert_eq!(newborn.index, ids[1].index, "in the slot of another one");
-
-        let expected = |pair: Pair| {
-            let was = |i: usize| ids.iter().position(|&id| id == bodies.ids[i]);
-            let was = Pair { first: was(pair.first)?, second: was(pair.second)? };
-            (was != all[0]).then(|| sample_of(was))
-        };
-        let now: Vec<Pair> = all.iter().copied().filter(|pair| pair.second < bodies.len()).collect();
-        let manifolds: Vec<Manifold> =
-            now.iter().map(|&pair| Manifold { pair, points: &[], struck: 0.0 }).collect();
-        let mut found = 0;
-        for (&pair, points) in now.iter().zip(warm.of_manifolds(&bodies, &manifolds)) {
-            assert_eq!(points, warm.of_pair(&bodies, pair));
-            assert_eq!(points.first().map(|point| point.sample.1), expected(pair), "{pair:?}");
-            found += points.len();
-        }
-        assert_eq!(found, 5, "six pairs of those that stay, of which one carried nothing");
-        let settled: Vec<u8> = bodies.ids.iter().map(|&id| warm.settled_for(id)).collect();
-        assert_eq!(settled, [0, 2, 3, 4, 0]);
     }
 }

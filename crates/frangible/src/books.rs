@@ -135,9 +135,9 @@ impl Books {
             kinetic: after.kinetic,
             potential: after.potential,
             total: after.energy(),
-            work: tally.causes.work,
+            work: tally.causes.work + tally.recovery,
             banked,
-            gain: change + banked - tally.causes.work,
+            gain: change + banked - tally.causes.work - tally.recovery,
             causes: Causes::of(&tally.causes, change),
         };
 

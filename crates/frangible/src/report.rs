@@ -45,7 +45,8 @@ pub struct Energy {
     pub potential: f64,
     /// Their sum.
     pub total: f64,
-    /// That kinematic bodies did in this frame.
+    /// That kinematic bodies did in this frame, and what closing overlaps needed: their depth and
+    /// `recovery_speed` bound it.
     pub work: f64,
     /// What the ledger's banks grew by in this frame: energy that was dissipated and may be spent again.
     pub banked: f64,

@@ -14,12 +14,12 @@ use frangible_dynamics::contact::{Contact, Phase};
 use frangible_dynamics::contact_forces::contact_forces;
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::evolve::accelerate;
+use frangible_dynamics::frame_rate::{Solved, solve};
 use frangible_dynamics::ledger::{Ballistic, Opening};
 use frangible_dynamics::manifold::Manifold;
 use frangible_dynamics::push_out::push_out;
 use frangible_dynamics::shock_propagation::propagate_shock;
 use frangible_dynamics::struck::note_struck;
-use frangible_dynamics::substeps::{Solved, solve};
 use frangible_dynamics::{Frame, Pose, Tally};
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -184,12 +184,12 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         strike_and_break(world, &mut tally, &mut quarantined, frame, clock);
 
     // What is near on the way may touch; contact takes it from there.
-    let World { bodies, warm, kept, labels, fits, ledger, .. } = world;
+    let World { bodies, warm, kept, labels, fits, .. } = world;
     let found = kept.find_manifolds(bodies, &swept.pairs, warm, frame);
     clock.lap("find_manifolds");
 
     // What is struck on its way strikes others.
-    note_struck(bodies, &predicted, &swept, found, frame);
+    note_struck(bodies, &predicted, &swept, (found, warm), frame);
     clock.lap("note_struck");
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
@@ -203,7 +203,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let before = Before::of(bodies);
-    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, ledger, frame);
+    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
     tally.add(solved_tally);
     // Glued bodies, if there are any, give way to what they carry in the next one.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();

@@ -45,7 +45,9 @@ fn what_stands_still_sleeps_until_it_is_touched() {
     let ball = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
     // It falls for 3.9 s.
     let position = [0.2, 80.0, 0.0];
-    let ball = BodyDesc { position, rolling_friction: 0.05, ..BodyDesc::new("ball", ball) };
+    // A point of contact stops no spin about the vertical by itself.
+    let (rolling_friction, spinning_friction) = (0.05, 0.05);
+    let ball = BodyDesc { position, rolling_friction, spinning_friction, ..BodyDesc::new("ball", ball) };
     let bodies = [BodyDesc::ground(0.0)].into_iter().chain(stack).chain([cube([5.0, 0.5, 0.0]), ball]);
     let scene = scene(bodies);
     let mut world = World::build(&scene).unwrap();

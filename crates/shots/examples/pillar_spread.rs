@@ -1,5 +1,6 @@
-//! How ten pillars spread, at the frame rate and at a hundredth of its step; an hour of one core, less of several:
-//! `cargo run --release -p frangible-shots --example pillar_spread > bench/results/pillar.csv`
+//! How ten pillars spread, at the frame rate and at a hundredth of its step; half an hour of one
+//! core, less of several: `cargo run --release -p frangible-shots --example pillar_spread >
+//! bench/results/pillar.csv`. With an argument only what has that many steps per second.
 
 use frangible::Method;
 use frangible_shots::ShotOptions;
@@ -16,7 +17,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("paper", Method::Paper, 30.0, false),
         ("frame-rate", Method::FrameRate, 3000.0, true),
     ];
+    let only: Option<f64> = std::env::args().nth(1).and_then(|argument| argument.parse().ok());
     for (name, method, frames_per_second, safeguards) in cases {
+        if only.is_some_and(|only| only != frames_per_second) {
+            continue;
+        }
         let row = |seed: u64| {
             let options = ShotOptions { seed, method, frames_per_second, ..ShotOptions::default() };
             let spread = pillar_spread(&options, safeguards).map_err(|obstacle| obstacle.to_string())?;

@@ -25,8 +25,9 @@ const CLAY: f64 = 1800.0;
 const TENSION: f64 = 0.4e6;
 const SHEAR: f64 = 0.6e6;
 
-/// Of bricks in a joint that has broken: Coulomb's coefficient of masonry [EC6 3.6.2].
-const FRICTION: f64 = 0.4;
+/// Of loose bricks on crumbled mortar, half of what whole joints have [EC6 3.6.2]. The bricks fill
+/// their hole exactly: from 0.35 on they jam in it, and stop the ball.
+const FRICTION: f64 = 0.2;
 
 /// Of the ball, of steel [kg/m^3].
 const STEEL: f64 = 7800.0;

@@ -1,7 +1,7 @@
 //! When two hulls meet on their ways through a frame.
 
 use super::{FEW_POINTS, HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
-use crate::contact_batch::STALE;
+
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
@@ -15,6 +15,9 @@ const NEAR: f64 = 0.02;
 /// For two hulls that move this far against each other in the frame, spin included, and only pass, one point does; relative to the smaller hull's size.
 /// It is found anew in each frame; what is slower keeps its points, and needs all of them.
 const PASSING: f64 = 0.3;
+
+/// What is nearer than this, relative to the smaller hull's size, has all of its points.
+const STALE: f64 = 0.12;
 
 /// Steps along the way to the first touch.
 const MOST_STEPS: u32 = 32;

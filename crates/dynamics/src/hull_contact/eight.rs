@@ -182,23 +182,6 @@ fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
     Single::ZERO.above(numbers)
 }
 
-/// How high above the plane through the frame's origin across a unit vector all of a hull is [m].
-pub(crate) fn least_height<I: Instructions>(hull: &Columns, up: DVec3) -> f64 {
-    let mut deepest = f32::NEG_INFINITY;
-    I::run(
-        #[inline(always)]
-        || {
-            let down = Single3::<I>::splat(-up);
-            let mut depths = Single::same(f32::NEG_INFINITY);
-            for [x, y, z] in hull.vertices() {
-                depths = depths.max(three([x, y, z]).dot(down));
-            }
-            deepest = depths.largest();
-        },
-    );
-    up.dot(hull.middle) - f64::from(deepest)
-}
-
 /// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a vector each [m]: to single precision, outwards.
 pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DVec3, DVec3) {
     /// Of the largest extent: some times what single precision loses [1].

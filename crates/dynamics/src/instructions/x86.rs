@@ -58,8 +58,8 @@ macro_rules! arithmetic {
 }
 
 macro_rules! instructions {
-    ($name:ident, $doc:literal, $register:ty, $half:ty, $count:literal, $features:literal,
-     $transpose:ident, $singles:ty, $transpose_singles:ident, |$single:ident| $widen:expr, |$double:ident| $narrow:expr, {$($arithmetic:tt)*}) => {
+    ($name:ident, $doc:literal, $register:ty, $count:literal, $features:literal,
+     $transpose:ident, $singles:ty, $transpose_singles:ident, {$($arithmetic:tt)*}) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub(crate) struct $name;
@@ -78,28 +78,6 @@ macro_rules! instructions {
 
         impl Instructions for $name {
             $($arithmetic)*
-
-            #[inline(always)]
-            fn widen(a: Singles) -> Numbers {
-                let halves = unsafe { transmute::<Singles, [$half; $count]>(a) };
-                let mut out = Self::registers(Numbers::ZERO);
-                for part in 0..$count {
-                    let $single = halves[part];
-                    out[part] = unsafe { $widen };
-                }
-                Self::numbers(out)
-            }
-
-            #[inline(always)]
-            fn narrow(a: Numbers) -> Singles {
-                let registers = Self::registers(a);
-                let mut halves = unsafe { transmute::<Singles, [$half; $count]>(Singles::ZERO) };
-                for part in 0..$count {
-                    let $double = registers[part];
-                    halves[part] = unsafe { $narrow };
-                }
-                unsafe { transmute::<[$half; $count], Singles>(halves) }
-            }
 
             #[inline(always)]
             fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES] {
@@ -132,11 +110,6 @@ macro_rules! instructions {
             }
 
             #[inline(always)]
-            fn prefetch_one<T>(of: &[T], at: u32) {
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(of.as_ptr().wrapping_add(at as usize).cast::<i8>()) };
-            }
-
-            #[inline(always)]
             fn run(kernel: impl FnOnce()) {
                 #[target_feature(enable = $features)]
                 fn with(kernel: impl FnOnce()) {
@@ -152,14 +125,11 @@ instructions!(
     Sse2,
     "Two lanes at a time, four in single precision.",
     __m128d,
-    f64,
     4,
     "sse2",
     transpose_pairs,
     [__m128; 2],
     transpose_singles_by_four,
-    |single| _mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(single))),
-    |double| _mm_cvtsd_f64(_mm_castps_pd(_mm_cvtpd_ps(double))),
     {
         arithmetic!(
             Numbers, [__m128d; 4],
@@ -191,14 +161,11 @@ instructions!(
     Avx2,
     "Four lanes at a time, all in single precision.",
     __m256d,
-    __m128,
     2,
     "avx2",
     transpose_fours,
     __m256,
     transpose_singles_by_eight,
-    |single| _mm256_cvtps_pd(single),
-    |double| _mm256_cvtpd_ps(double),
     {
         arithmetic!(
             Numbers, [__m256d; 2],
@@ -228,14 +195,11 @@ instructions!(
     Avx512,
     "All lanes at once.",
     __m512d,
-    __m256,
     1,
     "avx512f,avx512dq,avx512vl",
     transpose_eights,
     __m256,
     transpose_singles_by_eight,
-    |single| _mm512_cvtps_pd(single),
-    |double| _mm512_cvtpd_ps(double),
     {
         arithmetic!(
             Numbers, [__m512d; 1],

@@ -1,0 +1,125 @@
+//! The solver of the frame-rate method: one detection, then substeps of soft contact and
+//! relaxation over batches of eight manifolds [Cat24] [Mac19].
+//!
+//! Single precision within the frame, relative to its start; double precision at its end.
+
+mod constraints;
+mod contact_batch;
+mod finish;
+mod group;
+mod kernels;
+mod restitution;
+mod slabs;
+mod solver_bodies;
+mod solver_islands;
+#[cfg(test)]
+mod tests;
+
+use crate::evolve::evolve;
+#[cfg(test)]
+use crate::instructions::Scalar;
+#[cfg(not(test))]
+use crate::instructions::with_widest;
+use crate::lanes::Instructions;
+use crate::manifold::Manifold;
+use crate::warm_start::{Part, Substeps, WarmStart};
+use crate::{Bodies, Frame, Motion, Tally, threads};
+use finish::{FrameStart, close_islands};
+use glam::DVec3;
+use group::{Group, NOWHERE};
+use solver_islands::{Bundle, IslandGroups};
+
+/// Steps in which kinematic bodies turn through a frame.
+const TURNS: u32 = 8;
+
+/// What the substeps did besides moving the bodies.
+pub struct Solved {
+    /// What static and kinematic bodies contributed, and where energy went.
+    pub tally: Tally,
+    /// Impulse and angular impulse about the world's origin that gravity gave.
+    pub gravity: (DVec3, DVec3),
+}
+
+/// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
+pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
+    #[cfg(not(test))]
+    {
+        with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, frame))
+    }
+    // Unit tests have one width, which saves most of their compilation; tests of whole scenes
+    // say that all widths give the same bits.
+    #[cfg(test)]
+    {
+        solve_with::<Scalar>(bodies, manifolds, warm, frame)
+    }
+}
+
+/// [`solve`] with some instructions.
+fn solve_with<I: Instructions>(
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    warm: &mut WarmStart,
+    frame: &Frame,
+) -> Solved {
+    let start = FrameStart::of(bodies);
+    let carried = warm.of_manifolds(bodies, manifolds);
+    let islands = IslandGroups::new(bodies, manifolds, &carried, (warm, frame));
+
+    let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
+    let mut parts: Vec<Part> = Vec::new();
+    let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
+        let input = (manifolds, &carried[..]);
+        let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
+        group.run(bodies, frame);
+        group
+    };
+    let room = || vec![NOWHERE; bodies.len()];
+    let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
+    for group in groups {
+        parts.push(group.write_back(bodies, manifolds, frame, &mut solved.tally));
+    }
+    close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
+    let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.tally);
+    fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);
+    parts.push(islands.sleep.carried(manifolds, &carried));
+    let drowsiness = islands.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
+    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &islands.substeps, &drowsiness);
+    solved
+}
+
+/// Moves kinematic bodies, and those that may touch nothing.
+fn fly(
+    bodies: &mut Bodies,
+    (substeps, are_asleep): (&[Substeps], &[bool]),
+    frame: &Frame,
+    solved: &mut Solved,
+) {
+    let step = Frame { dt: frame.dt / f64::from(TURNS), ..*frame };
+    for i in 0..bodies.len() {
+        match bodies.motions[i] {
+            Motion::Static => {}
+            Motion::Kinematic { .. } => {
+                let velocity = bodies.velocities[i];
+                let turn = |pose, _| evolve(bodies, i, &pose, &velocity, &step);
+                bodies.poses[i] = (0..TURNS).fold(bodies.poses[i], turn);
+            }
+            Motion::Dynamic if substeps[i].count > 0 || are_asleep[i] => {}
+            Motion::Dynamic => {
+                let weight = frame.dt * bodies.masses[i] * frame.gravity;
+                let from = bodies.poses[i].position;
+                fall(bodies, i, frame);
+                let middle = 0.5 * (from + bodies.poses[i].position);
+                solved.gravity.0 += weight;
+                solved.gravity.1 += middle.cross(weight);
+            }
+        }
+    }
+}
+
+/// Flies a body through the frame: exactly, as nothing touches it.
+fn fall(bodies: &mut Bodies, i: usize, frame: &Frame) {
+    let half = 0.5 * frame.dt * frame.gravity;
+    bodies.velocities[i].linear += half;
+    bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame);
+    bodies.velocities[i].linear += half;
+}

@@ -1,0 +1,215 @@
+//! Contact constraints: the points of a manifold that share a normal, at most four, with what
+//! they carried in the last frame.
+
+use crate::manifold::{Manifold, ManifoldPoint};
+use crate::warm_start::Carried;
+use crate::{Bodies, Frame, Motion, PairContactant};
+use glam::DVec3;
+
+/// Points of a constraint.
+pub(super) const MOST_POINTS: usize = 4;
+
+/// Cosine of the angle up to which normals count as the same one: a quarter of a degree.
+const SAME_NORMAL: f64 = 1.0 - 1e-5;
+
+/// A point without a carried impulse shares that of points which are gone, if it is no further
+/// apart than this part of what gravity closes in a frame.
+const NEAR: f64 = 0.2;
+
+/// One point of a constraint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConstraintPoint {
+    /// Its number in the manifold.
+    pub(super) number: usize,
+    /// From the bodies' centres, world frame [m].
+    pub(super) anchors: [DVec3; 2],
+    /// [m]
+    pub(super) separation: f64,
+    /// Carried, per substep [N s].
+    pub(super) impulse: f64,
+    /// From the constraint's centre [m].
+    pub(super) radius: f64,
+}
+
+/// See above.
+pub(super) struct Constraint {
+    /// Number of its manifold.
+    pub(super) manifold: usize,
+    /// Of both bodies in the solver.
+    pub(super) lines: [u32; 2],
+    /// Whether contacts move them, and whether they are kinematic.
+    pub(super) is_movable: [bool; 2],
+    pub(super) is_driven: [bool; 2],
+    /// World frame, from the first body to the second.
+    pub(super) normal: DVec3,
+    pub(super) tangent: DVec3,
+    pub(super) points: Points,
+    /// Mean of the anchors [m], and from there along the normal to the middle of the gap [m].
+    pub(super) centers: [DVec3; 2],
+    pub(super) offsets: [f64; 2],
+    /// Carried, per substep: along both tangents [N s], about the normal and both tangents [N m s].
+    pub(super) friction_impulse: [f64; 2],
+    pub(super) twist_impulse: f64,
+    pub(super) rolling_impulse: [f64; 2],
+    pub(super) surface: PairContactant,
+    /// Relative gravity along the normal [m/s^2].
+    pub(super) gravity: f64,
+}
+
+/// Up to [`MOST_POINTS`].
+#[derive(Clone, Copy)]
+pub(super) struct Points {
+    of: [ConstraintPoint; MOST_POINTS],
+    count: usize,
+}
+
+impl std::ops::Deref for Points {
+    type Target = [ConstraintPoint];
+    fn deref(&self) -> &[ConstraintPoint] {
+        &self.of[..self.count]
+    }
+}
+
+impl std::ops::DerefMut for Points {
+    fn deref_mut(&mut self) -> &mut [ConstraintPoint] {
+        &mut self.of[..self.count]
+    }
+}
+
+impl<'a> IntoIterator for &'a Points {
+    type Item = &'a ConstraintPoint;
+    type IntoIter = std::slice::Iter<'a, ConstraintPoint>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// A manifold on its way into the solver.
+pub(super) struct Source<'a> {
+    pub(super) number: usize,
+    pub(super) manifold: &'a Manifold<'a>,
+    pub(super) carried: &'a [Carried],
+    /// Of both bodies in the solver.
+    pub(super) lines: [u32; 2],
+}
+
+impl Source<'_> {
+    /// Adds the constraints of this manifold, for substeps of `h` [s].
+    pub(super) fn add_to(
+        &self,
+        constraints: &mut Vec<Constraint>,
+        bodies: &Bodies,
+        (h, frame): (f64, &Frame),
+    ) {
+        let points = self.manifold.points;
+        let mut is_done = vec![false; points.len()];
+        for first in 0..points.len() {
+            if is_done[first] {
+                continue;
+            }
+            let mut numbers = [0; MOST_POINTS];
+            let mut count = 0;
+            for next in first..points.len() {
+                let has_room = !is_done[next] && count < MOST_POINTS;
+                if has_room && points[first].normal.dot(points[next].normal) > SAME_NORMAL {
+                    is_done[next] = true;
+                    numbers[count] = next;
+                    count += 1;
+                }
+            }
+            constraints.push(self.constraint(&numbers[..count], bodies, (h, frame)));
+        }
+    }
+
+    fn constraint(&self, numbers: &[usize], bodies: &Bodies, (h, frame): (f64, &Frame)) -> Constraint {
+        let Manifold { pair, points, .. } = self.manifold;
+        let both = [pair.first, pair.second];
+        let normal = -points[numbers[0]].normal;
+        let tangent = normal.any_orthonormal_vector();
+        let share = 1.0 / numbers.len() as f64;
+
+        let none = ConstraintPoint {
+            number: 0,
+            anchors: [DVec3::ZERO; 2],
+            separation: 0.0,
+            impulse: 0.0,
+            radius: 0.0,
+        };
+        let mut all = Points { of: [none; MOST_POINTS], count: numbers.len() };
+        let (mut centers, mut offsets) = ([DVec3::ZERO; 2], [0.0; 2]);
+        for (to, &number) in all.iter_mut().zip(numbers) {
+            let ManifoldPoint { anchor_first, anchor_second, rounding, gap, .. } = points[number];
+            let turned = |i: usize, anchor: DVec3| bodies.poses[i].orientation * anchor;
+            to.number = number;
+            to.anchors = [turned(pair.first, anchor_first), turned(pair.second, anchor_second)];
+            to.separation = gap;
+            for side in 0..2 {
+                let half = 0.5 * gap;
+                let offset = if side == 0 { rounding[0] + half } else { -rounding[1] - half };
+                centers[side] += share * to.anchors[side];
+                offsets[side] += share * offset;
+            }
+        }
+        for point in all.iter_mut() {
+            point.radius = (point.anchors[0] - centers[0]).length();
+        }
+        let is_movable = both.map(|i| !bodies.inertias[i].is_infinite());
+        let of = |side: usize| if is_movable[side] { frame.gravity } else { DVec3::ZERO };
+        let mut constraint = Constraint {
+            manifold: self.number,
+            lines: self.lines,
+            is_movable,
+            is_driven: both.map(|i| matches!(bodies.motions[i], Motion::Kinematic { .. })),
+            normal,
+            tangent,
+            points: all,
+            centers,
+            offsets,
+            friction_impulse: [0.0; 2],
+            twist_impulse: 0.0,
+            rolling_impulse: [0.0; 2],
+            surface: bodies.pair_contactant(pair.first, pair.second),
+            gravity: (of(1) - of(0)).dot(normal),
+        };
+        self.warm(&mut constraint, h, NEAR * frame.sag());
+        constraint
+    }
+
+    /// Hands on what the pair carried: point by point, and what points that are gone carried
+    /// to those that are new and nearer than `near` [m]. Forces go on as they were in the world.
+    fn warm(&self, constraint: &mut Constraint, h: f64, near: f64) {
+        let points = self.manifold.points;
+        let has_all = constraint.points.len() == points.len();
+        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        let mut left = 0.0;
+        for carried in self.carried {
+            let is_it = |point: &&mut ConstraintPoint| points[point.number].sample == carried.sample;
+            let acts = &carried.force;
+            let normal = h * f64::from(acts.normal);
+            if let Some(point) = constraint.points.iter_mut().find(is_it) {
+                point.impulse = normal;
+            } else if has_all {
+                left += normal;
+            } else {
+                continue;
+            }
+            force -= h * acts.force.as_dvec3();
+            torque -= h * acts.twist.as_dvec3();
+        }
+        let is_new = |point: &ConstraintPoint| {
+            let sample = points[point.number].sample;
+            point.separation < near && self.carried.iter().all(|carried| carried.sample != sample)
+        };
+        let new = constraint.points.iter().filter(|point| is_new(point)).count();
+        if has_all && left > 0.0 && new > 0 {
+            let share = left / new as f64;
+            for point in constraint.points.iter_mut().filter(|point| is_new(point)) {
+                point.impulse = share;
+            }
+        }
+        let other = constraint.normal.cross(constraint.tangent);
+        constraint.friction_impulse = [force.dot(constraint.tangent), force.dot(other)];
+        constraint.twist_impulse = torque.dot(constraint.normal);
+        constraint.rolling_impulse = [torque.dot(constraint.tangent), torque.dot(other)];
+    }
+}

@@ -1,0 +1,280 @@
+//! Contact constraints of eight manifolds side by side, in single precision.
+
+use super::constraints::{Constraint, MOST_POINTS};
+use super::solver_bodies::{
+    LaneDisplacements, LaneVelocities, Lines, displacements, inverse_inertias, velocities,
+};
+use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Symmetric};
+use glam::DVec3;
+
+/// Where the entry of points i and j of the symmetric 4 x 4 matrix K is stored.
+pub(super) const ENTRY: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
+
+/// Smallest determinant of a 2 x 2 effective mass, relative to the product of its diagonal: a
+/// sliver's is rounding.
+const LEAST_DETERMINANT: f64 = 1e-5;
+
+/// One point of each manifold.
+#[derive(Clone, Copy)]
+pub(super) struct PointLanes<I> {
+    /// From the bodies' centres at the frame's start, world frame [m].
+    pub(super) anchors: [Single3<I>; 2],
+    /// At the frame's start [m].
+    pub(super) separation: Single<I>,
+    /// Accumulated normal impulse of the substep [N s].
+    pub(super) impulse: Single<I>,
+    /// Along the normal [kg].
+    pub(super) effective_mass: Single<I>,
+    /// Distance from the manifold's centre, at which friction resists twisting [m].
+    pub(super) radius: Single<I>,
+}
+
+/// Rolling friction, where any of the pairs has some.
+pub(super) struct RollingLanes<I> {
+    /// Torque per normal force [m].
+    pub(super) coefficient: Single<I>,
+    /// Inverse of the 2 x 2 matrix about the tangents: xx, yy, xy [kg m^2].
+    pub(super) effective_inertia: [Single<I>; 3],
+    /// About both tangents [N m s].
+    pub(super) impulse: [Single<I>; 2],
+}
+
+/// Eight manifolds, no two of which share a body that contacts move: up to four points each,
+/// with one normal.
+pub(super) struct ContactBatch<I> {
+    /// Lines of the first and of the second bodies, from the slab's first one on.
+    pub(super) ids: [[u32; LANES]; 2],
+    /// Number of the constraint in each lane; `u32::MAX` for none.
+    pub(super) constraints: [u32; LANES],
+    /// Points of the manifold that has most.
+    pub(super) point_count: usize,
+    pub(super) points: [PointLanes<I>; MOST_POINTS],
+    /// World frame, from the first body to the second.
+    pub(super) normal: Single3<I>,
+    pub(super) tangent: Single3<I>,
+    /// Of the anchors, from the bodies' centres [m]: friction acts there.
+    pub(super) centers: [Single3<I>; 2],
+    /// From those along the normal to the middle between the surfaces [m].
+    pub(super) offsets: [Single<I>; 2],
+    /// The matrix K of the points: velocity at i per impulse at j [1/kg].
+    pub(super) k: [Single<I>; 10],
+    /// Inverse of the 2 x 2 matrix along the tangents: xx, yy, xy [kg].
+    pub(super) tangent_mass: [Single<I>; 3],
+    /// About the normal [kg m^2].
+    pub(super) twist_inertia: Single<I>,
+    /// Accumulated impulses of friction along both tangents [N s] and about the normal [N m s].
+    pub(super) friction: [Single<I>; 2],
+    pub(super) twist: Single<I>,
+    pub(super) friction_coefficient: Single<I>,
+    pub(super) spinning_friction: Single<I>,
+    pub(super) rolling: Option<Box<RollingLanes<I>>>,
+    pub(super) restitution: Single<I>,
+    /// Lanes with restitution.
+    pub(super) bounces: Mask,
+    /// Relative gravity along the normal [m/s^2].
+    pub(super) gravity: Single<I>,
+    /// Sums over the frame: impulses along normal and tangents [N s].
+    pub(super) frame_impulse: [Single<I>; 3],
+    /// Work of closing overlaps, of friction, and of kinematic bodies in the frame [J].
+    pub(super) recovery: Single<I>,
+    pub(super) friction_work: Single<I>,
+    pub(super) driven_work: Single<I>,
+    /// Lanes with a kinematic body, and which side that is.
+    pub(super) is_driven: [Mask; 2],
+    /// Lanes in which anything acted in the frame.
+    pub(super) acted: Mask,
+    /// Whether arms turned with their bodies in the last visit.
+    pub(super) is_turned: bool,
+    /// Whether anything may come fast enough to bounce.
+    pub(super) may_bounce: bool,
+}
+
+impl<I: Instructions> ContactBatch<I> {
+    /// Without manifolds: both sides of all lanes are the first line, which is fixed.
+    pub(super) fn empty() -> Self {
+        let (zero, zero3) = (Single::ZERO, Single3::ZERO);
+        let point = PointLanes {
+            anchors: [zero3; 2],
+            separation: Single::same(f32::MAX.sqrt()),
+            impulse: zero,
+            effective_mass: zero,
+            radius: zero,
+        };
+        Self {
+            ids: [[0; LANES]; 2],
+            constraints: [u32::MAX; LANES],
+            point_count: 0,
+            points: [point; MOST_POINTS],
+            normal: zero3,
+            tangent: zero3,
+            centers: [zero3; 2],
+            offsets: [zero; 2],
+            k: [zero; 10],
+            tangent_mass: [zero; 3],
+            twist_inertia: zero,
+            friction: [zero; 2],
+            twist: zero,
+            friction_coefficient: zero,
+            spinning_friction: zero,
+            rolling: None,
+            restitution: zero,
+            bounces: Mask::NONE,
+            gravity: zero,
+            frame_impulse: [zero; 3],
+            recovery: zero,
+            friction_work: zero,
+            driven_work: zero,
+            is_driven: [Mask::NONE; 2],
+            acted: Mask::NONE,
+            is_turned: false,
+            may_bounce: true,
+        }
+    }
+
+    /// Puts a constraint into a lane, with its lines from `first_line` on.
+    pub(super) fn fill(&mut self, lane: usize, (number, constraint): (u32, &Constraint), first_line: usize) {
+        self.constraints[lane] = number;
+        self.point_count = self.point_count.max(constraint.points.len());
+        for side in 0..2 {
+            self.ids[side][lane] = constraint.lines[side] - first_line as u32;
+            self.centers[side].set(lane, constraint.centers[side]);
+            self.offsets[side].set(lane, constraint.offsets[side]);
+            self.is_driven[side].set(lane, constraint.is_driven[side]);
+        }
+        for (lanes, point) in self.points.iter_mut().zip(&constraint.points) {
+            for side in 0..2 {
+                lanes.anchors[side].set(lane, point.anchors[side]);
+            }
+            lanes.separation.set(lane, point.separation);
+            lanes.impulse.set(lane, point.impulse);
+            lanes.radius.set(lane, point.radius);
+        }
+        self.normal.set(lane, constraint.normal);
+        self.tangent.set(lane, constraint.tangent);
+        for k in 0..2 {
+            self.friction[k].set(lane, constraint.friction_impulse[k]);
+        }
+        self.twist.set(lane, constraint.twist_impulse);
+        let surface = &constraint.surface;
+        self.friction_coefficient.set(lane, surface.friction);
+        self.spinning_friction.set(lane, surface.spinning_friction);
+        self.restitution.set(lane, surface.restitution.max(0.0));
+        self.bounces.set(lane, surface.restitution > 0.0);
+        if surface.rolling_friction > 0.0 {
+            let zero = Single::ZERO;
+            let none = RollingLanes { coefficient: zero, effective_inertia: [zero; 3], impulse: [zero; 2] };
+            let rolling = self.rolling.get_or_insert_with(|| Box::new(none));
+            rolling.coefficient.set(lane, surface.rolling_friction);
+            for k in 0..2 {
+                rolling.impulse[k].set(lane, constraint.rolling_impulse[k]);
+            }
+        }
+        self.gravity.set(lane, constraint.gravity);
+    }
+
+    /// Computes K and the effective masses of friction where the bodies are now.
+    #[inline(always)]
+    pub(super) fn prepare(&mut self, lines: &Lines) {
+        let at = self.displacements(lines);
+        let inertia = self.inverse_inertias(lines);
+        let of = self.velocities(lines);
+        let inverse_mass = of[0].inverse_mass + of[1].inverse_mass;
+        let n = self.normal;
+        let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
+        for (arms, point) in arms.iter_mut().zip(&self.points[..self.point_count]) {
+            for side in 0..2 {
+                let anchor = point.anchors[side];
+                arms[side] = (anchor + at[side].turn_of(anchor)).cross(n);
+            }
+        }
+        for i in 0..self.point_count {
+            let turns = [inertia[0] * arms[i][0], inertia[1] * arms[i][1]];
+            for j in i..self.point_count {
+                self.k[ENTRY[i][j]] = inverse_mass + turns[0].dot(arms[j][0]) + turns[1].dot(arms[j][1]);
+            }
+            self.points[i].effective_mass = reciprocal(self.k[ENTRY[i][i]]);
+        }
+
+        let tangents = [self.tangent, n.cross(self.tangent)];
+        let centers = self.turned_centers(&at);
+        let mut along = [inverse_mass, inverse_mass, Single::ZERO];
+        let mut about = [Single::ZERO; 3];
+        let mut twist = Single::ZERO;
+        for side in 0..2 {
+            let moments = [centers[side].cross(tangents[0]), centers[side].cross(tangents[1])];
+            let turns = [inertia[side] * moments[0], inertia[side] * moments[1]];
+            along[0] = along[0] + turns[0].dot(moments[0]);
+            along[1] = along[1] + turns[1].dot(moments[1]);
+            along[2] = along[2] + turns[0].dot(moments[1]);
+            let turns = [inertia[side] * tangents[0], inertia[side] * tangents[1]];
+            about[0] = about[0] + turns[0].dot(tangents[0]);
+            about[1] = about[1] + turns[1].dot(tangents[1]);
+            about[2] = about[2] + turns[0].dot(tangents[1]);
+            twist = twist + (inertia[side] * n).dot(n);
+        }
+        self.tangent_mass = inverse_2x2(along);
+        self.twist_inertia = reciprocal(twist);
+        if let Some(rolling) = &mut self.rolling {
+            rolling.effective_inertia = inverse_2x2(about);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn velocities(&self, lines: &Lines) -> [LaneVelocities<I>; 2] {
+        [velocities(lines.bodies, &self.ids[0]), velocities(lines.bodies, &self.ids[1])]
+    }
+
+    #[inline(always)]
+    pub(super) fn displacements(&self, lines: &Lines) -> [LaneDisplacements<I>; 2] {
+        [displacements(lines.bodies, &self.ids[0]), displacements(lines.bodies, &self.ids[1])]
+    }
+
+    #[inline(always)]
+    pub(super) fn inverse_inertias(&self, lines: &Lines) -> [Symmetric<Single<I>>; 2] {
+        let of = lines.inverse_inertias;
+        [inverse_inertias(of, &self.ids[0]), inverse_inertias(of, &self.ids[1])]
+    }
+
+    /// Where friction acts, from the bodies' centres, now [m].
+    #[inline(always)]
+    pub(super) fn turned_centers(&self, at: &[LaneDisplacements<I>; 2]) -> [Single3<I>; 2] {
+        let mut centers = self.centers;
+        for side in 0..2 {
+            let offset = self.normal * self.offsets[side];
+            centers[side] = centers[side] + at[side].turn_of(centers[side]) + offset;
+        }
+        centers
+    }
+
+    /// The impulses of a lane's points in the last substep [N s].
+    pub(super) fn normal_impulses(&self, lane: usize) -> [f64; MOST_POINTS] {
+        let mut impulses = [0.0; MOST_POINTS];
+        for (impulse, point) in impulses.iter_mut().zip(&self.points) {
+            *impulse = point.impulse.get(lane);
+        }
+        impulses
+    }
+
+    /// The normal and both tangents of a lane.
+    pub(super) fn frame_of(&self, lane: usize) -> [DVec3; 3] {
+        let (normal, tangent) = (self.normal.get(lane), self.tangent.get(lane));
+        [normal, tangent, normal.cross(tangent)]
+    }
+}
+
+/// 1/x, and zero where x is not positive.
+#[inline(always)]
+pub(super) fn reciprocal<I: Instructions>(x: Single<I>) -> Single<I> {
+    x.above(Single::ZERO).select(Single::same(1.0) / x, Single::ZERO)
+}
+
+/// Of a symmetric matrix by its entries xx, yy and xy: relative to its trace, as the square of
+/// what a sliver has is beyond single precision.
+#[inline(always)]
+fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
+    let scale = reciprocal(xx + yy);
+    let (xx, yy, xy) = (xx * scale, yy * scale, xy * scale);
+    let least = xx * yy * Single::splat(LEAST_DETERMINANT);
+    let by = reciprocal((xx * yy - xy * xy).max(least)) * scale;
+    [yy * by, xx * by, -(xy * by)]
+}

@@ -1,0 +1,268 @@
+//! The frame's end: poses and velocities in double precision, momentum exact, energy booked.
+
+use super::contact_batch::ContactBatch;
+use super::group::Group;
+use super::{Solved, fall};
+use crate::islands::root;
+use crate::lanes::{Instructions, LANES};
+use crate::ledger::energy;
+use crate::manifold::Manifold;
+use crate::tally::{Cause, Tally};
+use crate::warm_start::{Carried, Part, PointImpulse, Substeps};
+use crate::{Bodies, Frame, Inertia, Motion, Pose, Velocity};
+use glam::{DMat3, DVec3};
+
+/// Where all bodies were at the frame's start, and how fast.
+pub(super) struct FrameStart {
+    poses: Vec<Pose>,
+    velocities: Vec<Velocity>,
+}
+
+impl FrameStart {
+    pub(super) fn of(bodies: &Bodies) -> Self {
+        Self { poses: bodies.poses.clone(), velocities: bodies.velocities.clone() }
+    }
+
+    fn energy(&self, bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
+        energy(bodies, i, &self.poses[i], &self.velocities[i], gravity)
+    }
+}
+
+impl<I: Instructions> Group<I> {
+    /// Moves the bodies to where the substeps left them, books what acted, and returns what the
+    /// next frame begins with.
+    pub(super) fn write_back(
+        self,
+        bodies: &mut Bodies,
+        manifolds: &[Manifold],
+        frame: &Frame,
+        tally: &mut Tally,
+    ) -> Part {
+        let Self { bodies: mut solver_bodies, constraints, slabs, h, .. } = self;
+        let mut places = vec![(0, 0); constraints.len()];
+        let batches: Vec<ContactBatch<I>> = slabs.into_iter().flat_map(|slab| slab.batches).collect();
+        for (at, batch) in batches.iter().enumerate() {
+            for (lane, &number) in batch.constraints.iter().enumerate() {
+                if let Some(place) = places.get_mut(number as usize) {
+                    *place = (at, lane);
+                }
+            }
+        }
+
+        // Impulses are pairs of opposites, so that momentum is exact whatever single precision
+        // made of the velocities.
+        let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
+        let mut is_touched = vec![false; momenta.len()];
+        let mut part = Part::with_room(constraints.len(), 4 * constraints.len());
+        let mut number = 0;
+        while number < constraints.len() {
+            let manifold = constraints[number].manifold;
+            let Manifold { pair, points, .. } = &manifolds[manifold];
+            let mut is_acting = false;
+            let mut recovered = 0.0;
+            while let Some(constraint) =
+                constraints.get(number).filter(|constraint| constraint.manifold == manifold)
+            {
+                let (batch, lane) = (&batches[places[number].0], places[number].1);
+                number += 1;
+                if !batch.acted.get(lane) {
+                    continue;
+                }
+                is_acting = true;
+                let axes = batch.frame_of(lane);
+                let impulse: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
+                let lines = constraint.lines.map(|line| line as usize);
+                momenta[lines[0]] -= impulse;
+                momenta[lines[1]] += impulse;
+                for side in 0..2 {
+                    is_touched[lines[side]] = true;
+                    let on = [pair.first, pair.second][side];
+                    if constraint.is_movable[side] && !constraint.is_movable[1 - side] {
+                        let by = [pair.second, pair.first][side];
+                        let sign = if side == 0 { -1.0 } else { 1.0 };
+                        let work = batch.driven_work.get(lane);
+                        tally.book_outside(bodies, [on, by], (sign * impulse, DVec3::ZERO), work);
+                    }
+                }
+                recovered += batch.recovery.get(lane);
+                tally.causes.add(Cause::Friction, batch.friction_work.get(lane));
+                let samples = constraint.points.iter().map(|point| points[point.number].sample);
+                carry(&mut part, samples, (batch, lane), (h, frame.dt));
+            }
+            part.end_pair(manifold, *pair);
+            if is_acting {
+                tally.link(bodies, *pair);
+                tally.impulses += 1;
+                tally.recover(bodies, *pair, recovered);
+            }
+        }
+
+        for line in 0..momenta.len() {
+            let Some(i) = solver_bodies.body_of[line] else { continue };
+            if bodies.motions[i] != Motion::Dynamic {
+                continue;
+            }
+            if is_touched[line] {
+                let gravity = frame.dt * bodies.masses[i] * frame.gravity;
+                solver_bodies.write_back(bodies, (line, i), momenta[line] + gravity);
+            } else {
+                fall(bodies, i, frame);
+            }
+        }
+        part
+    }
+}
+
+/// Adds what a lane carried, in the last substep and on average over the frame, as forces in the
+/// world.
+fn carry<I: Instructions>(
+    part: &mut Part,
+    samples: impl ExactSizeIterator<Item = (bool, u64)>,
+    (batch, lane): (&ContactBatch<I>, usize),
+    (h, dt): (f64, f64),
+) {
+    debug_assert!(lane < LANES);
+    let axes @ [normal, tangent, other] = batch.frame_of(lane);
+    let impulses = batch.normal_impulses(lane);
+    let total: f64 = impulses.iter().sum();
+    let friction = batch.friction[0].get(lane) * tangent + batch.friction[1].get(lane) * other;
+    let mut torque = batch.twist.get(lane) * normal;
+    if let Some(rolling) = &batch.rolling {
+        let [along, across] = &rolling.impulse;
+        torque += along.get(lane) * tangent + across.get(lane) * other;
+    }
+    let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
+    // What bounced acted at all of its points.
+    let equal = 1.0 / samples.len() as f64;
+    for (sample, impulse) in samples.zip(impulses) {
+        let share = if total > 0.0 { impulse / total } else { equal };
+        if share > 0.0 {
+            let force = PointImpulse {
+                normal: (impulse / h) as f32,
+                force: (-(impulse * normal + share * friction) / h).as_vec3(),
+                twist: (-(share / h) * torque).as_vec3(),
+                mean: (-(share / dt) * of_frame).as_vec3(),
+            };
+            part.points.push(Carried { sample, force });
+        }
+    }
+}
+
+/// An island by what acted in the frame.
+#[derive(Default)]
+struct ActedIsland {
+    members: Vec<usize>,
+    /// Whether it touches something that contacts do not move.
+    is_held: bool,
+}
+
+/// Closes the frame of each island: angular momentum, and energy by cause.
+pub(super) fn close_islands(
+    bodies: &mut Bodies,
+    start: &FrameStart,
+    substeps: &[Substeps],
+    frame: &Frame,
+    solved: &mut Solved,
+) {
+    let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
+    let mut given = 0.0;
+    for ActedIsland { members, is_held } in acted_islands(bodies, substeps, &solved.tally) {
+        debug_assert!(members.iter().all(|&i| !is_fixed[i]));
+        let unexplained = angular_change(bodies, start, &members, frame, solved);
+        if is_held {
+            solved.tally.outside_angular_impulse += unexplained;
+        } else if unexplained != DVec3::ZERO {
+            turn_back(bodies, &members, unexplained);
+        }
+        for &i in &members {
+            given += energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
+                - start.energy(bodies, i, frame.gravity);
+        }
+    }
+    let Tally { causes, .. } = &mut solved.tally;
+    let known = causes.work + causes.friction + causes.projection;
+    causes.add(Cause::Contact, given - known);
+}
+
+/// Bodies that exchanged impulses, directly or through others, in the order of the first one.
+fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<ActedIsland> {
+    let mut parent: Vec<u32> = (0..bodies.len() as u32).collect();
+    let is_movable = |i: usize| !bodies.inertias[i].is_infinite();
+    let mut links = Vec::with_capacity(tally.links.len());
+    for &(a, b) in &tally.links {
+        if let (Some(a), Some(b)) = (bodies.index_of(a), bodies.index_of(b)) {
+            links.push([a, b]);
+            if is_movable(a) && is_movable(b) {
+                let [a, b] = [a, b].map(|i| root(&mut parent, i as u32));
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    let mut number_of = vec![usize::MAX; bodies.len()];
+    let mut islands: Vec<ActedIsland> = Vec::new();
+    for i in (0..bodies.len()).filter(|&i| substeps[i].count > 0 && is_movable(i)) {
+        let root = root(&mut parent, i as u32) as usize;
+        if number_of[root] == usize::MAX {
+            number_of[root] = islands.len();
+            islands.push(ActedIsland::default());
+        }
+        number_of[i] = number_of[root];
+        islands[number_of[i]].members.push(i);
+    }
+    for [a, b] in links {
+        for (on, by) in [(a, b), (b, a)] {
+            if is_movable(on) && !is_movable(by) {
+                let island = &mut islands[number_of[on]];
+                island.is_held = true;
+            }
+        }
+    }
+    islands
+}
+
+/// Books gravity's impulses, and returns what they do not explain of the change of angular
+/// momentum about the world's origin.
+fn angular_change(
+    bodies: &Bodies,
+    start: &FrameStart,
+    members: &[usize],
+    frame: &Frame,
+    solved: &mut Solved,
+) -> DVec3 {
+    let mut unexplained = DVec3::ZERO;
+    for &i in members {
+        let (before, after) = (&start.poses[i], &bodies.poses[i]);
+        let (old, new) = (&start.velocities[i], &bodies.velocities[i]);
+        let mass = bodies.masses[i];
+        let weight = frame.dt * mass * frame.gravity;
+        let turn = (0.5 * (before.position + after.position)).cross(weight);
+        solved.gravity.0 += weight;
+        solved.gravity.1 += turn;
+        unexplained += after.position.cross(mass * new.linear) + new.angular_momentum
+            - before.position.cross(mass * old.linear)
+            - old.angular_momentum
+            - turn;
+    }
+    unexplained
+}
+
+/// Turns an island as one rigid body, so that it loses an angular momentum. Linear momentum
+/// stays.
+fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
+    let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
+    let weighted = |&i: &usize| bodies.masses[i] * bodies.poses[i].position;
+    let center = members.iter().map(weighted).sum::<DVec3>() / mass;
+    let mut inertia = DMat3::ZERO;
+    for &i in members {
+        let arm = bodies.poses[i].position - center;
+        let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+        let offset = arm.length_squared() * DMat3::IDENTITY - outer;
+        inertia += bodies.inertias[i].tensor(bodies.poses[i].orientation) + bodies.masses[i] * offset;
+    }
+    let spin = inertia.inverse() * -angular_momentum;
+    for &i in members {
+        let tensor = bodies.inertias[i].tensor(bodies.poses[i].orientation);
+        bodies.velocities[i].linear += spin.cross(bodies.poses[i].position - center);
+        bodies.velocities[i].angular_momentum += tensor * spin;
+    }
+}

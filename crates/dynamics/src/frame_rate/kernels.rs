@@ -1,0 +1,460 @@
+//! What a substep does to each batch: warm starting, one soft sweep before the drift, one
+//! rigid sweep after it [Cat24].
+
+use super::constraints::MOST_POINTS;
+use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
+use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines};
+use crate::lanes::{Instructions, Mask, Single, Single3, Symmetric};
+
+/// Half of the angle [rad] up to which arms do not turn with their bodies within a frame: the
+/// error of a separation is its square then, a micrometre at the end of a metre.
+const HALF_TURN: f32 = 5e-4;
+
+/// Contacts of bodies that turn by more in a substep [rad] begin without the impulses of the last
+/// one, which had other arms: of slivers they would make energy.
+const SPINS: f32 = 0.2;
+
+/// Gauss-Seidel sweeps over the points of a manifold in a visit, there and back by turns. With
+/// two, a wall at rest keeps ten times the motion, for a fifteenth of the time.
+pub(super) const POINT_SWEEPS: u32 = 4;
+
+/// What all batches of a substep need.
+pub(super) struct Substep<I> {
+    /// [s]
+    pub(super) h: Single<I>,
+    /// [1/s]
+    pub(super) per_second: Single<I>,
+    pub(super) soft: Softness<I>,
+    /// Overlaps beyond what the load explains close by this part of them a second [1/s],
+    /// however many substeps there are: a tower that gets stiffer must not jump.
+    pub(super) recovery_rate: Single<I>,
+    /// They close no faster [m/s].
+    pub(super) recovery_speed: Single<I>,
+    /// What approaches faster bounces, if its restitution is above zero; negative [m/s].
+    pub(super) bounce_velocity: Single<I>,
+}
+
+/// How soft contacts are [Cat24].
+pub(super) struct Softness<I> {
+    /// Velocity per overlap [1/s].
+    rate: Single<I>,
+    /// Scale of the effective mass [1].
+    mass: Single<I>,
+    /// Scale of the accumulated impulse that is given up [1].
+    impulse: Single<I>,
+    /// Speed at which what is carried gives way, in units of what its impulse does [1].
+    yielding: Single<I>,
+}
+
+impl<I: Instructions> Softness<I> {
+    /// A spring of this frequency [Hz] and damping ratio in substeps of `h` [s].
+    pub(super) fn new(frequency: f64, damping_ratio: f64, h: f64) -> Self {
+        let omega = std::f64::consts::TAU * frequency;
+        let a = 2.0 * damping_ratio + h * omega;
+        let b = h * omega * a;
+        let mass = b / (1.0 + b);
+        Self {
+            rate: Single::splat(omega / a * mass),
+            mass: Single::splat(mass),
+            impulse: Single::splat(1.0 / (1.0 + b)),
+            yielding: Single::splat(1.0 / b),
+        }
+    }
+}
+
+/// Both sides of eight manifolds in a visit.
+pub(super) struct Sides<I> {
+    pub(super) of: [LaneVelocities<I>; 2],
+    pub(super) inertia: [Symmetric<Single<I>>; 2],
+}
+
+impl<I: Instructions> Sides<I> {
+    /// Adds an impulse along `normal` with its moments about both centres.
+    #[inline(always)]
+    pub(super) fn push(&mut self, normal: Single3<I>, impulse: Single<I>, moments: [Single3<I>; 2]) {
+        let [a, b] = &mut self.of;
+        a.linear = a.linear - normal * (a.inverse_mass * impulse);
+        b.linear = b.linear + normal * (b.inverse_mass * impulse);
+        a.angular = a.angular - self.inertia[0] * moments[0];
+        b.angular = b.angular + self.inertia[1] * moments[1];
+    }
+
+    /// Adds an impulse at points relative to both centres.
+    #[inline(always)]
+    pub(super) fn push_at(&mut self, arms: [Single3<I>; 2], impulse: Single3<I>) {
+        let [a, b] = &mut self.of;
+        a.linear = a.linear - impulse * a.inverse_mass;
+        b.linear = b.linear + impulse * b.inverse_mass;
+        a.angular = a.angular - self.inertia[0] * arms[0].cross(impulse);
+        b.angular = b.angular + self.inertia[1] * arms[1].cross(impulse);
+    }
+
+    /// Of an impulse and its moments, by the change of velocity that it makes itself [J].
+    #[inline(always)]
+    pub(super) fn work_of(&self, impulse: Single<I>, moments: [Single3<I>; 2]) -> Single<I> {
+        let inverse_mass = self.of[0].inverse_mass + self.of[1].inverse_mass;
+        impulse * impulse * inverse_mass
+            + moments[0].dot(self.inertia[0] * moments[0])
+            + moments[1].dot(self.inertia[1] * moments[1])
+    }
+
+    /// Shortens the change of friction along both tangents so that it stops a slip at most.
+    #[inline(always)]
+    pub(super) fn rub(
+        &self,
+        change: [Single<I>; 2],
+        slip: [Single<I>; 2],
+        tangents: [Single3<I>; 2],
+        centers: [Single3<I>; 2],
+    ) -> [Single<I>; 2] {
+        let impulse = tangents[0] * change[0] + tangents[1] * change[1];
+        let moments = [centers[0].cross(impulse), centers[1].cross(impulse)];
+        let size = impulse.dot(impulse).sqrt();
+        let lost = -(change[0] * slip[0] + change[1] * slip[1]);
+        let scale = shortened(self.work_of(size, moments), lost);
+        let scale = lost.above(Single::ZERO).select(scale, Single::same(1.0));
+        [change[0] * scale, change[1] * scale]
+    }
+
+    /// Relative velocity at points relative to both centres.
+    #[inline(always)]
+    pub(super) fn velocity_at(&self, arms: [Single3<I>; 2]) -> Single3<I> {
+        let [a, b] = &self.of;
+        (b.linear + b.angular.cross(arms[1])) - (a.linear + a.angular.cross(arms[0]))
+    }
+}
+
+impl<I: Instructions> ContactBatch<I> {
+    #[inline(always)]
+    pub(super) fn sides(&self, lines: &Lines) -> Sides<I> {
+        Sides { of: self.velocities(lines), inertia: self.inverse_inertias(lines) }
+    }
+
+    #[inline(always)]
+    pub(super) fn store(&self, sides: &Sides<I>, lines: &mut Lines) {
+        sides.of[0].store(lines.bodies, &self.ids[0]);
+        sides.of[1].store(lines.bodies, &self.ids[1]);
+    }
+
+    /// Applies the accumulated impulses of the last substep again, but where the bodies turn too
+    /// far for them.
+    #[inline(always)]
+    pub(super) fn warm_start(&mut self, lines: &mut Lines, substep: &Substep<I>) {
+        let mut sides = self.sides(lines);
+        if self.is_turned {
+            let [first, second] = [sides.of[0].angular, sides.of[1].angular];
+            let fastest = first.dot(first).max(second.dot(second)) * substep.h * substep.h;
+            let spins = fastest.above(Single::same(SPINS * SPINS));
+            if spins.any() {
+                self.forget(spins);
+            }
+        }
+        let (mut sum, mut anchors) = (Single::ZERO, [Single3::ZERO; 2]);
+        for point in &self.points[..self.point_count] {
+            sum = sum + point.impulse;
+            for side in 0..2 {
+                anchors[side] = anchors[side] + point.anchors[side] * point.impulse;
+            }
+        }
+        let n = self.normal;
+        let mut centers = self.centers;
+        if self.is_turned {
+            let at = self.displacements(lines);
+            for side in 0..2 {
+                anchors[side] = anchors[side] + at[side].turn_of(anchors[side]);
+                centers[side] = centers[side] + at[side].turn_of(centers[side]);
+            }
+        }
+        let other = n.cross(self.tangent);
+        let mut torque = n * self.twist;
+        if let Some(rolling) = &self.rolling {
+            torque = torque + self.tangent * rolling.impulse[0] + other * rolling.impulse[1];
+        }
+        let moments = [anchors[0].cross(n) + torque, anchors[1].cross(n) + torque];
+        sides.push(n, sum, moments);
+        let friction = self.tangent * self.friction[0] + other * self.friction[1];
+        sides.push_at(self.with_offsets(centers), friction);
+        self.store(&sides, lines);
+    }
+
+    /// Accumulates from nothing in some lanes.
+    #[inline(always)]
+    fn forget(&mut self, lanes: Mask) {
+        let zero = Single::ZERO;
+        for point in &mut self.points[..self.point_count] {
+            point.impulse = lanes.select(zero, point.impulse);
+        }
+        self.twist = lanes.select(zero, self.twist);
+        for k in 0..2 {
+            self.friction[k] = lanes.select(zero, self.friction[k]);
+            if let Some(rolling) = &mut self.rolling {
+                rolling.impulse[k] = lanes.select(zero, rolling.impulse[k]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn with_offsets(&self, centers: [Single3<I>; 2]) -> [Single3<I>; 2] {
+        let n = self.normal;
+        [centers[0] + n * self.offsets[0], centers[1] + n * self.offsets[1]]
+    }
+
+    /// Solves the normal impulses of each manifold's points by one sweep over them, and after
+    /// the drift also friction. Bodies are changed once.
+    #[inline(always)]
+    pub(super) fn solve<const SOFT: bool>(&mut self, lines: &mut Lines, substep: &Substep<I>) {
+        let (one, zero) = (Single::<I>::same(1.0), Single::<I>::ZERO);
+        let n = self.normal;
+        let mut sides = self.sides(lines);
+        let at = self.displacements(lines);
+        let linear = n.dot(sides.of[1].linear - sides.of[0].linear);
+        let apart = n.dot(at[1].translation - at[0].translation);
+        self.is_turned = has_turned(&at);
+
+        // Relative velocity, separation and target of each point.
+        let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
+        let (mut velocity, mut target) = ([zero; MOST_POINTS], [zero; MOST_POINTS]);
+        let (mut mass_scale, mut given_up) = ([one; MOST_POINTS], [zero; MOST_POINTS]);
+        let mut comes = Mask::NONE;
+        for i in 0..self.point_count {
+            let (turned, separation) = self.follow(i, &at, apart);
+            arms[i] = turned;
+            velocity[i] = linear + turned[1].dot(sides.of[1].angular) - turned[0].dot(sides.of[0].angular);
+            let is_open = separation.above(zero);
+            let closing = separation * substep.per_second;
+            if SOFT {
+                let (depth, point) = (-separation, &self.points[i]);
+                let carries = substep.soft.yielding * self.k[ENTRY[i][i]] * point.impulse;
+                let recovers = (substep.recovery_rate * depth).min(substep.recovery_speed);
+                let pushes = (substep.soft.rate * depth).min(carries + recovers);
+                target[i] = is_open.select(-closing, pushes);
+                mass_scale[i] = is_open.select(one, substep.soft.mass);
+                given_up[i] = is_open.select(zero, substep.soft.impulse);
+            } else {
+                // What comes to bounce does so in the next substep; contact lets it pass.
+                let bounce = substep.bounce_velocity;
+                let passes = bounce.above(velocity[i]).and(self.bounces);
+                let half = bounce * Single::same(0.5);
+                comes = comes.or(half.above(velocity[i]).and(self.bounces));
+                target[i] = passes.select(velocity[i], is_open.select(-closing, zero));
+                let recovered = self.points[i].impulse * velocity[i];
+                self.recovery = self.recovery + is_open.select(zero, recovered);
+            }
+        }
+        if !SOFT {
+            self.may_bounce = comes.any();
+        }
+
+        let start = velocity;
+        let given = self.sweep_points(&mut velocity, &target, &mass_scale, &given_up);
+        let (mut sum, mut moments) = (zero, [Single3::ZERO; 2]);
+        for i in 0..self.point_count {
+            sum = sum + given[i];
+            for side in 0..2 {
+                moments[side] = moments[side] + arms[i][side] * given[i];
+            }
+        }
+
+        // K is that of where the bodies were prepared. What yields more now gets less.
+        if self.is_turned {
+            let mut expected = zero;
+            for i in 0..self.point_count {
+                expected = expected + given[i] * (velocity[i] - start[i]);
+            }
+            let scale = shortened(sides.work_of(sum, moments), expected);
+            sum = sum * scale;
+            moments = [moments[0] * scale, moments[1] * scale];
+            for i in 0..self.point_count {
+                let impulse = &mut self.points[i].impulse;
+                *impulse = *impulse - given[i] * (one - scale);
+            }
+        }
+        let (mut total, mut twist_arm) = (zero, zero);
+        for point in &self.points[..self.point_count] {
+            total = total + point.impulse;
+            twist_arm = twist_arm + point.impulse * point.radius;
+        }
+        self.acted = self.acted.or(total.above(zero));
+        sides.push(n, sum, moments);
+        if !SOFT {
+            self.solve_friction(&mut sides, &at, total, twist_arm);
+            self.frame_impulse[0] = self.frame_impulse[0] + total;
+            self.frame_impulse[1] = self.frame_impulse[1] + self.friction[0];
+            self.frame_impulse[2] = self.frame_impulse[2] + self.friction[1];
+        }
+        self.store(&sides, lines);
+        if !SOFT && self.has_driven() {
+            let impulses = self.points.map(|point| point.impulse);
+            self.note_driven_work(lines, impulses, self.friction, self.twist);
+        }
+    }
+
+    /// Gauss-Seidel over the points, there and back, so that no corner comes first. Returns what was
+    /// added to the impulse of each.
+    #[inline(always)]
+    fn sweep_points(
+        &mut self,
+        velocity: &mut [Single<I>; MOST_POINTS],
+        target: &[Single<I>; MOST_POINTS],
+        mass_scale: &[Single<I>; MOST_POINTS],
+        given_up: &[Single<I>; MOST_POINTS],
+    ) -> [Single<I>; MOST_POINTS] {
+        let mut given = [Single::ZERO; MOST_POINTS];
+        for turn in 0..POINT_SWEEPS {
+            for at in 0..self.point_count {
+                let i = if turn % 2 == 0 { at } else { self.point_count - 1 - at };
+                let point = &mut self.points[i];
+                let change = point.effective_mass * mass_scale[i] * (velocity[i] - target[i]);
+                let impulse = (point.impulse - change - given_up[i] * point.impulse).max(Single::ZERO);
+                let added = impulse - point.impulse;
+                given[i] = given[i] + added;
+                point.impulse = impulse;
+                for j in 0..self.point_count {
+                    velocity[j] = velocity[j] + self.k[ENTRY[i][j]] * added;
+                }
+            }
+        }
+        given
+    }
+
+    /// Moments of a unit impulse at a point about both centres, and the point's separation [m].
+    #[inline(always)]
+    fn follow(
+        &self,
+        i: usize,
+        at: &[LaneDisplacements<I>; 2],
+        apart: Single<I>,
+    ) -> ([Single3<I>; 2], Single<I>) {
+        let (n, point) = (self.normal, &self.points[i]);
+        let mut separation = point.separation + apart;
+        let mut anchors = point.anchors;
+        if self.is_turned {
+            let turns = [at[0].turn_of(anchors[0]), at[1].turn_of(anchors[1])];
+            separation = separation + n.dot(turns[1] - turns[0]);
+            anchors = [anchors[0] + turns[0], anchors[1] + turns[1]];
+            ([anchors[0].cross(n), anchors[1].cross(n)], separation)
+        } else {
+            let arms = [anchors[0].cross(n), anchors[1].cross(n)];
+            let half = arms[1].dot(at[1].vector) - arms[0].dot(at[0].vector);
+            (arms, separation + half + half)
+        }
+    }
+
+    /// Twisting, rolling, and Coulomb's friction in two dimensions at the manifold's centre.
+    #[inline(always)]
+    fn solve_friction(
+        &mut self,
+        sides: &mut Sides<I>,
+        at: &[LaneDisplacements<I>; 2],
+        total: Single<I>,
+        twist_arm: Single<I>,
+    ) {
+        let n = self.normal;
+        let tangents = [self.tangent, n.cross(self.tangent)];
+        let spin = sides.of[1].angular - sides.of[0].angular;
+        let most = self.friction_coefficient * twist_arm + self.spinning_friction * total;
+        let mut twist_inertia = self.twist_inertia;
+        if self.is_turned {
+            twist_inertia = reciprocal((sides.inertia[0] * n + sides.inertia[1] * n).dot(n));
+        }
+        let twist = (self.twist - twist_inertia * n.dot(spin)).min(most).max(-most);
+        let mut torque = n * (twist - self.twist);
+        self.friction_work = self.friction_work + twist * n.dot(spin);
+        self.twist = twist;
+        if let Some(rolling) = &mut self.rolling {
+            let slip = [spin.dot(tangents[0]), spin.dot(tangents[1])];
+            let wanted = stopping(rolling.impulse, rolling.effective_inertia, slip);
+            let impulse = clamp_to_cone(wanted, rolling.coefficient * total);
+            torque = torque
+                + tangents[0] * (impulse[0] - rolling.impulse[0])
+                + tangents[1] * (impulse[1] - rolling.impulse[1]);
+            self.friction_work = self.friction_work + impulse[0] * slip[0] + impulse[1] * slip[1];
+            rolling.impulse = impulse;
+        }
+        sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
+        sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
+
+        let centers = if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
+        let slip = sides.velocity_at(centers);
+        let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
+        let wanted = stopping(self.friction, self.tangent_mass, slip);
+        let mut friction = clamp_to_cone(wanted, self.friction_coefficient * total);
+        let mut change = [friction[0] - self.friction[0], friction[1] - self.friction[1]];
+        if self.is_turned {
+            change = sides.rub(change, slip, tangents, centers);
+            friction = [self.friction[0] + change[0], self.friction[1] + change[1]];
+        }
+        let change = tangents[0] * change[0] + tangents[1] * change[1];
+        self.friction_work = self.friction_work + friction[0] * slip[0] + friction[1] * slip[1];
+        self.friction = friction;
+        sides.push_at(centers, change);
+    }
+
+    /// Adds the work that kinematic bodies do by the impulses of a substep, or of impacts.
+    #[inline(always)]
+    pub(super) fn note_driven_work(
+        &mut self,
+        lines: &Lines,
+        impulses: [Single<I>; MOST_POINTS],
+        friction: [Single<I>; 2],
+        twist: Single<I>,
+    ) {
+        let n = self.normal;
+        let of = self.velocities(lines);
+        let at = self.displacements(lines);
+        let centers = self.turned_centers(&at);
+        let across = self.tangent * friction[0] + n.cross(self.tangent) * friction[1];
+        for side in 0..2 {
+            let LaneVelocities { linear, angular, .. } = of[side];
+            let mut work = twist * n.dot(angular);
+            for i in 0..self.point_count {
+                let anchor = self.points[i].anchors[side];
+                let arm = (anchor + at[side].turn_of(anchor)).cross(n);
+                work = work + impulses[i] * (n.dot(linear) + arm.dot(angular));
+            }
+            work = work + across.dot(linear + angular.cross(centers[side]));
+            let given = if side == 0 { work } else { -work };
+            let given = self.is_driven[side].select(given, Single::ZERO);
+            self.driven_work = self.driven_work + given;
+        }
+    }
+
+    /// Whether any lane has a kinematic body.
+    pub(super) fn has_driven(&self) -> bool {
+        self.is_driven[0].or(self.is_driven[1]).any()
+    }
+}
+
+/// What part of an impulse does no more than was expected of it.
+#[inline(always)]
+pub(super) fn shortened<I: Instructions>(work: Single<I>, expected: Single<I>) -> Single<I> {
+    // Of nothing, rounding may expect less.
+    let expected = expected.max(Single::ZERO);
+    work.above(expected).select(expected / work, Single::same(1.0))
+}
+
+/// Whether any of the bodies has turned so far that its arms have to.
+#[inline(always)]
+fn has_turned<I: Instructions>(at: &[LaneDisplacements<I>; 2]) -> bool {
+    let squared = at[0].vector.dot(at[0].vector).max(at[1].vector.dot(at[1].vector));
+    squared.above(Single::same(HALF_TURN * HALF_TURN)).any()
+}
+
+/// The accumulated impulse that stops a slip in two dimensions.
+#[inline(always)]
+pub(super) fn stopping<I: Instructions>(
+    impulse: [Single<I>; 2],
+    [xx, yy, xy]: [Single<I>; 3],
+    [x, y]: [Single<I>; 2],
+) -> [Single<I>; 2] {
+    [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)]
+}
+
+/// Shortens a vector to `most`.
+#[inline(always)]
+pub(super) fn clamp_to_cone<I: Instructions>([x, y]: [Single<I>; 2], most: Single<I>) -> [Single<I>; 2] {
+    let squared = x * x + y * y;
+    let is_over = squared.above(most * most);
+    let scale = is_over.select(most / squared.sqrt(), Single::same(1.0));
+    [x * scale, y * scale]
+}

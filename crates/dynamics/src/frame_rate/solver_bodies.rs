@@ -1,0 +1,372 @@
+//! Bodies as the substeps see them: two cache lines of single precision each, relative to the
+//! frame's start. Poses and velocities in double precision stay outside of the loop.
+
+use crate::lanes::{Instructions, LANES, Single, Single3, Singles, Symmetric, Three};
+use crate::rotation::advance;
+use crate::{Bodies, Inertia, Motion, Pose, Rotation, Velocity};
+use glam::{DMat3, DQuat, DVec3, Vec3};
+use std::ops::Range;
+
+/// Bodies that turn by more than this in a frame [rad] are followed: their constraints are
+/// prepared anew, and what is not round turns exactly from then on. Below it gyroscopic motion
+/// within a frame is a hundredth of the turn.
+const FAST_SPIN: f64 = 0.1;
+
+/// Relative difference of principal moments up to which a body counts as round.
+const ROUND: f64 = 1e-3;
+
+/// A body that gravity alone changes, or less, drifts with the mean of its speeds before and
+/// after a substep, in units of gravity's kick: free fall and sliding are exact so.
+const SECOND_ORDER: f64 = 1.05;
+
+/// One body in the loop.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct SolverBody {
+    /// Linear velocity [m/s], angular velocity [rad/s], inverse mass [1/kg], unused.
+    pub(super) velocity: Singles,
+    /// Since the frame's start: translation [m], rotation (x, y, z, w). The way it turned since
+    /// its constraints were prepared [rad].
+    pub(super) displacement: Singles,
+}
+
+impl SolverBody {
+    /// What no contact moves: the other side of empty lanes.
+    const FIXED: Self =
+        Self { velocity: Singles::ZERO, displacement: Singles([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]) };
+
+    pub(super) fn is_movable(&self) -> bool {
+        self.velocity.0[6] > 0.0
+    }
+}
+
+/// The bodies of an island group.
+pub(super) struct SolverBodies {
+    /// Dense index of each line's body; `None` for what is static.
+    pub(super) body_of: Vec<Option<usize>>,
+    pub(super) lines: Vec<SolverBody>,
+    /// World frame: xx, yy, zz, yz, xz, xy, unused, unused [1/(kg m^2)].
+    pub(super) inverse_inertias: Vec<Singles>,
+    /// Linear velocities before gravity's kick of the substep [m/s].
+    before_kick: Vec<Vec3>,
+    /// Bodies that turn exactly, by line.
+    spinning: Vec<SpinningBody>,
+    /// Lines whose constraints must be prepared anew.
+    pub(super) turned: Vec<usize>,
+}
+
+/// The lines that some batches touch.
+pub(super) struct Lines<'a> {
+    pub(super) bodies: &'a mut [SolverBody],
+    pub(super) inverse_inertias: &'a [Singles],
+}
+
+/// A body whose axes of inertia turn noticeably within a frame.
+pub(super) struct SpinningBody {
+    /// Its line.
+    pub(super) line: usize,
+    /// Its dense index.
+    body: usize,
+    angular_momentum: DVec3,
+    inverse_inertia: DMat3,
+    /// As its line holds it.
+    angular_velocity: DVec3,
+    orientation: DQuat,
+}
+
+impl SolverBodies {
+    pub(super) fn new(bodies: &Bodies, body_of: Vec<Option<usize>>, dt: f64) -> Self {
+        let mut all = Self {
+            lines: vec![SolverBody::FIXED; body_of.len()],
+            inverse_inertias: vec![Singles::ZERO; body_of.len()],
+            before_kick: vec![Vec3::ZERO; body_of.len()],
+            spinning: Vec::new(),
+            turned: Vec::new(),
+            body_of,
+        };
+        for (line, &i) in all.body_of.iter().enumerate() {
+            let Some(i) = i else { continue };
+            let (pose, velocity, inertia) = (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
+            let angular = bodies.spin(i, pose, velocity);
+            let linear = match bodies.motions[i] {
+                Motion::Kinematic { linear, .. } => linear,
+                Motion::Static | Motion::Dynamic => velocity.linear,
+            };
+            let inverse_inertia = inertia.inverse_tensor(pose.orientation);
+            if angular.length() * dt > FAST_SPIN && !is_round(inertia) {
+                all.spinning.push(SpinningBody {
+                    line,
+                    body: i,
+                    angular_momentum: velocity.angular_momentum,
+                    inverse_inertia,
+                    angular_velocity: angular.as_vec3().as_dvec3(),
+                    orientation: pose.orientation,
+                });
+            }
+            let [v, w] = [linear, angular].map(DVec3::as_vec3);
+            let inverse_mass = inertia.inverse_mass as f32;
+            all.lines[line].velocity = Singles([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, 0.0]);
+            all.inverse_inertias[line] = symmetric_line(&inverse_inertia);
+        }
+        all
+    }
+
+    /// Some of them.
+    pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
+        Lines { bodies: &mut self.lines[range.clone()], inverse_inertias: &self.inverse_inertias[range] }
+    }
+
+    /// Adds gravity's impulse of a substep.
+    pub(super) fn kick(&mut self, velocity_change: Vec3) {
+        for (body, before) in self.lines.iter_mut().zip(&mut self.before_kick) {
+            let Singles(v) = &mut body.velocity;
+            *before = Vec3::new(v[0], v[1], v[2]);
+            if v[6] > 0.0 {
+                v[0] += velocity_change.x;
+                v[1] += velocity_change.y;
+                v[2] += velocity_change.z;
+            }
+        }
+    }
+
+    /// Moves all bodies by their velocities over a substep `h` [s]; `kick` is gravity's [m/s].
+    pub(super) fn drift(&mut self, h: f32, kick: f32) {
+        let limit = SECOND_ORDER as f32 * kick;
+        self.turned.clear();
+        for (line, (body, before)) in self.lines.iter_mut().zip(&self.before_kick).enumerate() {
+            let change = Vec3::new(
+                body.velocity.0[0] - before.x,
+                body.velocity.0[1] - before.y,
+                body.velocity.0[2] - before.z,
+            );
+            let is_smooth = body.is_movable() && change.length_squared() <= limit * limit;
+            drift(body, h, if is_smooth { 0.5 * change } else { Vec3::ZERO });
+            let Singles(v) = body.velocity;
+            let turned = &mut body.displacement.0[7];
+            *turned += h * (v[3] * v[3] + v[4] * v[4] + v[5] * v[5]).sqrt();
+            if *turned > FAST_SPIN as f32 {
+                *turned = 0.0;
+                self.turned.push(line);
+            }
+        }
+    }
+
+    /// Turns the bodies that spin fast exactly, as [`drift`](Self::drift) has moved the others,
+    /// and follows those from now on that have begun to.
+    pub(super) fn spin(&mut self, bodies: &Bodies, rotation: Rotation, h: f64) {
+        for body in &mut self.spinning {
+            let line = &mut self.lines[body.line];
+            body.apply(line);
+            let pose = Pose { position: DVec3::ZERO, orientation: body.orientation };
+            let velocity = Velocity { linear: DVec3::ZERO, angular_momentum: body.angular_momentum };
+            let inertia = &bodies.inertias[body.body];
+            body.orientation = advance(&pose, &velocity, inertia, h, rotation).orientation;
+            self.inverse_inertias[body.line] = body.show(bodies, line);
+        }
+        for &line in &self.turned {
+            let Some(i) = self.body_of[line] else { continue };
+            let (at, inertia) = (self.spinning_at(line), &bodies.inertias[i]);
+            if let (Err(at), false) = (at, is_round(inertia)) {
+                let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
+                let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
+                let orientation = (turn * bodies.poses[i].orientation).normalize();
+                let angular_velocity = Vec3::new(v[3], v[4], v[5]).as_dvec3();
+                let mut body = SpinningBody {
+                    line,
+                    body: i,
+                    angular_momentum: inertia.tensor(orientation) * angular_velocity,
+                    inverse_inertia: DMat3::ZERO,
+                    angular_velocity,
+                    orientation,
+                };
+                self.inverse_inertias[line] = body.show(bodies, &mut self.lines[line]);
+                self.spinning.insert(at, body);
+            }
+        }
+    }
+
+    fn spinning_at(&self, line: usize) -> Result<usize, usize> {
+        self.spinning.binary_search_by_key(&line, |body| body.line)
+    }
+
+    /// Linear velocity after the impulses [N s] that acted on each body in the frame, angular
+    /// velocity and displacement as the loop left them.
+    pub(super) fn write_back(
+        &mut self,
+        bodies: &mut Bodies,
+        (line, i): (usize, usize),
+        momentum_change: DVec3,
+    ) {
+        let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
+        bodies.velocities[i].linear += bodies.inertias[i].inverse_mass * momentum_change;
+        bodies.poses[i].position += Vec3::new(d[0], d[1], d[2]).as_dvec3();
+
+        if let Ok(at) = self.spinning_at(line) {
+            self.spinning[at].apply(&self.lines[line]);
+            bodies.velocities[i].angular_momentum = self.spinning[at].angular_momentum;
+            bodies.poses[i].orientation = self.spinning[at].orientation;
+        } else {
+            let pose = bodies.poses[i];
+            let before = bodies.spin(i, &pose, &bodies.velocities[i]).as_vec3().as_dvec3();
+            let after = Vec3::new(v[3], v[4], v[5]).as_dvec3();
+            bodies.velocities[i].angular_momentum +=
+                bodies.inertias[i].tensor(pose.orientation) * (after - before);
+            let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
+            bodies.poses[i].orientation = (turn * pose.orientation).normalize();
+        }
+    }
+}
+
+impl SpinningBody {
+    /// Adds to the angular momentum what contacts did to the angular velocity of its line.
+    fn apply(&mut self, line: &SolverBody) {
+        let Singles(v) = line.velocity;
+        let now = Vec3::new(v[3], v[4], v[5]).as_dvec3();
+        self.angular_momentum += self.inverse_inertia.inverse() * (now - self.angular_velocity);
+        self.angular_velocity = now;
+    }
+
+    /// Puts its orientation and spin into its line, and returns its inverse inertia.
+    fn show(&mut self, bodies: &Bodies, line: &mut SolverBody) -> Singles {
+        self.inverse_inertia = bodies.inertias[self.body].inverse_tensor(self.orientation);
+        let angular = (self.inverse_inertia * self.angular_momentum).as_vec3();
+        self.angular_velocity = angular.as_dvec3();
+
+        let turn = self.orientation * bodies.poses[self.body].orientation.conjugate();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        line.velocity.0[3..6].copy_from_slice(&angular.to_array());
+        line.displacement.0[3..7].copy_from_slice(&turn.as_quat().to_array());
+        symmetric_line(&self.inverse_inertia)
+    }
+}
+
+/// Whether a body's axes of inertia may turn without being felt.
+pub(super) fn is_round(inertia: &Inertia) -> bool {
+    let moments = inertia.inverse_moments;
+    let largest = moments.max_element();
+    largest - moments.min_element() <= ROUND * largest
+}
+
+/// Moves a body by its velocity less some linear velocity [m/s] over `h` [s].
+#[inline(always)]
+fn drift(body: &mut SolverBody, h: f32, less: Vec3) {
+    let Singles(v) = body.velocity;
+    let Singles(d) = &mut body.displacement;
+    d[0] += h * (v[0] - less.x);
+    d[1] += h * (v[1] - less.y);
+    d[2] += h * (v[2] - less.z);
+    let half = 0.5 * h;
+    let [a, b, c] = [half * v[3], half * v[4], half * v[5]];
+    let [x, y, z, w] = [d[3], d[4], d[5], d[6]];
+    let turned = [
+        x + a * w + b * z - c * y,
+        y + b * w + c * x - a * z,
+        z + c * w + a * y - b * x,
+        w - a * x - b * y - c * z,
+    ];
+    let squared = turned.iter().map(|part| part * part).sum::<f32>();
+    let scale = 1.0 / squared.sqrt();
+    for k in 0..4 {
+        d[3 + k] = turned[k] * scale;
+    }
+}
+
+fn symmetric_line(m: &DMat3) -> Singles {
+    let entries = [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.x_axis.z, m.x_axis.y, 0.0, 0.0];
+    Singles(entries.map(|entry| entry as f32))
+}
+
+/// Velocities of eight bodies.
+#[derive(Clone, Copy)]
+pub(super) struct LaneVelocities<I> {
+    pub(super) linear: Single3<I>,
+    pub(super) angular: Single3<I>,
+    /// [1/kg]
+    pub(super) inverse_mass: Single<I>,
+    unused: Single<I>,
+}
+
+/// Displacements of eight bodies since the frame's start.
+#[derive(Clone, Copy)]
+pub(super) struct LaneDisplacements<I> {
+    pub(super) translation: Single3<I>,
+    /// The rotation's quaternion.
+    pub(super) vector: Single3<I>,
+    scalar: Single<I>,
+}
+
+#[inline(always)]
+fn gather<I: Instructions, T>(lines: &[T], ids: &[u32; LANES], of: impl Fn(&T) -> Singles) -> [Single<I>; 8] {
+    let mut rows = [Singles::ZERO; LANES];
+    for lane in 0..LANES {
+        rows[lane] = of(&lines[ids[lane] as usize]);
+    }
+    Single::transposed(rows)
+}
+
+#[inline(always)]
+pub(super) fn velocities<I: Instructions>(lines: &[SolverBody], ids: &[u32; LANES]) -> LaneVelocities<I> {
+    let [x, y, z, a, b, c, inverse_mass, unused] = gather(lines, ids, |body| body.velocity);
+    let (linear, angular) = (Three { x, y, z }, Three { x: a, y: b, z: c });
+    LaneVelocities { linear, angular, inverse_mass, unused }
+}
+
+#[inline(always)]
+pub(super) fn displacements<I: Instructions>(
+    lines: &[SolverBody],
+    ids: &[u32; LANES],
+) -> LaneDisplacements<I> {
+    let [x, y, z, a, b, c, scalar, _] = gather(lines, ids, |body| body.displacement);
+    let (translation, vector) = (Three { x, y, z }, Three { x: a, y: b, z: c });
+    LaneDisplacements { translation, vector, scalar }
+}
+
+#[inline(always)]
+pub(super) fn inverse_inertias<I: Instructions>(
+    lines: &[Singles],
+    ids: &[u32; LANES],
+) -> Symmetric<Single<I>> {
+    let [xx, yy, zz, yz, xz, xy, _, _] = gather(lines, ids, |line| *line);
+    Symmetric { diagonal: Three { x: xx, y: yy, z: zz }, off: Three { x: yz, y: xz, z: xy } }
+}
+
+impl<I: Instructions> LaneVelocities<I> {
+    /// Stores them in the lines of these bodies.
+    #[inline(always)]
+    pub(super) fn store(&self, lines: &mut [SolverBody], ids: &[u32; LANES]) {
+        let Self { linear: v, angular: w, inverse_mass, unused } = *self;
+        let rows = Single::rows([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, unused]);
+        for lane in 0..LANES {
+            lines[ids[lane] as usize].velocity = rows[lane];
+        }
+    }
+}
+
+impl<I: Instructions> LaneDisplacements<I> {
+    /// How the rotation moves the tip of an arm [m].
+    #[inline(always)]
+    pub(super) fn turn_of(&self, arm: Single3<I>) -> Single3<I> {
+        let across = self.vector.cross(arm);
+        let half = across * self.scalar + self.vector.cross(across);
+        half + half
+    }
+
+    /// Moves the bodies of some lanes back by what `velocity` adds in `time` [s].
+    #[inline(always)]
+    pub(super) fn retreat(
+        &self,
+        (lines, ids): (&mut [SolverBody], &[u32; LANES]),
+        lanes: crate::lanes::Mask,
+        (linear, angular): (Single3<I>, Single3<I>),
+        time: Single<I>,
+    ) {
+        let most = Single::same(0.1);
+        let d = self.translation - linear * time;
+        let q = self.vector - (angular * (time * Single::same(0.5))).shortened_to(most);
+        let rows = Single::rows([d.x, d.y, d.z, q.x, q.y, q.z, self.scalar, Single::ZERO]);
+        for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
+            let Singles(to) = &mut lines[ids[lane] as usize].displacement;
+            to[..7].copy_from_slice(&rows[lane].0[..7]);
+        }
+    }
+}

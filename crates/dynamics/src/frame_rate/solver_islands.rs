@@ -1,0 +1,215 @@
+//! Islands of bodies that may touch within the frame, and how many substeps each takes.
+
+use super::solver_bodies::is_round;
+use crate::islands::root;
+use crate::manifold::{Manifold, ManifoldPoint};
+use crate::pair::Pair;
+use crate::sleep::Sleep;
+use crate::warm_start::{Carried, Substeps, WarmStart};
+use crate::{Bodies, Frame, Inertia};
+use std::collections::BTreeMap;
+
+/// Frequency of contacts, as a part of the substep rate: higher ones vibrate [Cat24].
+pub(super) const CONTACT_RATE: f64 = 0.25;
+
+/// Overlap of a resting contact under its load, relative to the smaller body's radius.
+const RESTING_DEPTH: f64 = 1e-3;
+
+/// The same, times the height of its island, relative to the square of that radius: what is high
+/// leans until it falls if its contacts yield more. Towers of fifty cubes stand with it, and fall
+/// with twice as much.
+const LEANING_DEPTH: f64 = 0.03;
+
+/// Overlap by which what weighs more may press what weighs less where they meet, relative to half
+/// of the thinner one's thickness.
+const IMPACT_DEPTH: f64 = 0.2;
+
+/// What is not round turns by no more in a substep [rad]: a top precesses within a thousandth.
+const TURN: f64 = 0.05;
+
+/// Substeps grow at once. What an island needs is forgotten by halves in so long [s], and they
+/// shrink only if this part of their half is enough: a tower that sways must not get softer by
+/// turns.
+const HALF_LIFE: f64 = 0.5;
+const SHRINKS_BELOW: f64 = 0.75;
+
+/// Manifolds times substeps of an island in a frame; larger ones take fewer substeps, but never
+/// fewer than the settings say.
+const MOST_WORK: usize = 1 << 17;
+
+/// Manifolds above which islands are not put into one bundle: what a bundle touches stays in a
+/// core's own cache for all substeps.
+const MOST_BUNDLED: usize = 512;
+
+/// Islands that take as many substeps, and are solved together.
+pub(super) struct Bundle {
+    pub(super) substeps: u32,
+    /// Numbers of manifolds with points.
+    pub(super) members: Vec<usize>,
+}
+
+/// All islands of a frame.
+pub(super) struct IslandGroups {
+    pub(super) bundles: Vec<Bundle>,
+    /// Of each body, by dense index; none of those that touch nothing, and of those that sleep.
+    pub(super) substeps: Vec<Substeps>,
+    pub(super) sleep: Sleep,
+}
+
+impl IslandGroups {
+    pub(super) fn new(
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        carried: &[&[Carried]],
+        (warm, frame): (&WarmStart, &Frame),
+    ) -> Self {
+        let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
+        let mut islands = islands(&is_fixed, manifolds);
+        let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
+
+        let forgets = libm::exp2(-frame.dt / HALF_LIFE) as f32;
+        let (mut bundles, mut open): (Vec<Bundle>, BTreeMap<u32, usize>) = Default::default();
+        let mut substeps = vec![Substeps::default(); bodies.len()];
+        for island in islands {
+            let height = height(bodies, island.iter().map(|&number| manifolds[number].pair), frame);
+            let (mut needed, mut last) = (0.0_f64, Substeps::default());
+            for &number in &island {
+                let manifold = &manifolds[number];
+                needed = needed.max(substeps_of_pair(bodies, manifold, (carried[number], height), frame));
+                for i in manifold.pair.both().into_iter().filter(|&i| !is_fixed[i]) {
+                    needed = needed.max(substeps_of_turn(bodies, i, frame));
+                    last = last.max(warm.substeps(bodies.ids[i]));
+                }
+            }
+            let needed = (needed as f32).max(forgets * last.needed);
+            let count = count(needed, last.count, island.len(), frame);
+            let bodies_of = island.iter().flat_map(|&number| manifolds[number].pair.both());
+            bodies_of.for_each(|i| substeps[i] = Substeps { count, needed });
+            match open.get(&count).map(|&at| &mut bundles[at].members) {
+                Some(members) if members.len() + island.len() <= MOST_BUNDLED => members.extend(island),
+                _ => {
+                    open.insert(count, bundles.len());
+                    bundles.push(Bundle { substeps: count, members: island });
+                }
+            }
+        }
+        // In the order of the pairs, whichever islands they are of.
+        bundles.iter_mut().for_each(|bundle| bundle.members.sort_unstable());
+        Self { bundles, substeps, sleep }
+    }
+}
+
+/// Numbers of the manifolds with points of each island, in the order of the first one.
+fn islands(is_fixed: &[bool], manifolds: &[Manifold]) -> Vec<Vec<usize>> {
+    let mut parent: Vec<u32> = (0..is_fixed.len() as u32).collect();
+    let touching = || manifolds.iter().enumerate().filter(|(_, of)| !of.points.is_empty());
+    for (_, Manifold { pair: Pair { first, second }, .. }) in touching() {
+        if !is_fixed[*first] && !is_fixed[*second] {
+            let [a, b] = [*first, *second].map(|i| root(&mut parent, i as u32));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut number_of = vec![usize::MAX; is_fixed.len()];
+    let mut islands: Vec<Vec<usize>> = Vec::new();
+    for (number, Manifold { pair, .. }) in touching() {
+        let movable = if is_fixed[pair.first] { pair.second } else { pair.first };
+        let island = &mut number_of[root(&mut parent, movable as u32) as usize];
+        if *island == usize::MAX {
+            *island = islands.len();
+            islands.push(Vec::new());
+        }
+        islands[*island].push(number);
+    }
+    islands
+}
+
+/// How far the centres of some movable bodies are apart along gravity [m].
+fn height(bodies: &Bodies, pairs: impl Iterator<Item = Pair>, frame: &Frame) -> f64 {
+    let Some(down) = frame.gravity.try_normalize() else { return 0.0 };
+    let movable = pairs.flat_map(Pair::both).filter(|&i| !bodies.inertias[i].is_infinite());
+    let depths = movable.map(|i| down.dot(bodies.poses[i].position));
+    let (low, high) =
+        depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+    (high - low).max(0.0)
+}
+
+/// A power of two, for so many manifolds.
+pub(super) fn count(needed: f32, last: u32, manifolds: usize, frame: &Frame) -> u32 {
+    let least = frame.settings.substeps;
+    let most = frame.settings.most_substeps.max(least);
+    let mut count = least;
+    while (count as f32) < needed && count < most {
+        count *= 2;
+    }
+    let half = last / 2;
+    if count <= half {
+        let is_enough = needed <= SHRINKS_BELOW as f32 * half as f32;
+        count = if is_enough { half } else { last };
+    }
+    while count > least && count as usize * manifolds > MOST_WORK {
+        count /= 2;
+    }
+    count.max(least)
+}
+
+/// So that a contact yields by no more than it may: the stiffness of its spring is that of the
+/// lighter body's mass at the contact frequency, and its damping stops a blow in a quarter of a
+/// period.
+fn substeps_of_pair(
+    bodies: &Bodies,
+    Manifold { pair, points, .. }: &Manifold,
+    (carried, height): (&[Carried], f64),
+    frame: &Frame,
+) -> f64 {
+    let both = [pair.first, pair.second];
+    let movable = || both.into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
+    let lightest = movable().map(|i| bodies.masses[i]).fold(f64::INFINITY, f64::min);
+    let heaviest = movable().map(|i| bodies.masses[i]).fold(0.0, f64::max);
+    let size = both.map(|i| bodies.radii[i]).into_iter().fold(f64::INFINITY, f64::min);
+    let frequency = std::f64::consts::TAU * CONTACT_RATE / frame.dt;
+
+    // It carries what it carried, or the heavier body if that comes to rest on the lighter one.
+    let force: f64 = carried.iter().map(|point| f64::from(point.force.normal)).sum();
+    let first_is_heavier = bodies.masses[pair.first] == heaviest;
+    let down = points.iter().map(|point| {
+        let towards_lighter = if first_is_heavier { -point.normal } else { point.normal };
+        frame.gravity.dot(towards_lighter)
+    });
+    let load = (force / lightest).max(heaviest / lightest * down.fold(0.0, f64::max));
+    let depth = (RESTING_DEPTH * size).min(LEANING_DEPTH * size * size / height);
+    let at_rest = (load / depth).sqrt() / frequency;
+    at_rest.max(presses(bodies, both, points) / frequency)
+}
+
+/// Speed at which the body that weighs more where they meet may press the other one, in units of
+/// the overlap that is allowed [1/s].
+fn presses(bodies: &Bodies, both: [usize; 2], points: &[ManifoldPoint]) -> f64 {
+    let half_extent = |i: usize| {
+        let (low, high) = bodies.shapes[i].bounds;
+        0.5 * (high - low).min_element()
+    };
+    let thin = both.map(half_extent).into_iter().fold(f64::INFINITY, f64::min);
+    let of_point = |point: &ManifoldPoint| {
+        let inverse_mass = |side: usize| {
+            let (i, anchor) = (both[side], [point.anchor_first, point.anchor_second][side]);
+            let (inertia, pose) = (&bodies.inertias[i], &bodies.poses[i]);
+            let moment = (pose.orientation * anchor).cross(point.normal);
+            inertia.inverse_mass + moment.dot(inertia.inverse_tensor(pose.orientation) * moment)
+        };
+        let [first, second] = [0, 1].map(inverse_mass);
+        let (light, heavy) = (first.max(second), first.min(second));
+        // What does not move presses nobody.
+        let ratio = if heavy > 0.0 { light / heavy } else { 1.0 };
+        point.approach * (ratio.sqrt() - 1.0)
+    };
+    let fast = points.iter().filter(|point| point.approach > 0.0);
+    fast.map(of_point).fold(0.0, f64::max) / (IMPACT_DEPTH * thin)
+}
+
+fn substeps_of_turn(bodies: &Bodies, i: usize, frame: &Frame) -> f64 {
+    if is_round(&bodies.inertias[i]) {
+        return 0.0;
+    }
+    let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
+    spin * frame.dt / TURN
+}
