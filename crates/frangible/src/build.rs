@@ -4,7 +4,9 @@ use crate::World;
 use crate::bonds::{Bonds, build_bonds};
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
-use crate::desc::{BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, StrengthDesc};
+use crate::desc::{
+    BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc, StrengthDesc,
+};
 use crate::fineness::Fineness;
 use crate::patterns::build_pattern;
 use crate::quarantine::is_representable;
@@ -36,13 +38,16 @@ impl World {
         if scene.sleep && scene.method == Method::Paper {
             return Err(checker.field("sleep").broken("true", "false, with the paper's method"));
         }
+        if scene.solver != SolverDesc::default() && scene.method == Method::Paper {
+            return Err(checker.field("solver").broken("set", "left out, with the paper's method"));
+        }
         let mut world = Self {
             bodies: Bodies::default(),
             labels: Vec::new(),
             frame: 0,
             dt: 1.0 / rate,
             gravity,
-            settings: StepSettings { sleep: scene.sleep, ..settings_of(scene.method) },
+            settings: settings_of(scene, &checker)?,
             books: Books::default(),
             ledger: Ledger::default(),
             method: scene.method,
@@ -64,12 +69,26 @@ impl World {
 }
 
 /// The substeps rely on the right phase of rotation; the paper's method has its own.
-fn settings_of(method: Method) -> StepSettings {
+fn settings_of(scene: &SceneDesc, checker: &Checker) -> Result<StepSettings, BuildError> {
     let paper = StepSettings::default();
-    match method {
-        Method::Paper => paper,
-        Method::FrameRate => StepSettings { rotation: Rotation::Exact, ..paper },
+    if scene.method == Method::Paper {
+        return Ok(paper);
     }
+    let SolverDesc { quality, most_substeps, recovery_speed } = scene.solver;
+    let at = checker.field("solver");
+    let (least, most) = (quality.substeps(), most_substeps);
+    if !most.is_power_of_two() || !(least..=1024).contains(&most) {
+        let rule = format!("a power of two from {least}, the least number of this quality, to 1024");
+        return Err(at.field("most_substeps").broken(&most.to_string(), &rule));
+    }
+    Ok(StepSettings {
+        rotation: Rotation::Exact,
+        substeps: least,
+        most_substeps: most,
+        recovery_speed: at.field("recovery_speed").positive(recovery_speed, "m/s")?,
+        sleep: scene.sleep,
+        ..paper
+    })
 }
 
 /// Longest sides that a body may have [m].

@@ -29,6 +29,9 @@ pub struct SceneDesc {
     /// bodies are awake in every frame.
     #[serde(default)]
     pub sleep: bool,
+    /// What the frame-rate method trades time for.
+    #[serde(default)]
+    pub solver: SolverDesc,
     /// How many frames `frangible run` takes, unless told otherwise; without it, three seconds' worth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
@@ -46,6 +49,58 @@ pub enum Method {
     FrameRate,
     /// The paper's own [Su09].
     Paper,
+}
+
+/// How the frame-rate method solves contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SolverDesc {
+    /// The least number of substeps of what touches anything.
+    #[serde(default)]
+    pub quality: Quality,
+    /// Most substeps of an island of bodies, a power of two from 4 to 1024: what is loaded or struck
+    /// beyond that overlaps more.
+    #[serde(default = "defaults::most_substeps")]
+    pub most_substeps: u32,
+    /// Speed at which overlaps close at most, above 0 [m/s].
+    #[serde(default = "defaults::recovery_speed")]
+    pub recovery_speed: f64,
+}
+
+/// The least number of substeps. Overlaps fall with its square, and time grows with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// 4.
+    Draft,
+    /// 8.
+    Game,
+    /// 16.
+    #[default]
+    Default,
+    /// 32.
+    Film,
+}
+
+impl Quality {
+    pub(crate) fn substeps(self) -> u32 {
+        match self {
+            Self::Draft => 4,
+            Self::Game => 8,
+            Self::Default => 16,
+            Self::Film => 32,
+        }
+    }
+}
+
+impl Default for SolverDesc {
+    fn default() -> Self {
+        Self {
+            quality: Quality::default(),
+            most_substeps: defaults::most_substeps(),
+            recovery_speed: defaults::recovery_speed(),
+        }
+    }
 }
 
 /// One body.
@@ -269,6 +324,14 @@ pub struct Resolution {
 
 /// The only place where a default is written.
 mod defaults {
+    pub(super) fn most_substeps() -> u32 {
+        128
+    }
+
+    pub(super) fn recovery_speed() -> f64 {
+        3.0
+    }
+
     pub(super) fn gravity() -> [f64; 3] {
         [0.0, -9.81, 0.0]
     }
@@ -349,6 +412,7 @@ impl SceneDesc {
             frames_per_second: defaults::frames_per_second(),
             method: Method::default(),
             sleep: false,
+            solver: SolverDesc::default(),
             frames: None,
             bodies: Vec::new(),
         }

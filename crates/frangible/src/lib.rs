@@ -39,7 +39,7 @@ pub use check::{BuildError, nearest};
 pub use desc::read::{no_json, read, schema};
 pub use desc::{
     AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method, MotionDesc,
-    PartDesc, PatternDesc, PatternFile, Resolution, SceneDesc, ShapeDesc, StrengthDesc,
+    PartDesc, PatternDesc, PatternFile, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, StrengthDesc,
 };
 pub use fineness::{Fineness, Found};
 pub use frangible_dynamics as dynamics;

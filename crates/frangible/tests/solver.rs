@@ -1,0 +1,45 @@
+//! What a scene says of the solver.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+
+use frangible::{BodyDesc, Method, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, World, step};
+
+/// A cube on the ground.
+fn resting(solver: SolverDesc) -> SceneDesc {
+    let shape = ShapeDesc::Box { size: [1.0; 3], resolution: Resolution::default() };
+    let cube = BodyDesc { position: [0.0, 0.5, 0.0], ..BodyDesc::new("cube", shape) };
+    let bodies = vec![BodyDesc::ground(0.0), cube];
+    SceneDesc { solver, bodies, ..SceneDesc::new("resting") }
+}
+
+/// How far it sinks [m].
+fn sinks(solver: SolverDesc) -> f64 {
+    let mut world = World::build(&resting(solver)).unwrap();
+    for _ in 0..60 {
+        step(&mut world);
+    }
+    0.5 - world.bodies().poses[1].position.y
+}
+
+/// Each quality yields about a quarter of the one before, where nothing asks for more substeps.
+#[test]
+fn quality_is_stiffness() {
+    let depths = [Quality::Draft, Quality::Game, Quality::Default, Quality::Film]
+        .map(|quality| sinks(SolverDesc { quality, ..SolverDesc::default() }));
+    assert!(depths[0] < 1e-3 && depths[3] > 0.0, "{depths:?}");
+    assert!(depths.is_sorted_by(|a, b| *b < 0.5 * a), "{depths:?}");
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let refusal = |scene: SceneDesc| World::build(&scene).unwrap_err().to_string();
+    let solver = SolverDesc { most_substeps: 100, ..SolverDesc::default() };
+    assert!(refusal(resting(solver)).contains("solver.most_substeps"), "{}", refusal(resting(solver)));
+    let solver = SolverDesc { quality: Quality::Film, most_substeps: 16, ..SolverDesc::default() };
+    assert!(refusal(resting(solver)).contains("from 32"), "{}", refusal(resting(solver)));
+    let solver = SolverDesc { recovery_speed: 0.0, ..SolverDesc::default() };
+    assert!(refusal(resting(solver)).contains("solver.recovery_speed"));
+    let solver = SolverDesc { quality: Quality::Film, ..SolverDesc::default() };
+    let scene = SceneDesc { method: Method::Paper, ..resting(solver) };
+    assert!(refusal(scene).starts_with("solver"));
+}
