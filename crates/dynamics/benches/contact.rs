@@ -10,7 +10,9 @@ use frangible_dynamics::broad_phase::find_swept_pairs;
 use frangible_dynamics::collisions::predict;
 use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::warm_start::WarmStart;
-use frangible_dynamics::{Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
+use frangible_dynamics::{
+    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity,
+};
 use frangible_geometry::{Hull, Shape};
 use glam::DVec3;
 use std::hint::black_box;
@@ -34,17 +36,28 @@ fn pile(count: usize, random: &mut Random) -> Bodies {
     let across = (count as f64 / 3.0).sqrt().ceil() as usize;
     let mut bodies = Bodies::default();
     for i in 0..count {
-        let cell =
-            DVec3::new((i % across) as f64, (i / across % across) as f64, (i / across / across) as f64);
+        let cell = DVec3::new(
+            (i % across) as f64,
+            (i / across % across) as f64,
+            (i / across / across) as f64,
+        );
         let shape = rocks[i % rocks.len()].clone();
         let pose = Pose {
             position: 0.3 * SPACING * (cell + 0.1 * random.vector()),
             orientation: random.orientation(),
         };
         let angular = 0.1 * random.vector();
-        let velocity = Velocity::spinning(0.2 * random.vector(), angular, pose.orientation, &shape, 1000.0);
+        let velocity =
+            Velocity::spinning(0.2 * random.vector(), angular, pose.orientation, &shape, 1000.0);
         let contactant = Contactant::new(0.0, 0.5);
-        bodies.spawn(NewBody { shape, density: 1000.0, motion: Motion::Dynamic, pose, velocity, contactant });
+        bodies.spawn(NewBody {
+            shape,
+            density: 1000.0,
+            motion: Motion::Dynamic,
+            pose,
+            velocity,
+            contactant,
+        });
     }
     bodies
 }
@@ -69,9 +82,11 @@ fn main() {
     for (count, passes) in [(1000, 101), (9000, 21), (100_000, 5)] {
         let bodies = pile(count, &mut random);
         let ends = predict(&bodies, &frame);
-        let (find_pairs, pairs) = median(passes, || find_swept_pairs(&bodies, &ends, frame.sag(), &frame));
-        let (find, manifolds) =
-            median(passes, || KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len());
+        let (find_pairs, pairs) =
+            median(passes, || find_swept_pairs(&bodies, &ends, frame.sag(), &frame));
+        let (find, manifolds) = median(passes, || {
+            KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
+        });
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());
     }

@@ -56,8 +56,10 @@ fn main() {
             Rotation::SecondOrder { energy_fix: false },
         ];
         // Rule by rule in each pass, so that a busy moment of the machine strikes all of them.
-        let times: Vec<[f64; 3]> = (0..PASSES).map(|_| rules.map(|rule| pass(&bodies, rule))).collect();
-        let [exact, fixed, bare] = [0, 1, 2].map(|i| median(times.iter().map(|row| row[i]).collect()));
+        let times: Vec<[f64; 3]> =
+            (0..PASSES).map(|_| rules.map(|rule| pass(&bodies, rule))).collect();
+        let [exact, fixed, bare] =
+            [0, 1, 2].map(|i| median(times.iter().map(|row| row[i]).collect()));
         println!("{turn},{exact:.1},{fixed:.1},{bare:.1},{:.2}", exact / fixed);
     }
 }

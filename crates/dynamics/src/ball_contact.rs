@@ -58,7 +58,15 @@ impl BallContact<'_> {
         };
         let sample = (self.ball_is_first, u32::MAX.into());
         let approach = closing.max(0.0);
-        Some(ManifoldPoint { anchor_first, anchor_second, rounding, normal, sample, approach, gap: now })
+        Some(ManifoldPoint {
+            anchor_first,
+            anchor_second,
+            rounding,
+            normal,
+            sample,
+            approach,
+            gap: now,
+        })
     }
 
     fn ball_and_other(&self) -> [&Flight; 2] {

@@ -26,11 +26,16 @@ impl BirthFits {
     ) {
         // Few bodies overlap from their birth on.
         let mut fits = vec![false; bodies.len()];
-        self.overlaps.keys().flatten().filter_map(|&id| bodies.index_of(id)).for_each(|i| fits[i] = true);
+        self.overlaps
+            .keys()
+            .flatten()
+            .filter_map(|&id| bodies.index_of(id))
+            .for_each(|i| fits[i] = true);
         let mut still = BTreeMap::new();
         for (pair, points) in manifolds.iter_mut() {
             let ids = [pair.first, pair.second].map(|i| bodies.ids[i]);
-            let overlap = if fits[pair.first] && fits[pair.second] { self.overlaps.get(&ids) } else { None };
+            let overlap =
+                if fits[pair.first] && fits[pair.second] { self.overlaps.get(&ids) } else { None };
             let most = match overlap {
                 Some(&most) => most,
                 None if are_newborn(pair) => f64::INFINITY,
@@ -42,7 +47,8 @@ impl BirthFits {
             };
             let gaps: Vec<f64> = points.iter().map(gap).collect();
             let deepest = gaps.iter().fold(0.0_f64, |deepest, gap| deepest.max(-gap)).min(most);
-            let apart = bodies.poses[pair.first].position.distance(bodies.poses[pair.second].position);
+            let apart =
+                bodies.poses[pair.first].position.distance(bodies.poses[pair.second].position);
             if deepest <= ROUNDING * apart {
                 continue;
             }

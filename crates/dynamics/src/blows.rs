@@ -5,7 +5,9 @@ use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
 use crate::flight::Flight;
 use crate::manifold::{ManifoldFinder, ManifoldPoint};
-use crate::pair::{Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
+use crate::pair::{
+    Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed,
+};
 use crate::penetration::penetration;
 use crate::tally::Cause;
 use crate::warm_start::WarmStart;
@@ -63,7 +65,10 @@ pub(crate) fn blows_of(
         })
     };
     let normal = contact.normal;
-    [blow(pair.first, pair.second, pose_first, -normal), blow(pair.second, pair.first, pose_second, normal)]
+    [
+        blow(pair.first, pair.second, pose_first, -normal),
+        blow(pair.second, pair.first, pose_second, normal),
+    ]
 }
 
 /// What a body bears [N s].
@@ -96,15 +101,18 @@ pub fn strike(
         if broken[pair.first] || broken[pair.second] || bears_all(bodies, pair, frame) {
             continue;
         }
-        let Some((approach, touch)) = next_touch(bodies, pair, predicted, &mut finder, frame) else {
+        let Some((approach, touch)) = next_touch(bodies, pair, predicted, &mut finder, frame)
+        else {
             continue;
         };
         let surfaces = bodies.pair_contactant(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
         let acts = (approach.contact.point, impulse.at_contact.length());
-        let of_pair =
-            blows_of(bodies, pair, acts, || first_contact(bodies, pair, predicted).unwrap_or(touch));
-        let Some(borne) = of_pair.iter().flatten().map(|blow| blow.borne / blow.impulse).reduce(f64::min)
+        let of_pair = blows_of(bodies, pair, acts, || {
+            first_contact(bodies, pair, predicted).unwrap_or(touch)
+        });
+        let Some(borne) =
+            of_pair.iter().flatten().map(|blow| blow.borne / blow.impulse).reduce(f64::min)
         else {
             continue;
         };
@@ -123,7 +131,8 @@ pub fn strike(
 /// lets `|u + K j| <= |u|` in the measure of the pair's K, is larger than twice the reduced mass times their speed.
 fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     let borne = borne_by(bodies, pair);
-    let answer = bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
+    let answer =
+        bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
     if borne.is_infinite() {
         return true;
     }
@@ -187,29 +196,39 @@ fn next_touch(
         (point.approach > 0.0 && time <= frame.dt).then_some(time)
     };
     let points = manifold.iter().flat_map(|manifold| manifold.points);
-    let first = points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
+    let first =
+        points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((time, point)) = first {
         let contact = ContactPoint { point: point.middle(bodies, pair), normal: point.normal };
         let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
         // Gravity adds to the speed on the way.
         let speed = approach.relative_velocity.dot(point.normal);
         approach.relative_velocity -= (speed + point.approach) * point.normal;
-        let poses =
-            [pair.first, pair.second].map(|i| between(&bodies.poses[i], &predicted[i], time / frame.dt));
+        let poses = [pair.first, pair.second]
+            .map(|i| between(&bodies.poses[i], &predicted[i], time / frame.dt));
         let anchor_world = poses[0].world_from_body().point(point.anchor_first);
         let point_world = anchor_world - point.rounding[0] * point.normal;
-        return Some((approach, (ContactPoint { point: point_world, normal: point.normal }, poses)));
+        return Some((
+            approach,
+            (ContactPoint { point: point_world, normal: point.normal }, poses),
+        ));
     }
 
     // What turns fast may touch though no point of it approaches now: look at the frame's end.
     penetration(bodies, pair, predicted, &mut finder.room)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
-    NearSamples::gather(first, second, 0.0).find_penetrations(first, second, 0.0, &mut penetrations);
+    NearSamples::gather(first, second, 0.0).find_penetrations(
+        first,
+        second,
+        0.0,
+        &mut penetrations,
+    );
     let seen = deepest_approach(bodies, pair, &mut penetrations, predicted, &bodies.velocities)?;
     let approach = approach_at(bodies, pair, seen.contact, &bodies.poses, &bodies.velocities);
     let approaches = approach.relative_velocity.dot(seen.contact.normal) < 0.0;
-    approaches.then_some((approach, (seen.contact, [predicted[pair.first], predicted[pair.second]])))
+    approaches
+        .then_some((approach, (seen.contact, [predicted[pair.first], predicted[pair.second]])))
 }
 
 /// A part of the way from one pose to another.

@@ -188,12 +188,18 @@ impl Bodies {
         let id = BodyId { index, generation: self.slots.generation[index as usize] };
 
         let (mass, inertia) = match body.motion {
-            Motion::Dynamic => (body.density * body.shape.volume, Inertia::of(&body.shape, body.density)),
+            Motion::Dynamic => {
+                (body.density * body.shape.volume, Inertia::of(&body.shape, body.density))
+            }
             Motion::Static | Motion::Kinematic { .. } => (f64::INFINITY, Inertia::INFINITE),
         };
         self.ids.push(id);
         self.poses.push(body.pose);
-        self.velocities.push(if inertia.is_infinite() { Velocity::default() } else { body.velocity });
+        self.velocities.push(if inertia.is_infinite() {
+            Velocity::default()
+        } else {
+            body.velocity
+        });
         self.motions.push(body.motion);
         self.masses.push(mass);
         self.inertias.push(inertia);
@@ -241,12 +247,19 @@ impl Bodies {
     }
 
     /// Velocity of the material point at `lever` from the centre of mass of body `i`, at the given time levels [m/s].
-    pub fn point_velocity(&self, i: usize, pose: &Pose, velocity: &Velocity, lever: DVec3) -> DVec3 {
+    pub fn point_velocity(
+        &self,
+        i: usize,
+        pose: &Pose,
+        velocity: &Velocity,
+        lever: DVec3,
+    ) -> DVec3 {
         match self.motions[i] {
             Motion::Static => DVec3::ZERO,
             Motion::Kinematic { linear, angular } => linear + angular.cross(lever),
             Motion::Dynamic => {
-                let angular = self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum);
+                let angular =
+                    self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum);
                 velocity.linear + angular.cross(lever)
             }
         }
@@ -257,7 +270,9 @@ impl Bodies {
         match self.motions[i] {
             Motion::Static => DVec3::ZERO,
             Motion::Kinematic { angular, .. } => angular,
-            Motion::Dynamic => self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum),
+            Motion::Dynamic => {
+                self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum)
+            }
         }
     }
 

@@ -39,16 +39,18 @@ impl Bounds {
         let center = to_from_other.point(0.5 * (low + high));
         let matrix = to_from_other.matrix();
         let half = 0.5 * (high - low);
-        let reach =
-            half.x * matrix.x_axis.abs() + half.y * matrix.y_axis.abs() + half.z * matrix.z_axis.abs();
+        let reach = half.x * matrix.x_axis.abs()
+            + half.y * matrix.y_axis.abs()
+            + half.z * matrix.z_axis.abs();
         Self { low: center - reach, high: center + reach }
     }
 
     /// Of a shape at a pose; of a polyhedron, around its corners. Balls and cylinders are wider than the polyhedra that they break as.
     fn of_solid<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
-        let is_round =
-            matches!(&shape.geometry, Geometry::ClosedForm(form) if !matches!(form, ClosedForm::Box { .. }));
-        let Some(hull) = shape.hull.as_ref().filter(|_| !is_round) else { return Self::of(shape, pose) };
+        let is_round = matches!(&shape.geometry, Geometry::ClosedForm(form) if !matches!(form, ClosedForm::Box { .. }));
+        let Some(hull) = shape.hull.as_ref().filter(|_| !is_round) else {
+            return Self::of(shape, pose);
+        };
         let body_from_world = pose.orientation.conjugate();
         let along = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| body_from_world * axis);
         let (low, high) = extents::<I>(hull.columns(), along);
@@ -118,7 +120,8 @@ pub struct Swept {
 impl Swept {
     /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
-        let bounds = with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
+        let bounds =
+            with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
         let (pairs, left_out) = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends], true);
         Self { bounds, pairs, left_out }
     }
@@ -213,7 +216,8 @@ pub(crate) struct Ground {
 impl Ground {
     /// Of a body, if it is one.
     pub(crate) fn of(bodies: &Bodies, i: usize, poses: &[&[Pose]]) -> Option<Self> {
-        let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[i].geometry else {
+        let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[i].geometry
+        else {
             return None;
         };
         let plane = |poses: &&[Pose]| {

@@ -90,7 +90,11 @@ impl Collisions {
                     Response::BounceAndBreak => self.blows(bodies, pair, &approach, &impulse),
                     Response::Bounce => [None; 2],
                 };
-                let borne = blows.iter().flatten().map(|blow| blow.borne / blow.impulse).fold(1.0, f64::min);
+                let borne = blows
+                    .iter()
+                    .flatten()
+                    .map(|blow| blow.borne / blow.impulse)
+                    .fold(1.0, f64::min);
                 self.apply(bodies, pair, &approach, &impulse.scaled(borne), frame);
                 pass.any = true;
                 for (blow, i) in blows.into_iter().zip([pair.first, pair.second]) {
@@ -133,12 +137,14 @@ impl Collisions {
         let (first, second) = placed(bodies, pair, &self.predicted);
         near.find_penetrations(first, second, 0.0, &mut self.penetrations);
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
-        let approach = deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
+        let approach =
+            deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
         let surfaces = bodies.pair_contactant(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, surfaces);
         let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
-            impulse = impulse.clamped_to_energy(bodies, pair, &approach, velocities, &mut self.tally);
+            impulse =
+                impulse.clamped_to_energy(bodies, pair, &approach, velocities, &mut self.tally);
         }
         (!impulse.is_zero()).then_some((approach, impulse))
     }
@@ -152,7 +158,13 @@ impl Collisions {
         impulse: &PairImpulse,
         frame: &Frame,
     ) {
-        self.tally.book_impulse(bodies, pair, approach, impulse, (&bodies.velocities, Cause::Collision));
+        self.tally.book_impulse(
+            bodies,
+            pair,
+            approach,
+            impulse,
+            (&bodies.velocities, Cause::Collision),
+        );
         impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
         for i in [pair.first, pair.second] {
             if !bodies.inertias[i].is_infinite() {

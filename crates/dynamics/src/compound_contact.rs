@@ -24,8 +24,9 @@ pub(crate) fn compound_points(
     let Encounter { bodies, pair, .. } = *encounter;
     let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
     let compounds = [shapes[0].compound.as_deref(), shapes[1].compound.as_deref()];
-    let meets_by_samples =
-        |side: usize| compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_));
+    let meets_by_samples = |side: usize| {
+        compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_))
+    };
     if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {
         return false;
     }
@@ -42,7 +43,9 @@ pub(crate) fn compound_points(
         }
         for point in &of_parts {
             let is_inner = |side: usize| {
-                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else { return false };
+                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
+                    return false;
+                };
                 let at = if side == 0 { point.anchor_first } else { point.anchor_second };
                 let outward = if side == 0 { -point.normal } else { point.normal };
                 let body_from_world = encounter.flights[side].start.world_from_body().inverse();
@@ -115,7 +118,11 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
 }
 
 /// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the ground, would have.
-pub(crate) fn few(encounter: &Encounter, points: &[ManifoldPoint], room: &mut Room) -> Vec<ManifoldPoint> {
+pub(crate) fn few(
+    encounter: &Encounter,
+    points: &[ManifoldPoint],
+    room: &mut Room,
+) -> Vec<ManifoldPoint> {
     let (size, [first, second]) = (encounter.size, encounter.flights);
     let is_ground = |body: Placed| matches!(Solid::of(body.shape), Solid::Ground(_));
     let most = if encounter.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };

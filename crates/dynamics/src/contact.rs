@@ -50,7 +50,12 @@ pub struct Contact<'a> {
 
 impl<'a> Contact<'a> {
     /// Begins a phase at the poses of `bodies`, with the velocities that would carry them on.
-    pub fn new(bodies: &'a Bodies, velocities: Vec<Velocity>, phase: Phase, frame: &'a Frame) -> Self {
+    pub fn new(
+        bodies: &'a Bodies,
+        velocities: Vec<Velocity>,
+        phase: Phase,
+        frame: &'a Frame,
+    ) -> Self {
         let proposed = evolve_all(bodies, &bodies.poses, &velocities, frame);
         let inertias = bodies.inertias.clone();
         Self {
@@ -78,7 +83,8 @@ impl<'a> Contact<'a> {
             for (index, level) in graph.levels.iter().enumerate() {
                 for sweep in 1..=settings.contact_level_iterations {
                     let restitution = f64::from(pass * sweep) / full - 1.0;
-                    let hit = self.sweep_level(level, restitution, settings.contact_pair_iterations);
+                    let hit =
+                        self.sweep_level(level, restitution, settings.contact_pair_iterations);
                     any |= fired.record(index, &hit);
                 }
             }
@@ -90,7 +96,12 @@ impl<'a> Contact<'a> {
     }
 
     /// One sweep over the pairs of a level; tells for each whether an impulse was applied.
-    pub fn sweep_level(&mut self, level: &Level, restitution: f64, pair_iterations: u32) -> Vec<bool> {
+    pub fn sweep_level(
+        &mut self,
+        level: &Level,
+        restitution: f64,
+        pair_iterations: u32,
+    ) -> Vec<bool> {
         let stop = |&pair: &Pair| {
             let mut fired = false;
             for _ in 0..pair_iterations {
@@ -108,15 +119,19 @@ impl<'a> Contact<'a> {
     fn stop_deepest(&mut self, pair: Pair, restitution: f64) -> bool {
         // Look for what would penetrate, at the proposed poses.
         let (first, second) = placed(self.bodies, pair, &self.proposed);
-        let near = self.near.entry(pair).or_insert_with(|| NearSamples::gather(first, second, CONTOUR));
+        let near =
+            self.near.entry(pair).or_insert_with(|| NearSamples::gather(first, second, CONTOUR));
         near.find_penetrations(first, second, CONTOUR, &mut self.penetrations);
 
         // The deepest that approaches, as seen at the old poses.
         let (old, penetrations) = (&self.bodies.poses, &mut self.penetrations);
-        let Some(approach) = deepest_approach(self.bodies, pair, penetrations, old, &self.velocities) else {
+        let Some(approach) =
+            deepest_approach(self.bodies, pair, penetrations, old, &self.velocities)
+        else {
             return false;
         };
-        let surfaces = PairContactant { restitution, ..self.bodies.pair_contactant(pair.first, pair.second) };
+        let surfaces =
+            PairContactant { restitution, ..self.bodies.pair_contactant(pair.first, pair.second) };
         let mut impulse = impulse_for(pair, &approach, old, &self.inertias, surfaces);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
             let (velocities, tally) = (&self.velocities, &mut self.tally);
@@ -174,7 +189,12 @@ impl Fired {
     fn into_graph(self, graph: &ContactGraph) -> ContactGraph {
         let levels = graph.levels.iter().zip(self.0).map(|(level, fired)| Level {
             bodies: level.bodies.clone(),
-            pairs: level.pairs.iter().zip(fired).filter_map(|(&pair, hit)| hit.then_some(pair)).collect(),
+            pairs: level
+                .pairs
+                .iter()
+                .zip(fired)
+                .filter_map(|(&pair, hit)| hit.then_some(pair))
+                .collect(),
         });
         ContactGraph { levels: levels.filter(|level| !level.pairs.is_empty()).collect() }
     }

@@ -28,8 +28,9 @@ pub fn contact_forces<'a>(
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
             let force = carried.get(bodies, pair, point.sample)?.force.mean.as_dvec3();
-            let towards =
-                |i: usize, rounding: f64| bodies.poses[i].orientation.conjugate() * (rounding * point.normal);
+            let towards = |i: usize, rounding: f64| {
+                bodies.poses[i].orientation.conjugate() * (rounding * point.normal)
+            };
             let points = [
                 point.anchor_first - towards(pair.first, point.rounding[0]),
                 point.anchor_second + towards(pair.second, point.rounding[1]),

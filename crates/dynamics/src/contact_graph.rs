@@ -32,7 +32,9 @@ pub fn contact_graph(bodies: &Bodies, candidates: &[Pair], frame: &Frame) -> Con
     let mut edges = Vec::new();
     for &pair in candidates {
         for (upper, lower) in [(pair.first, pair.second), (pair.second, pair.first)] {
-            if !bodies.inertias[upper].is_infinite() && falls_into(bodies, pair, upper, &fallen, &others) {
+            if !bodies.inertias[upper].is_infinite()
+                && falls_into(bodies, pair, upper, &fallen, &others)
+            {
                 edges.push((lower, upper));
             }
         }
@@ -64,7 +66,9 @@ fn levels_of(count: usize, edges: &[(usize, usize)]) -> ContactGraph {
         levels[level].bodies = component;
     }
     for &(lower, upper) in edges {
-        levels[level_of[upper]].pairs.push(Pair { first: lower.min(upper), second: lower.max(upper) });
+        levels[level_of[upper]]
+            .pairs
+            .push(Pair { first: lower.min(upper), second: lower.max(upper) });
     }
     for level in &mut levels {
         level.pairs.sort_unstable();
@@ -154,7 +158,9 @@ mod tests {
         // A small linear congruential sequence: enough graphs of every kind.
         let mut seed = 1_u64;
         let mut random = |bound: usize| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 33) as usize % bound
         };
         for _ in 0..200 {

@@ -64,9 +64,16 @@ impl NearSamples {
         visit_inside(first.shape, second.shape, &gathered_at, reach, None, |sample, phi| {
             of_first.push((phi, sample));
         });
-        visit_inside(second.shape, first.shape, &gathered_at.inverse(), reach, None, |sample, phi| {
-            of_second.push((phi, sample));
-        });
+        visit_inside(
+            second.shape,
+            first.shape,
+            &gathered_at.inverse(),
+            reach,
+            None,
+            |sample, phi| {
+                of_second.push((phi, sample));
+            },
+        );
         for near in &mut near {
             near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         }
@@ -97,9 +104,16 @@ impl NearSamples {
             found.push(Penetration { sample_of_first: true, sample, phi });
         });
         let near = Some(within(of_second, reach));
-        visit_inside(second.shape, first.shape, &relative.inverse(), contour, near, |sample, phi| {
-            found.push(Penetration { sample_of_first: false, sample, phi });
-        });
+        visit_inside(
+            second.shape,
+            first.shape,
+            &relative.inverse(),
+            contour,
+            near,
+            |sample, phi| {
+                found.push(Penetration { sample_of_first: false, sample, phi });
+            },
+        );
     }
 }
 
@@ -156,7 +170,9 @@ pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
     let relative = second_from_first(first, second);
     let mut least = f32::INFINITY;
     visit_inside(first.shape, second.shape, &relative, 0.0, None, |_, phi| least = least.min(phi));
-    visit_inside(second.shape, first.shape, &relative.inverse(), 0.0, None, |_, phi| least = least.min(phi));
+    visit_inside(second.shape, first.shape, &relative.inverse(), 0.0, None, |_, phi| {
+        least = least.min(phi)
+    });
     (least <= 0.0).then_some(least)
 }
 
@@ -219,10 +235,12 @@ fn visit_inside_grid(
 
     // The box of the grid, and what may be inside the contour beyond it.
     let beyond = Vec3::splat((contour / grid.spacing as f32).max(0.0));
-    let top = Vec3::new((grid.dims[0] - 1) as f32, (grid.dims[1] - 1) as f32, (grid.dims[2] - 1) as f32);
+    let top =
+        Vec3::new((grid.dims[0] - 1) as f32, (grid.dims[1] - 1) as f32, (grid.dims[2] - 1) as f32);
     let (low, high) = (-beyond, top + beyond);
-    let inside_box =
-        |lattice: Vec3, slack: f32| lattice.cmpge(low - slack).all() && lattice.cmple(high + slack).all();
+    let inside_box = |lattice: Vec3, slack: f32| {
+        lattice.cmpge(low - slack).all() && lattice.cmple(high + slack).all()
+    };
     let samples = body.samples();
     let mut test = |index: u32| {
         let lattice = lattice_from_body * samples[index as usize] + shift;

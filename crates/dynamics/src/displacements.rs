@@ -63,7 +63,9 @@ impl Displacements {
                 tally.outside_angular_impulse += gain.angular_momentum;
                 continue;
             }
-            for (i, turn) in indices.into_iter().zip(turn_pair(bodies, pair, -gain.angular_momentum)) {
+            for (i, turn) in
+                indices.into_iter().zip(turn_pair(bodies, pair, -gain.angular_momentum))
+            {
                 bodies.velocities[i] =
                     apply_impulse(&bodies.velocities[i], bodies.inertias[i].inverse_mass, &turn);
             }

@@ -38,13 +38,29 @@ const BESIDE: f64 = 1e-2;
 impl<'a> Encounter<'a> {
     /// Of a pair whose bodies fly as told.
     #[inline]
-    pub(crate) fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
+    pub(crate) fn new(
+        bodies: &'a Bodies,
+        pair: Pair,
+        flights: [&'a Flight; 2],
+        frame: &'a Frame,
+    ) -> Self {
         let [first, second] = flights;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let most_speed = speed + frame.gravity.length() * frame.dt;
         let near = frame.sag();
         let (reach, size) = (frame.dt * speed + near, first.radius.min(second.radius));
-        Self { bodies, pair, flights, frame, most_speed, near, reach, search: reach, size, last_normal: None }
+        Self {
+            bodies,
+            pair,
+            flights,
+            frame,
+            most_speed,
+            near,
+            reach,
+            search: reach,
+            size,
+            last_normal: None,
+        }
     }
 
     /// They may come so much faster against each other because they are struck [m/s].
@@ -56,8 +72,10 @@ impl<'a> Encounter<'a> {
 
     /// Its bodies where they are at the frame's start.
     pub(crate) fn placed(&self) -> [Placed<'_>; 2] {
-        let at =
-            |i: usize, side: usize| Placed { shape: &self.bodies.shapes[i], pose: &self.flights[side].start };
+        let at = |i: usize, side: usize| Placed {
+            shape: &self.bodies.shapes[i],
+            pose: &self.flights[side].start,
+        };
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
@@ -92,7 +110,8 @@ impl<'a> Encounter<'a> {
             if sample_of_first { (first, contact.normal) } else { (second, -contact.normal) };
         let step = BESIDE * self.size;
         let body_from_world = own.pose.world_from_body().inverse();
-        let distance = |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;
+        let distance =
+            |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;
         distance(contact.point + step * outward) - distance(contact.point) > 0.5 * step
     }
 }
@@ -108,7 +127,8 @@ mod tests {
     /// A ball above the ground that may not strike it meets it no faster than what falls from as high as is near, however far above it is; one that is some times as fast does.
     #[test]
     fn what_is_slow_strikes_nothing() {
-        let frame = Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
+        let frame =
+            Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let fastest = |times: f64| {
             let speed = times * SLOW * 9.81 * frame.dt;

@@ -81,7 +81,10 @@ pub fn fix_rotational_energy(
             return (orientation, EnergyFix::TooSlow);
         }
         if rounds == MAX_ROUNDS || !SQUARABLE.contains(&largest) || !excess.is_finite() {
-            return (orientation, EnergyFix::Unresolved { relative_error: energy / kinetic_energy_0 - 1.0 });
+            return (
+                orientation,
+                EnergyFix::Unresolved { relative_error: energy / kinetic_energy_0 - 1.0 },
+            );
         }
 
         // Rotate about the locally best axis, or else in the plane that holds the global extremum.
@@ -121,7 +124,11 @@ struct Circle {
 impl BodyState {
     fn new(orientation: DQuat, angular_momentum: DVec3, inertia: &Inertia) -> Self {
         let momentum = orientation.conjugate() * angular_momentum;
-        Self { inverse_moments: inertia.inverse_moments, momentum, omega: inertia.inverse_moments * momentum }
+        Self {
+            inverse_moments: inertia.inverse_moments,
+            momentum,
+            omega: inertia.inverse_moments * momentum,
+        }
     }
 
     fn energy(&self) -> f64 {
@@ -160,7 +167,8 @@ impl BodyState {
     /// smallest if too little: this circle passes through the global extremum [Su09 sec. 2.4]. Where even that is out of
     /// reach, if only by rounding, turns to the extremum.
     fn turn_towards_principal_axis(&self, excess: f64) -> Turn {
-        let (low, high) = (self.inverse_moments.min_position(), self.inverse_moments.max_position());
+        let (low, high) =
+            (self.inverse_moments.min_position(), self.inverse_moments.max_position());
         let (sought, other) = if excess > 0.0 { (low, high) } else { (high, low) };
         // On the principal axis itself, any circle that leaves it will do.
         let axis = (self.momentum.cross(DVec3::AXES[sought]).try_normalize())
@@ -191,8 +199,11 @@ impl Circle {
             return Turn { axis: self.axis, cosine: 1.0, sine: 0.0 };
         }
         let sign = if k < 0.0 { -1.0 } else { 1.0 };
-        let (cosine, sine) =
-            if sign * self.c > 0.0 { (self.a, r + sign * self.c) } else { (r - sign * self.c, self.a) };
+        let (cosine, sine) = if sign * self.c > 0.0 {
+            (self.a, r + sign * self.c)
+        } else {
+            (r - sign * self.c, self.a)
+        };
         Turn { axis: self.axis, cosine, sine: sign * sine }
     }
 }
@@ -224,7 +235,10 @@ mod tests {
                 libm::sin(0.7 * i),
                 0.3,
             ));
-            (orientation.normalize(), DVec3::new(libm::cos(0.9 * i), libm::sin(1.7 * i), libm::cos(0.4 * i)))
+            (
+                orientation.normalize(),
+                DVec3::new(libm::cos(0.9 * i), libm::sin(1.7 * i), libm::cos(0.4 * i)),
+            )
         })
     }
 
@@ -235,10 +249,12 @@ mod tests {
         for (orientation, momentum) in samples() {
             let axis = DVec3::new(2.0, -1.0, 2.0) / 3.0;
             let energy = |angle| {
-                inertia.rotational_energy(DQuat::from_axis_angle(axis, angle) * orientation, momentum)
+                inertia
+                    .rotational_energy(DQuat::from_axis_angle(axis, angle) * orientation, momentum)
             };
             let difference = (energy(1e-5) - energy(-1e-5)) / 2e-5;
-            let expected = -axis.dot(momentum.cross(inertia.angular_velocity(orientation, momentum)));
+            let expected =
+                -axis.dot(momentum.cross(inertia.angular_velocity(orientation, momentum)));
             assert!((difference - expected).abs() < 1e-9, "{difference} is not {expected}");
         }
     }
@@ -257,7 +273,10 @@ mod tests {
                 let Some(turn) = circle.turn_to_energy(k) else { continue };
                 let (y, x) = libm::sincos(turn.angle());
                 let b = energy - c;
-                assert!((energy * x * x - a * x * y + y * y * b - (energy - k)).abs() < 1e-14, "eq. 4");
+                assert!(
+                    (energy * x * x - a * x * y + y * y * b - (energy - k)).abs() < 1e-14,
+                    "eq. 4"
+                );
                 checked += 1;
 
                 // Direct use of eq. 6 with the signs of sec. 2.2: p_b = -sgn(a), p_c = 1, p_s = sgn(k - c y^2).
@@ -278,7 +297,10 @@ mod tests {
                 // Sec. 2.3.
                 let g = a * a + 4.0 * k * (c - k);
                 let p = a * a + g + 2.0 * a * g.sqrt();
-                assert!(((p + (c + n) * (c + n)).sqrt() / (2.0 * r) - x).abs() < 1e-14, "sec. 2.3, x");
+                assert!(
+                    ((p + (c + n) * (c + n)).sqrt() / (2.0 * r) - x).abs() < 1e-14,
+                    "sec. 2.3, x"
+                );
                 assert!(
                     (2.0 * k.abs() / (p + (c - n) * (c - n)).sqrt() - y.abs()).abs() < 1e-14,
                     "sec. 2.3, y"
@@ -347,7 +369,8 @@ mod tests {
                 [(1.0, 1.0, true), (2.5, 1.0, true), (1.0, 1.1, false), (2.5, 0.9, false)]
             {
                 let extreme = 0.5 * 25.0 / moment;
-                let (fixed, fix) = fix_rotational_energy(start, momentum, &inertia, scale * extreme);
+                let (fixed, fix) =
+                    fix_rotational_energy(start, momentum, &inertia, scale * extreme);
                 let energy = inertia.rotational_energy(fixed, momentum);
                 assert!(
                     (energy / extreme - 1.0).abs() < 1e-14,

@@ -15,9 +15,13 @@ pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame
             position: pose.position + frame.dt * linear,
             orientation: (rotation::rotation_by(frame.dt * angular) * pose.orientation).normalize(),
         },
-        Motion::Dynamic => {
-            rotation::advance(pose, velocity, &bodies.inertias[i], frame.dt, frame.settings.rotation)
-        }
+        Motion::Dynamic => rotation::advance(
+            pose,
+            velocity,
+            &bodies.inertias[i],
+            frame.dt,
+            frame.settings.rotation,
+        ),
     }
 }
 
@@ -25,7 +29,12 @@ pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame
 const SHARE: usize = 256;
 
 /// [`evolve`] for all bodies: `poses` and `velocities` may belong to different time levels.
-pub fn evolve_all(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], frame: &Frame) -> Vec<Pose> {
+pub fn evolve_all(
+    bodies: &Bodies,
+    poses: &[Pose],
+    velocities: &[Velocity],
+    frame: &Frame,
+) -> Vec<Pose> {
     let all: Vec<usize> = (0..bodies.len()).collect();
     evolve_these(bodies, &all, (poses, velocities), frame)
 }
@@ -67,7 +76,8 @@ fn evolve_some<I: Instructions>(
                 let [qx, qy, qz, scalar, ..] = Lanes::transposed(turns);
                 let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar };
                 let moments = (Lanes3 { x: mx, y: my, z: mz }, fastest);
-                let (turned, is_slow) = rotate_slow_ones(orientation, Lanes3 { x, y, z }, moments, frame.dt);
+                let (turned, is_slow) =
+                    rotate_slow_ones(orientation, Lanes3 { x, y, z }, moments, frame.dt);
                 let Lanes3 { x: qx, y: qy, z: qz } = turned.vector;
                 let zero = Lanes::ZERO;
                 let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
@@ -88,7 +98,12 @@ fn evolve_some<I: Instructions>(
 }
 
 /// Velocities after `duration` [s] of gravity alone; bodies of infinite mass do not fall.
-pub fn accelerate(bodies: &Bodies, velocities: &[Velocity], duration: f64, frame: &Frame) -> Vec<Velocity> {
+pub fn accelerate(
+    bodies: &Bodies,
+    velocities: &[Velocity],
+    duration: f64,
+    frame: &Frame,
+) -> Vec<Velocity> {
     velocities
         .iter()
         .zip(&bodies.inertias)

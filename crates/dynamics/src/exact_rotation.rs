@@ -25,7 +25,12 @@ const NO_MOMENTUM: f64 = 1e-140;
 /// the world frame [kg m^2/s]; it is an input only, and the kinetic energy is kept to round-off. The error in angle is
 /// round-off times the rotation angle, unless the spin is so near the intermediate axis that the motion itself
 /// magnifies it.
-pub fn rotate_exact(orientation: DQuat, angular_momentum: DVec3, inertia: &Inertia, dt: f64) -> DQuat {
+pub fn rotate_exact(
+    orientation: DQuat,
+    angular_momentum: DVec3,
+    inertia: &Inertia,
+    dt: f64,
+) -> DQuat {
     // In units of the fastest principal axis' rate |L|/I, in which `angle` takes the place of time.
     let magnitude = angular_momentum.length();
     let fastest = inertia.inverse_moments.max_element();
@@ -99,7 +104,9 @@ fn turn_slowly<V: Vector>(l: V, rates: V, angle: V::Number) -> Turn<V> {
 
     let third = omega_2 * of(1.0 / 6.0) + omega.cross(omega_1) * of(1.0 / 12.0);
     let fourth = (omega_3 + omega.cross(omega_2)) * of(1.0 / 24.0);
-    Turn::by_little((omega + (omega_1 * of(0.5) + (third + fourth * angle) * angle) * angle) * angle)
+    Turn::by_little(
+        (omega + (omega_1 * of(0.5) + (third + fourth * angle) * angle) * angle) * angle,
+    )
 }
 
 /// Principal axes renamed, and some turned round, by a proper rotation.
@@ -142,8 +149,8 @@ fn circulation_axes(direction: DVec3, rates: DVec3) -> (Axes, DVec3) {
     let middle = 3 - low - high;
 
     // The separatrix through the intermediate axis tells about which of the outer axes it circulates.
-    let about_high =
-        l[high] * l[high] * (rate[high] - rate[middle]) >= l[low] * l[low] * (rate[middle] - rate[low]);
+    let about_high = l[high] * l[high] * (rate[high] - rate[middle])
+        >= l[low] * l[low] * (rate[middle] - rate[low]);
     let order = if about_high { [low, middle, high] } else { [high, middle, low] };
     let handedness = if (middle + 3 - order[0]) % 3 == 1 { 1.0 } else { -1.0 };
 
@@ -172,7 +179,8 @@ struct Polhode {
 impl Polhode {
     #[inline]
     fn new(l: DVec3, rates: DVec3) -> Self {
-        let [ab, bc, ac] = [(rates.x - rates.y).abs(), (rates.y - rates.z).abs(), (rates.x - rates.z).abs()];
+        let [ab, bc, ac] =
+            [(rates.x - rates.y).abs(), (rates.y - rates.z).abs(), (rates.x - rates.z).abs()];
         let square = l * l;
         // |energy - rates.z| and |energy - rates.x|, without their cancellation.
         let above = square.x * ac + square.y * bc;
@@ -209,7 +217,8 @@ impl Polhode {
     fn follow_periods(&self, l: DVec3, angle: f64) -> (DVec3, f64) {
         // On the separatrix itself the period is infinite; taken as 1e-150 off it, it is some 700 of u.
         let rate = self.rate_squared.sqrt();
-        let period = PI / arithmetic_geometric_mean(rate, self.complement.max(0.0).sqrt().max(1e-150 * rate));
+        let period = PI
+            / arithmetic_geometric_mean(rate, self.complement.max(0.0).sqrt().max(1e-150 * rate));
         let periods = (angle / period).trunc();
         // Beyond 1e16 periods the remainder is rounding.
         let rest = (angle - periods * period).max(-period).min(period);
@@ -230,8 +239,9 @@ impl Polhode {
 
     /// Follows in parts that the series and the quadrature bear: fewer than 1000 in a period.
     fn sweep(&self, l: DVec3, angle: f64) -> (DVec3, f64) {
-        let parts =
-            (self.rate_squared.sqrt() * angle.abs() / (2.0 * Series::REACH)).ceil().clamp(1.0, 1000.0);
+        let parts = (self.rate_squared.sqrt() * angle.abs() / (2.0 * Series::REACH))
+            .ceil()
+            .clamp(1.0, 1000.0);
         let half = 0.5 * angle / parts;
         let (mut at, mut rates) = (l, 0.0);
         for _ in 0..parts as u32 {
@@ -255,7 +265,8 @@ impl Polhode {
         let (t, t_squared) = (self.sense * half, half * half);
         let n_squared = self.series.at::<TERMS>(t_squared);
         let c_squared = n_squared - self.rate_squared * t_squared;
-        let (n, c, d) = (n_squared.sqrt(), c_squared.sqrt(), (n_squared - self.parameter * t_squared).sqrt());
+        let (n, c, d) =
+            (n_squared.sqrt(), c_squared.sqrt(), (n_squared - self.parameter * t_squared).sqrt());
         let (cn, cd, dn) = (c * n, c * d, d * n);
         let (x_scale, y_scale, z_scale) = (bc * t * d, ac * t * n, ab * t * c);
         let advance = |l: DVec3| {

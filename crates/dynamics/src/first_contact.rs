@@ -23,7 +23,11 @@ const FIRST_SLIDE: f64 = 0.1;
 
 /// The point and the normal of the first touch, with the poses of the pair's bodies then; `None` if they touch already at
 /// the frame's start, or nowhere on the way.
-pub fn first_contact(bodies: &Bodies, pair: Pair, predicted: &[Pose]) -> Option<(ContactPoint, [Pose; 2])> {
+pub fn first_contact(
+    bodies: &Bodies,
+    pair: Pair,
+    predicted: &[Pose],
+) -> Option<(ContactPoint, [Pose; 2])> {
     let at = |part: f64| {
         [pair.first, pair.second].map(|i| Pose {
             position: bodies.poses[i].position.lerp(predicted[i].position, part),
@@ -32,7 +36,10 @@ pub fn first_contact(bodies: &Bodies, pair: Pair, predicted: &[Pose]) -> Option<
     };
     let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
     let touch = |poses: &[Pose; 2]| {
-        overlap(Placed { shape: shapes[0], pose: &poses[0] }, Placed { shape: shapes[1], pose: &poses[1] })
+        overlap(
+            Placed { shape: shapes[0], pose: &poses[0] },
+            Placed { shape: shapes[1], pose: &poses[1] },
+        )
     };
 
     // Narrow down the part of the way in which they first overlap.
@@ -53,7 +60,12 @@ pub fn first_contact(bodies: &Bodies, pair: Pair, predicted: &[Pose]) -> Option<
     let first = Placed { shape: shapes[0], pose: &poses[0] };
     let second = Placed { shape: shapes[1], pose: &poses[1] };
     let mut penetrations = Vec::new();
-    NearSamples::gather(first, second, 0.0).find_penetrations(first, second, 0.0, &mut penetrations);
+    NearSamples::gather(first, second, 0.0).find_penetrations(
+        first,
+        second,
+        0.0,
+        &mut penetrations,
+    );
     let deepest = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi))?;
     let touched = contact_point(first, second, deepest);
     let (body, other) = if deepest.sample_of_first { (first, second) } else { (second, first) };
@@ -118,7 +130,10 @@ mod tests {
                 let mut bodies = Bodies::default();
                 let wall = ClosedForm::Box { half: DVec3::new(0.2, 2.0, 3.0) };
                 let still = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
-                let ball = Pose { position: DVec3::new(0.9, y, z), orientation: DQuat::from_rotation_y(0.3) };
+                let ball = Pose {
+                    position: DVec3::new(0.9, y, z),
+                    orientation: DQuat::from_rotation_y(0.3),
+                };
                 if order {
                     spawn(&mut bodies, wall, 0.4, still);
                     spawn(&mut bodies, ClosedForm::Sphere { radius: 0.5 }, 0.2, ball);
@@ -132,7 +147,10 @@ mod tests {
                 let (contact, _) = first_contact(&bodies, pair, &predicted).unwrap();
                 // By the time that a sample touches, the ball has come a little further.
                 let off = contact.point - DVec3::new(0.2, y, z);
-                assert!(off.with_x(0.0).length() < 1e-3 && off.x.abs() < 0.02, "{off} beside the line");
+                assert!(
+                    off.with_x(0.0).length() < 1e-3 && off.x.abs() < 0.02,
+                    "{off} beside the line"
+                );
                 let towards_ball = if order { -contact.normal } else { contact.normal };
                 assert!((towards_ball - DVec3::X).length() < 1e-3, "{}", contact.normal);
                 assert!(first_contact(&bodies, pair, &bodies.poses).is_none(), "nobody moves");

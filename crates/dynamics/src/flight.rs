@@ -42,8 +42,8 @@ impl Flight {
             Motion::Static => (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO),
             Motion::Kinematic { linear, angular } => (linear, angular, DVec3::ZERO),
             Motion::Dynamic => {
-                let angular =
-                    bodies.inertias[i].angular_velocity(start.orientation, velocity.angular_momentum);
+                let angular = bodies.inertias[i]
+                    .angular_velocity(start.orientation, velocity.angular_momentum);
                 (velocity.linear, angular, frame.gravity)
             }
         };

@@ -41,7 +41,12 @@ pub struct Solved {
 }
 
 /// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
-pub fn solve(bodies: &mut Bodies, manifolds: &[Manifold], warm: &mut WarmStart, frame: &Frame) -> Solved {
+pub fn solve(
+    bodies: &mut Bodies,
+    manifolds: &[Manifold],
+    warm: &mut WarmStart,
+    frame: &Frame,
+) -> Solved {
     #[cfg(not(test))]
     {
         with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, frame))

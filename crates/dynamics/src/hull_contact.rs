@@ -178,7 +178,8 @@ impl<'a> HullPair<'a> {
             let face = with_widest!(self.width, face_along(hull.columns(), direction));
             (face, hull.planes()[face].normal.dot(direction))
         };
-        let (of_first, of_second) = (along(0, -normal), along(1, self.second_from_first.direction(normal)));
+        let (of_first, of_second) =
+            (along(0, -normal), along(1, self.second_from_first.direction(normal)));
         let is_of_first = of_first.1 >= of_second.1;
         let (face, cosine) = if is_of_first { of_first } else { of_second };
         if cosine < SAME_FACE {
@@ -195,8 +196,8 @@ impl<'a> HullPair<'a> {
         let is_shallow = axis.separation <= 0.0
             && axis.separation >= -SHALLOW * self.size
             && room.points.iter().any(is_deepest);
-        let holds =
-            is_shallow || self.is_least((axis.separation, self.clearly(axis.separation)), &room.points);
+        let holds = is_shallow
+            || self.is_least((axis.separation, self.clearly(axis.separation)), &room.points);
         holds.then_some(HullContact { normal, gap: axis.separation })
     }
 
@@ -232,7 +233,8 @@ impl<'a> HullPair<'a> {
             && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
         {
             // What is over a face meets it when they turn about the edges; where these cross, there is one point.
-            room.points.retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
+            room.points
+                .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
             room.points.push(point);
             return Some(HullContact { normal: point.normal, gap });
         }
@@ -295,8 +297,9 @@ impl<'a> HullPair<'a> {
         }
         let center = sum / count;
         let centers = [center, self.second_from_first.point(center)];
-        let inside =
-            |side: usize| with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]));
+        let inside = |side: usize| {
+            with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]))
+        };
         -2.0 * inside(0).min(inside(1)) <= face + clearly
     }
 

@@ -77,7 +77,8 @@ pub fn collision_impulse(
     let on_cone = normal + (friction / sticking_friction) * sticking_tangent;
     let turned = (normal_change / normal.dot(contact_matrix * on_cone)) * on_cone;
     frictionless
-        + energy_limit(contact_matrix, relative_velocity, frictionless, turned) * (turned - frictionless)
+        + energy_limit(contact_matrix, relative_velocity, frictionless, turned)
+            * (turned - frictionless)
 }
 
 /// How far to go, in [0, 1], from an impulse that does not raise the energy towards another, so that their blend does not
@@ -185,8 +186,11 @@ mod tests {
         );
         assert_eq!(collision_impulse(ball_matrix(), -UP, UP, surfaces(-1.0, 0.5)), DVec3::ZERO);
         assert_eq!(collision_impulse(DMat3::ZERO, -UP, UP, surfaces(0.5, 0.5)), DVec3::ZERO);
-        let wall =
-            contact_matrix(0.0, Inertia::INFINITE.inverse_tensor(DQuat::IDENTITY), DVec3::new(3.0, 1.0, 2.0));
+        let wall = contact_matrix(
+            0.0,
+            Inertia::INFINITE.inverse_tensor(DQuat::IDENTITY),
+            DVec3::new(3.0, 1.0, 2.0),
+        );
         assert_eq!(wall, DMat3::ZERO);
     }
 
@@ -211,10 +215,13 @@ mod tests {
             let sliding = UP - friction * DVec3::new(slip, 0.0, 0.0).normalize();
             jams += i32::from(UP.dot(matrix * sliding) < 0.0);
             for restitution in [0.0, 0.5, 1.0] {
-                let impulse = collision_impulse(matrix, velocity, UP, surfaces(restitution, friction));
+                let impulse =
+                    collision_impulse(matrix, velocity, UP, surfaces(restitution, friction));
                 let after = velocity + matrix * impulse;
                 assert!((after.y - restitution).abs() < 1e-13);
-                assert!((impulse - impulse.y * UP).length() <= friction * impulse.y * (1.0 + 1e-14));
+                assert!(
+                    (impulse - impulse.y * UP).length() <= friction * impulse.y * (1.0 + 1e-14)
+                );
                 let gain = impulse.dot(velocity) + 0.5 * impulse.dot(matrix * impulse);
                 assert!(
                     gain <= 1e-13 || UP.dot(matrix * sliding) > 0.0,

@@ -100,5 +100,9 @@ fn energy_change(side: &ClampSide, frame_velocity: DVec3) -> (f64, f64) {
     let angular_slope = angular_answer.dot(body_from_world * velocity.angular_momentum);
 
     let slope = impulse.linear.dot(velocity.linear - frame_velocity) + angular_slope;
-    (slope, inertia.inverse_mass * impulse.linear.length_squared() + angular_impulse.dot(angular_answer))
+    (
+        slope,
+        inertia.inverse_mass * impulse.linear.length_squared()
+            + angular_impulse.dot(angular_answer),
+    )
 }

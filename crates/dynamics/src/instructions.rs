@@ -27,7 +27,9 @@ impl Singles {
 }
 
 /// What is done to all lanes at once.
-pub(crate) trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'static {
+pub(crate) trait Instructions:
+    Copy + std::fmt::Debug + PartialEq + Send + Sync + 'static
+{
     fn add(a: Numbers, b: Numbers) -> Numbers;
     fn sub(a: Numbers, b: Numbers) -> Numbers;
     fn mul(a: Numbers, b: Numbers) -> Numbers;

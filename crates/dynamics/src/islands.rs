@@ -71,7 +71,8 @@ impl Islands {
             sizes[self.number[node] as usize] += 1;
         }
         let mut members: Vec<Vec<BodyId>> = sizes.into_iter().map(Vec::with_capacity).collect();
-        for (node, &number) in self.number.iter().enumerate().filter(|&(_, &number)| number != NONE) {
+        for (node, &number) in self.number.iter().enumerate().filter(|&(_, &number)| number != NONE)
+        {
             let id = bodies.ids.get(node).copied().unwrap_or_else(|| gone[node - bodies.len()]);
             members[number as usize].push(id);
         }
@@ -80,7 +81,10 @@ impl Islands {
 
     /// Which of the [`Self::members`] a node belongs to, if any.
     pub(crate) fn number(&self, node: u32) -> Option<usize> {
-        self.number.get(node as usize).filter(|&&number| number != NONE).map(|&number| number as usize)
+        self.number
+            .get(node as usize)
+            .filter(|&&number| number != NONE)
+            .map(|&number| number as usize)
     }
 }
 

@@ -59,8 +59,11 @@ mod tests {
         let sn = |m: f64, u: f64, rate: f64| {
             let t = u / rate;
             let series = Series::new(rate * rate, m * rate * rate);
-            let sum =
-                if u.abs() <= Series::SHORT_REACH { series.at::<6>(t * t) } else { series.at::<9>(t * t) };
+            let sum = if u.abs() <= Series::SHORT_REACH {
+                series.at::<6>(t * t)
+            } else {
+                series.at::<9>(t * t)
+            };
             u / sum.sqrt()
         };
         for i in 0..=80 {
@@ -94,8 +97,12 @@ mod tests {
             (1e-30, libm::log(4e15)),
             (1e-200, libm::log(4e100)),
         ] {
-            let period = std::f64::consts::FRAC_PI_2 / arithmetic_geometric_mean(1.0, complement.sqrt());
-            assert!((period / expected - 1.0).abs() < 1e-15, "{complement}: {period} is not {expected}");
+            let period =
+                std::f64::consts::FRAC_PI_2 / arithmetic_geometric_mean(1.0, complement.sqrt());
+            assert!(
+                (period / expected - 1.0).abs() < 1e-15,
+                "{complement}: {period} is not {expected}"
+            );
         }
     }
 }

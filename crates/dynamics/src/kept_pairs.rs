@@ -112,7 +112,9 @@ impl KeptPairs {
         let rooms = kept.iter_mut().zip(finders).zip(&mut found.parts);
         let mut shares: Vec<(Share, &[Pair])> = rooms
             .zip(pairs.chunks(SHARE))
-            .map(|(((kept, finder), found), pairs)| (Share { ways, seen: &seen, kept, finder, found }, pairs))
+            .map(|(((kept, finder), found), pairs)| {
+                (Share { ways, seen: &seen, kept, finder, found }, pairs)
+            })
             .collect();
         let find = |(share, pairs): &mut (Share, &[Pair])| {
             share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
@@ -168,8 +170,9 @@ impl Share<'_> {
 
         // What holds, and what is to be looked at anew.
         let (mut looks, mut anew) = (Vec::with_capacity(pairs.len()), Vec::new());
-        let encounter =
-            |pair: Pair| Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame);
+        let encounter = |pair: Pair| {
+            Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
+        };
         for &pair in pairs {
             let encounter = encounter(pair);
             if encounter.is_out_of_reach() {
@@ -191,7 +194,8 @@ impl Share<'_> {
                 if !points.is_empty() {
                     let encounter = encounter(pair);
                     self.kept.points.extend_from_slice(points);
-                    let within_reach = points.iter().filter_map(|point| point.within_reach(&encounter));
+                    let within_reach =
+                        points.iter().filter_map(|point| point.within_reach(&encounter));
                     self.found.add(pair, within_reach);
                 }
                 self.keep(KeptPair { since, ..*kept }, pair);
@@ -218,7 +222,12 @@ impl Share<'_> {
 
     /// If the points of a pair are still its points, and nothing else has come within reach: from when on its ways count.
     #[inline]
-    fn still_holds(&self, kept: &KeptPair, points: &[KeptPoint], encounter: &Encounter) -> Option<f64> {
+    fn still_holds(
+        &self,
+        kept: &KeptPair,
+        points: &[KeptPoint],
+        encounter: &Encounter,
+    ) -> Option<f64> {
         let steady = STEADY * encounter.size;
         let steady = if points.is_empty() { f64::INFINITY } else { steady };
         let most = steady.min(kept.beyond - encounter.reach);
@@ -264,10 +273,12 @@ impl Share<'_> {
             Solid::Ground(ground) => -ground.normal,
             _ => seen.normal,
         };
-        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| KeptPoint {
-            anchors: [point.anchor_first, point.anchor_second],
-            normal: normal_of(seen),
-            sample: point.sample,
+        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| {
+            KeptPoint {
+                anchors: [point.anchor_first, point.anchor_second],
+                normal: normal_of(seen),
+                sample: point.sample,
+            }
         }));
 
         // What will meet later will do so elsewhere; what jams is looked at again.

@@ -49,12 +49,19 @@ pub struct Opening(PerBody<f64>);
 
 /// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities that they have [J].
 pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: DVec3) -> f64 {
-    let dynamic = [pair.first, pair.second].into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
+    let dynamic =
+        [pair.first, pair.second].into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
     dynamic.map(|i| energy(bodies, i, &poses[i], &bodies.velocities[i], gravity)).sum()
 }
 
 /// Kinetic and potential energy of one dynamic body [J].
-pub(crate) fn energy(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, gravity: DVec3) -> f64 {
+pub(crate) fn energy(
+    bodies: &Bodies,
+    i: usize,
+    pose: &Pose,
+    velocity: &Velocity,
+    gravity: DVec3,
+) -> f64 {
     let mass = bodies.masses[i];
     let spin = bodies.inertias[i].rotational_energy(pose.orientation, velocity.angular_momentum);
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
@@ -131,7 +138,11 @@ pub(crate) enum Anchor {
 impl Anchor {
     /// A body that impulses do not move.
     pub(crate) fn of(bodies: &Bodies, i: usize) -> Self {
-        if matches!(bodies.motions[i], Motion::Kinematic { .. }) { Self::Kinematic(i) } else { Self::Fixed }
+        if matches!(bodies.motions[i], Motion::Kinematic { .. }) {
+            Self::Kinematic(i)
+        } else {
+            Self::Fixed
+        }
     }
 }
 
@@ -159,7 +170,8 @@ impl Ledger {
         let (energies, islands) =
             threads::join(now.len(), || energies(now, frame), || self.islands(now, opening, tally));
         // What was born in this frame has gained nothing that is known.
-        let gained_by = |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
+        let gained_by =
+            |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
         for mut island in islands {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
@@ -179,7 +191,8 @@ impl Ledger {
 
             // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
             let work_before = tally.causes.work;
-            let mut debts: Vec<Debt> = island.debts.iter().map(|&index| tally.debts[index]).collect();
+            let mut debts: Vec<Debt> =
+                island.debts.iter().map(|&index| tally.debts[index]).collect();
             let is_sound = frame.settings.ledger && before.is_finite();
             let is_restrained = is_sound && restrain(bodies, (&mut debts, &gained), frame, tally);
             let mut after = before;

@@ -76,7 +76,12 @@ pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 
 /// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
 /// in the last frame.
-pub fn find_manifolds(bodies: &Bodies, pairs: &[Pair], warm: &WarmStart, frame: &Frame) -> Manifolds {
+pub fn find_manifolds(
+    bodies: &Bodies,
+    pairs: &[Pair],
+    warm: &WarmStart,
+    frame: &Frame,
+) -> Manifolds {
     let (mut finder, mut found) = (ManifoldFinder::default(), Found::default());
     for &pair in pairs {
         if let Some(manifold) = finder.find(bodies, pair, warm, frame) {
@@ -120,8 +125,11 @@ impl ManifoldFinder {
             return None;
         }
         // Balls, polyhedra and planes need no samples; everything else has some.
-        let solids = [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
-        if !compound_points(encounter, room, points) && !exact_points(encounter, solids, room, points) {
+        let solids =
+            [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
+        if !compound_points(encounter, room, points)
+            && !exact_points(encounter, solids, room, points)
+        {
             let candidates = find_candidates(encounter);
             let chosen = choose(&candidates, has_carried);
             let chosen: Vec<ManifoldPoint> =
@@ -150,7 +158,9 @@ impl<'a> Solid<'a> {
     pub(crate) fn of(shape: &'a Shape) -> Self {
         match (&shape.geometry, &shape.hull) {
             (Geometry::ClosedForm(ClosedForm::Sphere { radius }), _) => Self::Ball(*radius),
-            (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => Self::Ground(*half_space),
+            (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => {
+                Self::Ground(*half_space)
+            }
             (_, Some(hull)) => Self::Hull(hull),
             _ => Self::Other(shape),
         }
@@ -183,7 +193,9 @@ pub(crate) fn exact_points(
     match solids {
         [Solid::Ball(radius), other] => points.extend(ball(true, radius, other)),
         [other, Solid::Ball(radius)] => points.extend(ball(false, radius, other)),
-        [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
+        [Solid::Hull(a), Solid::Hull(b)]
+            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
+        {
             let _ = hull_points(encounter, [a, b], room, points);
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
@@ -210,16 +222,24 @@ struct Candidate {
 /// All samples of a pair that may touch within the frame.
 fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
     let (frame, [first, second]) = (encounter.frame, encounter.placed());
-    if is_out_of_reach(first, second, encounter.reach) || is_out_of_reach(second, first, encounter.reach) {
+    if is_out_of_reach(first, second, encounter.reach)
+        || is_out_of_reach(second, first, encounter.reach)
+    {
         return Vec::new();
     }
     let reach = encounter.reach as f32;
     let mut penetrations = Vec::new();
-    NearSamples::gather(first, second, reach).find_penetrations(first, second, reach, &mut penetrations);
+    NearSamples::gather(first, second, reach).find_penetrations(
+        first,
+        second,
+        reach,
+        &mut penetrations,
+    );
     let candidate = |penetration: &Penetration| {
         let contact = contact_point(first, second, penetration);
         let phi = f64::from(penetration.phi);
-        let [of_first, of_second] = encounter.flights.map(|flight| flight.velocity(contact.point, 0.0));
+        let [of_first, of_second] =
+            encounter.flights.map(|flight| flight.velocity(contact.point, 0.0));
         let closing = (of_second - of_first).dot(contact.normal);
         let approach = encounter.surface_speed(contact.normal, closing, phi);
         let sample = (penetration.sample_of_first, penetration.sample.into());
@@ -241,9 +261,11 @@ fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
 /// Indices of the candidates that are kept: the deepest, those that have carried, and then always the one that is
 /// furthest from those that are kept.
 fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -> Vec<usize> {
-    let distance =
-        |a: usize, b: usize| candidates[a].contact.point.distance_squared(candidates[b].contact.point);
-    let deepest = (0..candidates.len()).min_by(|&a, &b| candidates[a].phi.total_cmp(&candidates[b].phi));
+    let distance = |a: usize, b: usize| {
+        candidates[a].contact.point.distance_squared(candidates[b].contact.point)
+    };
+    let deepest =
+        (0..candidates.len()).min_by(|&a, &b| candidates[a].phi.total_cmp(&candidates[b].phi));
     let Some(deepest) = deepest else { return Vec::new() };
     let mut chosen = vec![deepest];
     let mut away: Vec<f64> = (0..candidates.len()).map(|index| distance(index, deepest)).collect();

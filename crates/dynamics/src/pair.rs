@@ -103,9 +103,18 @@ pub fn impulse_for(
 }
 
 /// Change of the relative velocity per impulse at the contact [1/kg].
-pub fn pair_contact_matrix(pair: Pair, levers: [DVec3; 2], poses: &[Pose], inertias: &[Inertia]) -> DMat3 {
+pub fn pair_contact_matrix(
+    pair: Pair,
+    levers: [DVec3; 2],
+    poses: &[Pose],
+    inertias: &[Inertia],
+) -> DMat3 {
     let of = |i: usize, lever: DVec3| {
-        contact_matrix(inertias[i].inverse_mass, inertias[i].inverse_tensor(poses[i].orientation), lever)
+        contact_matrix(
+            inertias[i].inverse_mass,
+            inertias[i].inverse_tensor(poses[i].orientation),
+            lever,
+        )
     };
     of(pair.first, levers[0]) + of(pair.second, levers[1])
 }
@@ -128,7 +137,10 @@ impl PairImpulse {
 
     /// A part of it.
     pub fn scaled(&self, scale: f64) -> Self {
-        Self { at_contact: scale * self.at_contact, on: self.on.map(|impulse| impulse.scaled(scale)) }
+        Self {
+            at_contact: scale * self.at_contact,
+            on: self.on.map(|impulse| impulse.scaled(scale)),
+        }
     }
 
     /// Whether nothing acts.
@@ -207,7 +219,8 @@ impl PairImpulse {
         };
         let twice_mean = |side: usize| {
             let i = [pair.first, pair.second][side];
-            let after = apply_impulse(&velocities[i], bodies.inertias[i].inverse_mass, &self.on[side]);
+            let after =
+                apply_impulse(&velocities[i], bodies.inertias[i].inverse_mass, &self.on[side]);
             point_velocity(side, &velocities[i]) + point_velocity(side, &after)
         };
         0.5 * tangential.dot(twice_mean(0) - twice_mean(1))

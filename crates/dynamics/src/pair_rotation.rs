@@ -29,5 +29,8 @@ pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impul
 
     // What the solution of the 3 x 3 system leaves over goes to the first body's spin: the sum is exact to rounding.
     let rest = angular_momentum - (spin[0] + spin[1] + apart.cross(orbital));
-    [Impulse { linear: orbital, angular: spin[0] + rest }, Impulse { linear: -orbital, angular: spin[1] }]
+    [
+        Impulse { linear: orbital, angular: spin[0] + rest },
+        Impulse { linear: -orbital, angular: spin[1] },
+    ]
 }

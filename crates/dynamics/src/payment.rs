@@ -69,7 +69,11 @@ fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     };
     let turning = |i: usize| {
         let inverse = bodies.inertias[i].inverse_moments.max_element();
-        if inverse > 0.0 { inverse * bodies.velocities[i].angular_momentum.length_squared() } else { 0.0 }
+        if inverse > 0.0 {
+            inverse * bodies.velocities[i].angular_momentum.length_squared()
+        } else {
+            0.0
+        }
     };
     let turns = both
         .iter()
@@ -103,11 +107,17 @@ pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally:
     let alpha = if energy < available { 1.0 - (1.0 - energy / available).sqrt() } else { 1.0 };
     let impulse = PairImpulse::new(&approach, alpha * stopping);
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
-    for (body, other, j) in
-        [(pair.first, pair.second, impulse.at_contact), (pair.second, pair.first, -impulse.at_contact)]
-    {
+    for (body, other, j) in [
+        (pair.first, pair.second, impulse.at_contact),
+        (pair.second, pair.first, -impulse.at_contact),
+    ] {
         let moment = point.cross(j);
-        tally.book_outside(bodies, [body, other], (j, moment), kinematic_work(bodies, other, j, moment));
+        tally.book_outside(
+            bodies,
+            [body, other],
+            (j, moment),
+            kinematic_work(bodies, other, j, moment),
+        );
     }
 }
 
@@ -135,11 +145,20 @@ mod tests {
     fn chip_and_block(motion: Motion) -> Bodies {
         let mut bodies = Bodies::default();
         for (half, motion, position, linear, angular_momentum) in [
-            (0.05, Motion::Dynamic, DVec3::ZERO, DVec3::new(11.0, 18.0, 1.0), DVec3::new(0.1, 0.3, -0.2)),
+            (
+                0.05,
+                Motion::Dynamic,
+                DVec3::ZERO,
+                DVec3::new(11.0, 18.0, 1.0),
+                DVec3::new(0.1, 0.3, -0.2),
+            ),
             (0.5, motion, DVec3::new(0.1, -0.55, 0.0), DVec3::X, DVec3::ZERO),
         ] {
             bodies.spawn(NewBody {
-                shape: Arc::new(Shape::closed_form(ClosedForm::Box { half: DVec3::splat(half) }, 0.1)),
+                shape: Arc::new(Shape::closed_form(
+                    ClosedForm::Box { half: DVec3::splat(half) },
+                    0.1,
+                )),
                 density: 2000.0,
                 motion,
                 pose: Pose { position, orientation: DQuat::from_rotation_z(half) },
@@ -168,7 +187,8 @@ mod tests {
         let of = |i: usize| {
             let Velocity { linear, angular_momentum } = bodies.velocities[i];
             0.5 * bodies.masses[i] * linear.length_squared()
-                + bodies.inertias[i].rotational_energy(bodies.poses[i].orientation, angular_momentum)
+                + bodies.inertias[i]
+                    .rotational_energy(bodies.poses[i].orientation, angular_momentum)
         };
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
@@ -177,8 +197,10 @@ mod tests {
     /// outside is told: momenta and energy change by that, and by what was paid, which is owed no more.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
-        let moving =
-            Motion::Kinematic { linear: DVec3::new(1.0, 0.2, 0.0), angular: DVec3::new(0.0, 0.1, 0.0) };
+        let moving = Motion::Kinematic {
+            linear: DVec3::new(1.0, 0.2, 0.0),
+            angular: DVec3::new(0.0, 0.1, 0.0),
+        };
         for motion in [Motion::Static, moving, Motion::Dynamic] {
             let cases = [
                 (1e4, 1e4, 1e4, None),
@@ -194,22 +216,30 @@ mod tests {
                 let mut debts = [Debt { net, ..debt(&bodies.ids, gave) }];
                 let (before, energy) = (momenta(&bodies), kinetic_energy(&bodies));
                 let mut tally = Tally::default();
-                let has_paid = restrain(&mut bodies, (&mut debts, &[gained, 0.0]), &frame(), &mut tally);
+                let has_paid =
+                    restrain(&mut bodies, (&mut debts, &[gained, 0.0]), &frame(), &mut tally);
                 assert_eq!(has_paid, paid != Some(0.0));
 
                 let after = momenta(&bodies);
                 let [given, turned] = [after.0 - before.0, after.1 - before.1];
                 assert!((given - tally.outside_impulse).length() < 1e-11, "{motion:?} {given}");
-                assert!((turned - tally.outside_angular_impulse).length() < 1e-11, "{motion:?} {turned}");
+                assert!(
+                    (turned - tally.outside_angular_impulse).length() < 1e-11,
+                    "{motion:?} {turned}"
+                );
                 let lost = energy + tally.causes.work - kinetic_energy(&bodies);
                 assert!((gave - lost - debts[0].energy).abs() < 1e-9, "{motion:?} {debts:?}");
                 match paid {
                     Some(paid) => assert!((lost - paid).abs() < 1e-9, "{motion:?} {lost} {paid}"),
                     None => {
                         let (chip, block) = (0, 1);
-                        let anchor =
-                            if motion == Motion::Dynamic { Anchor::Free } else { Anchor::of(&bodies, block) };
-                        let members: &[usize] = if anchor == Anchor::Free { &[chip, block] } else { &[chip] };
+                        let anchor = if motion == Motion::Dynamic {
+                            Anchor::Free
+                        } else {
+                            Anchor::of(&bodies, block)
+                        };
+                        let members: &[usize] =
+                            if anchor == Anchor::Free { &[chip, block] } else { &[chip] };
                         let left = RelativeMotion::of(&bodies, members, anchor).energy;
                         let most = frame().settings.bank_cap * bodies.masses[chip];
                         assert!((left - most).abs() < 1e-9, "{motion:?} {left} {most}");
@@ -223,7 +253,8 @@ mod tests {
     /// What moves along with a block is not slowed down, however fast the block is.
     #[test]
     fn what_moves_along_goes_on() {
-        let mut bodies = chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
+        let mut bodies =
+            chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
         bodies.velocities[0] = Velocity { linear: 20.0 * DVec3::X, angular_momentum: DVec3::ZERO };
         let debt = debt(&bodies.ids, 1e4);
         assert!(!restrain(&mut bodies, (&mut [debt], &[1e4; 2]), &frame(), &mut Tally::default()));

@@ -20,7 +20,12 @@ pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
 }
 
 /// The same for one pair with its bodies at the given poses; `None` if it does not overlap.
-pub(crate) fn penetration(bodies: &Bodies, pair: Pair, poses: &[Pose], room: &mut Room) -> Option<f64> {
+pub(crate) fn penetration(
+    bodies: &Bodies,
+    pair: Pair,
+    poses: &[Pose],
+    room: &mut Room,
+) -> Option<f64> {
     let (first, second) = placed(bodies, pair, poses);
     let second_from_first = second_from_first(first, second);
     let solids = [Solid::of(first.shape), Solid::of(second.shape)];
@@ -62,15 +67,22 @@ fn separation(
         [other, Solid::Ball(radius)] => {
             Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
         }
-        [Solid::Hull(a), Solid::Hull(b)] if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS => {
-            Some(HullPair::new([a, b], &first_from_second, size, Width::Avx512).separation(0.0, room))
+        [Solid::Hull(a), Solid::Hull(b)]
+            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
+        {
+            Some(
+                HullPair::new([a, b], &first_from_second, size, Width::Avx512)
+                    .separation(0.0, room),
+            )
         }
         [Solid::Hull(hull), Solid::Ground(ground)] => {
-            let heights = hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));
+            let heights =
+                hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));
             Some(heights.fold(f64::INFINITY, f64::min))
         }
         [Solid::Ground(ground), Solid::Hull(hull)] => {
-            let heights = hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
+            let heights =
+                hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
             Some(heights.fold(f64::INFINITY, f64::min))
         }
         _ => None,
@@ -110,14 +122,18 @@ mod tests {
     }
 
     fn ground() -> Shape {
-        Shape::closed_form(ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: -0.45 }), 0.1)
+        Shape::closed_form(
+            ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: -0.45 }),
+            0.1,
+        )
     }
 
     /// Three cubes side by side along z.
     fn row() -> Shape {
         let half = DVec3::splat(0.5);
         let cube = |k: i32| {
-            Hull::cuboid(half).transformed(&RigidTransform::new(DQuat::IDENTITY, f64::from(k) * DVec3::Z))
+            Hull::cuboid(half)
+                .transformed(&RigidTransform::new(DQuat::IDENTITY, f64::from(k) * DVec3::Z))
         };
         Shape::compound(Compound::new((-1..=1).map(cube).collect()), 0.1).unwrap()
     }

@@ -48,7 +48,12 @@ pub(crate) fn plane_points(
             continue;
         }
         let on = [vertex, vertex - gap * now.normal];
-        let point = HullPoint { on, normal: now.normal, gap, feature: Feature::VertexOfFirst(number as u32) };
+        let point = HullPoint {
+            on,
+            normal: now.normal,
+            gap,
+            feature: Feature::VertexOfFirst(number as u32),
+        };
         let comes_near = is_slow
             || gap <= near
             || gap <= frame.dt * closing(&point) + near
@@ -78,7 +83,12 @@ pub(crate) fn plane_points(
         }
     };
     // What rests on a few of many corners would rock over the others.
-    reduce(&mut room.points, &mut room.spare, MOST_POINTS, (now.normal, PREFERENCE * flight.radius));
+    reduce(
+        &mut room.points,
+        &mut room.spare,
+        MOST_POINTS,
+        (now.normal, PREFERENCE * flight.radius),
+    );
     points.extend(room.points.iter().map(manifold_point));
     beyond
 }

@@ -31,7 +31,8 @@ pub fn push_out(
                 for _ in 0..settings.push_out_pair_iterations {
                     let (first, second) = placed(bodies, pair, poses);
                     near.find_penetrations(first, second, 0.0, &mut penetrations);
-                    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi)) else {
+                    let Some(deepest) = penetrations.iter().min_by(|a, b| a.phi.total_cmp(&b.phi))
+                    else {
                         break;
                     };
                     let before = pair_energy(bodies, pair, poses, frame.gravity);

@@ -32,7 +32,8 @@ impl Twist {
     ) -> Self {
         // Mass and inertia of the bodies frozen together.
         let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
-        let origin = members.iter().map(|&i| bodies.masses[i] * poses[i].position).sum::<DVec3>() / mass;
+        let origin =
+            members.iter().map(|&i| bodies.masses[i] * poses[i].position).sum::<DVec3>() / mass;
         let mut inertia = DMat3::ZERO;
         for &i in members {
             inertia += bodies.inertias[i].tensor(poses[i].orientation);
@@ -85,8 +86,8 @@ impl Twist {
             let along = self.velocity_of(bodies, poses, i);
             let velocity = &mut velocities[i];
             velocity.linear = along.linear + scale * (velocity.linear - along.linear);
-            velocity.angular_momentum =
-                along.angular_momentum + scale * (velocity.angular_momentum - along.angular_momentum);
+            velocity.angular_momentum = along.angular_momentum
+                + scale * (velocity.angular_momentum - along.angular_momentum);
         }
     }
 }

@@ -9,7 +9,13 @@ use glam::{DQuat, DVec3};
 /// Moves a pose over `dt` [s]: the centre by its linear velocity, the orientation by `rotation`. The angular momentum is
 /// an input only, so it is conserved by construction; the energy fix aims at the energy at the start of this very step
 /// [Su09 sec. 2]. What has infinite inertia keeps its orientation here.
-pub fn advance(pose: &Pose, velocity: &Velocity, inertia: &Inertia, dt: f64, rotation: Rotation) -> Pose {
+pub fn advance(
+    pose: &Pose,
+    velocity: &Velocity,
+    inertia: &Inertia,
+    dt: f64,
+    rotation: Rotation,
+) -> Pose {
     let position = pose.position + dt * velocity.linear;
     if inertia.is_infinite() {
         return Pose { position, orientation: pose.orientation };
@@ -21,7 +27,8 @@ pub fn advance(pose: &Pose, velocity: &Velocity, inertia: &Inertia, dt: f64, rot
         Rotation::SecondOrder { energy_fix } => {
             let rotated = rotate_second_order(pose.orientation, angular_momentum, inertia, dt);
             if energy_fix {
-                let kinetic_energy_0 = inertia.rotational_energy(pose.orientation, angular_momentum);
+                let kinetic_energy_0 =
+                    inertia.rotational_energy(pose.orientation, angular_momentum);
                 fix_rotational_energy(rotated, angular_momentum, inertia, kinetic_energy_0).0
             } else {
                 rotated
@@ -34,7 +41,12 @@ pub fn advance(pose: &Pose, velocity: &Velocity, inertia: &Inertia, dt: f64, rot
 /// Rotates `orientation` (`world_from_body`) over `dt` [s] without torque, to second order [SSF08]:
 /// `exp(theta) R` with `theta = dt (omega - dt/2 I^-1 (omega x L))`. `angular_momentum` L is in the world frame
 /// [kg m^2/s]. Does not conserve kinetic energy.
-pub fn rotate_second_order(orientation: DQuat, angular_momentum: DVec3, inertia: &Inertia, dt: f64) -> DQuat {
+pub fn rotate_second_order(
+    orientation: DQuat,
+    angular_momentum: DVec3,
+    inertia: &Inertia,
+    dt: f64,
+) -> DQuat {
     // In the body frame the inertia is diagonal; exp(theta) R is R exp(R^T theta).
     let momentum_body = orientation.conjugate() * angular_momentum;
     let omega_body = inertia.inverse_moments * momentum_body;
@@ -64,8 +76,11 @@ mod tests {
         for angle in [0.0, 1e-300, 1e-9, 0.999e-2, 1.001e-2, 0.1, 3.0, 7.0] {
             let theta = angle * DVec3::new(2.0, -1.0, 2.0) / 3.0;
             let rotation = rotation_by(theta);
-            let expected =
-                if angle == 0.0 { DQuat::IDENTITY } else { DQuat::from_axis_angle(theta / angle, angle) };
+            let expected = if angle == 0.0 {
+                DQuat::IDENTITY
+            } else {
+                DQuat::from_axis_angle(theta / angle, angle)
+            };
             assert!(
                 (rotation - expected).length() < 4e-16 * (1.0 + angle),
                 "{angle}: {rotation} is not {expected}"
@@ -82,7 +97,8 @@ mod tests {
         let start = Pose { position: DVec3::ZERO, orientation: DQuat::from_rotation_x(0.4) };
         let velocity = Velocity { linear: DVec3::new(1.0, 2.0, 3.0), angular_momentum: momentum };
         let time = 1.0;
-        let expected_axis = DQuat::from_rotation_y(momentum.y / 2.0 * time) * (start.orientation * DVec3::Z);
+        let expected_axis =
+            DQuat::from_rotation_y(momentum.y / 2.0 * time) * (start.orientation * DVec3::Z);
 
         let error = |steps: u32, energy_fix: bool| {
             let dt = time / f64::from(steps);

@@ -66,7 +66,8 @@ impl Sleep {
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {
-                    sleep.touching[i] = sleep.touching[i].wrapping_add(scattered(bodies.ids[other]));
+                    sleep.touching[i] =
+                        sleep.touching[i].wrapping_add(scattered(bodies.ids[other]));
                 }
             }
         }
@@ -98,7 +99,12 @@ impl Sleep {
     }
 
     /// The bodies that sleep stand still: what they lose by that, what they stand on has given.
-    pub(crate) fn hold(&self, bodies: &mut Bodies, manifolds: &[Manifold], tally: &mut Tally) -> Vec<bool> {
+    pub(crate) fn hold(
+        &self,
+        bodies: &mut Bodies,
+        manifolds: &[Manifold],
+        tally: &mut Tally,
+    ) -> Vec<bool> {
         let mut are_asleep = vec![false; bodies.len()];
         for Pair { first, second } in self.manifolds.iter().map(|&at| manifolds[at].pair) {
             for i in [first, second].into_iter().filter(|&i| bodies.motions[i] == Motion::Dynamic) {
@@ -108,9 +114,11 @@ impl Sleep {
                     tally.outside_impulse -= momentum;
                     tally.outside_angular_impulse -=
                         bodies.poses[i].position.cross(momentum) + angular_momentum;
-                    let kinetic = energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], DVec3::ZERO);
+                    let kinetic =
+                        energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], DVec3::ZERO);
                     tally.causes.add(Cause::Contact, -kinetic);
-                    bodies.velocities[i] = Velocity { linear: DVec3::ZERO, angular_momentum: DVec3::ZERO };
+                    bodies.velocities[i] =
+                        Velocity { linear: DVec3::ZERO, angular_momentum: DVec3::ZERO };
                 }
             }
         }
@@ -147,7 +155,8 @@ impl Sleep {
 
 /// A number for a body, of which sums tell one set of bodies from another: its id through SplitMix64.
 fn scattered(BodyId { index, generation }: BodyId) -> u64 {
-    let mut number = (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut number =
+        (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
     number = (number ^ number >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     number = (number ^ number >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     number ^ number >> 31

@@ -41,9 +41,18 @@ impl Pose {
 
 impl Velocity {
     /// Of a body at a density [kg/m^3], from its linear [m/s] and angular velocity [rad/s] in the world frame: `L = I omega`.
-    pub fn spinning(linear: DVec3, angular: DVec3, orientation: DQuat, shape: &Shape, density: f64) -> Self {
+    pub fn spinning(
+        linear: DVec3,
+        angular: DVec3,
+        orientation: DQuat,
+        shape: &Shape,
+        density: f64,
+    ) -> Self {
         let moments = density * shape.unit_moments;
-        Self { linear, angular_momentum: orientation * (moments * (orientation.conjugate() * angular)) }
+        Self {
+            linear,
+            angular_momentum: orientation * (moments * (orientation.conjugate() * angular)),
+        }
     }
 }
 
@@ -113,10 +122,13 @@ mod tests {
         let velocity = Velocity::spinning(linear, angular, orientation, &shape, 500.0);
         assert_eq!(velocity.linear, linear);
         let momentum = velocity.angular_momentum;
-        assert!((inertia.tensor(orientation) * angular - momentum).length() < 1e-14 * momentum.length());
-        for back in
-            [inertia.angular_velocity(orientation, momentum), inertia.inverse_tensor(orientation) * momentum]
-        {
+        assert!(
+            (inertia.tensor(orientation) * angular - momentum).length() < 1e-14 * momentum.length()
+        );
+        for back in [
+            inertia.angular_velocity(orientation, momentum),
+            inertia.inverse_tensor(orientation) * momentum,
+        ] {
             assert!((back - angular).length() < 1e-14 * angular.length());
         }
     }

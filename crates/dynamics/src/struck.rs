@@ -70,7 +70,8 @@ pub fn note_struck(
     pairs.sort_unstable();
     let mut found = Vec::new();
     for pair in pairs {
-        let further = strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
+        let further =
+            strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
         if further > 0.0 {
             let [first, second] = Flight::of_pair(bodies, pair, frame);
             let encounter = Encounter::new(bodies, pair, [&first, &second], frame);
@@ -159,25 +160,35 @@ impl Struck<'_> {
         let inverse_mass = |i: usize| self.bodies.inertias[i].inverse_mass;
         let answer = inverse_mass(i) + turning;
         let restitution = self.bodies.pair_contactant(i, by).restitution;
-        if answer > 0.0 { (1.0 + restitution) * answer / (answer + inverse_mass(by)) * come } else { 0.0 }
+        if answer > 0.0 {
+            (1.0 + restitution) * answer / (answer + inverse_mass(by)) * come
+        } else {
+            0.0
+        }
     }
 
     /// See [`Self::stray`].
     fn turning(&self, i: usize) -> f64 {
         let inertia = &self.bodies.inertias[i];
         let size = self.bodies.radii[i];
-        if inertia.is_infinite() { 0.0 } else { inertia.inverse_moments.max_element() * size * size }
+        if inertia.is_infinite() {
+            0.0
+        } else {
+            inertia.inverse_moments.max_element() * size * size
+        }
     }
 
     /// How far any points of a pair move against each other on their ways; none if they rest [m].
     fn comes(&self, pair: Pair) -> f64 {
         let way = |i: usize| self.ends[i].position - self.bodies.poses[i].position;
         let turns = |i: usize| {
-            let spin = self.bodies.spin(i, &self.bodies.poses[i], &self.bodies.velocities[i]).length();
+            let spin =
+                self.bodies.spin(i, &self.bodies.poses[i], &self.bodies.velocities[i]).length();
             // What has no bounds does not turn.
             if spin > 0.0 { self.bodies.radii[i] * (spin * self.frame.dt).min(2.0) } else { 0.0 }
         };
-        let comes = (way(pair.first) - way(pair.second)).length() + turns(pair.first) + turns(pair.second);
+        let comes =
+            (way(pair.first) - way(pair.second)).length() + turns(pair.first) + turns(pair.second);
         if comes > self.least { comes } else { 0.0 }
     }
 }
@@ -261,7 +272,10 @@ mod tests {
         for wanted in [[0, 1], [1, 2], [2, 3]] {
             assert!(pairs.contains(&wanted), "{pairs:?}");
         }
-        assert!(pairs.iter().all(|pair| pair[1] < 4) && pairs.is_sorted_by(|a, b| a < b), "{pairs:?}");
+        assert!(
+            pairs.iter().all(|pair| pair[1] < 4) && pairs.is_sorted_by(|a, b| a < b),
+            "{pairs:?}"
+        );
         assert_eq!(strays[1].against(0), 0.0);
         assert!((0.2..=0.4).contains(&strays[1].against(2)), "{strays:?}");
         assert!(strays[3].against(4) > 0.2 && strays[4] == Stray::NONE, "{strays:?}");
@@ -278,18 +292,23 @@ mod tests {
     #[test]
     fn crowds_are_left_alone() {
         let known = |on_way: usize, beside: usize| {
-            let balls = |count: usize, from: f64| (0..count).map(move |number| from + 1e-6 * number as f64);
+            let balls =
+                |count: usize, from: f64| (0..count).map(move |number| from + 1e-6 * number as f64);
             let places: Vec<f64> =
                 [0.0].into_iter().chain(balls(on_way, 0.2)).chain(balls(beside, 0.7)).collect();
             let (pairs, strays) = straying(&places, 6.0);
-            let beyond = pairs
-                .iter()
-                .filter(|pair| pair[0] <= on_way && (on_way + 1..=on_way + beside).contains(&pair[1]));
+            let beyond = pairs.iter().filter(|pair| {
+                pair[0] <= on_way && (on_way + 1..=on_way + beside).contains(&pair[1])
+            });
             (beyond.count(), strays.iter().any(|stray| *stray != Stray::NONE))
         };
         assert_eq!(known(1, 10), (20, true), "by either of the first two");
         assert_eq!(known(1, MOST_MORE + 100), (MOST_MORE, true), "pairs");
-        assert_eq!(known(MOST_STRIKES + 1, 10), (0, true), "the pairs of a crowd are thinned before");
+        assert_eq!(
+            known(MOST_STRIKES + 1, 10),
+            (0, true),
+            "the pairs of a crowd are thinned before"
+        );
     }
 
     /// The body that may push it furthest does not count for the pair of the two.

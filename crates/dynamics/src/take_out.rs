@@ -90,7 +90,12 @@ impl RelativeMotion {
 }
 
 /// Linear and angular momentum, the latter about the world's origin.
-fn momenta(bodies: &Bodies, poses: &[Pose], velocities: &[Velocity], members: &[usize]) -> (DVec3, DVec3) {
+fn momenta(
+    bodies: &Bodies,
+    poses: &[Pose],
+    velocities: &[Velocity],
+    members: &[usize],
+) -> (DVec3, DVec3) {
     let mut sums = (DVec3::ZERO, DVec3::ZERO);
     for &i in members {
         let momentum = bodies.masses[i] * velocities[i].linear;
@@ -111,14 +116,22 @@ fn rigid_part(
         Anchor::Free => Twist::of_momentum(bodies, poses, members, momentum, angular_momentum),
         Anchor::Fixed => Twist::default(),
         Anchor::Kinematic(i) => match bodies.motions[i] {
-            Motion::Kinematic { linear, angular } => Twist { origin: poses[i].position, linear, angular },
+            Motion::Kinematic { linear, angular } => {
+                Twist { origin: poses[i].position, linear, angular }
+            }
             Motion::Static | Motion::Dynamic => Twist::default(),
         },
     }
 }
 
 /// Leaves the island its rigid motion only, and as much of its displacements off the flight as its energy allows.
-fn shorten(bodies: &mut Bodies, island: &Island, flight: &Ballistic, present: (DVec3, DVec3), frame: &Frame) {
+fn shorten(
+    bodies: &mut Bodies,
+    island: &Island,
+    flight: &Ballistic,
+    present: (DVec3, DVec3),
+    frame: &Frame,
+) {
     let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
     let ends: Vec<Pose> = island.members.iter().map(|&i| bodies.poses[i]).collect();
     let (mut poses, mut velocities) =

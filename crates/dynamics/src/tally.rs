@@ -112,7 +112,9 @@ pub struct Debt {
 impl Debt {
     /// Its lighter body, then its heavier one, if both live.
     pub(crate) fn by_weight(&self, bodies: &Bodies) -> Option<[usize; 2]> {
-        let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else { return None };
+        let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else {
+            return None;
+        };
         let [a, b] = [first, second].map(|i| bodies.inertias[i].inverse_mass);
         Some(if a >= b { [first, second] } else { [second, first] })
     }

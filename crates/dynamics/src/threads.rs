@@ -43,7 +43,11 @@ fn with<T, R>(locked: &Mutex<T>, call: impl FnOnce(&mut T) -> R) -> R {
 }
 
 /// Does something with each item, that hold so many things between them.
-pub(crate) fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&mut T) + Send + Sync) {
+pub(crate) fn for_each<T: Send>(
+    items: &mut [T],
+    things: usize,
+    visit: impl Fn(&mut T) + Send + Sync,
+) {
     for_each_with(items, things, || (), |(), item| visit(item));
 }
 
@@ -78,7 +82,11 @@ pub(crate) fn join<A: Send, B: Send>(
 }
 
 /// What each item gives.
-pub fn map<T: Send, R: Send>(items: Vec<T>, things: usize, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
+pub fn map<T: Send, R: Send>(
+    items: Vec<T>,
+    things: usize,
+    of: impl Fn(T) -> R + Send + Sync,
+) -> Vec<R> {
     map_with(items, things, || (), |(), item| of(item))
 }
 
@@ -93,7 +101,8 @@ pub(crate) fn map_with<T: Send, R: Send, O>(
         let mut room = room();
         return items.into_iter().map(|item| of(&mut room, item)).collect();
     }
-    let mut slots: Vec<(Option<T>, Option<R>)> = items.into_iter().map(|item| (Some(item), None)).collect();
+    let mut slots: Vec<(Option<T>, Option<R>)> =
+        items.into_iter().map(|item| (Some(item), None)).collect();
     for_each_with(&mut slots, things, room, |room, (item, result)| {
         *result = item.take().map(|item| of(room, item));
     });

@@ -6,14 +6,23 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number, or one in each lane.
 pub(crate) trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     fn of(value: f64) -> Self;
 }
 
 /// Three numbers.
 pub(crate) trait Vector:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Number, Output = Self> + Neg<Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Self::Number, Output = Self>
+    + Neg<Output = Self>
 {
     type Number: Number;
     fn dot(self, other: Self) -> Self::Number;
@@ -102,7 +111,9 @@ impl<V: Vector> Turn<V> {
     #[inline(always)]
     pub(crate) fn after(self, other: Self) -> Self {
         Self {
-            vector: other.vector * self.scalar + self.vector * other.scalar + self.vector.cross(other.vector),
+            vector: other.vector * self.scalar
+                + self.vector * other.scalar
+                + self.vector.cross(other.vector),
             scalar: self.scalar * other.scalar - self.vector.dot(other.vector),
         }
     }
@@ -129,7 +140,10 @@ impl<V: Vector> Turn<V> {
         let squared = theta.dot(theta);
         let square = squared * squared;
         let sine_ratio = of(0.5) - squared / of(48.0) + square / of(3840.0);
-        Self { vector: theta * sine_ratio, scalar: of(1.0) - squared / of(8.0) + square / of(384.0) }
+        Self {
+            vector: theta * sine_ratio,
+            scalar: of(1.0) - squared / of(8.0) + square / of(384.0),
+        }
     }
 }
 

@@ -18,9 +18,16 @@ fn angle_between(a: DQuat, b: DQuat) -> f64 {
     2.0 * libm::atan2(between.xyz().length(), between.w.abs())
 }
 
-fn rotate(orientation: DQuat, angular_momentum: DVec3, inertia: &Inertia, dt: f64, rule: Rotation) -> DQuat {
+fn rotate(
+    orientation: DQuat,
+    angular_momentum: DVec3,
+    inertia: &Inertia,
+    dt: f64,
+    rule: Rotation,
+) -> DQuat {
     let pose = Pose { position: DVec3::ZERO, orientation };
-    advance(&pose, &Velocity { linear: DVec3::ZERO, angular_momentum }, inertia, dt, rule).orientation
+    advance(&pose, &Velocity { linear: DVec3::ZERO, angular_momentum }, inertia, dt, rule)
+        .orientation
 }
 
 /// How much of the relative energy an error of one radian in the orientation can make: |L x omega| / (2 E).
@@ -46,8 +53,9 @@ fn one_step_keeps_the_energy_of_any_body() {
             }
             let end = rotate_exact(start, momentum, &inertia, DT);
             let [energy_0, energy] = [start, end].map(|at| inertia.rotational_energy(at, momentum));
-            let condition =
-                1.0 + energy_condition(start, momentum, &inertia) + energy_condition(end, momentum, &inertia);
+            let condition = 1.0
+                + energy_condition(start, momentum, &inertia)
+                + energy_condition(end, momentum, &inertia);
             worst = worst.max((energy / energy_0 - 1.0).abs() / condition);
             assert!((end.length() - 1.0).abs() < 1e-15, "{inertia:?} {momentum}");
         }
@@ -120,13 +128,18 @@ fn steady_spins_are_rotations_about_a_fixed_axis() {
                     let spin = sign * turn * axis;
                     let end = rotate_exact(DQuat::IDENTITY, moments[i] * spin, &inertia, 1.0);
                     let expected = DQuat::from_scaled_axis(spin);
-                    assert!(angle_between(end, expected) < 1e-15 * (1.0 + turn), "{moments} {spin}");
+                    assert!(
+                        angle_between(end, expected) < 1e-15 * (1.0 + turn),
+                        "{moments} {spin}"
+                    );
                 }
             }
         }
         let momentum = turn * random.direction();
         let end = rotate_exact(start, momentum, &Inertia::new(1.0, DVec3::ONE), 1.0);
-        assert!(angle_between(end, DQuat::from_scaled_axis(momentum) * start) < 1e-15 * (2.0 + turn));
+        assert!(
+            angle_between(end, DQuat::from_scaled_axis(momentum) * start) < 1e-15 * (2.0 + turn)
+        );
         assert_eq!(rotate_exact(start, momentum, &Inertia::INFINITE, 1.0), start);
     }
     let brick = Inertia::new(1.0, DVec3::new(1.0, 2.0, 3.0));
@@ -149,7 +162,8 @@ fn separatrices_and_huge_steps_stay_finite_and_keep_the_energy() {
         let mut direction = DVec3::ZERO;
         let size = random.log_uniform(1e-30, 1.0);
         direction[low] = size * (rate[high] - rate[middle]).sqrt();
-        direction[high] = size * (rate[middle] - rate[low]).sqrt() * (1.0 + random.log_uniform(1e-18, 1e-3));
+        direction[high] =
+            size * (rate[middle] - rate[low]).sqrt() * (1.0 + random.log_uniform(1e-18, 1e-3));
         direction[middle] = rate[middle].sqrt();
         let start = if case % 3 == 0 { DQuat::IDENTITY } else { random.orientation() };
         let direction = start * direction.normalize();
@@ -158,8 +172,9 @@ fn separatrices_and_huge_steps_stay_finite_and_keep_the_energy() {
 
         let end = rotate_exact(start, momentum, &inertia, 1.0);
         let [energy_0, energy] = [start, end].map(|at| inertia.rotational_energy(at, momentum));
-        let condition =
-            1.0 + energy_condition(start, momentum, &inertia) + energy_condition(end, momentum, &inertia);
+        let condition = 1.0
+            + energy_condition(start, momentum, &inertia)
+            + energy_condition(end, momentum, &inertia);
         let error = (energy / energy_0 - 1.0).abs() / condition;
         assert!(error < 1e-14, "{moments} {momentum}: {error:.1e}");
         assert!((end.length() - 1.0).abs() < 1e-15);
@@ -183,7 +198,10 @@ fn what_is_not_finite_neither_hangs_nor_panics() {
         assert!(!rotate_exact(DQuat::IDENTITY, DVec3::new(bad, 1.0, 2.0), &brick, DT).is_finite());
         assert!(!rotate_exact(DQuat::IDENTITY, bad * DVec3::ONE, &brick, DT).is_finite());
     }
-    assert!(!rotate_exact(DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0), DVec3::ONE, &brick, DT).is_finite());
+    assert!(
+        !rotate_exact(DQuat::from_xyzw(f64::NAN, 0.0, 0.0, 1.0), DVec3::ONE, &brick, DT)
+            .is_finite()
+    );
 }
 
 /// Orientation after `time` by the classic Runge-Kutta rule of fourth order.
@@ -209,7 +227,8 @@ fn thin_box_keeps_energy_and_phase_for_ten_seconds() {
     let squares = half_extents * half_extents;
     let inertia = Inertia::new(1.0, (DVec3::splat(squares.element_sum()) - squares) / 3.0);
     let start = DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -0.7, 0.2);
-    let momentum = start * (DVec3::new(35.0, 5.0, -3.0).normalize() * 35.0 / inertia.inverse_moments);
+    let momentum =
+        start * (DVec3::new(35.0, 5.0, -3.0).normalize() * 35.0 / inertia.inverse_moments);
     assert!((inertia.angular_velocity(start, momentum).length() - 35.0).abs() < 1e-12);
     let energy_0 = inertia.rotational_energy(start, momentum);
 
@@ -225,7 +244,11 @@ fn thin_box_keeps_energy_and_phase_for_ten_seconds() {
             drift = drift.max(inertia.rotational_energy(next, momentum) / energy_0 - 1.0);
             next
         });
-        (angle_between(end, reference), inertia.rotational_energy(end, momentum) / energy_0 - 1.0, drift)
+        (
+            angle_between(end, reference),
+            inertia.rotational_energy(end, momentum) / energy_0 - 1.0,
+            drift,
+        )
     };
     let exact = fly(Rotation::Exact);
     let fixed = fly(WITH_FIX);

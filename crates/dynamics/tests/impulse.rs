@@ -3,7 +3,9 @@
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_dynamics::{Impulse, PairContactant, apply_impulse, collision_impulse, contact_matrix};
+use frangible_dynamics::{
+    Impulse, PairContactant, apply_impulse, collision_impulse, contact_matrix,
+};
 use glam::DVec3;
 
 #[test]
@@ -19,8 +21,12 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             let normal = random.direction();
             let (restitution, friction) = (random.uniform(-1.0, 1.0), random.uniform(0.0, 2.0));
 
-            let impulse =
-                collision_impulse(matrix, relative, normal, PairContactant::new(restitution, friction));
+            let impulse = collision_impulse(
+                matrix,
+                relative,
+                normal,
+                PairContactant::new(restitution, friction),
+            );
             let approach = normal.dot(relative);
             if approach >= 0.0 {
                 assert_eq!(impulse, DVec3::ZERO, "separating points are left alone");
@@ -31,11 +37,15 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
             let normal_impulse = normal.dot(impulse);
             let friction_impulse = impulse - normal_impulse * normal;
             assert!(normal_impulse >= 0.0);
-            assert!(friction_impulse.length() <= friction * normal_impulse + 1e-12 * impulse.length());
+            assert!(
+                friction_impulse.length() <= friction * normal_impulse + 1e-12 * impulse.length()
+            );
 
             // The velocities of the bodies, not only K, show the restitution.
-            let after_a = apply_impulse(&a.velocity, a.inertia.inverse_mass, &Impulse::at(a.lever, impulse));
-            let after_b = apply_impulse(&b.velocity, b.inertia.inverse_mass, &Impulse::at(b.lever, -impulse));
+            let after_a =
+                apply_impulse(&a.velocity, a.inertia.inverse_mass, &Impulse::at(a.lever, impulse));
+            let after_b =
+                apply_impulse(&b.velocity, b.inertia.inverse_mass, &Impulse::at(b.lever, -impulse));
             let after = a.point_velocity(&after_a) - b.point_velocity(&after_b);
             let rounding = 1e-13 * (relative.length() + matrix.x_axis.length() * impulse.length());
             let missed = normal.dot(after) + restitution * approach;
@@ -54,7 +64,10 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
                 sliding += 1;
             } else {
                 let gain = impulse.dot(relative) + 0.5 * impulse.dot(matrix * impulse);
-                assert!(gain <= rounding * impulse.length(), "{tensors:?}: turned friction gains {gain:e} J");
+                assert!(
+                    gain <= rounding * impulse.length(),
+                    "{tensors:?}: turned friction gains {gain:e} J"
+                );
                 turned += 1;
             }
         }

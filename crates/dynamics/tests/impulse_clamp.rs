@@ -4,8 +4,8 @@ mod common;
 
 use common::{Random, Tensors, Toucher};
 use frangible_dynamics::{
-    Clamp, ClampSide, Impulse, PairContactant, Velocity, apply_impulse, clamp_impulse, collision_impulse,
-    contact_matrix,
+    Clamp, ClampSide, Impulse, PairContactant, Velocity, apply_impulse, clamp_impulse,
+    collision_impulse, contact_matrix,
 };
 use glam::{DQuat, DVec3};
 
@@ -27,7 +27,12 @@ struct Tally {
 }
 
 fn side(body: &Toucher, non_split: DQuat, impulse: Impulse) -> ClampSide {
-    ClampSide::Dynamic { inertia: body.inertia, orientation: non_split, velocity: body.velocity, impulse }
+    ClampSide::Dynamic {
+        inertia: body.inertia,
+        orientation: non_split,
+        velocity: body.velocity,
+        impulse,
+    }
 }
 
 /// An impulse and a torque impulse on a body.
@@ -42,8 +47,8 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
     let mut tally = Tally::default();
     for _ in 0..200_000 {
         let [a, b] = [0; 2].map(|_| Toucher::random(&mut random, tensors));
-        let [a_non_split, b_non_split] =
-            [&a, &b].map(|body| DQuat::from_scaled_axis(split * random.vector()) * body.orientation);
+        let [a_non_split, b_non_split] = [&a, &b]
+            .map(|body| DQuat::from_scaled_axis(split * random.vector()) * body.orientation);
 
         // The impulse of the split state.
         let wall_velocity = match partner {
@@ -82,7 +87,8 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             let relative_a = Velocity { linear: of_a.linear - wall_velocity, ..of_a };
             a.kinetic_energy(&relative_a, a_non_split) + b.kinetic_energy(&of_b, b_non_split)
         };
-        let (before, clamped, whole) = (energy(after(0.0)), energy(after(clamp.scale())), energy(after(1.0)));
+        let (before, clamped, whole) =
+            (energy(after(0.0)), energy(after(clamp.scale())), energy(after(1.0)));
         assert!(
             clamped - before <= 1e-12 * before,
             "{tensors:?} {partner:?}: {before} becomes {clamped}, {clamp:?}"
@@ -136,7 +142,11 @@ fn clamped_impulses_never_raise_the_energy_and_unclamped_ones_do() {
                 // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something to do.
                 assert!(tally.approaching > 50_000);
                 if split > 0.0 && !matches!(tensors, Tensors::Mild) {
-                    assert!(tally.gained_without_clamp > 1000 && tally.scaled > 1000 && tally.blocked > 1000);
+                    assert!(
+                        tally.gained_without_clamp > 1000
+                            && tally.scaled > 1000
+                            && tally.blocked > 1000
+                    );
                 }
             }
         }

@@ -4,7 +4,8 @@ mod common;
 
 use common::{Random, Tensors};
 use frangible_dynamics::{
-    EnergyFix, Inertia, Pose, Rotation, Velocity, advance, fix_rotational_energy, rotate_second_order,
+    EnergyFix, Inertia, Pose, Rotation, Velocity, advance, fix_rotational_energy,
+    rotate_second_order,
 };
 use glam::{DQuat, DVec3};
 
@@ -71,7 +72,10 @@ fn any_attainable_energy_is_reached() {
             let momentum = random.angular_momentum(start, &inertia, DT);
             let target = inertia.rotational_energy(other, momentum);
             let (fixed, fix) = fix_rotational_energy(start, momentum, &inertia, target);
-            assert!(!matches!(fix, EnergyFix::Unresolved { .. }), "{tensors:?} {inertia:?}: {fix:?}");
+            assert!(
+                !matches!(fix, EnergyFix::Unresolved { .. }),
+                "{tensors:?} {inertia:?}: {fix:?}"
+            );
             errors.push((inertia.rotational_energy(fixed, momentum) / target - 1.0).abs());
         }
         let worst = spread(&mut errors)[2];

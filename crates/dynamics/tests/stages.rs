@@ -1,6 +1,11 @@
 //! Single stages on two bodies: what a blow leaves behind, and that push-out separates.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible_dynamics::collisions::{Collisions, Response};
 use frangible_dynamics::contact_graph::contact_graph;
@@ -8,7 +13,9 @@ use frangible_dynamics::detection::{Placed, deepest};
 use frangible_dynamics::displacements::Displacements;
 use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
-use frangible_dynamics::{Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity};
+use frangible_dynamics::{
+    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity,
+};
 use frangible_geometry::{ClosedForm, Shape};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -19,7 +26,13 @@ fn frame(gravity: DVec3) -> Frame {
     Frame { dt: FRAME_LENGTH, gravity, settings: StepSettings::default() }
 }
 
-fn body(form: ClosedForm, motion: Motion, position: DVec3, linear: DVec3, strength: f64) -> NewBody {
+fn body(
+    form: ClosedForm,
+    motion: Motion,
+    position: DVec3,
+    linear: DVec3,
+    strength: f64,
+) -> NewBody {
     NewBody {
         shape: Arc::new(Shape::closed_form(form, 0.1)),
         density: 1000.0,
@@ -83,7 +96,13 @@ fn push_out_separates_what_overlaps() {
     let cube = ClosedForm::Box { half: DVec3::splat(0.5) };
     let mut bodies = Bodies::default();
     bodies.spawn(body(cube, Motion::Static, DVec3::ZERO, DVec3::ZERO, f64::INFINITY));
-    bodies.spawn(body(cube, Motion::Dynamic, DVec3::new(0.1, 0.99, 0.0), DVec3::ZERO, f64::INFINITY));
+    bodies.spawn(body(
+        cube,
+        Motion::Dynamic,
+        DVec3::new(0.1, 0.99, 0.0),
+        DVec3::ZERO,
+        f64::INFINITY,
+    ));
     let frame = frame(DVec3::new(0.0, -9.8, 0.0));
     let pair = Pair { first: 0, second: 1 };
     let graph = contact_graph(&bodies, &[pair], &frame);

@@ -39,7 +39,12 @@ fn cases() -> Vec<Case> {
     };
     vec![
         grid("wall 150x10x100 radial 12", common::wall(), wall_struck, radial()),
-        grid("wall 150x10x100 voronoi 25", common::wall(), wall_struck, voronoi(DVec3::new(1.5, 1.0, 0.1))),
+        grid(
+            "wall 150x10x100 voronoi 25",
+            common::wall(),
+            wall_struck,
+            voronoi(DVec3::new(1.5, 1.0, 0.1)),
+        ),
         grid("ball 55^3 radial 12", ball(), ball_struck, radial()),
         grid("ball 55^3 voronoi 25", ball(), ball_struck, voronoi(DVec3::ONE)),
     ]
@@ -52,7 +57,8 @@ fn measure(case: &Case) -> (usize, Vec<f64>) {
     let mut times: Vec<f64> = (0..PASSES)
         .map(|_| {
             let start = ThreadTime::now();
-            let fragments = black_box(shatter(black_box(&case.body), &case.pattern, &case.impact, &settings));
+            let fragments =
+                black_box(shatter(black_box(&case.body), &case.pattern, &case.impact, &settings));
             let time = start.elapsed().as_secs_f64() * 1e6;
             pieces = fragments.len();
             time

@@ -35,14 +35,22 @@ fn voronoi(cells: usize, seed: u64) -> Pattern {
 fn pieces_of(shape: &Shape, impact: &Impact, pieces: usize) -> Pattern {
     let settings = ShatterSettings::default();
     let pattern = |seed: u64| voronoi(pieces + 4 * pieces * (seed as usize % 8) / 8, seed);
-    (0..).map(pattern).find(|pattern| shatter(shape, pattern, impact, &settings).len() == pieces).unwrap()
+    (0..)
+        .map(pattern)
+        .find(|pattern| shatter(shape, pattern, impact, &settings).len() == pieces)
+        .unwrap()
 }
 
 fn main() {
     println!("name,path,pieces,median_us,p95_us");
     let settings = ShatterSettings::default();
     let bodies = [
-        ("box 1 x 0.6 x 0.8", ClosedForm::Box { half: DVec3::new(0.5, 0.3, 0.4) }, DVec3::Y * 0.3, 25),
+        (
+            "box 1 x 0.6 x 0.8",
+            ClosedForm::Box { half: DVec3::new(0.5, 0.3, 0.4) },
+            DVec3::Y * 0.3,
+            25,
+        ),
         ("ball", ClosedForm::Sphere { radius: 0.5 }, DVec3::Y * 0.5, 25),
         ("cylinder", ClosedForm::Cylinder { radius: 0.3, half_height: 0.5 }, DVec3::X * 0.3, 25),
         ("ball", ClosedForm::Sphere { radius: 0.5 }, DVec3::Y * 0.5, 9),
@@ -51,7 +59,8 @@ fn main() {
         let shape = Shape::breakable(form, 0.05).unwrap();
         let impact = Impact { point_body, normal_body: point_body.normalize() };
         let pattern = pieces_of(&shape, &impact, pieces);
-        let (median, p95) = measure(RUNS, || shatter(black_box(&shape), &pattern, &impact, &settings));
+        let (median, p95) =
+            measure(RUNS, || shatter(black_box(&shape), &pattern, &impact, &settings));
         println!("{name},exact,{pieces},{median:.1},{p95:.1}");
     }
 
@@ -68,10 +77,12 @@ fn main() {
     let of_twenty = |pattern: &Pattern| -> usize {
         (0..1000).step_by(50).map(|n| shatter(&ball, pattern, &strike(n), &settings).len()).sum()
     };
-    let pattern = (9..).map(|cells| voronoi(cells, 1)).find(|pattern| of_twenty(pattern) >= 180).unwrap();
+    let pattern =
+        (9..).map(|cells| voronoi(cells, 1)).find(|pattern| of_twenty(pattern) >= 180).unwrap();
     let mut count = 0;
     let (median, p95) = measure(21, || {
-        let broken: Vec<_> = (0..1000).map(|n| shatter(&ball, &pattern, &strike(n), &settings)).collect();
+        let broken: Vec<_> =
+            (0..1000).map(|n| shatter(&ball, &pattern, &strike(n), &settings)).collect();
         count = broken.iter().map(Vec::len).sum::<usize>();
         broken
     });

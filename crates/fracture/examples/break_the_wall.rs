@@ -9,7 +9,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 6 x 0.4 x 4 m on 150 x 10 x 100 voxels of 4 cm.
     let form = ClosedForm::Box { half: DVec3::new(3.0, 0.2, 2.0) };
     let samples = Shape::closed_form(form, 0.08).samples().to_vec();
-    let wall = Shape::from_grid_solid(GridSolid::from_closed_form(form, [150, 10, 100], 2)?, samples)?;
+    let wall =
+        Shape::from_grid_solid(GridSolid::from_closed_form(form, [150, 10, 100], 2)?, samples)?;
 
     let radial = |rings| Pattern::radial(&Radial { rings, ..Radial::default() });
     let half_extent = DVec3::new(3.0, 2.0, 0.5);

@@ -68,7 +68,8 @@ impl Placement {
 
     /// Image of a point [m].
     pub fn point(&self, point_pattern: DVec3) -> DVec3 {
-        self.point_grid + self.scale * (self.grid_from_pattern * (point_pattern - self.center_pattern))
+        self.point_grid
+            + self.scale * (self.grid_from_pattern * (point_pattern - self.center_pattern))
     }
 
     /// The point of the pattern frame whose image is a point of the grid frame [m].
@@ -95,8 +96,12 @@ impl Placement {
 
     /// Images of the regions' planes, without faces: most of these lie beyond the body.
     pub(crate) fn planes(&self, regions: &[Region]) -> Vec<Region> {
-        let place = |cut: &Cut| Cut { half_space: self.half_space(&cut.half_space), face: Vec::new() };
-        regions.iter().map(|region| Region { cuts: region.cuts.iter().map(place).collect() }).collect()
+        let place =
+            |cut: &Cut| Cut { half_space: self.half_space(&cut.half_space), face: Vec::new() };
+        regions
+            .iter()
+            .map(|region| Region { cuts: region.cuts.iter().map(place).collect() })
+            .collect()
     }
 }
 

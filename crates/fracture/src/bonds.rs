@@ -68,7 +68,11 @@ const MOST_ROUNDS: u32 = 32;
 
 impl Glued {
     /// Pieces that touch, of which some cannot move. Those of one block stay together.
-    pub fn new(prescored: Prescored, anchored: impl Fn(DVec3) -> bool, strength: BondStrength) -> Self {
+    pub fn new(
+        prescored: Prescored,
+        anchored: impl Fn(DVec3) -> bool,
+        strength: BondStrength,
+    ) -> Self {
         let Prescored { hulls, blocks } = prescored;
         let piece = |hull: &Hull| {
             let mass = hull.mass_properties();
@@ -137,7 +141,8 @@ impl Glued {
                 wrenches[index].angular += wrench.angular;
             }
         }
-        let between = |bond: &Interface| Interface { a: block_of[bond.a], b: block_of[bond.b], ..*bond };
+        let between =
+            |bond: &Interface| Interface { a: block_of[bond.a], b: block_of[bond.b], ..*bond };
         let breakable = self.bonds.iter().filter(|bond| !self.is_within_block(bond));
         let bonds: Vec<Interface> = breakable.map(between).collect();
         let mut displacements = vec![Wrench::default(); blocks.len()];
@@ -149,9 +154,11 @@ impl Glued {
             self.displacements[piece] = displacements[block];
         }
         let strength = self.strength;
-        let strain = |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
+        let strain =
+            |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
         let mut strains = stresses.into_iter().map(strain);
-        let of_bond = |bond| if self.is_within_block(bond) { 0.0 } else { strains.next().unwrap_or(0.0) };
+        let of_bond =
+            |bond| if self.is_within_block(bond) { 0.0 } else { strains.next().unwrap_or(0.0) };
         self.bonds.iter().map(of_bond).collect()
     }
 
@@ -249,11 +256,16 @@ impl Glued {
     /// of fewer than three points, stay as they are.
     pub fn spread(&self, contact: Vec<PointLoad>) -> Vec<PointLoad> {
         let force: DVec3 = contact.iter().map(|load| load.force).sum();
-        let Some(normal) = force.try_normalize().filter(|_| contact.len() >= 3) else { return contact };
+        let Some(normal) = force.try_normalize().filter(|_| contact.len() >= 3) else {
+            return contact;
+        };
         let weights = || contact.iter().map(|load| load.force.dot(normal));
         let total: f64 = weights().sum();
-        let middle =
-            contact.iter().zip(weights()).map(|(load, weight)| weight / total * load.point).sum::<DVec3>();
+        let middle = contact
+            .iter()
+            .zip(weights())
+            .map(|(load, weight)| weight / total * load.point)
+            .sum::<DVec3>();
 
         // Faces in the plane of the points and in their box. Friction leans the force, and faces lie across their own normals.
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -262,7 +274,9 @@ impl Glued {
         }
         let close = FLAT * (high - low).max_element();
         let mut faces: Vec<(DVec3, f64)> = Vec::new();
-        for face in self.hulls.iter().flat_map(|hull| (0..hull.faces().len()).map(move |at| (hull, at))) {
+        for face in
+            self.hulls.iter().flat_map(|hull| (0..hull.faces().len()).map(move |at| (hull, at)))
+        {
             let (hull, plane) = (face.0, face.0.face(face.1).plane);
             let holds_all = contact.iter().all(|load| plane.distance(load.point).abs() <= close);
             if holds_all && plane.normal.dot(normal) < 0.0 {
@@ -344,13 +358,16 @@ impl Prescored {
 /// the body as for an impact, if there is one. `None` if the body, or a cell of the pattern, is not made of convex polyhedra.
 pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Prescored> {
     let parts: Vec<Hull> = match &body.geometry {
-        Geometry::Compound(compound) => compound.parts().iter().map(|part| part.hull.clone()).collect(),
+        Geometry::Compound(compound) => {
+            compound.parts().iter().map(|part| part.hull.clone()).collect()
+        }
         _ => vec![body.breaks_as()?.clone()],
     };
     let Some(pattern) = pattern else { return Some(parts.into()) };
     pattern.planar()?;
     if body.breaks_as().is_some() {
-        let settings = ShatterSettings { smallest: Smallest::of_first(body), ..ShatterSettings::default() };
+        let settings =
+            ShatterSettings { smallest: Smallest::of_first(body), ..ShatterSettings::default() };
         let fragments = cut_hull(body, pattern, impact, &settings, false);
         let mut pieces = Prescored::with_capacity(fragments.len());
         for fragment in fragments {
@@ -367,7 +384,8 @@ pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Opt
         for (cell, region) in regions.iter().enumerate() {
             let cuts: Vec<HalfSpace> = region.cuts.iter().map(|cut| cut.half_space).collect();
             let piece = clipper.clipped(part, &cuts);
-            if let Some(piece) = piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume) {
+            if let Some(piece) = piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume)
+            {
                 pieces.add(piece, pattern, number, cell);
             }
         }

@@ -29,11 +29,15 @@ impl CellMesh {
         let number = made.add_vertices(&shared_vertices(regions, half_extent, cell, &hull));
         for face in hull.faces() {
             let on_crack = regions[cell].cuts.iter().any(|cut| cut.half_space == face.plane);
-            let mut corners: Vec<u32> = face.vertices.iter().map(|&vertex| number[vertex as usize]).collect();
+            let mut corners: Vec<u32> =
+                face.vertices.iter().map(|&vertex| number[vertex as usize]).collect();
             corners.dedup();
             // The fan begins at the same corner on both sides of the face.
             let least = (0..corners.len()).min_by(|&a, &b| {
-                compare(made.mesh.positions[corners[a] as usize], made.mesh.positions[corners[b] as usize])
+                compare(
+                    made.mesh.positions[corners[a] as usize],
+                    made.mesh.positions[corners[b] as usize],
+                )
             });
             corners.rotate_left(least.unwrap_or(0));
             for pair in corners.get(1..).unwrap_or_default().windows(2) {
@@ -116,7 +120,11 @@ fn cut_triangle(
             let (from_a, from_c) = (at(a).distance(at(bc)), at(c).distance(at(ab)));
             let a_first = from_a < from_c || (from_a == from_c && compare(at(a), at(c)).is_lt());
             triangles.push([ab, b, bc]);
-            triangles.extend(if a_first { [[a, ab, bc], [a, bc, c]] } else { [[a, ab, c], [ab, bc, c]] });
+            triangles.extend(if a_first {
+                [[a, ab, bc], [a, bc, c]]
+            } else {
+                [[a, ab, c], [ab, bc, c]]
+            });
         }
         // The same, turned.
         [ab, bc, ca] => cut_triangle([b, c, a], [bc, ca, ab], positions, triangles),
@@ -137,7 +145,9 @@ fn shared_vertices(regions: &[Region], half_extent: DVec3, cell: usize, hull: &H
         for (other, _) in before.filter(|(_, region)| region.distance(vertex) <= close) {
             let hull = hulls.entry(other).or_insert_with(|| regions[other].hull(half_extent));
             let corners = hull.iter().flat_map(Hull::vertices);
-            if let Some(&first) = corners.into_iter().find(|corner| corner.distance(vertex) <= close) {
+            if let Some(&first) =
+                corners.into_iter().find(|corner| corner.distance(vertex) <= close)
+            {
                 return first;
             }
         }

@@ -207,7 +207,11 @@ impl Drawn {
         let [first, second] = self.nearest(point);
         let other = if first.1 == cell { second.0 } else { first.0 };
         // One cell is all of space.
-        if other == f64::INFINITY { f64::NEG_INFINITY } else { 0.5 * (self.to_mesh(cell, point) - other) }
+        if other == f64::INFINITY {
+            f64::NEG_INFINITY
+        } else {
+            0.5 * (self.to_mesh(cell, point) - other)
+        }
     }
 
     /// See [`Pattern::region_mesh`].
@@ -218,7 +222,9 @@ impl Drawn {
             let corners = mesh.corners(triangle).map(|corner| corner / half_extent);
             let relative = close / half_extent.min_element();
             (0..3).any(|axis| {
-                [1.0, -1.0].iter().any(|sign| corners.iter().all(|c| (sign * c[axis] - 1.0).abs() < relative))
+                [1.0, -1.0]
+                    .iter()
+                    .any(|sign| corners.iter().all(|c| (sign * c[axis] - 1.0).abs() < relative))
             })
         };
         let crack = (0..mesh.triangles.len()).map(|triangle| !on_wall(triangle)).collect();

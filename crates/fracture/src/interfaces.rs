@@ -45,7 +45,9 @@ pub struct Interface {
 pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
     let hulls: Option<Vec<Hull>> = fragments
         .iter()
-        .map(|fragment| Some(fragment.shape.hull.as_deref()?.transformed(&fragment.parent_from_fragment)))
+        .map(|fragment| {
+            Some(fragment.shape.hull.as_deref()?.transformed(&fragment.parent_from_fragment))
+        })
         .collect();
     if let Some(hulls) = hulls {
         return hulls::contacts(&hulls);

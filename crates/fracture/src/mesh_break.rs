@@ -70,7 +70,8 @@ pub fn cutters(
         let reach = reach * placement.scale + clear;
         let points = points.iter().map(|&point| placement.point(point));
         let bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let bounds = points.fold(bounds, |(least, most), point| (least.min(point), most.max(point)));
+        let bounds =
+            points.fold(bounds, |(least, most), point| (least.min(point), most.max(point)));
         (bounds.0 - reach).cmpgt(high).any() || (bounds.1 + reach).cmplt(low).any()
     };
     let cell = |number: usize| {
@@ -96,7 +97,9 @@ pub fn cutters(
     let with_neighbours = |(mesh, cell): (TriMesh, u32)| {
         let across = |triangle: usize| {
             let cells = cells_of.get(&corner_bits(&mesh, triangle));
-            cells.and_then(|cells| cells.iter().copied().find(|&other| other != cell)).unwrap_or(cell)
+            cells
+                .and_then(|cells| cells.iter().copied().find(|&other| other != cell))
+                .unwrap_or(cell)
         };
         let face = (0..mesh.triangles.len()).map(across).collect();
         Cutter { mesh, face }
@@ -129,7 +132,8 @@ fn with_planes(mesh: TriMesh) -> Cutter {
 /// The corners of a triangle in an order of their own.
 fn corner_bits(mesh: &TriMesh, triangle: usize) -> [[u64; 3]; 3] {
     // Adding zero makes -0 and 0 the same.
-    let mut bits = mesh.corners(triangle).map(|corner| (corner + DVec3::ZERO).to_array().map(f64::to_bits));
+    let mut bits =
+        mesh.corners(triangle).map(|corner| (corner + DVec3::ZERO).to_array().map(f64::to_bits));
     bits.sort_unstable();
     bits
 }
@@ -175,7 +179,10 @@ pub fn resurfaced(mesh: &TriMesh, voxels: usize) -> Result<TriMesh, MeshBreakErr
 }
 
 /// Level set of the solids that a mesh bounds, and their bounding box.
-fn sampled(mesh: &TriMesh, voxels: usize) -> Result<(LevelSet, (DVec3, DVec3)), MeshToLevelSetError> {
+fn sampled(
+    mesh: &TriMesh,
+    voxels: usize,
+) -> Result<(LevelSet, (DVec3, DVec3)), MeshToLevelSetError> {
     let clean = mesh.cleaned("the mesh")?;
     let (low, high) = clean.mesh.bounds();
     let spacing = (high - low).max_element() / voxels as f64;

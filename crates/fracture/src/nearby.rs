@@ -65,7 +65,8 @@ impl Nearby {
     #[inline]
     fn cuboid(&self, point: DVec3) -> Option<usize> {
         let place = (point / self.half_extent + 1.0) * (0.5 * CUBES as f64);
-        let is_inside = place.cmpge(DVec3::ZERO).all() && place.cmple(DVec3::splat(CUBES as f64)).all();
+        let is_inside =
+            place.cmpge(DVec3::ZERO).all() && place.cmple(DVec3::splat(CUBES as f64)).all();
         let [i, j, k] = place.to_array().map(|along| (along as usize).min(CUBES - 1));
         is_inside.then_some(i + CUBES * (j + CUBES * k))
     }
@@ -80,14 +81,21 @@ struct Search<D> {
 impl<D: Fn(usize, DVec3) -> f64> Search<D> {
     /// Finds those of `cells` that can be near a cuboid, or its parts: the cuboid at a `place`
     /// after so many halvings.
-    fn divide(&self, place: [usize; 3], halvings: u32, cells: &[u32], found: &mut [(Vec<u32>, u32)]) {
+    fn divide(
+        &self,
+        place: [usize; 3],
+        halvings: u32,
+        cells: &[u32],
+        found: &mut [(Vec<u32>, u32)],
+    ) {
         let along = (1_u32 << halvings) as f64;
         let half = self.half_extent / along;
         let middle = 2.0 * half * DVec3::from(place.map(|n| n as f64 + 0.5)) - self.half_extent;
 
         // A little more than rounding beyond what any point of the cuboid can see.
         let reach = 1.001 * self.slope * half.length();
-        let distances: Vec<f64> = cells.iter().map(|&cell| (self.distance)(cell as usize, middle)).collect();
+        let distances: Vec<f64> =
+            cells.iter().map(|&cell| (self.distance)(cell as usize, middle)).collect();
         let (mut least, mut second) = (f64::INFINITY, f64::INFINITY);
         for &distance in &distances {
             if distance < least {

@@ -252,8 +252,12 @@ impl Pattern {
 
     pub(crate) fn cell_mesh(&self, cell: usize, longest_edge: f64, coarseness: f64) -> CellMesh {
         match &self.cells {
-            Cells::Planar(regions) => CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge),
-            Cells::Rough(rough) => rough.cell_mesh(cell, longest_edge, self.half_extent, coarseness),
+            Cells::Planar(regions) => {
+                CellMesh::planar(regions, self.half_extent, cell).refined(longest_edge)
+            }
+            Cells::Rough(rough) => {
+                rough.cell_mesh(cell, longest_edge, self.half_extent, coarseness)
+            }
             Cells::Drawn(drawn) => drawn.cell_mesh(cell, self.half_extent).refined(longest_edge),
         }
     }
@@ -262,7 +266,8 @@ impl Pattern {
     pub fn region_volume(&self, region: &Region) -> f64 {
         let walls = polygon::box_half_spaces(-self.half_extent, self.half_extent);
         let cuts: Vec<HalfSpace> = region.cuts.iter().map(|cut| cut.half_space).collect();
-        let faces: f64 = region.cuts.iter().map(|cut| cut.half_space.offset * polygon::area(&cut.face)).sum();
+        let faces: f64 =
+            region.cuts.iter().map(|cut| cut.half_space.offset * polygon::area(&cut.face)).sum();
         let outer: f64 = walls
             .iter()
             .map(|wall| {
@@ -283,7 +288,9 @@ impl Pattern {
             Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => {
                 regions.iter().map(|region| self.region_volume(region)).sum()
             }
-            Cells::Drawn(drawn) => drawn.meshes().iter().map(|mesh| mesh.mass_properties().volume).sum(),
+            Cells::Drawn(drawn) => {
+                drawn.meshes().iter().map(|mesh| mesh.mass_properties().volume).sum()
+            }
         };
         (parts - whole).abs() / whole
     }

@@ -35,7 +35,8 @@ impl Pattern {
     pub fn save(&self, path: &Path) -> Result<(), PatternError> {
         let written = Written { format: FORMAT, version: VERSION, pattern: self };
         let text = serde_json::to_string(&written).map_err(|error| error.to_string());
-        let saved = text.and_then(|text| std::fs::write(path, text).map_err(|error| error.to_string()));
+        let saved =
+            text.and_then(|text| std::fs::write(path, text).map_err(|error| error.to_string()));
         saved.map_err(|reason| PatternError::File {
             path: path.display().to_string(),
             reason: format!("cannot be written: {reason}"),
@@ -52,7 +53,8 @@ impl Pattern {
         if path.extension().is_none_or(|ending| ending != "json") {
             let mesh = mesh_io::load(path);
             // The sentence about a mesh begins with its name, too.
-            let mesh = mesh.map_err(|error| error.to_string().replacen(&format!("{name}: "), "", 1));
+            let mesh =
+                mesh.map_err(|error| error.to_string().replacen(&format!("{name}: "), "", 1));
             let mesh = mesh.map_err(|reason| PatternError::File { path: name.clone(), reason })?;
             return Self::of_parts(&mesh, &name);
         }
@@ -61,7 +63,8 @@ impl Pattern {
             _ => format!("cannot be read: {error}"),
         });
         let text = text.and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|_| "is not a pattern: it is not UTF-8 text".to_owned())
+            String::from_utf8(bytes)
+                .map_err(|_| "is not a pattern: it is not UTF-8 text".to_owned())
         });
         let pattern = text.and_then(|text| parse(&text));
         pattern.map_err(|reason| PatternError::File { path: name, reason })
@@ -74,10 +77,16 @@ impl Pattern {
             return Err(format!("half_extent: {e}, must be positive and finite"));
         }
         if !(self.center.is_finite() && self.center.abs().cmplt(e).all()) {
-            return Err(format!("center: {}, must lie inside of the box of half_extent {e}", self.center));
+            return Err(format!(
+                "center: {}, must lie inside of the box of half_extent {e}",
+                self.center
+            ));
         }
         if !(self.magnification.is_finite() && self.magnification >= 1.0) {
-            return Err(format!("magnification: {}, must be finite and at least 1", self.magnification));
+            return Err(format!(
+                "magnification: {}, must be finite and at least 1",
+                self.magnification
+            ));
         }
         if self.is_empty() {
             return Err("has no cells, must have at least 1".to_owned());
@@ -108,9 +117,15 @@ impl Pattern {
             Cells::Drawn(drawn) => {
                 let e = self.half_extent;
                 let beyond = drawn.meshes().iter().map(TriMesh::bounds);
-                let beyond = beyond.map(|(low, high)| (high.max(-low) / e).max_element()).fold(0.0, f64::max);
+                let beyond = beyond
+                    .map(|(low, high)| (high.max(-low) / e).max_element())
+                    .fold(0.0, f64::max);
                 let fits = (beyond - 1.0).abs() < MOST_DEFECT;
-                if fits { Ok(()) } else { Err(format!("half_extent: {e}, must be that of the meshes' box")) }
+                if fits {
+                    Ok(())
+                } else {
+                    Err(format!("half_extent: {e}, must be that of the meshes' box"))
+                }
             }
         }
     }
@@ -126,7 +141,10 @@ impl Pattern {
                 }
                 let off = cut.face.iter().map(|&corner| cut.half_space.distance(corner).abs());
                 let off = off.fold(0.0, f64::max);
-                if off >= close || !cut.face.iter().all(|corner| corner.is_finite()) || cut.face.len() < 3 {
+                if off >= close
+                    || !cut.face.iter().all(|corner| corner.is_finite())
+                    || cut.face.len() < 3
+                {
                     return Err(format!(
                         "cell {cell}: a face that does not lie on its plane (it is {off} away)"
                     ));
@@ -136,7 +154,9 @@ impl Pattern {
         let defect = self.tiling_defect();
         if defect >= MOST_DEFECT || defect.is_nan() {
             let percent = 100.0 * defect;
-            return Err(format!("the cells' volumes miss the box's by {percent} %, must add up to it"));
+            return Err(format!(
+                "the cells' volumes miss the box's by {percent} %, must add up to it"
+            ));
         }
         Ok(())
     }
@@ -153,13 +173,17 @@ fn parse(text: &str) -> Result<Pattern, String> {
     let version = fields.remove("version");
     match version.as_ref().and_then(serde_json::Value::as_u64) {
         Some(version) if version == u64::from(VERSION) => {}
-        Some(version) => return Err(format!("is a pattern of version {version}, must be {VERSION}")),
-        None => return Err(format!("is a pattern without a version, must say \"version\": {VERSION}")),
+        Some(version) => {
+            return Err(format!("is a pattern of version {version}, must be {VERSION}"));
+        }
+        None => {
+            return Err(format!("is a pattern without a version, must say \"version\": {VERSION}"));
+        }
     }
 
     // Read it and check it.
-    let pattern: Pattern =
-        serde_json::from_value(fields.into()).map_err(|error| format!("is not a pattern: {error}"))?;
+    let pattern: Pattern = serde_json::from_value(fields.into())
+        .map_err(|error| format!("is not a pattern: {error}"))?;
     pattern.check()?;
     Ok(pattern)
 }

@@ -30,7 +30,14 @@ pub(crate) fn clip_into(polygon: &[DVec3], half_space: &HalfSpace, kept: &mut Ve
 pub(crate) fn box_half_spaces(low: DVec3, high: DVec3) -> [HalfSpace; 6] {
     let upper = |normal: DVec3| HalfSpace { normal, offset: normal.dot(high) };
     let lower = |normal: DVec3| HalfSpace { normal: -normal, offset: -normal.dot(low) };
-    [upper(DVec3::X), lower(DVec3::X), upper(DVec3::Y), lower(DVec3::Y), upper(DVec3::Z), lower(DVec3::Z)]
+    [
+        upper(DVec3::X),
+        lower(DVec3::X),
+        upper(DVec3::Y),
+        lower(DVec3::Y),
+        upper(DVec3::Z),
+        lower(DVec3::Z),
+    ]
 }
 
 /// The part of a half-space's plane inside the box of `half_extent` around the origin, counter-clockwise seen from

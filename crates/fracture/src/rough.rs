@@ -197,8 +197,10 @@ impl Samples {
     fn new(rough: &Rough, half_extent: DVec3) -> Self {
         let volume = 8.0 * half_extent.element_product();
         let wave = 2.0 * rough.noise.resolution();
-        let spacing = (wave / NODES).max(libm::cbrt(volume / MOST_NODES)).min(half_extent.min_element());
-        let along = (2.0 * half_extent / spacing).to_array().map(|count| libm::ceil(count) as usize + 1);
+        let spacing =
+            (wave / NODES).max(libm::cbrt(volume / MOST_NODES)).min(half_extent.min_element());
+        let along =
+            (2.0 * half_extent / spacing).to_array().map(|count| libm::ceil(count) as usize + 1);
         let grid = Grid { origin: -half_extent, spacing, dims: along };
         // The last nodes lie on the walls or beyond, where the noise is as on the walls.
         let node = |index: usize| {
@@ -220,7 +222,8 @@ impl Samples {
     fn displacement(&self, point: DVec3, half_extent: DVec3) -> DVec3 {
         let (first, place) = self.cell(point, half_extent);
         let [nx, ny, _] = self.grid.dims;
-        let along_x = |node: usize| self.displacements[node].lerp(self.displacements[node + 1], place.x);
+        let along_x =
+            |node: usize| self.displacements[node].lerp(self.displacements[node + 1], place.x);
         let along_y = |node: usize| along_x(node).lerp(along_x(node + nx), place.y);
         along_y(first).lerp(along_y(first + nx * ny), place.z).as_dvec3()
     }
@@ -229,7 +232,8 @@ impl Samples {
     #[inline]
     fn cell(&self, point: DVec3, half_extent: DVec3) -> (usize, Vec3) {
         let [nx, ny, nz] = self.grid.dims;
-        let lattice = (point.clamp(-half_extent, half_extent) - self.grid.origin) / self.grid.spacing;
+        let lattice =
+            (point.clamp(-half_extent, half_extent) - self.grid.origin) / self.grid.spacing;
         let most = [nx - 2, ny - 2, nz - 2];
         let at: [usize; 3] = std::array::from_fn(|axis| (lattice[axis] as usize).min(most[axis]));
         let place = (lattice - DVec3::from(at.map(|n| n as f64))).as_vec3();

@@ -46,8 +46,9 @@ impl Pattern {
             let [a, b, c] = mesh.corners(triangle);
             let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
             let offset = normal.dot(a);
-            let same =
-                |plane: &(DVec3, f64)| plane.0.distance(normal) < 1e-3 && (plane.1 - offset).abs() < close;
+            let same = |plane: &(DVec3, f64)| {
+                plane.0.distance(normal) < 1e-3 && (plane.1 - offset).abs() < close
+            };
             let number = planes.iter().position(same).unwrap_or_else(|| {
                 planes.push((normal, offset));
                 planes.len() - 1

@@ -48,7 +48,11 @@ pub struct ShatterSettings {
 
 impl Default for ShatterSettings {
     fn default() -> Self {
-        Self { smallest_fragment_voxels: 27.0, sample_spacing_voxels: 2.0, smallest: Smallest::default() }
+        Self {
+            smallest_fragment_voxels: 27.0,
+            sample_spacing_voxels: 2.0,
+            smallest: Smallest::default(),
+        }
     }
 }
 
@@ -68,7 +72,9 @@ pub fn shatter(
             let placement = Placement::new(pattern, impact, parent);
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
-        (Geometry::Grid(solid), None) => shatter_sampled((parent, solid), pattern, impact, settings),
+        (Geometry::Grid(solid), None) => {
+            shatter_sampled((parent, solid), pattern, impact, settings)
+        }
         (_, Some(_)) => shatter_hull(parent, pattern, impact, settings),
         (_, None) => Vec::new(),
     }
@@ -118,7 +124,8 @@ fn shatter_sampled(
     let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
     let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
     let spacing = (settings.sample_spacing_voxels as usize).max(1);
-    let surfaces = particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
+    let surfaces =
+        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
     finish(parent, framed, surfaces, (&components, &pieces))
 }
 

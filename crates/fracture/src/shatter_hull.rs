@@ -74,7 +74,9 @@ pub(crate) fn cut_hull(
     settings: &ShatterSettings,
     absorbs: bool,
 ) -> Vec<Fragment> {
-    let (Some(hull), Some(regions)) = (parent.breaks_as(), pattern.planar()) else { return Vec::new() };
+    let (Some(hull), Some(regions)) = (parent.breaks_as(), pattern.planar()) else {
+        return Vec::new();
+    };
     let placement = Placement::new(pattern, impact, parent);
 
     // Cut each cell's part out.
@@ -86,7 +88,8 @@ pub(crate) fn cut_hull(
     let pieces = workshop.merge_slivers(pieces, &settings.smallest, absorbs);
 
     // Neighbours share their vertices.
-    let masses: Vec<(MassProperties, u32)> = pieces.iter().map(|piece| (piece.mass, piece.cell)).collect();
+    let masses: Vec<(MassProperties, u32)> =
+        pieces.iter().map(|piece| (piece.mass, piece.cell)).collect();
     let mut hulls: Vec<Hull> = pieces.into_iter().map(|piece| piece.hull).collect();
     weld_hulls(&mut hulls, SAME_VERTEX * workshop.size());
 
@@ -101,7 +104,11 @@ pub(crate) fn cut_hull(
 
     // Nothing is lost, and nothing is there twice.
     let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
-    if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume { fragments } else { Vec::new() }
+    if (volume - parent.volume).abs() <= NOT_FILLED * parent.volume {
+        fragments
+    } else {
+        Vec::new()
+    }
 }
 
 /// Mass that a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
@@ -119,7 +126,8 @@ fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
     let without = hull.mass_properties();
     let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
     if let Some(piece) = heaviest {
-        let opposite = MassProperties { volume: -without.volume, inertia: -without.inertia, ..without };
+        let opposite =
+            MassProperties { volume: -without.volume, inertia: -without.inertia, ..without };
         piece.mass = together(&together(&piece.mass, &whole), &opposite);
     }
 }
@@ -128,7 +136,8 @@ fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
 fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
     let volume = a.volume + b.volume;
     let center = (a.volume * a.center + b.volume * b.center) / volume;
-    let about = |part: &MassProperties| part.inertia + parallel_axis(part.volume, part.center - center);
+    let about =
+        |part: &MassProperties| part.inertia + parallel_axis(part.volume, part.center - center);
     MassProperties { volume, center, inertia: about(a) + about(b) }
 }
 
@@ -189,7 +198,8 @@ impl<'a> Workshop<'a> {
     fn piece(&mut self, first: usize, cell: u32) -> Option<Piece> {
         let hull = self.carver.part(&self.cuts[first..]);
         let piece = hull.map(|hull| (hull.mass_properties(), hull));
-        let Some((mass, hull)) = piece.filter(|(mass, _)| mass.volume > NO_VOLUME * self.volume) else {
+        let Some((mass, hull)) = piece.filter(|(mass, _)| mass.volume > NO_VOLUME * self.volume)
+        else {
             self.cuts.truncate(first);
             return None;
         };
@@ -197,7 +207,12 @@ impl<'a> Workshop<'a> {
     }
 
     /// Joins pieces that are too small with their neighbours.
-    fn merge_slivers(&mut self, mut pieces: Vec<Piece>, smallest: &Smallest, absorbs: bool) -> Vec<Piece> {
+    fn merge_slivers(
+        &mut self,
+        mut pieces: Vec<Piece>,
+        smallest: &Smallest,
+        absorbs: bool,
+    ) -> Vec<Piece> {
         let volumes: Vec<f64> = pieces.iter().map(|piece| piece.mass.volume).collect();
         let least = smallest.least(&volumes);
         let is_small = |mass: &MassProperties| mass.volume < least || smallest.is_slender(mass);
@@ -214,8 +229,8 @@ impl<'a> Workshop<'a> {
             pieces[host] = self.join(&pieces[sliver], &pieces[host])?;
             Some(is_small(&pieces[host].mass))
         });
-        let tiny =
-            Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }.least(&volumes);
+        let tiny = Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }
+            .least(&volumes);
         let mut absorb = |sliver: usize, host: usize| {
             let own = pieces[sliver].mass;
             let is_absorbed = absorbs && (own.volume < tiny || smallest.is_slender(&own));
@@ -238,7 +253,8 @@ impl<'a> Workshop<'a> {
             polygon::area(&corners.collect::<Vec<_>>())
         };
         let inner = hull.faces().filter(|face| face.inner);
-        let mut faces: Vec<(f64, HalfSpace)> = inner.map(|face| (area(&face), face.plane)).collect();
+        let mut faces: Vec<(f64, HalfSpace)> =
+            inner.map(|face| (area(&face), face.plane)).collect();
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, crack) in faces {
             let others = &self.cuts[other.cuts.clone()];
@@ -251,7 +267,8 @@ impl<'a> Workshop<'a> {
             let beyond = |cut: &HalfSpace, hull: &Hull| {
                 hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
             };
-            if own.clone().any(|cut| beyond(cut, &other.hull)) || others.clone().any(|cut| beyond(cut, hull))
+            if own.clone().any(|cut| beyond(cut, &other.hull))
+                || others.clone().any(|cut| beyond(cut, hull))
             {
                 continue;
             }
@@ -260,7 +277,9 @@ impl<'a> Workshop<'a> {
             self.cuts.extend(all);
             let (sum, tolerance) = (mass.volume + other.mass.volume, SAME_VOLUME * self.volume);
             let joined = self.piece(first, other.cell);
-            if let Some(joined) = joined.filter(|joined| (joined.mass.volume - sum).abs() <= tolerance) {
+            if let Some(joined) =
+                joined.filter(|joined| (joined.mass.volume - sum).abs() <= tolerance)
+            {
                 return Some(joined);
             }
         }

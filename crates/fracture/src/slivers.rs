@@ -118,7 +118,8 @@ impl Groups {
         mut fits: impl FnMut(usize, usize, f64) -> Option<bool>,
     ) {
         let mut host_of: Vec<usize> = (0..self.volumes.len()).collect();
-        let mut open: Vec<usize> = (0..self.volumes.len()).filter(|&piece| self.too_small[piece]).collect();
+        let mut open: Vec<usize> =
+            (0..self.volumes.len()).filter(|&piece| self.too_small[piece]).collect();
         let mut touching: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.volumes.len()];
         for &([a, b], area) in contacts {
             touching[a].push((b, area));
@@ -127,9 +128,12 @@ impl Groups {
         while let Some(at) = self.lightest(&open) {
             let sliver = open.swap_remove(at);
             let around = self.hosts(sliver, &touching, &host_of);
-            let mut join =
-                |host: usize| Some((host, fits(sliver, host, self.volumes[sliver] + self.volumes[host])?));
-            let Some((host, is_small)) = around.iter().find_map(|&(host, _)| join(host)) else { continue };
+            let mut join = |host: usize| {
+                Some((host, fits(sliver, host, self.volumes[sliver] + self.volumes[host])?))
+            };
+            let Some((host, is_small)) = around.iter().find_map(|&(host, _)| join(host)) else {
+                continue;
+            };
             let own = std::mem::take(&mut self.members[sliver]);
             own.iter().for_each(|&member| host_of[member] = host);
             self.members[host].extend(own);
@@ -148,7 +152,8 @@ impl Groups {
             .max_by(|&a, &b| self.volumes[a].total_cmp(&self.volumes[b]).then(b.cmp(&a)));
         let Some(heaviest) = heaviest else { return };
         for piece in 0..self.volumes.len() {
-            let is_left = piece != heaviest && self.too_small[piece] && !self.members[piece].is_empty();
+            let is_left =
+                piece != heaviest && self.too_small[piece] && !self.members[piece].is_empty();
             if is_left && fits(piece, heaviest) {
                 let own = std::mem::take(&mut self.members[piece]);
                 self.members[heaviest].extend(own);
@@ -174,7 +179,12 @@ impl Groups {
 
     /// The groups that a sliver touches, with the area: the largest first, the least number of
     /// equals.
-    fn hosts(&self, sliver: usize, touching: &[Vec<(usize, f64)>], host_of: &[usize]) -> Vec<(usize, f64)> {
+    fn hosts(
+        &self,
+        sliver: usize,
+        touching: &[Vec<(usize, f64)>],
+        host_of: &[usize],
+    ) -> Vec<(usize, f64)> {
         let mut around: Vec<(usize, f64)> = Vec::new();
         for &(other, area) in self.members[sliver].iter().flat_map(|&member| &touching[member]) {
             let host = host_of[other];

@@ -32,7 +32,8 @@ impl RigidPiece {
         }
         let volume: f64 = pieces.iter().map(|piece| piece.volume).sum();
         let center = pieces.iter().map(|piece| piece.volume * piece.center).sum::<DVec3>() / volume;
-        let inertia = |piece: &&Self| piece.inertia + parallel_axis(piece.volume, piece.center - center);
+        let inertia =
+            |piece: &&Self| piece.inertia + parallel_axis(piece.volume, piece.center - center);
         Self {
             center,
             volume,
@@ -89,7 +90,10 @@ impl Wrench {
     }
 
     fn plus(&self, scale: f64, other: &Self) -> Self {
-        Self { linear: self.linear + scale * other.linear, angular: self.angular + scale * other.angular }
+        Self {
+            linear: self.linear + scale * other.linear,
+            angular: self.angular + scale * other.angular,
+        }
     }
 }
 
@@ -123,7 +127,8 @@ impl Spring {
 
     /// Force and moment with which it pulls the two pieces together.
     fn pull(&self, x: &[Wrench]) -> (DVec3, DVec3) {
-        let moved = |side: usize, piece: usize| x[piece].linear + x[piece].angular.cross(self.levers[side]);
+        let moved =
+            |side: usize, piece: usize| x[piece].linear + x[piece].angular.cross(self.levers[side]);
         let apart = moved(1, self.b) - moved(0, self.a);
         (self.stretch * apart, self.bend * (x[self.b].angular - x[self.a].angular))
     }
@@ -132,7 +137,8 @@ impl Spring {
     fn add_to(&self, x: &[Wrench], product: &mut [Wrench]) {
         let (force, moment) = self.pull(x);
         for (piece, side, sign) in [(self.a, 0, -1.0), (self.b, 1, 1.0)] {
-            let at_center = Wrench { linear: force, angular: self.levers[side].cross(force) + moment };
+            let at_center =
+                Wrench { linear: force, angular: self.levers[side].cross(force) + moment };
             product[piece] = product[piece].plus(sign, &at_center);
         }
     }
@@ -152,7 +158,8 @@ pub fn bond_stresses(
     let stress = |(spring, bond): (&Spring, &Interface)| {
         let (force, moment) = spring.pull(displacements);
         let (pull, twist) = (force.dot(bond.normal), moment.dot(bond.normal));
-        let (shear, bend) = ((force - pull * bond.normal).length(), (moment - twist * bond.normal).length());
+        let (shear, bend) =
+            ((force - pull * bond.normal).length(), (moment - twist * bond.normal).length());
         let cubed = bond.area * bond.area.sqrt();
         Stress {
             tension: pull / bond.area + bend / (SECTION_MODULUS * cubed),
@@ -182,7 +189,8 @@ fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec
             continue;
         }
         let volume: f64 = island.iter().map(|&i| pieces[i].volume).sum();
-        let center = island.iter().map(|&i| pieces[i].volume * pieces[i].center).sum::<DVec3>() / volume;
+        let center =
+            island.iter().map(|&i| pieces[i].volume * pieces[i].center).sum::<DVec3>() / volume;
         let (mut inertia, mut force, mut torque) = (DMat3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for &i in &island {
             let lever = pieces[i].center - center;
@@ -203,7 +211,12 @@ fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec
 
 /// Preconditioned conjugate gradients [She94]. What is left unbalanced is small against the loads as they were before inertia was set
 /// against them: in free fall nothing is left of them but rounding.
-fn solve(pieces: &[RigidPiece], springs: &[Spring], [loads, before]: [&[Wrench]; 2], x: &mut [Wrench]) {
+fn solve(
+    pieces: &[RigidPiece],
+    springs: &[Spring],
+    [loads, before]: [&[Wrench]; 2],
+    x: &mut [Wrench],
+) {
     let blocks = Blocks::new(pieces, springs);
     let multiply = |x: &[Wrench]| {
         let mut product = vec![Wrench::default(); x.len()];
@@ -259,7 +272,9 @@ impl Blocks {
             for (piece, lever) in [(spring.a, spring.levers[0]), (spring.b, spring.levers[1])] {
                 // Column by column: what a unit displacement or rotation of the piece alone asks for.
                 for column in 0..6 {
-                    let unit = |from: usize| if column >= from { axis(column - from) } else { DVec3::ZERO };
+                    let unit = |from: usize| {
+                        if column >= from { axis(column - from) } else { DVec3::ZERO }
+                    };
                     let (linear, angular) =
                         if column < 3 { (unit(0), DVec3::ZERO) } else { (DVec3::ZERO, unit(3)) };
                     let force = spring.stretch * (linear + angular.cross(lever));

@@ -14,12 +14,18 @@ fn corners(shape: &Shape) -> Vec<DVec3> {
 }
 
 /// How far out in the pattern's box the farthest of some grid points lies: 1 on its wall.
-fn reach(pattern: &Pattern, placement: &Placement, points_grid: impl Iterator<Item = DVec3>) -> f64 {
+fn reach(
+    pattern: &Pattern,
+    placement: &Placement,
+    points_grid: impl Iterator<Item = DVec3>,
+) -> f64 {
     let grid_from_pattern = placement.grid_from_pattern;
     points_grid
         .map(|point| {
             let turned = grid_from_pattern.transpose() * (point - placement.point_grid);
-            ((turned / placement.scale + placement.center_pattern) / pattern.half_extent).abs().max_element()
+            ((turned / placement.scale + placement.center_pattern) / pattern.half_extent)
+                .abs()
+                .max_element()
         })
         .fold(0.0, f64::max)
 }
@@ -36,14 +42,18 @@ fn the_pattern_lies_on_the_blow_and_just_encloses_the_body() {
 
             let struck_grid = body.body_from_grid.inverse().point(impact.point_body);
             assert!((placement.point(pattern.center) - struck_grid).length() < 1e-14);
-            let ahead = placement.point(pattern.center + DVec3::Z) - placement.point(pattern.center);
+            let ahead =
+                placement.point(pattern.center + DVec3::Z) - placement.point(pattern.center);
             let normal_body = body.body_from_grid.direction(ahead) / placement.scale;
             assert!((normal_body - impact.normal_body).length() < 1e-12, "{name}");
             let r = placement.grid_from_pattern;
-            assert!((r * r.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-12) && r.determinant() > 0.0);
+            assert!(
+                (r * r.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-12) && r.determinant() > 0.0
+            );
 
             let corners = corners(&body);
-            let corners_grid = corners.iter().map(|&corner| body.body_from_grid.inverse().point(corner));
+            let corners_grid =
+                corners.iter().map(|&corner| body.body_from_grid.inverse().point(corner));
             let reach = reach(&pattern, &placement, corners_grid);
             assert!((reach - 1.0).abs() < 1e-12, "{name}: {reach}");
         }
@@ -66,7 +76,9 @@ fn planes_move_with_their_points() {
             }
             for cut in &after.cuts {
                 assert!((cut.half_space.normal.length() - 1.0).abs() < 1e-15);
-                assert!(cut.face.iter().all(|&corner| cut.half_space.distance(corner).abs() < 1e-9));
+                assert!(
+                    cut.face.iter().all(|&corner| cut.half_space.distance(corner).abs() < 1e-9)
+                );
             }
         }
     }

@@ -1,6 +1,11 @@
 //! What glue between pieces bears, against the formulas of beams.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible_fracture::{BondStrength, Glued, PointLoad};
 use frangible_geometry::{Hull, RigidTransform};
@@ -10,7 +15,8 @@ const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 const DENSITY: f64 = 2400.0;
 
 fn cuboid(low: DVec3, high: DVec3) -> Hull {
-    Hull::cuboid(0.5 * (high - low)).transformed(&RigidTransform::new(DQuat::IDENTITY, 0.5 * (low + high)))
+    Hull::cuboid(0.5 * (high - low))
+        .transformed(&RigidTransform::new(DQuat::IDENTITY, 0.5 * (low + high)))
 }
 
 /// Cubes of edge `edge` [m] in a row along an axis, the first from the origin on.
@@ -33,14 +39,20 @@ fn a_cantilever_breaks_at_its_root_when_the_formula_says_so() {
     let section_modulus = edge * edge * edge / 6.0;
     let weight_moment = DENSITY * 9.81 * edge * edge * length * length / 2.0;
     let root_of_weight = weight_moment / section_modulus;
-    for (force, expected) in [(0.0, root_of_weight), (5e3, root_of_weight + 5e3 * length / section_modulus)] {
+    for (force, expected) in
+        [(0.0, root_of_weight), (5e3, root_of_weight + 5e3 * length / section_modulus)]
+    {
         let tip = DVec3::new(edge * count as f64, 0.5 * edge, 0.5 * edge);
         let loads = [PointLoad { point: tip, force: DVec3::new(0.0, -force, 0.0) }];
         let mut beam = glued(row(count, edge, DVec3::X), wall, 1.0, 1e12);
         let strains = beam.strains(&loads, GRAVITY, DENSITY);
         let worst = (0..strains.len()).max_by(|&a, &b| strains[a].total_cmp(&strains[b])).unwrap();
         assert_eq!((beam.bonds()[worst].a, beam.bonds()[worst].b), (0, 1));
-        assert!((strains[worst] / expected - 1.0).abs() < 1e-3, "{} Pa, not {expected}", strains[worst]);
+        assert!(
+            (strains[worst] / expected - 1.0).abs() < 1e-3,
+            "{} Pa, not {expected}",
+            strains[worst]
+        );
 
         // A little stronger it holds; a little weaker it breaks there, and nowhere else.
         let mut strong = glued(row(count, edge, DVec3::X), wall, 1.05 * expected, 1e12);
@@ -67,7 +79,10 @@ fn a_hanging_chain_breaks_at_its_top() {
         assert!((strain / expected - 1.0).abs() < 1e-3, "{bond:?}: {strain}");
     }
     let broken = chain.give_way(&[], GRAVITY, DENSITY).broken;
-    assert_eq!(broken.iter().map(|bond| (bond.a, bond.b)).collect::<Vec<_>>(), [(count - 2, count - 1)]);
+    assert_eq!(
+        broken.iter().map(|bond| (bond.a, bond.b)).collect::<Vec<_>>(),
+        [(count - 2, count - 1)]
+    );
 
     let mut tower = glued(row(count, edge, DVec3::Y), |center| center.y < edge, 1.0, 1.0);
     assert!(tower.give_way(&[], GRAVITY, DENSITY).broken.is_empty());

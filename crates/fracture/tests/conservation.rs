@@ -63,7 +63,8 @@ fn crumbs_keep_everything_too() {
             let fragments = shatter(&body, &pattern, &impact, &settings);
             assert_conserves(&body, &fragments, &mut random, name);
             let voxel = solid(&body).grid().voxel_volume();
-            crumbs += fragments.iter().filter(|fragment| fragment.shape.volume < 27.0 * voxel).count();
+            crumbs +=
+                fragments.iter().filter(|fragment| fragment.shape.volume < 27.0 * voxel).count();
         }
     }
     assert!(crumbs > 20, "the test is about crumbs: {crumbs}");
@@ -94,8 +95,10 @@ fn interpolated_regions_lose_mass() {
             .count()
     };
     let regions = align_pattern(&pattern, &impact, &body);
-    let counted: usize =
-        regions.iter().map(|region| inside(&LevelSet::sample(coarse, |point| region.distance(point)))).sum();
+    let counted: usize = regions
+        .iter()
+        .map(|region| inside(&LevelSet::sample(coarse, |point| region.distance(point))))
+        .sum();
     let whole = parent.phi().iter().filter(|&&phi| phi <= 0.0).count();
     let defect = 1.0 - counted as f64 / whole as f64;
     assert!(defect > 1e-3, "{defect}");

@@ -47,7 +47,8 @@ fn obj(meshes: &[TriMesh], split: bool) -> String {
             writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
         }
         for (triangle, corners) in mesh.triangles.iter().enumerate() {
-            let corners = if split { [0, 1, 2].map(|corner| 3 * triangle as u32 + corner) } else { *corners };
+            let corners =
+                if split { [0, 1, 2].map(|corner| 3 * triangle as u32 + corner) } else { *corners };
             let [a, b, c] = corners.map(|corner| count + 1 + corner);
             writeln!(text, "f {a} {b} {c}").unwrap();
         }
@@ -73,13 +74,16 @@ fn check_drawn(cells: usize, seed: u64) {
     assert!((drawn.half_extent - 3.0 * planar.half_extent).length() < 1e-12);
     assert!(drawn.tiling_defect() < 1e-9);
     let Cells::Drawn(drawn_cells) = &drawn.cells else { unreachable!() };
-    let triangles = |mesh: &TriMesh| (0..mesh.triangles.len()).map(|at| mesh.corners(at)).collect::<Vec<_>>();
-    let surfaces: Vec<Bvh> = drawn_cells.meshes().iter().map(|mesh| Bvh::new(&triangles(mesh))).collect();
+    let triangles =
+        |mesh: &TriMesh| (0..mesh.triangles.len()).map(|at| mesh.corners(at)).collect::<Vec<_>>();
+    let surfaces: Vec<Bvh> =
+        drawn_cells.meshes().iter().map(|mesh| Bvh::new(&triangles(mesh))).collect();
     let spacing = 6.0 / 64.0;
     let mut random = common::random(seed);
     for _ in 0..300 {
         let share = 2.0 * DVec3::new(random.random(), random.random(), random.random()) - 1.0;
-        let (point, other) = (share * planar.half_extent, planar.region_at(share * planar.half_extent));
+        let (point, other) =
+            (share * planar.half_extent, planar.region_at(share * planar.half_extent));
         let holder = drawn.region_at(3.0 * point).unwrap();
         for cell in 0..cells {
             let distance = drawn.distance(cell, 3.0 * point);
@@ -92,7 +96,10 @@ fn check_drawn(cells: usize, seed: u64) {
                 let wall = 3.0 * (planar.half_extent - point.abs()).min_element();
                 assert!(distance >= -far - 0.3 * spacing, "{distance} {far}");
                 let deep = exact < -2.0 * spacing;
-                assert!(deep || distance <= exact.max(-wall) + 0.5 * spacing, "{distance} {exact} {wall}");
+                assert!(
+                    deep || distance <= exact.max(-wall) + 0.5 * spacing,
+                    "{distance} {exact} {wall}"
+                );
             }
         }
         let near = 3.0 * point + 0.01 * common::direction(&mut random);
@@ -121,7 +128,8 @@ fn drawn_cells_beside_an_oblique_crack() {
 /// A file of one vertex list, or of triangles that share no vertex, holds the same cells; saved, they come back equal.
 #[test]
 fn drawn_cells_come_from_files_and_go_to_files() {
-    let meshes = as_meshes(&Pattern::natural(&Natural { cells: 6, seed: 3, ..Natural::default() }).unwrap());
+    let meshes =
+        as_meshes(&Pattern::natural(&Natural { cells: 6, seed: 3, ..Natural::default() }).unwrap());
     for split in [false, true] {
         let pattern = load(&obj(&meshes, split)).unwrap();
         assert_eq!(pattern.len(), 6);
@@ -132,7 +140,9 @@ fn drawn_cells_come_from_files_and_go_to_files() {
         assert!(Pattern::load(&path).unwrap() == pattern);
         for (cell, shape) in pattern.cell_shapes().iter().enumerate() {
             let mesh = pattern.region_mesh(cell, 1.0);
-            assert!(mesh.is_watertight() && shape.faces >= 4 && shape.corners <= 2 * shape.faces - 4);
+            assert!(
+                mesh.is_watertight() && shape.faces >= 4 && shape.corners <= 2 * shape.faces - 4
+            );
         }
     }
 }
@@ -143,9 +153,14 @@ fn a_large_gap_is_told_with_its_place_and_size() {
     let mut meshes = as_meshes(&planar);
     let lost = meshes.remove(3).mass_properties();
     let sentence = load(&obj(&meshes, false)).unwrap_err();
-    let rest = sentence.strip_prefix("drawn.obj: a gap of ").unwrap_or_else(|| panic!("{sentence}"));
+    let rest =
+        sentence.strip_prefix("drawn.obj: a gap of ").unwrap_or_else(|| panic!("{sentence}"));
     let (volume, rest) = rest.split_once(" m^3 (").unwrap();
-    assert!((volume.parse::<f64>().unwrap() / lost.volume - 1.0).abs() < 0.1, "{sentence} {}", lost.volume);
+    assert!(
+        (volume.parse::<f64>().unwrap() / lost.volume - 1.0).abs() < 0.1,
+        "{sentence} {}",
+        lost.volume
+    );
     let (percent, rest) = rest.split_once(" % of the box) around (").unwrap();
     let share = 100.0 * lost.volume / (27.0 * 8.0 * planar.half_extent.element_product());
     assert!((percent.parse::<f64>().unwrap() / share - 1.0).abs() < 0.1, "{sentence} {share}");
@@ -162,11 +177,17 @@ fn a_large_gap_is_told_with_its_place_and_size() {
 /// Nine boxes side by side, as a pane.
 fn pane(thickness: f64) -> Vec<TriMesh> {
     let edge = DVec3::new(1.6 / 3.0, 1.2 / 3.0, thickness);
-    let unit = Pattern::voronoi(&Voronoi { cells: 1, half_extent: DVec3::splat(0.5), ..Voronoi::default() })
-        .unwrap();
+    let unit = Pattern::voronoi(&Voronoi {
+        cells: 1,
+        half_extent: DVec3::splat(0.5),
+        ..Voronoi::default()
+    })
+    .unwrap();
     let cell = unit.region_mesh(0, 1.0);
     let place = |n: usize| DVec3::new((n % 3) as f64, (n / 3) as f64, 0.0);
-    let moved = |n: usize| cell.positions.iter().map(move |&position| edge * (position + place(n))).collect();
+    let moved = |n: usize| {
+        cell.positions.iter().map(move |&position| edge * (position + place(n))).collect()
+    };
     (0..9).map(|n| TriMesh { positions: moved(n), triangles: cell.triangles.clone() }).collect()
 }
 
@@ -177,7 +198,10 @@ fn a_thin_pane_is_a_pattern_and_its_gap_has_its_size() {
         assert_eq!(load(&obj(&meshes, false)).unwrap().len(), 9);
         meshes.remove(4);
         let sentence = load(&obj(&meshes, false)).unwrap_err();
-        assert!(sentence.contains(" m^3 (11 % of the box) around (0.5333, 0.4, "), "{thickness}: {sentence}");
+        assert!(
+            sentence.contains(" m^3 (11 % of the box) around (0.5333, 0.4, "),
+            "{thickness}: {sentence}"
+        );
     }
 }
 
@@ -185,19 +209,30 @@ fn a_thin_pane_is_a_pattern_and_its_gap_has_its_size() {
 fn a_gap_around_a_cell_is_not_said_to_be_in_it() {
     let mut meshes = as_meshes(&voronoi(8, 4));
     let middle = meshes[2].mass_properties().center;
-    meshes[2].positions.iter_mut().for_each(|position| *position = middle + 0.7 * (*position - middle));
+    meshes[2]
+        .positions
+        .iter_mut()
+        .for_each(|position| *position = middle + 0.7 * (*position - middle));
     let sentence = load(&obj(&meshes, false)).unwrap_err();
     let (_, place) = sentence.split_once("around (").unwrap_or_else(|| panic!("{sentence}"));
-    let place: Vec<f64> =
-        place.split_once(')').unwrap().0.split(", ").map(|number| number.parse().unwrap()).collect();
+    let place: Vec<f64> = place
+        .split_once(')')
+        .unwrap()
+        .0
+        .split(", ")
+        .map(|number| number.parse().unwrap())
+        .collect();
     let place = DVec3::new(place[0], place[1], place[2]);
     let corners: Vec<[DVec3; 3]> =
         (0..meshes[2].triangles.len()).map(|triangle| meshes[2].corners(triangle)).collect();
     let surface = Bvh::new(&corners);
     let nearest = surface.closest(place, f64::INFINITY).unwrap().distance_squared.sqrt();
     let inward = (middle - place).normalize();
-    let deeper =
-        surface.closest(place + 0.5 * nearest * inward, f64::INFINITY).unwrap().distance_squared.sqrt();
+    let deeper = surface
+        .closest(place + 0.5 * nearest * inward, f64::INFINITY)
+        .unwrap()
+        .distance_squared
+        .sqrt();
     assert!(deeper < nearest, "{place} is in the cell: {sentence}");
 }
 
@@ -210,7 +245,8 @@ fn overlaps_and_holes_are_told_too() {
     meshes[2].positions = low.iter().map(|&position| middle + high * (position - middle)).collect();
     let sentence = load(&obj(&meshes, false)).unwrap_err();
     assert!(
-        sentence.starts_with("drawn.obj: an overlap of ") || sentence.starts_with("drawn.obj: a gap of "),
+        sentence.starts_with("drawn.obj: an overlap of ")
+            || sentence.starts_with("drawn.obj: a gap of "),
         "{sentence}"
     );
 
@@ -229,7 +265,8 @@ fn overlaps_and_holes_are_told_too() {
 fn small_misfits_are_repaired() {
     for scale in [0.995, 1.005] {
         let mut meshes = as_meshes(&voronoi(8, 4));
-        let whole = meshes.iter().map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap();
+        let whole =
+            meshes.iter().map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap();
         for mesh in &mut meshes[..4] {
             let middle = mesh.mass_properties().center;
             for position in &mut mesh.positions {

@@ -20,7 +20,10 @@ fn block() -> (Shape, Impact) {
 fn prism(polygon: &[DVec2], middle: usize) -> TriMesh {
     let count = polygon.len();
     let mut mesh = TriMesh {
-        positions: [-1.0, 1.0].iter().flat_map(|&z| polygon.iter().map(move |p| p.extend(z))).collect(),
+        positions: [-1.0, 1.0]
+            .iter()
+            .flat_map(|&z| polygon.iter().map(move |p| p.extend(z)))
+            .collect(),
         triangles: Vec::new(),
     };
     let [lower, upper] = [0, count].map(|layer| move |at: usize| (layer + at % count) as u32);
@@ -43,7 +46,8 @@ fn corner_and_quarter() -> Pattern {
     let points = |corners: &[(i32, i32)]| -> Vec<DVec2> {
         corners.iter().map(|&(x, y)| DVec2::new(f64::from(x), f64::from(y))).collect()
     };
-    Pattern::drawn(&[prism(&points(&corner), 3), prism(&points(&quarter), 0)], "corner.obj").unwrap()
+    Pattern::drawn(&[prism(&points(&corner), 3), prism(&points(&quarter), 0)], "corner.obj")
+        .unwrap()
 }
 
 /// Mass, momentum and energy are the parent's, each voxel has one owner, and no sample lies half a cell deep in another piece.
@@ -75,7 +79,11 @@ fn a_drawn_corner_breaks_out() {
     // To the last layer of cells.
     let layer = 0.05 * (HALF.x + HALF.y) * 2.0 * HALF.z;
     for (fragment, part) in fragments.iter().zip([0.75, 0.25]) {
-        assert!((fragment.shape.volume - part * body.volume).abs() < layer, "{}", fragment.shape.volume);
+        assert!(
+            (fragment.shape.volume - part * body.volume).abs() < layer,
+            "{}",
+            fragment.shape.volume
+        );
     }
     let quarter = fragments[1].parent_from_fragment.translation;
     assert!((quarter - DVec3::new(0.25, 0.25, 0.0)).length() < 0.05, "{quarter}");
@@ -95,7 +103,8 @@ fn drawn_cells_break_as_the_planes_they_were_drawn_from() {
     let half_extent = DVec3::new(1.0, 0.8, 0.6);
     for seed in 0..4 {
         let planar =
-            Pattern::voronoi(&Voronoi { cells: 7, seed, half_extent, ..Voronoi::default() }).unwrap();
+            Pattern::voronoi(&Voronoi { cells: 7, seed, half_extent, ..Voronoi::default() })
+                .unwrap();
         let meshes: Vec<TriMesh> =
             (0..planar.len()).map(|cell| planar.region_mesh(cell, f64::INFINITY)).collect();
         let drawn = Pattern::drawn(&meshes, "cells.obj").unwrap();

@@ -37,10 +37,16 @@ fn level_sets_do_not_overlap_and_leave_no_gap() {
         let grid = level_set.grid();
         let (low, high) = grid.bounds();
         for _ in 0..2000 {
-            let point = low + (high - low) * DVec3::new(random.random(), random.random(), random.random());
-            let mut values: Vec<f64> = fragments.iter().map(|fragment| value(fragment, point)).collect();
+            let point =
+                low + (high - low) * DVec3::new(random.random(), random.random(), random.random());
+            let mut values: Vec<f64> =
+                fragments.iter().map(|fragment| value(fragment, point)).collect();
             values.sort_by(f64::total_cmp);
-            assert!(values[1] > -0.5 * grid.spacing, "{name}: two pieces overlap by {}", -values[1]);
+            assert!(
+                values[1] > -0.5 * grid.spacing,
+                "{name}: two pieces overlap by {}",
+                -values[1]
+            );
             if f64::from(level_set.value(point)) < -grid.spacing {
                 assert!(values[0] < grid.spacing, "{name}: a gap of {} in the body", values[0]);
             }
@@ -64,8 +70,12 @@ fn inside_the_level_set_is_the_outline() {
                     let [i, j, k] = grid.coordinates(node);
                     let point = grid.node(i, j, k);
                     let root = form.distance_and_gradient(point).0;
-                    let outline =
-                        solid.outline.cuts.iter().map(|cut| cut.distance(point)).fold(root, f64::max);
+                    let outline = solid
+                        .outline
+                        .cuts
+                        .iter()
+                        .map(|cut| cut.distance(point))
+                        .fold(root, f64::max);
                     assert!((outline - f64::from(phi)).abs() < 1e-6, "{name}: {outline} {phi}");
                     assert!(coverage[node] > 0.0);
                 }
@@ -110,7 +120,10 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
         }
     }
     assert!(off <= all / 1000, "{off} of {all} are off the surface");
-    assert!(near as f64 > 0.98 * all as f64, "{near} of {all} lie within half a voxel of the surface");
+    assert!(
+        near as f64 > 0.98 * all as f64,
+        "{near} of {all} lie within half a voxel of the surface"
+    );
 }
 
 /// No sample of the parent is lost, except where a crack's sample takes its place; none goes to two fragments, except
@@ -123,7 +136,8 @@ fn the_parents_samples_are_shared_out() {
             let point_grid = body.body_from_grid.inverse().point(sample.as_dvec3());
             let (mut exact, mut on_crack, mut nearest) = (0, false, f32::INFINITY);
             for fragment in &fragments {
-                let own = fragment.parent_from_fragment.inverse().point(sample.as_dvec3()).as_vec3();
+                let own =
+                    fragment.parent_from_fragment.inverse().point(sample.as_dvec3()).as_vec3();
                 let distances = fragment.shape.samples().iter().map(|other| (other - own).length());
                 let here = distances.fold(f32::INFINITY, f32::min);
                 exact += usize::from(here < 1e-6);
@@ -132,7 +146,10 @@ fn the_parents_samples_are_shared_out() {
                 on_crack |= cuts.iter().any(|cut| cut.distance(point_grid).abs() < 1e-5);
             }
             assert!(exact <= 1 || on_crack, "{name}: a sample in {exact} fragments");
-            assert!(f64::from(nearest) < h, "{name}: a sample is lost, the nearest is {nearest} m away");
+            assert!(
+                f64::from(nearest) < h,
+                "{name}: a sample is lost, the nearest is {nearest} m away"
+            );
         }
     }
 }
@@ -147,17 +164,27 @@ fn cracks_through_a_sphere_have_rims() {
     let fragments = shatter(&sphere, &pattern, &impact, &ShatterSettings::default());
     for fragment in &fragments {
         let outline = &solid(&fragment.shape).outline;
-        let Root::ClosedForm(ClosedForm::Sphere { radius }) = outline.root else { panic!("a sphere") };
+        let Root::ClosedForm(ClosedForm::Sphere { radius }) = outline.root else {
+            panic!("a sphere")
+        };
         let grid_from_body = fragment.shape.body_from_grid.inverse();
-        let points: Vec<DVec3> =
-            fragment.shape.samples().iter().map(|sample| grid_from_body.point(sample.as_dvec3())).collect();
+        let points: Vec<DVec3> = fragment
+            .shape
+            .samples()
+            .iter()
+            .map(|sample| grid_from_body.point(sample.as_dvec3()))
+            .collect();
         let on_sphere = |point: &&DVec3| (point.length() - radius).abs() < 1e-5;
         for cut in &outline.cuts {
             let on_cut = |point: &&DVec3| cut.distance(**point).abs() < 1e-5;
             let face = points.iter().filter(on_cut).count();
             let rim = points.iter().filter(on_cut).filter(on_sphere).count();
             // A crack that only touches the voxels has no face; one within the sphere has no rim.
-            assert!(face < 12 || rim >= 3 || points.iter().filter(on_cut).all(|p| p.length() < 0.9 * radius));
+            assert!(
+                face < 12
+                    || rim >= 3
+                    || points.iter().filter(on_cut).all(|p| p.length() < 0.9 * radius)
+            );
         }
     }
 }
@@ -190,9 +217,12 @@ fn what_stands_alone_stays() {
     let pattern = Pattern::radial(&Radial { spokes: 3, ..Radial::default() }).unwrap();
     let fragments = shatter(&body, &pattern, &impact, &ShatterSettings::default());
     let voxel = solid(&body).grid().voxel_volume();
-    let crumbs: Vec<&Fragment> = fragments.iter().filter(|f| f.shape.volume < 27.0 * voxel).collect();
+    let crumbs: Vec<&Fragment> =
+        fragments.iter().filter(|f| f.shape.volume < 27.0 * voxel).collect();
     assert_eq!(crumbs.len(), 1);
-    assert!(crumbs[0].shape.samples().len() >= 4 && crumbs[0].shape.unit_moments.min_element() > 0.0);
+    assert!(
+        crumbs[0].shape.samples().len() >= 4 && crumbs[0].shape.unit_moments.min_element() > 0.0
+    );
 }
 
 /// The same break gives the same bits.

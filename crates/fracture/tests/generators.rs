@@ -33,10 +33,11 @@ fn made<T: std::fmt::Debug>(of: &T, make: fn(&T) -> Result<Pattern, PatternError
 
 /// Planar patterns of all kinds.
 fn planar() -> impl Strategy<Value = Made> {
-    let radial =
-        (3..30usize, 0..6usize, 0.0..=1.0, any::<u64>()).prop_map(|(spokes, rings, jitter, seed)| {
+    let radial = (3..30usize, 0..6usize, 0.0..=1.0, any::<u64>()).prop_map(
+        |(spokes, rings, jitter, seed)| {
             made(&Radial { spokes, rings, jitter, seed }, Pattern::radial)
-        });
+        },
+    );
     let voronoi = (1..60usize, 0.0..10.0, half_extent(), half_extent(), any::<u64>()).prop_map(
         |(cells, clustering, grading, half_extent, seed)| {
             let grading = 10.0 * (grading - 0.5);
@@ -53,22 +54,24 @@ fn planar() -> impl Strategy<Value = Made> {
             made(&Slices { cells, axis: axis - 0.3, jitter, seed, half_extent }, Pattern::slices)
         },
     );
-    let bricks = (1..8usize, 1..12usize, 0.0..=0.5, 0.0..=1.0, half_extent(), any::<u64>()).prop_map(
-        |(columns, courses, mortar, jitter, half_extent, seed)| {
+    let bricks = (1..8usize, 1..12usize, 0.0..=0.5, 0.0..=1.0, half_extent(), any::<u64>())
+        .prop_map(|(columns, courses, mortar, jitter, half_extent, seed)| {
             made(&Bricks { columns, courses, mortar, jitter, seed, half_extent }, Pattern::bricks)
-        },
-    );
-    let splinters = (1..20usize, 1..4usize, 0..3usize, 0.0..20.0, 0.0..=1.0, half_extent(), any::<u64>())
-        .prop_map(|(fibres, pieces, grain, sharpness, spread, half_extent, seed)| {
-            let shape = Splinters { fibres, pieces, grain, sharpness, spread, seed, half_extent };
-            made(&shape, Pattern::splinters)
         });
+    let splinters =
+        (1..20usize, 1..4usize, 0..3usize, 0.0..20.0, 0.0..=1.0, half_extent(), any::<u64>())
+            .prop_map(|(fibres, pieces, grain, sharpness, spread, half_extent, seed)| {
+                let shape =
+                    Splinters { fibres, pieces, grain, sharpness, spread, seed, half_extent };
+                made(&shape, Pattern::splinters)
+            });
     prop_oneof![radial, voronoi, natural, slices, bricks, splinters]
 }
 
 /// A point anywhere in the box.
 fn point_in(pattern: &Pattern, random: &mut impl RngExt) -> DVec3 {
-    pattern.half_extent * (2.0 * DVec3::new(random.random(), random.random(), random.random()) - 1.0)
+    pattern.half_extent
+        * (2.0 * DVec3::new(random.random(), random.random(), random.random()) - 1.0)
 }
 
 proptest! {
@@ -194,8 +197,14 @@ fn natural_cells_have_six_faces_and_eight_corners_in_the_mean() {
 #[test]
 fn bricks_lie_in_running_bond() {
     let half_extent = DVec3::ONE;
-    let bricks =
-        Bricks { columns: 6, courses: 4, mortar: 0.16, jitter: 0.0, half_extent, ..Bricks::default() };
+    let bricks = Bricks {
+        columns: 6,
+        courses: 4,
+        mortar: 0.16,
+        jitter: 0.0,
+        half_extent,
+        ..Bricks::default()
+    };
     let pattern = Pattern::bricks(&bricks).unwrap();
     let volumes: Vec<f64> = pattern.cell_shapes().iter().map(|shape| shape.volume).collect();
     // Bricks of 1/3 x 1/2 with joints of 0.08: 6 bricks and 5 joints, or 5 bricks, 2 halves and 6 joints beside them.
@@ -219,7 +228,8 @@ fn splinters_are_long_and_pointed() {
     for grain in 0..3 {
         let mut half_extent = DVec3::splat(0.25);
         half_extent[grain] = 1.0;
-        let pattern = Pattern::splinters(&Splinters { grain, half_extent, ..Splinters::default() }).unwrap();
+        let pattern =
+            Pattern::splinters(&Splinters { grain, half_extent, ..Splinters::default() }).unwrap();
         assert_eq!(pattern.len(), 48);
         let mut ratios: Vec<f64> = (0..pattern.len())
             .map(|cell| {
@@ -237,7 +247,8 @@ fn splinters_are_long_and_pointed() {
 #[test]
 fn graded_cells_crowd_at_one_end() {
     let grading = DVec3::new(2.0, 0.0, 0.0);
-    let pattern = Pattern::voronoi(&Voronoi { cells: 2000, grading, ..Voronoi::default() }).unwrap();
+    let pattern =
+        Pattern::voronoi(&Voronoi { cells: 2000, grading, ..Voronoi::default() }).unwrap();
     let center = |cell| pattern.region_mesh(cell, f64::INFINITY).mass_properties().center;
     let centers: Vec<DVec3> = (0..pattern.len()).map(center).collect();
     let share = |low: f64, high: f64| {
@@ -269,7 +280,10 @@ fn parameters_out_of_range_are_named() {
     let natural = Natural { spread: 1.5, ..Natural::default() };
     assert_eq!(named(Pattern::natural(&natural)), "spread: 1.5, must be from 0 to 1");
     let slices = Slices { axis: DVec3::ZERO, ..Slices::default() };
-    assert_eq!(named(Pattern::slices(&slices)), "axis: 0, must be three finite numbers that are not all 0");
+    assert_eq!(
+        named(Pattern::slices(&slices)),
+        "axis: 0, must be three finite numbers that are not all 0"
+    );
     let bricks = Bricks { mortar: f64::NAN, ..Bricks::default() };
     assert_eq!(named(Pattern::bricks(&bricks)), "mortar: NaN, must be from 0 to 0.5");
     let splinters = Splinters { grain: 3, ..Splinters::default() };

@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use frangible_fracture::{
-    Bricks, Concrete, Fragment, Impact, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters,
-    Voronoi, break_on_grid, interfaces, shatter,
+    Bricks, Concrete, Fragment, Impact, Natural, Pattern, Radial, ShatterSettings, Slices,
+    Splinters, Voronoi, break_on_grid, interfaces, shatter,
 };
 use frangible_geometry::{ClosedForm, GridSolid, Shape, closed_form_surface::closed_form_surface};
 use glam::DVec3;
@@ -19,12 +19,20 @@ fn patterns() -> Vec<(&'static str, Pattern)> {
         ("natural", Pattern::natural(&Natural { cells: 20, ..Natural::default() }).unwrap()),
         ("slices", Pattern::slices(&Slices { cells: 6, ..Slices::default() }).unwrap()),
         ("bricks", Pattern::bricks(&bricks).unwrap()),
-        ("splinters", Pattern::splinters(&Splinters { fibres: 10, ..Splinters::default() }).unwrap()),
+        (
+            "splinters",
+            Pattern::splinters(&Splinters { fibres: 10, ..Splinters::default() }).unwrap(),
+        ),
         ("concrete", Pattern::concrete(&Concrete { cells: 12, ..Concrete::default() }).unwrap()),
         (
             "gravel",
-            Pattern::concrete(&Concrete { cells: 12, roughness: 1.0, grain: 1.5, ..Concrete::default() })
-                .unwrap(),
+            Pattern::concrete(&Concrete {
+                cells: 12,
+                roughness: 1.0,
+                grain: 1.5,
+                ..Concrete::default()
+            })
+            .unwrap(),
         ),
     ]
 }
@@ -76,8 +84,9 @@ fn inner_faces_are_those_of_the_contacts_on_formulas() {
         ClosedForm::Cylinder { radius: 0.25, half_height: 0.3 },
     ];
     for form in forms {
-        let along =
-            (form.bounds().1 / form.bounds().1.max_element()).to_array().map(|part| (56.0 * part) as usize);
+        let along = (form.bounds().1 / form.bounds().1.max_element())
+            .to_array()
+            .map(|part| (56.0 * part) as usize);
         let solid = GridSolid::from_closed_form(form, along, 2).unwrap();
         let on_grid = Shape::from_grid_solid(solid, Vec::new()).unwrap();
         let exact = Shape::breakable(form, 0.05).unwrap();

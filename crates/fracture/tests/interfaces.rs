@@ -6,7 +6,8 @@ mod common;
 
 use common::solid;
 use frangible_fracture::{
-    Fragment, Impact, Interface, Pattern, ShatterSettings, Voronoi, align_pattern, interfaces, shatter,
+    Fragment, Impact, Interface, Pattern, ShatterSettings, Voronoi, align_pattern, interfaces,
+    shatter,
 };
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, RigidTransform, Shape};
 use glam::{DQuat, DVec3};
@@ -45,7 +46,8 @@ fn section(plane: &HalfSpace) -> f64 {
     let half = Hull::cuboid(HALF).clipped(plane).unwrap();
     let face = half.faces().find(|face| face.plane == *plane).unwrap();
     let corner = |n: usize| half.vertices()[face.vertices[n] as usize];
-    let fan = (2..face.vertices.len()).map(|n| (corner(n - 1) - corner(0)).cross(corner(n) - corner(0)));
+    let fan =
+        (2..face.vertices.len()).map(|n| (corner(n - 1) - corner(0)).cross(corner(n) - corner(0)));
     0.5 * fan.sum::<DVec3>().length()
 }
 
@@ -61,7 +63,11 @@ fn a_box_cut_by_a_tilted_plane_has_the_section_as_contact() {
         let [contact] = interfaces(&fragments).try_into().unwrap();
         let Interface { a, b, area, centroid, normal } = contact;
         assert_eq!((a, b), (0, 1));
-        assert!((area / section(&plane) - 1.0).abs() < 0.04, "seed {seed}: {area} {}", section(&plane));
+        assert!(
+            (area / section(&plane) - 1.0).abs() < 0.04,
+            "seed {seed}: {area} {}",
+            section(&plane)
+        );
         assert!((normal - plane.normal).length() < 1e-9, "from the first piece to the second");
         assert!(plane.distance(centroid).abs() < 0.002, "on the crack");
     }
@@ -125,8 +131,9 @@ fn exact_contacts_cover_the_cracks_exactly() {
         for (piece, fragment) in fragments.iter().enumerate() {
             let surface = fragment.shape.surface().mesh;
             for triangle in 0..surface.triangles.len() {
-                let corners =
-                    surface.corners(triangle).map(|corner| fragment.parent_from_fragment.point(corner));
+                let corners = surface
+                    .corners(triangle)
+                    .map(|corner| fragment.parent_from_fragment.point(corner));
                 let on_wall = (0..3).any(|axis| {
                     [-HALF, HALF]
                         .iter()

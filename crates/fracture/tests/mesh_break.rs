@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use frangible_fracture::{
-    Concrete, CutPiece, Cutter, Fragment, Impact, Interface, Pattern, Placement, Voronoi, break_on_grid,
-    cutters, interfaces, mesh_interfaces, resurfaced,
+    Concrete, CutPiece, Cutter, Fragment, Impact, Interface, Pattern, Placement, Voronoi,
+    break_on_grid, cutters, interfaces, mesh_interfaces, resurfaced,
 };
 use frangible_geometry::{Hull, Shape, TriMesh};
 use glam::DVec3;
@@ -44,11 +44,15 @@ fn cutters_are_closed_and_enclose_the_box() {
             HALF * DVec3::new(sign(0), sign(1), sign(2))
         });
         let low = cells.iter().map(|cell| cell.mesh.bounds().0).fold(DVec3::INFINITY, DVec3::min);
-        let high = cells.iter().map(|cell| cell.mesh.bounds().1).fold(DVec3::NEG_INFINITY, DVec3::max);
+        let high =
+            cells.iter().map(|cell| cell.mesh.bounds().1).fold(DVec3::NEG_INFINITY, DVec3::max);
         for corner in corners {
             assert!((corner - low).min_element() > 1e-7 && (high - corner).min_element() > 1e-7);
         }
-        assert!((volume / (high - low).element_product() - 1.0).abs() < 1e-9, "they tile their box");
+        assert!(
+            (volume / (high - low).element_product() - 1.0).abs() < 1e-9,
+            "they tile their box"
+        );
 
         for cell in &cells {
             assert!(cell.mesh.is_watertight());
@@ -153,7 +157,8 @@ fn pieces_on_a_grid_lie_where_the_cells_are() {
         let placement = Placement::around(&pattern, &IMPACT, &corners);
         for piece in pieces.iter().filter(|piece| piece.shape.volume > 0.01 * volume) {
             let center = piece.parent_from_fragment.translation;
-            let from_point = placement.grid_from_pattern.transpose() * (center - placement.point_grid);
+            let from_point =
+                placement.grid_from_pattern.transpose() * (center - placement.point_grid);
             let center_pattern = placement.center_pattern + from_point / placement.scale;
             assert_eq!(pattern.region_at(center_pattern), Some(piece.cell as usize));
         }

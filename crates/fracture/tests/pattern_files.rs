@@ -45,7 +45,8 @@ fn files_that_are_no_patterns_get_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pattern.json");
     Pattern::voronoi(&Voronoi { cells: 3, ..Voronoi::default() }).unwrap().save(&path).unwrap();
-    let good: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let good: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let sentence = |change: &dyn Fn(&mut serde_json::Value)| {
         let mut changed = good.clone();
         change(&mut changed);
@@ -57,14 +58,20 @@ fn files_that_are_no_patterns_get_a_sentence() {
         let sentence = sentence(change);
         assert!(sentence.contains(expected), "{sentence}");
     };
-    says(&|v| v["format"] = "x".into(), "is not a pattern: must say \"format\": \"frangible-pattern\"");
+    says(
+        &|v| v["format"] = "x".into(),
+        "is not a pattern: must say \"format\": \"frangible-pattern\"",
+    );
     says(&|v| v["version"] = 7.into(), "is a pattern of version 7, must be 1");
     says(&|v| v["colour"] = 7.into(), "is not a pattern: unknown field `colour`");
     says(&|v| v["half_extent"][0] = 0.into(), "must be positive and finite");
     says(&|v| v["center"][0] = 3.into(), "must lie inside of the box");
     says(&|v| v["joints"] = vec![9].into(), "joints: 9, must be numbers of cells, below 3");
     says(&|v| v["cells"]["planar"] = Vec::<u8>::new().into(), "has no cells");
-    says(&|v| v["cells"]["planar"][0]["cuts"][0]["normal"][0] = 9.into(), "cell 0: a normal of length");
+    says(
+        &|v| v["cells"]["planar"][0]["cuts"][0]["normal"][0] = 9.into(),
+        "cell 0: a normal of length",
+    );
     says(
         &|v| v["cells"]["planar"][0]["cuts"][0]["offset"] = 9.into(),
         "a face that does not lie on its plane",

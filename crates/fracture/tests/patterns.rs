@@ -12,14 +12,23 @@ use rand::RngExt;
 fn many_patterns() -> Vec<Pattern> {
     let mut patterns = Vec::new();
     for seed in 0..10 {
-        for (spokes, rings, jitter) in [(3, 0, 1.0), (3, 4, 1.0), (12, 0, 0.5), (9, 5, 0.8), (40, 8, 1.0)] {
+        for (spokes, rings, jitter) in
+            [(3, 0, 1.0), (3, 4, 1.0), (12, 0, 0.5), (9, 5, 0.8), (40, 8, 1.0)]
+        {
             patterns.push(Pattern::radial(&Radial { spokes, rings, jitter, seed }).unwrap());
         }
-        for (cells, clustering) in [(1, 0.0), (2, 0.0), (25, 0.0), (25, 4.0), (60, 1.0), (30, 30.0)] {
+        for (cells, clustering) in [(1, 0.0), (2, 0.0), (25, 0.0), (25, 4.0), (60, 1.0), (30, 30.0)]
+        {
             let half_extent = DVec3::new(1.0, 0.3, 2.0);
             patterns.push(
-                Pattern::voronoi(&Voronoi { cells, clustering, seed, half_extent, ..Voronoi::default() })
-                    .unwrap(),
+                Pattern::voronoi(&Voronoi {
+                    cells,
+                    clustering,
+                    seed,
+                    half_extent,
+                    ..Voronoi::default()
+                })
+                .unwrap(),
             );
         }
     }
@@ -100,7 +109,8 @@ fn clustering_makes_small_cells_at_the_centre() {
     let mean_volume_at_center = |clustering: f64| {
         let volumes = (0..20).map(|seed| {
             let pattern =
-                Pattern::voronoi(&Voronoi { cells: 30, clustering, seed, ..Voronoi::default() }).unwrap();
+                Pattern::voronoi(&Voronoi { cells: 30, clustering, seed, ..Voronoi::default() })
+                    .unwrap();
             let at_center = |region: &&Region| region.distance(pattern.center) <= 0.0;
             pattern.region_volume(pattern.planar().unwrap().iter().find(at_center).unwrap())
         });
@@ -171,7 +181,8 @@ fn neighbours_share_the_triangles_between_them() {
             for triangle in 0..mesh.triangles.len() {
                 let corners = mesh.corners(triangle);
                 let on_box = (0..3).any(|axis| {
-                    let at = |sign: f64| corners.iter().all(|c| (sign * c[axis] - e[axis]).abs() < 1e-9);
+                    let at =
+                        |sign: f64| corners.iter().all(|c| (sign * c[axis] - e[axis]).abs() < 1e-9);
                     at(1.0) || at(-1.0)
                 });
                 if !on_box {
@@ -194,8 +205,9 @@ fn vertices_of_cracks_lie_on_their_cell_and_on_another() {
             for point in common::inside_of_box(&pattern, &pattern.region_mesh(cell, 0.3)) {
                 assert!(pattern.distance(cell, point).abs() < 1e-9);
                 let others = (0..pattern.len()).filter(|&other| other != cell);
-                let nearest =
-                    others.map(|other| pattern.distance(other, point)).fold(f64::INFINITY, f64::min);
+                let nearest = others
+                    .map(|other| pattern.distance(other, point))
+                    .fold(f64::INFINITY, f64::min);
                 assert!(nearest.abs() < 1e-9);
             }
         }

@@ -5,8 +5,8 @@
 mod common;
 
 use frangible_fracture::{
-    Bricks, Concrete, Fragment, Impact, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters,
-    Voronoi, shatter,
+    Bricks, Concrete, Fragment, Impact, Natural, Pattern, Radial, ShatterSettings, Slices,
+    Splinters, Voronoi, shatter,
 };
 use frangible_geometry::{ClosedForm, Geometry, Hull, Shape, TriMesh};
 use glam::DVec3;
@@ -28,15 +28,26 @@ fn bodies() -> Vec<(&'static str, Shape)> {
     vec![
         ("exact cuboid", cuboid(DVec3::new(0.5, 0.3, 0.4))),
         ("exact ball", Shape::breakable(ClosedForm::Sphere { radius: 0.5 }, 0.06).unwrap()),
-        ("cuboid", common::sampled_form(ClosedForm::Box { half: DVec3::new(0.5, 0.1, 0.4) }, [20, 4, 16])),
+        (
+            "cuboid",
+            common::sampled_form(ClosedForm::Box { half: DVec3::new(0.5, 0.1, 0.4) }, [20, 4, 16]),
+        ),
         ("ball", common::sampled_form(ClosedForm::Sphere { radius: 0.5 }, [16; 3])),
         (
             "cylinder",
-            common::sampled_form(ClosedForm::Cylinder { radius: 0.3, half_height: 0.6 }, [10, 20, 10]),
+            common::sampled_form(
+                ClosedForm::Cylinder { radius: 0.3, half_height: 0.6 },
+                [10, 20, 10],
+            ),
         ),
         (
             "torus",
-            common::sampled(DVec3::new(-0.5, -0.15, -0.5), DVec3::new(0.5, 0.15, 0.5), [20, 6, 20], ring),
+            common::sampled(
+                DVec3::new(-0.5, -0.15, -0.5),
+                DVec3::new(0.5, 0.15, 0.5),
+                [20, 6, 20],
+                ring,
+            ),
         ),
         ("pierced box", common::sampled(-half, half, [20, 8, 16], pierced)),
         ("bitten box", common::bitten_box()),
@@ -84,12 +95,19 @@ fn overlap(fragments: &[Fragment], stride: usize) -> f64 {
 }
 
 /// At points of the parent, the farthest that one is from all pieces, and the deepest that one is in two [m].
-fn gap_and_overlap(parent: &Shape, fragments: &[Fragment], points: usize, random: &mut Pcg64Mcg) -> [f64; 2] {
+fn gap_and_overlap(
+    parent: &Shape,
+    fragments: &[Fragment],
+    points: usize,
+    random: &mut Pcg64Mcg,
+) -> [f64; 2] {
     let (low, high) = parent.bounds;
     let mut worst = [0.0f64; 2];
     for _ in 0..points {
-        let point = low + (high - low) * DVec3::new(random.random(), random.random(), random.random());
-        let mut values: Vec<f64> = fragments.iter().map(|fragment| distance(fragment, point)).collect();
+        let point =
+            low + (high - low) * DVec3::new(random.random(), random.random(), random.random());
+        let mut values: Vec<f64> =
+            fragments.iter().map(|fragment| distance(fragment, point)).collect();
         values.sort_by(f64::total_cmp);
         // A ball breaks as the polyhedron of its volume.
         let of_parent = match &parent.hull {
@@ -112,7 +130,8 @@ fn is_closed_and_oriented(mesh: &TriMesh) -> bool {
             *passed.entry(edge).or_default() += 1;
         }
     }
-    let paired = |(&(a, b), &count): (&(u32, u32), &u32)| count == 1 && passed.get(&(b, a)) == Some(&1);
+    let paired =
+        |(&(a, b), &count): (&(u32, u32), &u32)| count == 1 && passed.get(&(b, a)) == Some(&1);
     !passed.is_empty() && passed.iter().all(paired) && mesh.mass_properties().volume > 0.0
 }
 
@@ -127,7 +146,10 @@ fn faults(parent: &Shape, fragments: &[Fragment], random: &mut Pcg64Mcg) -> Vec<
     let defect = common::defect(parent, fragments, random);
     demand(defect < 1e-10, format!("sums are off by {defect}"));
     let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
-    demand((volume / parent.volume - 1.0).abs() < 1e-9, format!("{volume} of {} m^3", parent.volume));
+    demand(
+        (volume / parent.volume - 1.0).abs() < 1e-9,
+        format!("{volume} of {} m^3", parent.volume),
+    );
     if matches!(parent.geometry, Geometry::Grid(_)) {
         common::assert_voxels_shared_out(parent, fragments);
     }
@@ -163,7 +185,9 @@ fn a_thousand_random_breaks_keep_what_they_must() {
                     continue;
                 }
                 wrong.extend(
-                    faults(body, &fragments, &mut random).iter().map(|fault| format!("{what}: {fault}")),
+                    faults(body, &fragments, &mut random)
+                        .iter()
+                        .map(|fault| format!("{what}: {fault}")),
                 );
                 breaks += 1;
                 if (at + kind) % 5 == seed as usize % 5 {
@@ -175,8 +199,10 @@ fn a_thousand_random_breaks_keep_what_they_must() {
                     }
                 }
                 if (at + kind) % 4 == seed as usize % 4 {
-                    let largest =
-                        fragments.iter().max_by(|a, b| a.shape.volume.total_cmp(&b.shape.volume)).unwrap();
+                    let largest = fragments
+                        .iter()
+                        .max_by(|a, b| a.shape.volume.total_cmp(&b.shape.volume))
+                        .unwrap();
                     let impact = common::random_impact(&largest.shape, &mut random);
                     let again = shatter(&largest.shape, pattern, &impact, &settings);
                     if again.len() > 1 {

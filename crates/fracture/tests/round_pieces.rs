@@ -25,7 +25,8 @@ fn bend(surface: &Surface) -> f64 {
         let right = of_edge[&(b, a)];
         // Slivers at the rims have normals of their own.
         let (low, high) = surface.mesh.bounds();
-        let large = |triangle: usize| normal(triangle).length() > 1e-3 * (high - low).length_squared();
+        let large =
+            |triangle: usize| normal(triangle).length() > 1e-3 * (high - low).length_squared();
         if !surface.interior[left] && !surface.interior[right] && large(left) && large(right) {
             largest = largest.max(normal(left).angle_between(normal(right)).to_degrees());
         }
@@ -53,16 +54,21 @@ fn outer_faces_lie_on_the_round_body() {
         let size = form.bounds().1.x;
         for pattern in &patterns {
             for point in [DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.6, 0.5, -0.4)] {
-                let impact = Impact { point_body: point.normalize() * size, normal_body: point.normalize() };
+                let impact =
+                    Impact { point_body: point.normalize() * size, normal_body: point.normalize() };
                 let mut sum = 0.0;
                 for fragment in shatter(&body, pattern, &impact, &ShatterSettings::default()) {
                     // Broken once more, it is still part of the same ball.
-                    let again = shatter(&fragment.shape, pattern, &impact, &ShatterSettings::default());
+                    let again =
+                        shatter(&fragment.shape, pattern, &impact, &ShatterSettings::default());
                     let mut parts = 0.0;
                     for (shape, to_parent) in again
                         .iter()
                         .map(|part| {
-                            (&part.shape, fragment.parent_from_fragment.after(&part.parent_from_fragment))
+                            (
+                                &part.shape,
+                                fragment.parent_from_fragment.after(&part.parent_from_fragment),
+                            )
                         })
                         .chain([(&fragment.shape, fragment.parent_from_fragment)])
                     {

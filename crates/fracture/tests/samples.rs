@@ -6,8 +6,8 @@
 mod common;
 
 use frangible_fracture::{
-    Bricks, Concrete, Fragment, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters, Voronoi,
-    shatter,
+    Bricks, Concrete, Fragment, Natural, Pattern, Radial, ShatterSettings, Slices, Splinters,
+    Voronoi, shatter,
 };
 use frangible_geometry::{Geometry, Shape};
 use glam::DVec3;
@@ -24,7 +24,9 @@ fn body(kind: usize) -> Shape {
     let half = DVec3::new(30.0, 20.0, 10.0);
     let sampled = |voxels: [usize; 3], distance: &dyn Fn(DVec3) -> f64| {
         let scale = half / DVec3::from(voxels.map(|n| n as f64));
-        common::sampled(-half, half, voxels, |point| distance(point) / (2.0 * scale.max_element()).max(1.0))
+        common::sampled(-half, half, voxels, |point| {
+            distance(point) / (2.0 * scale.max_element()).max(1.0)
+        })
     };
     let slot = |x: f64, width: f64, point: DVec3| {
         -to_box(point, DVec3::new(x, 10.0, 0.0), DVec3::new(width, 20.0, 100.0))
@@ -50,7 +52,8 @@ fn body(kind: usize) -> Shape {
         }),
         // Two arms across, one behind the other.
         3 => sampled([60, 40, 20], &|point| {
-            let arm = |y: f64, z: f64| to_box(point, DVec3::new(0.0, y, z), DVec3::new(30.0, 3.0, 3.0));
+            let arm =
+                |y: f64, z: f64| to_box(point, DVec3::new(0.0, y, z), DVec3::new(30.0, 3.0, 3.0));
             let joint = to_box(point, DVec3::X * -25.0, DVec3::new(5.0, 16.0, 9.0));
             arm(12.0, -5.0).min(arm(-12.0, 5.0)).min(joint)
         }),
@@ -74,9 +77,12 @@ fn pattern(kind: usize, seed: u64) -> Pattern {
         0 => Pattern::radial(&Radial { spokes: 9, rings: 2, jitter: 0.7, seed }),
         1 => Pattern::voronoi(&Voronoi { cells: 25, seed, ..Voronoi::default() }),
         2 => Pattern::natural(&Natural { cells: 30, seed, ..Natural::default() }),
-        3 => {
-            Pattern::slices(&Slices { cells: 12, seed, axis: DVec3::new(1.0, 0.3, 0.2), ..Slices::default() })
-        }
+        3 => Pattern::slices(&Slices {
+            cells: 12,
+            seed,
+            axis: DVec3::new(1.0, 0.3, 0.2),
+            ..Slices::default()
+        }),
         4 => Pattern::bricks(&Bricks { seed, ..Bricks::default() }),
         5 => Pattern::splinters(&Splinters { seed, ..Splinters::default() }),
         _ => Pattern::concrete(&Concrete { cells: 20, seed, ..Concrete::default() }),
@@ -100,7 +106,9 @@ fn farthest(fragments: &[Fragment]) -> [f64; 2] {
             };
             let mut nearest = f64::INFINITY;
             for (k, j) in near(2).flat_map(|k| near(1).map(move |j| (k, j))) {
-                for i in near(0).filter(|&i| coverage[grid.index(i as usize, j as usize, k as usize)] > 0.0) {
+                for i in near(0)
+                    .filter(|&i| coverage[grid.index(i as usize, j as usize, k as usize)] > 0.0)
+                {
                     let apart = (at - DVec3::new(i as f64, j as f64, k as f64)).abs() - 0.5;
                     nearest = nearest.min(apart.max(DVec3::ZERO).length());
                 }

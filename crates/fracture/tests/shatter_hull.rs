@@ -5,8 +5,8 @@
 mod common;
 
 use frangible_fracture::{
-    Cells, Cut, Fragment, Impact, Pattern, Radial, Region, ShatterSettings, Smallest, fragment_velocity,
-    shatter, shatter_hull,
+    Cells, Cut, Fragment, Impact, Pattern, Radial, Region, ShatterSettings, Smallest,
+    fragment_velocity, shatter, shatter_hull,
 };
 use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape, Surface};
 use glam::{DMat3, DVec3};
@@ -71,7 +71,8 @@ fn hull(fragment: &Fragment) -> &Hull {
 fn area(hull: &Hull, inner: bool) -> f64 {
     let of_face = |corners: &[u32]| {
         let corner = |at: usize| hull.vertices()[corners[at] as usize];
-        let fan = (1..corners.len() - 1).map(|at| (corner(at) - corner(0)).cross(corner(at + 1) - corner(0)));
+        let fan = (1..corners.len() - 1)
+            .map(|at| (corner(at) - corner(0)).cross(corner(at + 1) - corner(0)));
         0.5 * fan.sum::<DVec3>().length()
     };
     hull.faces().filter(|face| face.inner == inner).map(|face| of_face(face.vertices)).sum()
@@ -114,13 +115,21 @@ fn assert_exact(parent: &Shape, fragments: &[Fragment]) {
     assert!(defect < 1e-10, "{defect}");
     // Slivers that are absorbed leave a void that nobody sees.
     let filled: f64 = fragments.iter().map(|fragment| hull(fragment).volume()).sum();
-    assert!(filled > (1.0 - 1e-4) * parent.breaks_as().unwrap().volume(), "{filled} of {}", parent.volume);
+    assert!(
+        filled > (1.0 - 1e-4) * parent.breaks_as().unwrap().volume(),
+        "{filled} of {}",
+        parent.volume
+    );
     let whole = parent.breaks_as().unwrap();
     let (low, high) = whole.bounds();
     let size = (high - low).max_element();
     for fragment in fragments {
         let hull = hull(fragment);
-        assert!(hull.vertices().iter().all(|&vertex| whole.distance_and_gradient(vertex).0 < 1e-9 * size));
+        assert!(
+            hull.vertices()
+                .iter()
+                .all(|&vertex| whole.distance_and_gradient(vertex).0 < 1e-9 * size)
+        );
         for face in hull.faces() {
             for &vertex in face.vertices {
                 assert!(face.plane.distance(hull.vertices()[vertex as usize]).abs() < 1e-9 * size);
@@ -142,7 +151,8 @@ fn overlap(a: &Hull, b: &Hull) -> f64 {
 
 /// Planes through the middle of a box: eight, four or two boxes.
 fn grid_pattern(axes: usize) -> Pattern {
-    let half_space = |axis: usize, sign: f64| HalfSpace { normal: sign * DVec3::AXES[axis], offset: 0.0 };
+    let half_space =
+        |axis: usize, sign: f64| HalfSpace { normal: sign * DVec3::AXES[axis], offset: 0.0 };
     let region = |number: usize| {
         let sides: Vec<HalfSpace> = (0..axes)
             .map(|axis| half_space(axis, if number >> axis & 1 == 1 { -1.0 } else { 1.0 }))
@@ -150,7 +160,13 @@ fn grid_pattern(axes: usize) -> Pattern {
         Region::from_half_spaces(&sides, DVec3::ONE)
     };
     let cells = Cells::Planar((0..1 << axes).map(region).collect());
-    Pattern { half_extent: DVec3::ONE, center: DVec3::ZERO, magnification: 1.0, cells, joints: Vec::new() }
+    Pattern {
+        half_extent: DVec3::ONE,
+        center: DVec3::ZERO,
+        magnification: 1.0,
+        cells,
+        joints: Vec::new(),
+    }
 }
 
 #[test]
@@ -181,7 +197,9 @@ fn a_box_cut_into_octants_is_the_textbook_s() {
 fn cells_that_only_touch_leave_nothing() {
     let half = DVec3::new(0.5, 0.3, 0.2);
     let parent = Shape::closed_form(ClosedForm::Box { half }, 0.1);
-    for (point_body, pieces) in [(half, 1), (half.with_x(0.0), 2), (half.with_x(0.0).with_y(0.0), 4)] {
+    for (point_body, pieces) in
+        [(half, 1), (half.with_x(0.0), 2), (half.with_x(0.0).with_y(0.0), 4)]
+    {
         let impact = Impact { point_body, normal_body: DVec3::Z };
         let fragments = shatter(&parent, &grid_pattern(3), &impact, &EVERY_CRUMB);
         assert_eq!(fragments.len(), pieces);
@@ -209,7 +227,8 @@ fn a_sliver_that_fits_to_nothing_stays() {
     // A cube around the centre, and the rest of space in six parts that turn around it.
     let plane = |normal: DVec3, offset: f64| HalfSpace { normal, offset };
     let cut = |half_space: HalfSpace| Cut { half_space, face: Vec::new() };
-    let region = |planes: &[HalfSpace]| Region { cuts: planes.iter().map(|&plane| cut(plane)).collect() };
+    let region =
+        |planes: &[HalfSpace]| Region { cuts: planes.iter().map(|&plane| cut(plane)).collect() };
     let (x, y, small) = (DVec3::X, DVec3::Y, 0.02);
     let pinwheel = vec![
         region(&[plane(x, small), plane(-x, small), plane(y, small), plane(-y, small)]),
@@ -230,7 +249,8 @@ fn a_sliver_that_fits_to_nothing_stays() {
     let settings = with_part(0.01);
     let fragments = shatter(&parent, &pattern, &impact, &settings);
     assert_exact(&parent, &fragments);
-    let smallest = fragments.iter().map(|fragment| fragment.shape.volume).fold(f64::INFINITY, f64::min);
+    let smallest =
+        fragments.iter().map(|fragment| fragment.shape.volume).fold(f64::INFINITY, f64::min);
     assert_eq!((fragments.len(), smallest < 0.01 * parent.volume), (5, true));
 }
 
@@ -242,7 +262,8 @@ fn what_is_too_thin_to_be_cut_stays_whole() {
     let corner = DVec3::new(-0.005, 5.0, -0.005);
     let (mut broken, mut whole) = (0, 0);
     for seed in 0..40 {
-        let pattern = Pattern::radial(&Radial { spokes: 12, rings: 1, seed, ..Radial::default() }).unwrap();
+        let pattern =
+            Pattern::radial(&Radial { spokes: 12, rings: 1, seed, ..Radial::default() }).unwrap();
         let mut generation = vec![(rod.clone(), corner)];
         for _ in 0..3 {
             let mut next = Vec::new();
@@ -251,7 +272,11 @@ fn what_is_too_thin_to_be_cut_stays_whole() {
                 let pieces = shatter_hull(&parent, &pattern, &impact, &ShatterSettings::default());
                 let volume: f64 = pieces.iter().map(|piece| piece.shape.volume).sum();
                 let complete = (volume / parent.volume - 1.0).abs() < 1e-9;
-                assert!(pieces.is_empty() || complete, "seed {seed}: {volume} of {} m^3", parent.volume);
+                assert!(
+                    pieces.is_empty() || complete,
+                    "seed {seed}: {volume} of {} m^3",
+                    parent.volume
+                );
                 *(if pieces.is_empty() { &mut whole } else { &mut broken }) += 1;
                 let chosen = pieces.into_iter().step_by(5);
                 next.extend(chosen.map(|piece| {
@@ -339,7 +364,8 @@ fn faces_of_cells_coincide() {
     for fragment in &fragments {
         let hull = hull(fragment);
         for face in hull.faces().filter(|face| face.inner) {
-            let bits = |&vertex: &u32| hull.vertices()[vertex as usize].to_array().map(f64::to_bits);
+            let bits =
+                |&vertex: &u32| hull.vertices()[vertex as usize].to_array().map(f64::to_bits);
             *faces.entry(face.vertices.iter().map(bits).collect()).or_default() += 1;
         }
     }
@@ -377,21 +403,29 @@ fn surfaces_are_closed_tagged_and_laid_out() {
         for fragment in &fragments {
             let surface = fragment.shape.surface();
             assert!(surface.mesh.is_watertight());
-            assert!((surface.mesh.mass_properties().volume / fragment.shape.volume - 1.0).abs() < 1e-9);
+            assert!(
+                (surface.mesh.mass_properties().volume / fragment.shape.volume - 1.0).abs() < 1e-9
+            );
             for inner in [false, true] {
                 let (in_space, in_texture) = areas(&surface, inner);
                 assert!((in_space - area(hull(fragment), inner)).abs() < 1e-9);
-                assert!(!inner || (in_texture / in_space - 1.0).abs() < 1e-4, "{in_texture} {in_space}");
+                assert!(
+                    !inner || (in_texture / in_space - 1.0).abs() < 1e-4,
+                    "{in_texture} {in_space}"
+                );
             }
             // The same corner of the same plane has the same coordinates in all fragments.
             let tagged = hull(fragment).tagged_surface();
-            let faces =
-                hull(fragment).faces().flat_map(|face| std::iter::repeat_n(face, face.vertices.len() - 2));
+            let faces = hull(fragment)
+                .faces()
+                .flat_map(|face| std::iter::repeat_n(face, face.vertices.len() - 2));
             for ((triangle, face), at) in tagged.mesh.triangles.iter().zip(faces).zip(0..) {
-                let plane = if face.plane.normal.x < 0.0 { -face.plane.normal } else { face.plane.normal };
+                let plane =
+                    if face.plane.normal.x < 0.0 { -face.plane.normal } else { face.plane.normal };
                 let key = (plane * 1e6).round().to_array().map(f64::to_bits);
                 for (&vertex, place) in triangle.iter().zip(tagged.coordinates[at]) {
-                    let corner = tagged.mesh.positions[vertex as usize].to_array().map(f64::to_bits);
+                    let corner =
+                        tagged.mesh.positions[vertex as usize].to_array().map(f64::to_bits);
                     if face.inner
                         && let Some(other) = layout.insert((key, corner), place.to_array())
                     {
@@ -429,6 +463,9 @@ fn cracks_on_the_grid_are_laid_out_flat() {
             in_space += sums.0;
             in_texture += sums.1;
         }
-        assert!(in_space > 0.1 && (in_texture / in_space - 1.0_f64).abs() < 0.01, "{in_texture} {in_space}");
+        assert!(
+            in_space > 0.1 && (in_texture / in_space - 1.0_f64).abs() < 0.01,
+            "{in_texture} {in_space}"
+        );
     }
 }

@@ -57,10 +57,12 @@ fn pieces_grow_with_the_distance_from_the_blow() {
     for place in PLACES {
         let fragments = strike(&wall, &pattern, place);
         let mean = |near: bool| {
-            let distance = |fragment: &Fragment| (fragment.parent_from_fragment.translation - place).length();
+            let distance =
+                |fragment: &Fragment| (fragment.parent_from_fragment.translation - place).length();
             let volumes = fragments.iter().filter(|fragment| (distance(fragment) < 1.0) == near);
-            let (count, sum) =
-                volumes.fold((0.0, 0.0), |(count, sum), fragment| (count + 1.0, sum + fragment.shape.volume));
+            let (count, sum) = volumes.fold((0.0, 0.0), |(count, sum), fragment| {
+                (count + 1.0, sum + fragment.shape.volume)
+            });
             assert!(count >= 5.0);
             sum / count
         };

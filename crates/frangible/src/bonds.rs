@@ -63,9 +63,10 @@ pub(crate) fn build_bonds(
         shear: at.field("shear_strength").positive(desc.shear_strength, "Pa")?,
     };
     if body.motion != MotionDesc::Dynamic {
-        return Err(
-            at.broken("on a body that is not dynamic", "left out, or the body dynamic: anchors hold it")
-        );
+        return Err(at.broken(
+            "on a body that is not dynamic",
+            "left out, or the body dynamic: anchors hold it",
+        ));
     }
     if body.breaking.is_some() {
         return Err(at.broken("on a body with 'breaking'", "left out, or 'breaking' left out"));
@@ -73,7 +74,10 @@ pub(crate) fn build_bonds(
     let mut anchors = Vec::with_capacity(desc.anchors.len());
     for (index, anchor) in desc.anchors.iter().enumerate() {
         let at = at.field(&format!("anchors[{index}]"));
-        anchors.push((at.field("low").vector(anchor.low, "m")?, at.field("high").vector(anchor.high, "m")?));
+        anchors.push((
+            at.field("low").vector(anchor.low, "m")?,
+            at.field("high").vector(anchor.high, "m")?,
+        ));
     }
 
     // Lay the pattern on its point.
@@ -110,7 +114,8 @@ pub(crate) fn build_bonds(
         ));
     }
     let (low, high) = shape.bounds;
-    let spacing = body.shape.resolution().sample_spacing.unwrap_or(0.1 * (high - low).max_element());
+    let spacing =
+        body.shape.resolution().sample_spacing.unwrap_or(0.1 * (high - low).max_element());
     Ok(Bonds { glued, carried: Vec::new(), sample_spacing: spacing })
 }
 
@@ -154,7 +159,11 @@ pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
 }
 
 /// Strikers and what they strike feel what bonds bore before they broke; then what moves freely falls apart.
-pub(crate) fn strike_bonds(world: &mut World, blows: &Blows, frame: &Frame) -> (Vec<Fracture>, Tally) {
+pub(crate) fn strike_bonds(
+    world: &mut World,
+    blows: &Blows,
+    frame: &Frame,
+) -> (Vec<Fracture>, Tally) {
     let mut tally = Tally::default();
     blows.act(world, frame, &mut tally);
     (blows.break_free(world), tally)
@@ -170,7 +179,9 @@ pub(crate) fn note_carried(world: &mut World, forces: &[ContactForce]) {
         bonds.carried.retain(|load| load.force.length() > FAINT * most);
     }
     for of_pair in forces.chunk_by(|a, b| a.pair == b.pair) {
-        let Some(Pair { first, second }) = of_pair.first().map(|force| force.pair) else { continue };
+        let Some(Pair { first, second }) = of_pair.first().map(|force| force.pair) else {
+            continue;
+        };
         for (side, i) in [first, second].into_iter().enumerate() {
             let Some(bonds) = &mut world.labels[i].bonds else { continue };
             let pieces_from_body = world.bodies.shapes[i].body_from_grid.inverse();
@@ -237,7 +248,12 @@ fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
 }
 
 /// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes one.
-fn island_body(world: &World, parent: usize, index: usize, glued: Glued) -> Option<(NewBody, Label)> {
+fn island_body(
+    world: &World,
+    parent: usize,
+    index: usize,
+    glued: Glued,
+) -> Option<(NewBody, Label)> {
     let sample_spacing = world.labels[parent].bonds.as_ref()?.sample_spacing;
     let mut hulls: Vec<Hull> = glued.hulls().iter().map(|hull| Hull::clone(hull)).collect();
     let shape = if let (1, Some(hull)) = (hulls.len(), hulls.first()) {

@@ -44,7 +44,8 @@ impl Totals {
     pub(crate) fn at(bodies: &Bodies, poses: &[Pose], frame: &Frame) -> Self {
         let share = |begin: usize| begin..(begin + SHARE).min(bodies.len());
         let shares = (0..bodies.len()).step_by(SHARE).map(share).collect();
-        let parts = threads::map(shares, bodies.len(), |share| Self::of_some(bodies, share, poses, frame));
+        let parts =
+            threads::map(shares, bodies.len(), |share| Self::of_some(bodies, share, poses, frame));
         parts.into_iter().fold(Self::default(), Self::plus)
     }
 
@@ -66,8 +67,8 @@ impl Totals {
             let orbital = pose.position.cross(momentum);
             let spin = velocity.angular_momentum;
             sum.mass += mass;
-            sum.kinetic +=
-                0.5 * momentum.dot(velocity.linear) + inertia.rotational_energy(pose.orientation, spin);
+            sum.kinetic += 0.5 * momentum.dot(velocity.linear)
+                + inertia.rotational_energy(pose.orientation, spin);
             sum.potential -= mass * frame.gravity.dot(pose.position);
             sum.momentum += momentum;
             sum.angular_momentum += orbital + spin;
@@ -143,11 +144,15 @@ impl Books {
 
         // What neither gravity nor the outside explains.
         self.unexplained += after.momentum - before.momentum - gravity.0 - tally.outside_impulse;
-        self.unexplained_angular +=
-            after.angular_momentum - before.angular_momentum - gravity.1 - tally.outside_angular_impulse;
-        self.momentum_scale = self.momentum_scale.max(before.momentum_scale).max(after.momentum_scale);
+        self.unexplained_angular += after.angular_momentum
+            - before.angular_momentum
+            - gravity.1
+            - tally.outside_angular_impulse;
+        self.momentum_scale =
+            self.momentum_scale.max(before.momentum_scale).max(after.momentum_scale);
         self.angular_scale = self.angular_scale.max(before.angular_scale).max(after.angular_scale);
-        let relative = |error: DVec3, scale: f64| if scale > 0.0 { error.length() / scale } else { 0.0 };
+        let relative =
+            |error: DVec3, scale: f64| if scale > 0.0 { error.length() / scale } else { 0.0 };
         let momentum = Momentum {
             linear: after.momentum.to_array(),
             angular: after.angular_momentum.to_array(),

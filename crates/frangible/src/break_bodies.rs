@@ -37,7 +37,9 @@ pub(crate) fn break_bodies(
     let mut gone = vec![false; world.bodies.len()];
     let mut breaks: Vec<Break> = Vec::new();
     for blow in blows {
-        let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else { continue };
+        let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else {
+            continue;
+        };
         if let Some(broken) = crack(world, blow, parent, tally) {
             gone[parent] = true;
             breaks.push(broken);
@@ -85,8 +87,11 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
     let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
     let energy_per_area = breaking.strength.fracture_energy();
-    let available =
-        if energy_per_area > 0.0 { energy_at(&world.bodies, pair, blow.acts_at) } else { f64::INFINITY };
+    let available = if energy_per_area > 0.0 {
+        energy_at(&world.bodies, pair, blow.acts_at)
+    } else {
+        f64::INFINITY
+    };
 
     let mut can_split = false;
     let shape = world.bodies.shapes[parent].clone();
@@ -97,7 +102,8 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
         }
         can_split = true;
         let spent = if energy_per_area > 0.0 {
-            energy_per_area * interfaces(&fragments).iter().map(|interface| interface.area).sum::<f64>()
+            energy_per_area
+                * interfaces(&fragments).iter().map(|interface| interface.area).sum::<f64>()
         } else {
             0.0
         };
@@ -139,7 +145,12 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
 }
 
 /// The body that a fragment becomes: where it was in its parent, moving as it did there.
-pub(crate) fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, label: &Label) -> NewBody {
+pub(crate) fn fragment_body(
+    bodies: &Bodies,
+    parent: usize,
+    fragment: Fragment,
+    label: &Label,
+) -> NewBody {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let world_from_fragment = pose.world_from_body().after(&fragment.parent_from_fragment);
     let pose_fragment = Pose {
@@ -149,9 +160,11 @@ pub(crate) fn fragment_body(bodies: &Bodies, parent: usize, fragment: Fragment, 
 
     // Angular momentum from the parent's angular velocity, at the fragment's own inertia.
     let density = bodies.densities[parent];
-    let angular = bodies.inertias[parent].angular_velocity(pose.orientation, velocity.angular_momentum);
+    let angular =
+        bodies.inertias[parent].angular_velocity(pose.orientation, velocity.angular_momentum);
     let linear = fragment_velocity(velocity.linear, angular, pose.position, pose_fragment.position);
-    let velocity = Velocity::spinning(linear, angular, pose_fragment.orientation, &fragment.shape, density);
+    let velocity =
+        Velocity::spinning(linear, angular, pose_fragment.orientation, &fragment.shape, density);
 
     let strength = label
         .breaking
@@ -175,7 +188,8 @@ pub(crate) fn imbalance<'a>(
 ) -> Imbalance {
     let (pose, velocity) = (&bodies.poses[parent], &bodies.velocities[parent]);
     let mass = bodies.masses[parent];
-    let spin = bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);
+    let spin =
+        bodies.inertias[parent].rotational_energy(pose.orientation, velocity.angular_momentum);
     let (mut mass_sum, mut momentum, mut angular_momentum, mut kinetic) =
         (0.0, DVec3::ZERO, DVec3::ZERO, 0.0);
     // A body that turns in its place has no momentum of its own, but its fragments have.
@@ -203,7 +217,10 @@ pub(crate) fn imbalance<'a>(
     Imbalance {
         mass: relative((mass_sum - mass).abs(), mass),
         momentum: relative((momentum - mass * velocity.linear).length(), momentum_scale),
-        angular_momentum: relative((angular_momentum - velocity.angular_momentum).length(), angular_scale),
+        angular_momentum: relative(
+            (angular_momentum - velocity.angular_momentum).length(),
+            angular_scale,
+        ),
         kinetic_energy: relative((kinetic - kinetic_before).abs(), kinetic_before),
     }
 }

@@ -18,7 +18,9 @@ use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
 use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
-use frangible_dynamics::{Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity};
+use frangible_dynamics::{
+    Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity,
+};
 use frangible_fracture::{ShatterSettings, Smallest, generators::MOST_CELLS};
 use frangible_geometry::{Geometry, RigidTransform, Shape};
 use std::sync::Arc;
@@ -60,8 +62,8 @@ impl World {
         let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) =
-                build_body(body, scene.method, &at, &mut library).map_err(|error| error.in_body(&names))?;
+            let (new_body, label) = build_body(body, scene.method, &at, &mut library)
+                .map_err(|error| error.in_body(&names))?;
             world.spawn(new_body, label);
         }
         Ok(world)
@@ -78,7 +80,8 @@ fn settings_of(scene: &SceneDesc, checker: &Checker) -> Result<StepSettings, Bui
     let at = checker.field("solver");
     let (least, most) = (quality.substeps(), most_substeps);
     if !most.is_power_of_two() || !(least..=1024).contains(&most) {
-        let rule = format!("a power of two from {least}, the least number of this quality, to 1024");
+        let rule =
+            format!("a power of two from {least}, the least number of this quality, to 1024");
         return Err(at.field("most_substeps").broken(&most.to_string(), &rule));
     }
     Ok(StepSettings {
@@ -152,7 +155,8 @@ fn build_body(
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
     let linear = at.field("linear_velocity").bounded(desc.linear_velocity, MOST_SPEED, "m/s")?;
-    let angular = at.field("angular_velocity").bounded(desc.angular_velocity, MOST_SPIN, "rad/s")?;
+    let angular =
+        at.field("angular_velocity").bounded(desc.angular_velocity, MOST_SPIN, "rad/s")?;
 
     // Breaking, and the shape that it asks for.
     let breaking = match &desc.breaking {
@@ -182,29 +186,36 @@ fn build_body(
             .broken("on a body that is not dynamic", "left out, or the body dynamic"));
     }
     let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
-    let strength =
-        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
+    let strength = breaking
+        .as_ref()
+        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
     let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
-    let pose =
-        Pose { position: world_from_body.translation, orientation: world_from_body.rotation.normalize() };
+    let pose = Pose {
+        position: world_from_body.translation,
+        orientation: world_from_body.rotation.normalize(),
+    };
     let bonds = match &desc.bonds {
-        Some(bonds) => Some(build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"))?),
+        Some(bonds) => {
+            Some(build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"))?)
+        }
         None => None,
     };
     let is_anchored = bonds.as_ref().is_some_and(Bonds::is_anchored);
     let (breaking, bonds) = (breaking.map(Box::new), bonds.map(Box::new));
     let (motion, velocity) = match desc.motion {
         _ if is_anchored => (Motion::Static, Velocity::default()),
-        MotionDesc::Dynamic => {
-            (Motion::Dynamic, Velocity::spinning(linear, angular, pose.orientation, &shape, density))
-        }
+        MotionDesc::Dynamic => (
+            Motion::Dynamic,
+            Velocity::spinning(linear, angular, pose.orientation, &shape, density),
+        ),
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
-    let contactant = Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
+    let contactant =
+        Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
     let label = Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds };
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
 }
@@ -222,7 +233,9 @@ fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
 /// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
 fn fit_to_shape(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
     breaking.shatter.smallest = Smallest::of_first(shape);
-    if let (Geometry::Grid(solid), Some(spacing)) = (&shape.geometry, desc.resolution().sample_spacing) {
+    if let (Geometry::Grid(solid), Some(spacing)) =
+        (&shape.geometry, desc.resolution().sample_spacing)
+    {
         breaking.shatter.sample_spacing_voxels = spacing / solid.grid().spacing;
     }
     breaking

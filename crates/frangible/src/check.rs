@@ -50,7 +50,8 @@ impl BuildError {
         let name = |path: &str| {
             let (index, _) = path.strip_prefix("bodies[")?.split_once(']')?;
             let name = names.get(index.parse::<usize>().ok()?)?.as_deref()?;
-            (!name.is_empty()).then(|| format!(" (body {:?})", name.chars().take(40).collect::<String>()))
+            (!name.is_empty())
+                .then(|| format!(" (body {:?})", name.chars().take(40).collect::<String>()))
         };
         match self {
             Self::Rule { path, value, mut rule } => {
@@ -142,7 +143,11 @@ impl Checker {
 
     pub(crate) fn positive(&self, value: f64, unit: &str) -> Result<f64, BuildError> {
         const MOST: f64 = 1e12;
-        self.require(value > 0.0 && value <= MOST, value, &format!("> 0 and at most {MOST:e} {unit}"))
+        self.require(
+            value > 0.0 && value <= MOST,
+            value,
+            &format!("> 0 and at most {MOST:e} {unit}"),
+        )
     }
 
     /// A length whose square and cube neither vanish nor overflow.
@@ -162,7 +167,12 @@ impl Checker {
         self.require(value.is_finite() && value >= least, value, &format!(">= {least} {unit}"))
     }
 
-    pub(crate) fn count(&self, value: usize, least: usize, most: usize) -> Result<usize, BuildError> {
+    pub(crate) fn count(
+        &self,
+        value: usize,
+        least: usize,
+        most: usize,
+    ) -> Result<usize, BuildError> {
         self.require((least..=most).contains(&value), value, &format!("from {least} to {most}"))
     }
 
@@ -172,7 +182,12 @@ impl Checker {
     }
 
     /// Three numbers whose sizes are at most `most`.
-    pub(crate) fn bounded(&self, value: [f64; 3], most: f64, unit: &str) -> Result<DVec3, BuildError> {
+    pub(crate) fn bounded(
+        &self,
+        value: [f64; 3],
+        most: f64,
+        unit: &str,
+    ) -> Result<DVec3, BuildError> {
         let holds = value.iter().all(|x| x.abs() <= most);
         self.require(holds, value, &format!("three numbers from -{most:e} to {most:e} {unit}"))
             .map(DVec3::from_array)
@@ -181,7 +196,11 @@ impl Checker {
     pub(crate) fn rotation(&self, value: [f64; 4]) -> Result<DQuat, BuildError> {
         let quaternion = DQuat::from_array(value);
         let length = quaternion.length();
-        self.require(length.is_finite() && length > 1e-6, value, "a quaternion x, y, z, w other than zero")?;
+        self.require(
+            length.is_finite() && length > 1e-6,
+            value,
+            "a quaternion x, y, z, w other than zero",
+        )?;
         Ok(quaternion.normalize())
     }
 }

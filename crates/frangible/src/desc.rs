@@ -4,7 +4,8 @@ mod breaking;
 pub(crate) mod read;
 
 pub use breaking::{
-    AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile, StrengthDesc,
+    AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile,
+    StrengthDesc,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

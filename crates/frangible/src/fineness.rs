@@ -101,8 +101,10 @@ impl Fineness {
             let mut next = Some(0.9);
             for _ in 0..MOST_TRIES {
                 let Some(size) = next.filter(|_| !good(&best)) else { break };
-                let magnified =
-                    Pattern { magnification: pattern.magnification / size, ..Pattern::clone(pattern) };
+                let magnified = Pattern {
+                    magnification: pattern.magnification / size,
+                    ..Pattern::clone(pattern)
+                };
                 bracket.add(size, try_one(Arc::new(magnified), &mut best));
                 next = bracket.next();
             }
@@ -162,7 +164,8 @@ impl Bracket {
                 // Counts that do not rise with x leave the bracket turned round.
                 let (low, high) = (low.min(high), low.max(high));
                 let part = libm::log(self.wanted / few) / libm::log(many / few);
-                let part = if part.is_finite() { part.clamp(LEAST_PART, 1.0 - LEAST_PART) } else { 0.5 };
+                let part =
+                    if part.is_finite() { part.clamp(LEAST_PART, 1.0 - LEAST_PART) } else { 0.5 };
                 Some(low * libm::pow(high / low, part))
             }
             (Some((low, few)), None) => {

@@ -38,8 +38,9 @@ pub use bonds::Bonds;
 pub use check::{BuildError, nearest};
 pub use desc::read::{no_json, read, schema};
 pub use desc::{
-    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method, MotionDesc,
-    PartDesc, PatternDesc, PatternFile, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, StrengthDesc,
+    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method,
+    MotionDesc, PartDesc, PatternDesc, PatternFile, Quality, Resolution, SceneDesc, ShapeDesc,
+    SolverDesc, StrengthDesc,
 };
 pub use fineness::{Fineness, Found};
 pub use frangible_dynamics as dynamics;
@@ -47,8 +48,8 @@ pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
 pub use report::{
-    Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport, id_from_number,
-    id_number,
+    Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport,
+    id_from_number, id_number,
 };
 pub use step::step;
 pub use strength::Strength;

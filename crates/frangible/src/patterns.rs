@@ -35,7 +35,11 @@ const KINDS: &[Kind] = &[
     Kind { name: "slices", caption: "parallel cracks: slate", make: with_cells!(Slices) },
     Kind { name: "bricks", caption: "running bond with mortar: masonry", make: bricks },
     Kind { name: "splinters", caption: "long pointed pieces along a grain: wood", make: splinters },
-    Kind { name: "concrete", caption: "cells with rough faces: concrete", make: with_cells!(Concrete) },
+    Kind {
+        name: "concrete",
+        caption: "cells with rough faces: concrete",
+        make: with_cells!(Concrete),
+    },
 ];
 
 impl PatternDesc {
@@ -52,7 +56,10 @@ impl PatternDesc {
         let Some(kind) = KINDS.iter().find(|kind| kind.name == name) else {
             let names: Vec<&str> = Self::names().map(|(name, _)| name).collect();
             let near = nearest(name, &names);
-            let rule = format!("one of {} (or a file: .json, .obj, .gltf or .glb){near}", names.join(", "));
+            let rule = format!(
+                "one of {} (or a file: .json, .obj, .gltf or .glb){near}",
+                names.join(", ")
+            );
             return Err(Checker::root().field("pattern").broken(name, &rule));
         };
         if cells == Some(0) {
@@ -102,23 +109,18 @@ impl PatternDesc {
             Self::Radial(radial) if radial.rings > 0 => {
                 Some(Self::Radial(Radial { rings: radial.rings / 2, ..radial.clone() }))
             }
-            Self::Radial(radial) => {
-                halved(radial.spokes, 3).map(|spokes| Self::Radial(Radial { spokes, ..radial.clone() }))
-            }
-            Self::Voronoi(voronoi) => {
-                halved(voronoi.cells, 2).map(|cells| Self::Voronoi(Voronoi { cells, ..voronoi.clone() }))
-            }
-            Self::Natural(natural) => {
-                halved(natural.cells, 2).map(|cells| Self::Natural(Natural { cells, ..natural.clone() }))
-            }
-            Self::Slices(slices) => {
-                halved(slices.cells, 2).map(|cells| Self::Slices(Slices { cells, ..slices.clone() }))
-            }
+            Self::Radial(radial) => halved(radial.spokes, 3)
+                .map(|spokes| Self::Radial(Radial { spokes, ..radial.clone() })),
+            Self::Voronoi(voronoi) => halved(voronoi.cells, 2)
+                .map(|cells| Self::Voronoi(Voronoi { cells, ..voronoi.clone() })),
+            Self::Natural(natural) => halved(natural.cells, 2)
+                .map(|cells| Self::Natural(Natural { cells, ..natural.clone() })),
+            Self::Slices(slices) => halved(slices.cells, 2)
+                .map(|cells| Self::Slices(Slices { cells, ..slices.clone() })),
             Self::Splinters(splinters) => halved(splinters.fibres, 2)
                 .map(|fibres| Self::Splinters(Splinters { fibres, ..splinters.clone() })),
-            Self::Concrete(concrete) => {
-                halved(concrete.cells, 2).map(|cells| Self::Concrete(Concrete { cells, ..concrete.clone() }))
-            }
+            Self::Concrete(concrete) => halved(concrete.cells, 2)
+                .map(|cells| Self::Concrete(Concrete { cells, ..concrete.clone() })),
             Self::Bricks(_) | Self::File(_) => None,
         }
     }
@@ -204,7 +206,8 @@ mod tests {
                 let made = desc.pattern().unwrap().len() as f64 / cells as f64;
                 assert!((0.7..1.4).contains(&made), "{name}: {made} of {cells}");
             }
-            let plain: PatternDesc = serde_json::from_str(&format!("{{\"kind\": \"{name}\"}}")).unwrap();
+            let plain: PatternDesc =
+                serde_json::from_str(&format!("{{\"kind\": \"{name}\"}}")).unwrap();
             assert_eq!(plain, PatternDesc::named(name, None, None).unwrap());
         }
     }
@@ -213,9 +216,15 @@ mod tests {
     fn sentences_name_the_field_the_value_and_the_rule() {
         let sentence = |json: &str| {
             let desc: Result<PatternDesc, _> = crate::read(serde_json::from_str(json).unwrap(), "");
-            desc.map_or_else(|error| error.to_string(), |desc| desc.pattern().unwrap_err().to_string())
+            desc.map_or_else(
+                |error| error.to_string(),
+                |desc| desc.pattern().unwrap_err().to_string(),
+            )
         };
-        assert_eq!(sentence(r#"{"kind": "natural", "spread": 2}"#), "spread: 2, must be from 0 to 1");
+        assert_eq!(
+            sentence(r#"{"kind": "natural", "spread": 2}"#),
+            "spread: 2, must be from 0 to 1"
+        );
         assert_eq!(sentence(r#"{"kind": "file", "path": "no.json"}"#), "no.json: no such file");
         let unknown = sentence(r#"{"kind": "bricks", "course": 2}"#);
         assert!(unknown.starts_with("course: an unknown field, must be one of "), "{unknown}");

@@ -77,7 +77,9 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
     let mut first_of: BTreeMap<usize, usize> = bad.iter().map(|&i| (i, i)).collect();
     let links: Vec<[usize; 2]> = (tally.links.iter())
         .filter_map(|&(a, b)| Some([bodies.index_of(a)?, bodies.index_of(b)?]))
-        .filter(|link| link.iter().all(|&i| faults[i].is_some() && !bodies.inertias[i].is_infinite()))
+        .filter(|link| {
+            link.iter().all(|&i| faults[i].is_some() && !bodies.inertias[i].is_infinite())
+        })
         .collect();
     loop {
         let mut has_changed = false;
@@ -99,9 +101,9 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
             *culprit = i;
         }
     }
-    let culprits = culprit_of
-        .values()
-        .filter_map(|&i| faults[i].map(|cause| Quarantined { body: id_number(bodies.ids[i]), cause }));
+    let culprits = culprit_of.values().filter_map(|&i| {
+        faults[i].map(|cause| Quarantined { body: id_number(bodies.ids[i]), cause })
+    });
     let culprits = culprits.collect();
 
     let ids: Vec<BodyId> = bad.iter().map(|&i| bodies.ids[i]).collect();
@@ -118,7 +120,8 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
 /// Takes out bodies that are known to be bad.
 pub(crate) fn take_out(world: &mut World, culprits: &[Quarantined]) {
     if !culprits.is_empty() {
-        let is_culprit = |id: &BodyId| culprits.iter().any(|culprit| culprit.body == id_number(*id));
+        let is_culprit =
+            |id: &BodyId| culprits.iter().any(|culprit| culprit.body == id_number(*id));
         let gone: Vec<bool> = world.bodies.ids.iter().map(is_culprit).collect();
         world.remove(&gone);
     }
@@ -135,11 +138,17 @@ mod tests {
     fn world() -> World {
         let cube = |name: &str, edge: f64, x: f64, y: f64| BodyDesc {
             position: [x, y, 0.0],
-            ..BodyDesc::new(name, ShapeDesc::Box { size: [edge; 3], resolution: Default::default() })
+            ..BodyDesc::new(
+                name,
+                ShapeDesc::Box { size: [edge; 3], resolution: Default::default() },
+            )
         };
         let mut scene = SceneDesc::new("quarantine");
-        scene.bodies =
-            vec![BodyDesc::ground(0.0), cube("heavy", 1.0, 0.0, 0.5), cube("light", 0.1, 0.0, 1.05)];
+        scene.bodies = vec![
+            BodyDesc::ground(0.0),
+            cube("heavy", 1.0, 0.0, 0.5),
+            cube("light", 0.1, 0.0, 1.05),
+        ];
         scene.bodies.push(cube("far", 1.0, 50.0, 0.5));
         World::build(&scene).unwrap()
     }
@@ -178,7 +187,8 @@ mod tests {
         }
         tally.causes.contact = f64::NAN;
         let culprits = contain(&mut world, &before, &mut tally);
-        let light = Quarantined { body: id_number(world.bodies.ids[2]), cause: "position not finite" };
+        let light =
+            Quarantined { body: id_number(world.bodies.ids[2]), cause: "position not finite" };
         assert_eq!(culprits, [light]);
         assert_eq!(world.bodies.poses, before.poses);
         assert_eq!((tally.causes.contact, tally.links.len()), (0.0, 1));

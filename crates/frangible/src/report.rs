@@ -81,7 +81,8 @@ pub struct Causes {
 impl Causes {
     /// What the stages booked, and the rest of a frame's change of energy [J].
     pub(crate) fn of(booked: &tally::Causes, change: f64) -> Self {
-        let tally::Causes { work, collision, contact, friction, projection, fracture, balance } = *booked;
+        let tally::Causes { work, collision, contact, friction, projection, fracture, balance } =
+            *booked;
         let flight = change - booked.sum();
         Self { work, collision, contact, friction, projection, fracture, balance, flight }
     }

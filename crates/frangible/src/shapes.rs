@@ -6,7 +6,8 @@ use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::solids_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
 use frangible_geometry::{
-    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, RigidTransform, Shape, TriMesh,
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, RigidTransform, Shape,
+    TriMesh,
 };
 use glam::DVec3;
 use std::path::Path;
@@ -52,7 +53,9 @@ impl ShapeLibrary {
         make: Make,
         at: &Checker,
     ) -> Result<Arc<Shape>, BuildError> {
-        if let Some((_, _, shape)) = self.shapes.iter().find(|(other, m, _)| other == desc && *m == make) {
+        if let Some((_, _, shape)) =
+            self.shapes.iter().find(|(other, m, _)| other == desc && *m == make)
+        {
             return Ok(shape.clone());
         }
         let shape = Arc::new(build_shape(desc, make, at)?);
@@ -156,7 +159,8 @@ fn hull_of(points: &[[f64; 3]], at: &Checker) -> Result<Hull, BuildError> {
         checked.push(at.field(&format!("points[{index}]")).vector(point, "m")?);
     }
     let given = format!("{} points", points.len());
-    let hull = Hull::of_points(&checked).map_err(|error| at_points.broken(&given, &error.to_string()))?;
+    let hull =
+        Hull::of_points(&checked).map_err(|error| at_points.broken(&given, &error.to_string()))?;
     let (low, high) = hull.bounds();
     at_points.length((high - low).max_element())?;
     Ok(hull)
@@ -211,14 +215,24 @@ fn convex(hull: Hull, resolution: &Resolution, at: &Checker) -> Result<Shape, Bu
 }
 
 /// Plates in place of a mesh's open parts, if they have a thickness [m].
-fn thickened(mesh: TriMesh, name: &str, thickness: Option<f64>, at: &Checker) -> Result<TriMesh, BuildError> {
+fn thickened(
+    mesh: TriMesh,
+    name: &str,
+    thickness: Option<f64>,
+    at: &Checker,
+) -> Result<TriMesh, BuildError> {
     let Some(thickness) = thickness else { return Ok(mesh) };
     let thickness = at.field("thickness").positive(thickness, "m")?;
     Ok(mesh.thickened(thickness, name)?.mesh)
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.
-fn from_mesh(mesh: &TriMesh, name: &str, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+fn from_mesh(
+    mesh: &TriMesh,
+    name: &str,
+    resolution: &Resolution,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
     let clean = mesh.cleaned(name)?;
     let (low, high) = clean.mesh.bounds();
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
@@ -228,14 +242,22 @@ fn from_mesh(mesh: &TriMesh, name: &str, resolution: &Resolution, at: &Checker) 
 }
 
 /// Distance between surface samples of what is not on a grid [m].
-fn spacing_of_exact(resolution: &Resolution, extent: DVec3, at: &Checker) -> Result<f64, BuildError> {
+fn spacing_of_exact(
+    resolution: &Resolution,
+    extent: DVec3,
+    at: &Checker,
+) -> Result<f64, BuildError> {
     check_spacing(resolution.sample_spacing.unwrap_or(0.1 * extent.max_element()), extent, at)
 }
 
 /// Distance between surface samples [m]: what is sampled a thousand times along a side has millions of samples.
 fn check_spacing(spacing: f64, extent: DVec3, at: &Checker) -> Result<f64, BuildError> {
     let least = extent.max_element() / MOST_SAMPLES_ALONG;
-    at.field("resolution.sample_spacing").at_least(spacing, least, "m, a thousandth of the longest side")
+    at.field("resolution.sample_spacing").at_least(
+        spacing,
+        least,
+        "m, a thousandth of the longest side",
+    )
 }
 
 /// Surface samples, mass and principal axes of a solid on a grid.
@@ -250,7 +272,8 @@ fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Sh
     let (low, high) = solid.grid().bounds();
     let spacing = check_spacing(spacing, high - low, at)?;
     let samples = surface_samples(&solid, spacing);
-    Shape::from_grid_solid(solid, samples).map_err(|error| voxels.broken(&given, &format!("finer: {error}")))
+    Shape::from_grid_solid(solid, samples)
+        .map_err(|error| voxels.broken(&given, &format!("finer: {error}")))
 }
 
 /// Voxels along each side of the bounding box.
@@ -266,8 +289,9 @@ fn voxels_for(
         (extent / spacing).to_array().map(|count| count.ceil().max(1.0) as usize)
     });
     let at = at.field("resolution.voxels");
-    let total =
-        voxels.iter().try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
+    let total = voxels
+        .iter()
+        .try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
     if total.is_none_or(|total| total > Grid::MOST_NODES) {
         return Err(at.broken(
             &format!("{voxels:?}"),

@@ -63,8 +63,15 @@ fn advance(world: &mut World) -> StepReport {
         Method::Paper => move_by_newmark(world, &frame, &mut clock),
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
     };
-    let Moved { fractures, flight, gravity, mut tally, left_out, mut quarantined, before: solved_from } =
-        moved;
+    let Moved {
+        fractures,
+        flight,
+        gravity,
+        mut tally,
+        left_out,
+        mut quarantined,
+        before: solved_from,
+    } = moved;
     world.end_sparing();
     tally.add(bonds_tally);
     broken.extend(fractures);
@@ -208,7 +215,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     // Glued bodies, if there are any, give way to what they carry in the next one.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
     if are_glued.contains(&true) {
-        let is_of_one = |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
+        let is_of_one =
+            |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
         let forces = contact_forces(bodies, manifolds.into_iter().filter(is_of_one), warm);
         note_carried(world, &forces);
     }
@@ -272,7 +280,8 @@ fn collide_and_break(
         let pass = collisions.pass(&mut world.bodies, response, frame);
         clock.lap("collisions");
         if !pass.blows.is_empty() {
-            let (broken, new_index) = break_and_book(world, &pass.blows, &mut collisions.tally, frame);
+            let (broken, new_index) =
+                break_and_book(world, &pass.blows, &mut collisions.tally, frame);
             collisions.rebase(&world.bodies, &new_index, frame);
             fractures.extend(broken);
             breaking_passes += 1;
@@ -296,7 +305,8 @@ fn break_and_book(
 ) -> (Vec<Fracture>, Vec<Option<usize>>) {
     let (energy, work) = (Totals::of(&world.bodies, frame).energy(), tally.causes.work);
     let broken = break_bodies(world, blows, tally);
-    tally.causes.fracture += Totals::of(&world.bodies, frame).energy() - energy - (tally.causes.work - work);
+    tally.causes.fracture +=
+        Totals::of(&world.bodies, frame).energy() - energy - (tally.causes.work - work);
     broken
 }
 

@@ -42,7 +42,8 @@ impl Strength {
         match *self {
             Self::Impulse(impulse) => Self::Impulse(GROWTH_PER_BREAK * impulse),
             Self::Material(material) => {
-                let grows = libm::pow(parent.volume / fragment.volume, 1.0 / material.weibull_modulus);
+                let grows =
+                    libm::pow(parent.volume / fragment.volume, 1.0 / material.weibull_modulus);
                 Self::Material(MaterialDesc {
                     tensile_strength: grows * material.tensile_strength,
                     ..material

@@ -145,7 +145,12 @@ impl World {
     ///
     /// # Errors
     /// If the body lives no longer or is static, or a number is out of range.
-    pub fn set_velocity(&mut self, id: BodyId, linear: DVec3, angular: DVec3) -> Result<(), BuildError> {
+    pub fn set_velocity(
+        &mut self,
+        id: BodyId,
+        linear: DVec3,
+        angular: DVec3,
+    ) -> Result<(), BuildError> {
         let at = Checker::root();
         let body = at.field("body");
         let linear = at.field("linear").bounded(linear.to_array(), MOST_SPEED, "m/s")?;
@@ -156,7 +161,9 @@ impl World {
             .ok_or_else(|| body.broken(&id_number(id).to_string(), "the id of a living body"))?;
         match self.bodies.motions[dense] {
             Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
-            Motion::Kinematic { .. } => self.bodies.motions[dense] = Motion::Kinematic { linear, angular },
+            Motion::Kinematic { .. } => {
+                self.bodies.motions[dense] = Motion::Kinematic { linear, angular }
+            }
             Motion::Dynamic => {
                 let orientation = self.bodies.poses[dense].orientation;
                 let (shape, density) = (&self.bodies.shapes[dense], self.bodies.densities[dense]);

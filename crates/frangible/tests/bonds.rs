@@ -1,11 +1,16 @@
 //! Bodies of glued pieces.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::Voronoi;
 use frangible::{
-    AnchorDesc, BodyDesc, BondsDesc, Fracture, PartDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
-    World, step,
+    AnchorDesc, BodyDesc, BondsDesc, Fracture, PartDesc, PatternDesc, Resolution, SceneDesc,
+    ShapeDesc, World, step,
 };
 
 const NONE: Resolution = Resolution { voxels: None, sample_spacing: None };
@@ -32,7 +37,10 @@ fn cantilever(strength: f64) -> BodyDesc {
     BodyDesc {
         position: [0.0, 2.0, 0.0],
         bonds: Some(BondsDesc { anchors, ..bonds(strength) }),
-        ..BodyDesc::new("beam", ShapeDesc::Compound { parts: (0..10).map(part).collect(), resolution: NONE })
+        ..BodyDesc::new(
+            "beam",
+            ShapeDesc::Compound { parts: (0..10).map(part).collect(), resolution: NONE },
+        )
     }
 }
 
@@ -49,7 +57,12 @@ fn run(world: &mut World, frames: u32) -> Vec<Fracture> {
     for _ in 0..frames {
         let report = step(world);
         let scale = report.energy.total.abs() + report.energy.kinetic + 1.0;
-        assert!(report.energy.gain <= 1e-9 * scale, "frame {}: {} J", report.frame, report.energy.gain);
+        assert!(
+            report.energy.gain <= 1e-9 * scale,
+            "frame {}: {} J",
+            report.frame,
+            report.energy.gain
+        );
         assert!(report.momentum.linear_error < 1e-9 && report.momentum.angular_error < 1e-9);
         fractures.extend(report.fractures);
     }

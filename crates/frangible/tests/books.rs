@@ -1,17 +1,24 @@
 //! Every joule is booked: what the stages say they did to the energy is what happened to it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::Voronoi;
 use frangible::{
-    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+    World, step,
 };
 
 /// A ball breaks a slab on a turning plate, over the ground: all causes have something to do.
 fn scene(method: Method) -> SceneDesc {
     let sampled = Resolution { voxels: Some([24, 6, 24]), sample_spacing: Some(0.1) };
     let cuboid = |size, resolution| ShapeDesc::Box { size, resolution };
-    let pattern = PatternDesc::Voronoi(Voronoi { cells: 12, clustering: 1.0, seed: 3, ..Voronoi::default() });
+    let pattern =
+        PatternDesc::Voronoi(Voronoi { cells: 12, clustering: 1.0, seed: 3, ..Voronoi::default() });
     let mut scene = SceneDesc::new("books");
     scene.method = method;
     scene.bodies = vec![
@@ -32,7 +39,10 @@ fn scene(method: Method) -> SceneDesc {
             position: [0.1, 3.0, 0.2],
             linear_velocity: [0.0, -8.0, 0.0],
             angular_velocity: [4.0, 0.0, 9.0],
-            ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.25, resolution: Resolution::default() })
+            ..BodyDesc::new(
+                "ball",
+                ShapeDesc::Sphere { radius: 0.25, resolution: Resolution::default() },
+            )
         },
     ];
     scene
@@ -66,7 +76,11 @@ fn the_causes_add_up_to_the_change_of_the_energy() {
             total.projection += causes.projection.abs();
             total.fracture += causes.fracture.abs();
         }
-        assert!(total.fracture < 1e-9 * scale, "{method:?}: breaking conserves, {} J", total.fracture);
+        assert!(
+            total.fracture < 1e-9 * scale,
+            "{method:?}: breaking conserves, {} J",
+            total.fracture
+        );
         for (name, cause) in [
             ("work", total.work),
             ("collision", total.collision),

@@ -1,6 +1,11 @@
 //! What breaks, when, into how much, and what it takes from the blow.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::Voronoi;
 use frangible::{
@@ -38,7 +43,10 @@ fn in_space(target: BodyDesc, ball: BodyDesc) -> World {
 fn glass(thickness: f64, cells: usize) -> BodyDesc {
     BodyDesc {
         density: 2500.0,
-        breaking: Some(BreakingDesc::once(StrengthDesc::Named(MaterialName::Glass), voronoi(cells))),
+        breaking: Some(BreakingDesc::once(
+            StrengthDesc::Named(MaterialName::Glass),
+            voronoi(cells),
+        )),
         ..BodyDesc::new("pane", cuboid([thickness, 1.0, 1.0]))
     }
 }
@@ -103,7 +111,10 @@ fn momentum_is_exact_through_a_break_both_ways() {
             }
             assert_eq!(fractures, 1, "{method:?}, wall breaks: {wall_breaks}");
             let lost = ball_before - of(&world, "ball");
-            assert!(lost.length() > 0.05 * ball_before.length(), "{method:?}: they did meet, {lost}");
+            assert!(
+                lost.length() > 0.05 * ball_before.length(),
+                "{method:?}: they did meet, {lost}"
+            );
         }
     }
 }
@@ -117,7 +128,8 @@ fn first_fracture(world: &mut World) -> Option<StepReport> {
 fn cracks_take_no_more_than_the_blow_brings() {
     let mut pieces = Vec::new();
     for fracture_energy in [1.0, 1e3, 1e4, 1e5, 1e8] {
-        let Some(StrengthDesc::Named(name)) = glass(0.1, 64).breaking.map(|breaking| breaking.strength)
+        let Some(StrengthDesc::Named(name)) =
+            glass(0.1, 64).breaking.map(|breaking| breaking.strength)
         else {
             unreachable!()
         };
@@ -162,7 +174,8 @@ fn both_bodies_of_a_pair_may_break() {
 fn fragments_break_again_until_they_are_too_small_or_too_late() {
     let drop = |generations: u32, smallest: f64| {
         let mut scene = SceneDesc::new("drop");
-        let breaking = BreakingDesc { generations, smallest, ..BreakingDesc::once(20.0, voronoi(6)) };
+        let breaking =
+            BreakingDesc { generations, smallest, ..BreakingDesc::once(20.0, voronoi(6)) };
         scene.bodies = vec![
             BodyDesc::ground(0.0),
             BodyDesc {
@@ -177,12 +190,16 @@ fn fragments_break_again_until_they_are_too_small_or_too_late() {
     };
     fn drop_report(report: StepReport) {
         for fracture in &report.fractures {
-            let worst =
-                [fracture.imbalance.mass, fracture.imbalance.momentum, fracture.imbalance.kinetic_energy];
+            let worst = [
+                fracture.imbalance.mass,
+                fracture.imbalance.momentum,
+                fracture.imbalance.kinetic_energy,
+            ];
             assert!(worst.iter().all(|&relative| relative < 1e-10), "{worst:?}");
         }
     }
-    let depth = |world: &World| world.labels().iter().map(|label| label.name.matches('.').count()).max();
+    let depth =
+        |world: &World| world.labels().iter().map(|label| label.name.matches('.').count()).max();
     let once = drop(1, 0.0);
     assert_eq!(depth(&once), Some(1));
     let thrice = drop(3, 0.0);

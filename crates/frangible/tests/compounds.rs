@@ -1,9 +1,16 @@
 //! Bodies of several convex polyhedra, in both methods.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::dynamics::{Pose, Velocity};
-use frangible::{BodyDesc, Method, PartDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step};
+use frangible::{
+    BodyDesc, Method, PartDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
+};
 use glam::{DQuat, DVec3};
 
 const METHODS: [Method; 2] = [Method::FrameRate, Method::Paper];
@@ -70,7 +77,10 @@ fn eight_glued_cubes_fall_and_slide_as_one() {
                 (ends(method, sliding(cube()), frames), ends(method, sliding(cubelets()), frames));
             let apart = (one.0[0].position - eight.0[0].position).length();
             let turned = one.0[0].orientation.angle_between(eight.0[0].orientation);
-            assert!(apart < 5e-3 && turned < 5e-3, "{method:?}, {frames}: {apart} m, {turned} rad apart");
+            assert!(
+                apart < 5e-3 && turned < 5e-3,
+                "{method:?}, {frames}: {apart} m, {turned} rad apart"
+            );
             assert!((one.1[0].linear - eight.1[0].linear).length() < 0.02);
         }
     }
@@ -107,11 +117,13 @@ fn stacks_of_glued_cubes_stand() {
             shapes.into_iter().enumerate().map(body).collect::<Vec<_>>()
         };
         let bodies = stack([cubelets(), cubelets(), cube(), cubelets()]);
-        let starts: Vec<DVec3> = bodies.iter().map(|body| DVec3::from_array(body.position)).collect();
+        let starts: Vec<DVec3> =
+            bodies.iter().map(|body| DVec3::from_array(body.position)).collect();
         let (poses, _) = ends(method, bodies, 120);
         let (of_one, _) = ends(method, stack([cube(), cube(), cube(), cube()]), 120);
         for ((pose, start), one) in poses.iter().zip(&starts).zip(&of_one) {
-            let (moved, as_one) = ((pose.position - start).length(), (one.position - start).length());
+            let (moved, as_one) =
+                ((pose.position - start).length(), (one.position - start).length());
             assert!(moved < as_one + 2e-3, "{method:?}: {moved} m, one cube {as_one} m");
         }
     }
@@ -124,7 +136,10 @@ fn seams_are_smooth_and_hollows_are_empty() {
     let floor = BodyDesc {
         motion: frangible::MotionDesc::Static,
         position: [0.0, 1.0, 0.0],
-        ..BodyDesc::new("floor", ShapeDesc::Compound { parts: tiles, resolution: Resolution::default() })
+        ..BodyDesc::new(
+            "floor",
+            ShapeDesc::Compound { parts: tiles, resolution: Resolution::default() },
+        )
     };
     let moving = |name: &str, shape: ShapeDesc, z: f64| BodyDesc {
         position: [0.0, 1.2, z],
@@ -143,7 +158,11 @@ fn seams_are_smooth_and_hollows_are_empty() {
     });
     for (pose, velocity) in world.bodies().poses[2..].iter().zip(&world.bodies().velocities[2..]) {
         assert!((pose.position.x - 6.0).abs() < 0.02, "{}", pose.position);
-        assert!((velocity.linear - DVec3::new(3.0, 0.0, 0.0)).length() < 0.02, "{}", velocity.linear);
+        assert!(
+            (velocity.linear - DVec3::new(3.0, 0.0, 0.0)).length() < 0.02,
+            "{}",
+            velocity.linear
+        );
     }
 
     let leg = |x: f64, z: f64| part([0.1, 0.9, 0.1], [x, 0.45, z]);
@@ -155,7 +174,8 @@ fn seams_are_smooth_and_hollows_are_empty() {
         let world = run(&scene(method, [BodyDesc::new("table", shape), under]), 60, |_, _| ());
         let [table, ball] = [world.bodies().poses[1], world.bodies().poses[2]];
         assert!(table.orientation.angle_between(DQuat::IDENTITY) < 1e-2);
-        let origin = table.world_from_body().point(world.bodies().shapes[1].body_from_grid.translation);
+        let origin =
+            table.world_from_body().point(world.bodies().shapes[1].body_from_grid.translation);
         assert!(origin.length() < 5e-3, "{method:?}: {origin}");
         // In the paper's method a ball stands on its samples, and rolls from one to the next.
         assert!((ball.position.y - 0.2).abs() < 5e-3, "{method:?}: {}", ball.position);

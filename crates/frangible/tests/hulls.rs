@@ -1,10 +1,16 @@
 //! Scenes of convex polyhedra, in both methods.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::Voronoi;
 use frangible::{
-    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+    BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+    World, step,
 };
 use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -47,7 +53,8 @@ fn rocks_fall_into_a_heap() {
                 assert!(depth < most_depth, "{method:?}, frame {frame}: {depth} m in the ground");
             }
         }
-        let fastest = world.bodies().velocities.iter().map(|v| v.linear.length()).fold(0.0, f64::max);
+        let fastest =
+            world.bodies().velocities.iter().map(|v| v.linear.length()).fold(0.0, f64::max);
         assert!(fastest < 0.1, "{method:?}: {fastest} m/s");
     }
 }
@@ -83,8 +90,11 @@ fn what_is_struck_is_not_pressed_through_a_thin_plate() {
         };
         let struck = BodyDesc::new("cube", cube);
         let mut scene = SceneDesc::new("struck");
-        scene.bodies =
-            if random.random() { vec![plate, struck, striker] } else { vec![striker, struck, plate] };
+        scene.bodies = if random.random() {
+            vec![plate, struck, striker]
+        } else {
+            vec![striker, struck, plate]
+        };
         let mut world = World::build(&scene).unwrap();
         for _ in 0..6 {
             step(&mut world);
@@ -123,13 +133,17 @@ fn a_card_that_is_struck_at_its_edge_is_stopped() {
                 position: [0.17, 0.07 + lift, 0.0],
                 linear_velocity: [0.0, -speed, 0.0],
                 density: 3000.0,
-                ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: 0.05, resolution: Resolution::default() })
+                ..BodyDesc::new(
+                    "ball",
+                    ShapeDesc::Sphere { radius: 0.05, resolution: Resolution::default() },
+                )
             });
             let mut world = World::build(&scene).unwrap();
             for _ in 0..5 {
                 step(&mut world);
                 let pose = &world.bodies().poses[1];
-                let lowest = |x: f64| (pose.position + pose.orientation * DVec3::new(x, 0.0, 0.0)).y;
+                let lowest =
+                    |x: f64| (pose.position + pose.orientation * DVec3::new(x, 0.0, 0.0)).y;
                 let lowest = lowest(0.5 * CARD[0]).min(lowest(-0.5 * CARD[0]));
                 assert!(
                     lowest > 0.5 * CARD[1] - 2e-3,
@@ -166,12 +180,21 @@ fn stacks_stand_whatever_their_cubes_are_made_of() {
                 let resolution = Resolution { voxels, sample_spacing: Some(0.125) };
                 let shape = ShapeDesc::Box { size: [1.0; 3], resolution };
                 let position = [aside, 0.5 + f64::from(level), aside];
-                scene.bodies.push(BodyDesc { position, restitution: 0.0, ..BodyDesc::new("cube", shape) });
+                scene.bodies.push(BodyDesc {
+                    position,
+                    restitution: 0.0,
+                    ..BodyDesc::new("cube", shape)
+                });
             }
             let mut world = World::build(&scene).unwrap();
             let start = world.bodies().poses.clone();
             (0..600).for_each(|_| drop(step(&mut world)));
-            let moved = world.bodies().poses.iter().zip(&start).map(|(a, b)| a.position.distance(b.position));
+            let moved = world
+                .bodies()
+                .poses
+                .iter()
+                .zip(&start)
+                .map(|(a, b)| a.position.distance(b.position));
             let drift = moved.fold(0.0, f64::max);
             // Of sampled cubes, round-off decides the way: moved by 1e-14 m at the start, the stack drifts 0.7 to 5 cm.
             let limit = if voxels.is_some() { 0.08 } else { 0.03 };
@@ -189,14 +212,16 @@ fn many_towers_stand() {
     let cube = ShapeDesc::Box { size: [1.0; 3], resolution: Resolution::default() };
     for tower in 0..60 {
         for level in 0..HIGH {
-            let position = [3.0 * f64::from(tower % 10), 0.5 + f64::from(level), 3.0 * f64::from(tower / 10)];
+            let position =
+                [3.0 * f64::from(tower % 10), 0.5 + f64::from(level), 3.0 * f64::from(tower / 10)];
             scene.bodies.push(BodyDesc { position, ..BodyDesc::new("cube", cube.clone()) });
         }
     }
     let mut world = World::build(&scene).unwrap();
     let start = world.bodies().poses.clone();
     (0..120).for_each(|_| drop(step(&mut world)));
-    let moved = world.bodies().poses.iter().zip(&start).map(|(a, b)| a.position.distance(b.position));
+    let moved =
+        world.bodies().poses.iter().zip(&start).map(|(a, b)| a.position.distance(b.position));
     let drift = moved.fold(0.0, f64::max);
     assert!(drift < 0.05, "{drift} m");
 }
@@ -216,7 +241,8 @@ fn rocks_come_to_rest() {
     }
     let mut world = World::build(&scene).unwrap();
     (0..150).for_each(|_| drop(step(&mut world)));
-    let moves = world.bodies().velocities.iter().filter(|velocity| velocity.linear.length() > 0.01).count();
+    let moves =
+        world.bodies().velocities.iter().filter(|velocity| velocity.linear.length() > 0.01).count();
     let depth = deepest_below_ground(&world);
     assert!(moves == 0 && depth < 2e-3, "{moves} of 100 move, {depth} m in the ground");
 }
@@ -224,7 +250,8 @@ fn rocks_come_to_rest() {
 /// A body is where its points are, wherever its centre of mass and its principal axes lie.
 #[test]
 fn a_hull_stands_where_its_points_are() {
-    let points = vec![[1.0, 2.0, 3.0], [2.0, 2.0, 3.0], [1.0, 3.0, 3.0], [1.0, 2.0, 4.0], [1.2, 2.2, 3.2]];
+    let points =
+        vec![[1.0, 2.0, 3.0], [2.0, 2.0, 3.0], [1.0, 3.0, 3.0], [1.0, 2.0, 4.0], [1.2, 2.2, 3.2]];
     let mut scene = SceneDesc::new("tetrahedron");
     let shape = ShapeDesc::Hull { points: points.clone(), resolution: Resolution::default() };
     let position = [10.0, 0.0, -5.0];
@@ -239,7 +266,8 @@ fn a_hull_stands_where_its_points_are() {
     for point in &points[..4] {
         let expected = DVec3::from_array(*point) + DVec3::from_array(position);
         let hull = shape.hull.as_ref().unwrap();
-        let nearest = hull.vertices().iter().map(|&v| pose.world_from_body().point(v).distance(expected));
+        let nearest =
+            hull.vertices().iter().map(|&v| pose.world_from_body().point(v).distance(expected));
         assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-14);
     }
 }
@@ -252,7 +280,9 @@ fn a_hull_breaks() {
         let mut scene = SceneDesc::new("break");
         scene.method = method;
         scene.bodies.push(BodyDesc::ground(0.0));
-        let ShapeDesc::Hull { points, .. } = rock(DVec3::ONE, 20, &mut random) else { unreachable!() };
+        let ShapeDesc::Hull { points, .. } = rock(DVec3::ONE, 20, &mut random) else {
+            unreachable!()
+        };
         let resolution = Resolution { voxels: Some([24; 3]), sample_spacing: None };
         let pattern = PatternDesc::Voronoi(Voronoi { cells: 60, seed: 1, ..Voronoi::default() });
         let breaking = BreakingDesc::once(100.0, pattern);
@@ -292,7 +322,8 @@ fn what_is_struck_strikes_on_in_the_same_frame() {
                 scene.gravity = [0.0; 3];
             }
             for number in 0..5 {
-                let x = if number == 0 { -SIZE - 0.05 } else { f64::from(number - 1) * (SIZE + gap) };
+                let x =
+                    if number == 0 { -SIZE - 0.05 } else { f64::from(number - 1) * (SIZE + gap) };
                 scene.bodies.push(BodyDesc {
                     position: [x, 0.5 * SIZE, 0.0],
                     linear_velocity: [along + if number == 0 { speed } else { 0.0 }, 0.0, 0.0],
@@ -304,7 +335,8 @@ fn what_is_struck_strikes_on_in_the_same_frame() {
             let mut moved = false;
             for _ in 0..20 {
                 step(&mut world);
-                let all: Vec<f64> = world.bodies().poses.iter().map(|pose| pose.position.x).collect();
+                let all: Vec<f64> =
+                    world.bodies().poses.iter().map(|pose| pose.position.x).collect();
                 let row = &all[all.len() - 5..];
                 moved |= row[4] > 3.0 * (SIZE + gap) + 1e-3;
                 let overlap = world.penetrations().into_iter().fold(0.0, f64::max);

@@ -1,6 +1,11 @@
 //! Bodies that move, collide and rest under the paper's method, against what mechanics says.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use glam::DVec3;
@@ -27,8 +32,10 @@ fn position(world: &World, body: usize) -> DVec3 {
 /// split state [Su09 sec. 3.1].
 #[test]
 fn free_flight_is_ballistic_and_keeps_its_energy() {
-    let mut brick =
-        BodyDesc::new("brick", ShapeDesc::Box { size: [0.3, 0.1, 0.2], resolution: Resolution::default() });
+    let mut brick = BodyDesc::new(
+        "brick",
+        ShapeDesc::Box { size: [0.3, 0.1, 0.2], resolution: Resolution::default() },
+    );
     brick.position = [1.0, 2.0, 3.0];
     brick.linear_velocity = [1.0, 10.0, -0.5];
     brick.angular_velocity = [3.0, 20.0, -7.0];
@@ -37,7 +44,11 @@ fn free_flight_is_ballistic_and_keeps_its_energy() {
     for _ in 0..60 {
         let report = step(&mut world);
         let first = *energy.get_or_insert(report.energy.total);
-        assert!((report.energy.total - first).abs() < 1e-11 * first, "{} J", report.energy.total - first);
+        assert!(
+            (report.energy.total - first).abs() < 1e-11 * first,
+            "{} J",
+            report.energy.total - first
+        );
         assert!(report.momentum.linear_error < 1e-13 && report.momentum.angular_error < 1e-13);
     }
     let t = 2.0;

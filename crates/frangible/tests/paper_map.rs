@@ -1,7 +1,12 @@
 //! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist;
 //! docs/references.md has what is cited; docs/conventions.md names what exists; docs/the_step.md names the stages that a step reports.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,8 +14,9 @@ use std::path::{Path, PathBuf};
 
 /// Every numbered equation, and every section from 2 to 4.4.
 const PAPER: &[&str] = &[
-    "eq. 1", "eq. 2", "eq. 3", "eq. 4", "eq. 5", "eq. 6", "sec. 2", "sec. 2.1", "sec. 2.2", "sec. 2.3",
-    "sec. 2.4", "sec. 3", "sec. 3.1", "sec. 3.2", "sec. 4", "sec. 4.1", "sec. 4.2", "sec. 4.3", "sec. 4.4",
+    "eq. 1", "eq. 2", "eq. 3", "eq. 4", "eq. 5", "eq. 6", "sec. 2", "sec. 2.1", "sec. 2.2",
+    "sec. 2.3", "sec. 2.4", "sec. 3", "sec. 3.1", "sec. 3.2", "sec. 4", "sec. 4.1", "sec. 4.2",
+    "sec. 4.3", "sec. 4.4",
 ];
 
 struct Entry {
@@ -39,11 +45,14 @@ fn entries() -> Vec<Entry> {
 fn definitions(reference: &str) -> Vec<(Vec<String>, usize)> {
     let (file, name) =
         reference.split_once("::").unwrap_or_else(|| panic!("{reference}: not file::function"));
-    let text = fs::read_to_string(root().join(file)).unwrap_or_else(|_| panic!("{reference}: no such file"));
+    let text = fs::read_to_string(root().join(file))
+        .unwrap_or_else(|_| panic!("{reference}: no such file"));
     let lines: Vec<String> = text.lines().map(str::to_string).collect();
     let heads = [format!("fn {name}("), format!("fn {name}<")];
-    let at =
-        lines.iter().enumerate().filter(|(_, line)| heads.iter().any(|head| line.contains(head.as_str())));
+    let at = lines
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| heads.iter().any(|head| line.contains(head.as_str())));
     at.map(|(number, _)| number)
         .collect::<Vec<_>>()
         .into_iter()
@@ -55,14 +64,22 @@ fn definitions(reference: &str) -> Vec<(Vec<String>, usize)> {
 fn every_equation_and_section_is_mapped() {
     let entries = entries();
     for claim in PAPER {
-        assert!(entries.iter().any(|entry| entry.paper == *claim), "{claim} is not in docs/paper_map.md");
+        assert!(
+            entries.iter().any(|entry| entry.paper == *claim),
+            "{claim} is not in docs/paper_map.md"
+        );
     }
 }
 
 #[test]
 fn every_entry_points_to_a_function_and_to_a_test() {
     for entry in entries() {
-        assert!(!definitions(&entry.function).is_empty(), "{}: no function {}", entry.paper, entry.function);
+        assert!(
+            !definitions(&entry.function).is_empty(),
+            "{}: no function {}",
+            entry.paper,
+            entry.function
+        );
         let is_test = definitions(&entry.test).into_iter().any(|(lines, number)| {
             let inside_proptest =
                 lines[..number].iter().any(|line| line.trim_start().starts_with("proptest!"));
@@ -94,7 +111,10 @@ fn texts(folder: &Path, endings: &[&str]) -> Vec<(PathBuf, String)> {
         let path = entry.unwrap().path();
         if path.is_dir() {
             found.extend(texts(&path, endings));
-        } else if path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)) {
+        } else if path
+            .extension()
+            .is_some_and(|ending| endings.iter().any(|known| ending == *known))
+        {
             let text = fs::read_to_string(&path).unwrap();
             found.push((path, text));
         }
@@ -111,10 +131,16 @@ fn every_citation_has_its_reference_and_every_reference_is_cited() {
 
     let mut sources = texts(&root().join("crates"), &["rs"]);
     sources.extend(texts(&root().join("docs"), &["md"]));
-    sources.retain(|(path, _)| !path.ends_with("references.md") && !path.ends_with("tests/paper_map.rs"));
+    sources.retain(|(path, _)| {
+        !path.ends_with("references.md") && !path.ends_with("tests/paper_map.rs")
+    });
     for (path, text) in &sources {
         for tag in tags(text) {
-            assert!(known.contains(tag), "{}: [{tag}] is not in docs/references.md", path.display());
+            assert!(
+                known.contains(tag),
+                "{}: [{tag}] is not in docs/references.md",
+                path.display()
+            );
         }
     }
     for tag in &known {
@@ -125,7 +151,8 @@ fn every_citation_has_its_reference_and_every_reference_is_cited() {
     }
 
     // What a tag is, and is not.
-    let text = "[Xy12] [Xyz34 sec. 5] [XY56: z] [M1] [Vec32; 4] [a12] [Long2009] [DVec3; 10] no Xy99]";
+    let text =
+        "[Xy12] [Xyz34 sec. 5] [XY56: z] [M1] [Vec32; 4] [a12] [Long2009] [DVec3; 10] no Xy99]";
     assert_eq!(tags(text).collect::<Vec<_>>(), ["Xy12", "Xyz34", "XY56"]);
 }
 

@@ -1,11 +1,16 @@
 //! What is wrong with a scene is said in one sentence; what cannot be broken does not swallow its collision.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::Voronoi;
 use frangible::{
-    BodyDesc, BreakingDesc, BuildError, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World,
-    id_from_number, step,
+    BodyDesc, BreakingDesc, BuildError, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+    World, id_from_number, step,
 };
 use glam::{DQuat, DVec3};
 
@@ -18,7 +23,8 @@ fn hull(points: Vec<[f64; 3]>) -> BodyDesc {
 }
 
 fn voronoi(cells: usize) -> BreakingDesc {
-    let pattern = PatternDesc::Voronoi(Voronoi { cells, clustering: 0.0, seed: 1, ..Voronoi::default() });
+    let pattern =
+        PatternDesc::Voronoi(Voronoi { cells, clustering: 0.0, seed: 1, ..Voronoi::default() });
     BreakingDesc::once(10.0, pattern)
 }
 
@@ -37,7 +43,10 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
             "bodies[1].density: -1.0, must be between 1e-6 and 1e9 kg/m^3",
         ),
         (BodyDesc { friction: f64::NAN, ..ball() }, "bodies[1].friction: NaN, must be >= 0"),
-        (BodyDesc { restitution: 1.5, ..ball() }, "bodies[1].restitution: 1.5, must be between 0 and 1"),
+        (
+            BodyDesc { restitution: 1.5, ..ball() },
+            "bodies[1].restitution: 1.5, must be between 0 and 1",
+        ),
         (
             BodyDesc { angular_velocity: [0.0, 1e200, 0.0], ..ball() },
             "bodies[1].angular_velocity: [0.0, 1e200, 0.0], must be three numbers from -1e4 to 1e4 rad/s",
@@ -66,7 +75,13 @@ fn a_wrong_field_is_named_with_its_value_and_its_rule() {
             "bodies[1].shape.points: 3 points, must be at least 4 points that span a volume",
         ),
         (
-            hull(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [2.0, 1.0, 0.0]]),
+            hull(vec![
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [1.0, 1.0, 0.0],
+                [2.0, 1.0, 0.0],
+            ]),
             "bodies[1].shape.points: 5 points, must be points that do not all lie on a plane",
         ),
         (
@@ -105,7 +120,9 @@ fn triangles_are_a_body() {
     scene.bodies.push(BodyDesc { density: 1000.0, ..BodyDesc::new("L", shape(&triangles)) });
     let world = World::build(&scene).unwrap();
     assert!((world.bodies().masses[0] - 3000.0).abs() < 30.0);
-    assert!((world.bodies().poses[0].position - DVec3::new(5.0 / 6.0, 5.0 / 6.0, 0.5)).length() < 0.01);
+    assert!(
+        (world.bodies().poses[0].position - DVec3::new(5.0 / 6.0, 5.0 / 6.0, 0.5)).length() < 0.01
+    );
 
     assert_eq!(
         sentence(BodyDesc::new("L", shape(&[[0, 1, 12]]))),
@@ -132,7 +149,8 @@ fn a_body_moves_as_it_is_told() {
     scene.gravity = [0.0; 3];
     let at = |x: f64, motion: MotionDesc| BodyDesc { position: [x, 0.0, 0.0], motion, ..ball() };
     let motions = [MotionDesc::Dynamic, MotionDesc::Kinematic, MotionDesc::Static];
-    scene.bodies = [0.0, 3.0, 6.0].into_iter().zip(motions).map(|(x, motion)| at(x, motion)).collect();
+    scene.bodies =
+        [0.0, 3.0, 6.0].into_iter().zip(motions).map(|(x, motion)| at(x, motion)).collect();
     let mut world = World::build(&scene).unwrap();
     let [ball, lift, rock] = [0, 1, 2].map(|i| world.bodies().ids[i]);
     for id in [ball, lift] {
@@ -141,7 +159,10 @@ fn a_body_moves_as_it_is_told() {
     (0..30).for_each(|_| drop(step(&mut world)));
     let expected = DQuat::from_rotation_z(2.0);
     for pose in &world.bodies().poses[..2] {
-        assert!((pose.position.y - 1.0).abs() < 1e-12 && pose.orientation.dot(expected).abs() > 1.0 - 1e-12);
+        assert!(
+            (pose.position.y - 1.0).abs() < 1e-12
+                && pose.orientation.dot(expected).abs() > 1.0 - 1e-12
+        );
     }
 
     let sentence = |result: Result<(), BuildError>| result.unwrap_err().to_string();
@@ -168,7 +189,12 @@ fn a_body_that_cannot_be_split_still_bounces() {
         let resolution = Resolution { voxels: Some([24; 3]), sample_spacing: Some(0.1) };
         let shape = ShapeDesc::Sphere { radius: 0.5, resolution };
         let position = [0.0, 2.0, 0.0];
-        scene.bodies.push(BodyDesc { position, breaking, restitution: 1.0, ..BodyDesc::new("ball", shape) });
+        scene.bodies.push(BodyDesc {
+            position,
+            breaking,
+            restitution: 1.0,
+            ..BodyDesc::new("ball", shape)
+        });
         let mut world = World::build(&scene).unwrap();
         (0..30)
             .map(|_| {

@@ -1,6 +1,11 @@
 //! What sleeps, where the scene lets it, and what wakes it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::{
     BodyDesc, BodyId, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
@@ -47,8 +52,10 @@ fn what_stands_still_sleeps_until_it_is_touched() {
     let position = [0.2, 80.0, 0.0];
     // A point of contact stops no spin about the vertical by itself.
     let (rolling_friction, spinning_friction) = (0.05, 0.05);
-    let ball = BodyDesc { position, rolling_friction, spinning_friction, ..BodyDesc::new("ball", ball) };
-    let bodies = [BodyDesc::ground(0.0)].into_iter().chain(stack).chain([cube([5.0, 0.5, 0.0]), ball]);
+    let ball =
+        BodyDesc { position, rolling_friction, spinning_friction, ..BodyDesc::new("ball", ball) };
+    let bodies =
+        [BodyDesc::ground(0.0)].into_iter().chain(stack).chain([cube([5.0, 0.5, 0.0]), ball]);
     let scene = scene(bodies);
     let mut world = World::build(&scene).unwrap();
     let report = run(&mut world, 60);
@@ -80,7 +87,8 @@ fn what_stands_still_sleeps_until_it_is_touched() {
 #[test]
 fn a_platform_that_moves_wakes_what_stands_on_it() {
     let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
-    let platform = BodyDesc { motion: MotionDesc::Kinematic, ..BodyDesc::new("platform", platform) };
+    let platform =
+        BodyDesc { motion: MotionDesc::Kinematic, ..BodyDesc::new("platform", platform) };
     let mut world = World::build(&scene([platform, cube([0.0, 0.75, 0.0])])).unwrap();
     assert_eq!(run(&mut world, 60).asleep, 1);
     let id = world.bodies().ids[0];
@@ -120,7 +128,8 @@ fn what_gets_a_velocity_wakes() {
 #[test]
 fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
     let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
-    let platform = BodyDesc { motion: MotionDesc::Kinematic, ..BodyDesc::new("platform", platform) };
+    let platform =
+        BodyDesc { motion: MotionDesc::Kinematic, ..BodyDesc::new("platform", platform) };
     let mut world = World::build(&scene([platform, cube([0.0, 0.75, 0.0])])).unwrap();
     assert_eq!(run(&mut world, 60).asleep, 1);
     let id = world.bodies().ids[0];
@@ -137,7 +146,8 @@ fn what_glides_past_a_wall_does_not_sleep() {
     let wall = ShapeDesc::Box { size: [9.0, 1.0, 9.0], resolution: Resolution::default() };
     let wall = BodyDesc { motion: MotionDesc::Static, ..BodyDesc::new("wall", wall) };
     let glides = BodyDesc { linear_velocity: [0.004, 0.0, 0.0], ..cube([0.0, 1.0003, 0.0]) };
-    let mut world = World::build(&SceneDesc { gravity: [0.0; 3], ..scene([wall, glides]) }).unwrap();
+    let mut world =
+        World::build(&SceneDesc { gravity: [0.0; 3], ..scene([wall, glides]) }).unwrap();
     assert_eq!(run(&mut world, 60).asleep, 0);
     assert!((world.bodies().poses[1].position.x - 0.008).abs() < 1e-6);
 }

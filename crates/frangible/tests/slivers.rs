@@ -4,17 +4,28 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on fails")]
 
 use frangible::fracture::{Bricks, Natural, Radial, Slices, Splinters, Voronoi};
-use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step};
+use frangible::{
+    BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// A body that falls on the ground and breaks up to three times in a row.
-fn scene(shape: ShapeDesc, pattern: PatternDesc, (height, frames_per_second): (f64, f64)) -> SceneDesc {
+fn scene(
+    shape: ShapeDesc,
+    pattern: PatternDesc,
+    (height, frames_per_second): (f64, f64),
+) -> SceneDesc {
     let mut scene = SceneDesc::new("slivers");
     scene.frames_per_second = frames_per_second;
     let breaking = BreakingDesc { generations: 3, ..BreakingDesc::once(0.037, pattern) };
     let position = [0.0, height, 0.0];
-    let body = BodyDesc { position, friction: 0.2, breaking: Some(breaking), ..BodyDesc::new("body", shape) };
+    let body = BodyDesc {
+        position,
+        friction: 0.2,
+        breaking: Some(breaking),
+        ..BodyDesc::new("body", shape)
+    };
     scene.bodies = vec![BodyDesc::ground(0.0), body];
     scene
 }
@@ -28,16 +39,24 @@ fn run(scene: &SceneDesc, frames: u32, what: &str) -> usize {
         let report = step(&mut world);
         let what = format!("{what}, frame {frame}");
         assert!(report.quarantined.is_empty(), "{what}: {:?}", report.quarantined);
-        assert!(!serde_json::to_string(&report).unwrap().contains("null"), "{what}: a number is missing");
+        assert!(
+            !serde_json::to_string(&report).unwrap().contains("null"),
+            "{what}: a number is missing"
+        );
         assert!((report.mass / mass - 1.0).abs() < 1e-9, "{what}: {} of {mass} kg", report.mass);
         for fracture in &report.fractures {
             let imbalance = &fracture.imbalance;
-            let worst =
-                [imbalance.mass, imbalance.momentum, imbalance.angular_momentum, imbalance.kinetic_energy];
+            let worst = [
+                imbalance.mass,
+                imbalance.momentum,
+                imbalance.angular_momentum,
+                imbalance.kinetic_energy,
+            ];
             assert!(worst.into_iter().all(|part| part < 1e-9), "{what}: {imbalance:?}");
             breaks += 1;
         }
-        for (&piece, inertia) in world.bodies().masses.iter().zip(&world.bodies().inertias).skip(1) {
+        for (&piece, inertia) in world.bodies().masses.iter().zip(&world.bodies().inertias).skip(1)
+        {
             assert!(piece > 1e-9 * mass, "{what}: {piece} of {mass} kg");
             assert!(inertia.inverse_moments.max_element() < 1e30, "{what}");
         }
@@ -52,7 +71,8 @@ fn spokes_of_spokes_leave_no_slivers() {
     let mut breaks = 0;
     for seed in 0..12 {
         let pattern = PatternDesc::Radial(Radial { seed, spokes: 6, rings: 1, jitter: 0.48 });
-        let shape = ShapeDesc::Cylinder { radius: 0.17, height: 0.41, resolution: Resolution::default() };
+        let shape =
+            ShapeDesc::Cylinder { radius: 0.17, height: 0.41, resolution: Resolution::default() };
         breaks += run(&scene(shape, pattern, (6.7, 15.0)), 24, &format!("seed {seed}"));
     }
     assert!(breaks > 60, "{breaks}");
@@ -71,15 +91,27 @@ fn random_worlds_keep_all_of_their_mass() {
             0 => ShapeDesc::Box { size: [edge(), edge(), edge()], resolution },
             1 => ShapeDesc::Sphere { radius: edge(), resolution },
             2 => ShapeDesc::Cylinder { radius: edge(), height: edge(), resolution },
-            _ => ShapeDesc::Hull { points: (0..8).map(|_| [edge(), edge(), edge()]).collect(), resolution },
+            _ => ShapeDesc::Hull {
+                points: (0..8).map(|_| [edge(), edge(), edge()]).collect(),
+                resolution,
+            },
         };
         let (seed, cells) = (random.random(), random.random_range(2..20));
         let pattern = match world / 4 % 6 {
-            0 => PatternDesc::Radial(Radial { seed, spokes: cells.max(3), rings: cells % 3, jitter: 0.9 }),
-            1 => PatternDesc::Voronoi(Voronoi { seed, cells, clustering: 2.0, ..Voronoi::default() }),
+            0 => PatternDesc::Radial(Radial {
+                seed,
+                spokes: cells.max(3),
+                rings: cells % 3,
+                jitter: 0.9,
+            }),
+            1 => {
+                PatternDesc::Voronoi(Voronoi { seed, cells, clustering: 2.0, ..Voronoi::default() })
+            }
             2 => PatternDesc::Natural(Natural { seed, cells, ..Natural::default() }),
             3 => PatternDesc::Slices(Slices { seed, cells, jitter: 1.0, ..Slices::default() }),
-            4 => PatternDesc::Bricks(Bricks { seed, mortar: 0.3, jitter: 1.0, ..Bricks::default() }),
+            4 => {
+                PatternDesc::Bricks(Bricks { seed, mortar: 0.3, jitter: 1.0, ..Bricks::default() })
+            }
             _ => PatternDesc::Splinters(Splinters { seed, fibres: cells, ..Splinters::default() }),
         };
         let height = 2.0 * size + random.random_range(0.5..5.0);

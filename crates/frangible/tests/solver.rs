@@ -1,8 +1,15 @@
 //! What a scene says of the solver.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
-use frangible::{BodyDesc, Method, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, World, step};
+use frangible::{
+    BodyDesc, Method, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, World, step,
+};
 
 /// A cube on the ground.
 fn resting(solver: SolverDesc) -> SceneDesc {
@@ -34,7 +41,11 @@ fn quality_is_stiffness() {
 fn what_cannot_be_is_refused() {
     let refusal = |scene: SceneDesc| World::build(&scene).unwrap_err().to_string();
     let solver = SolverDesc { most_substeps: 100, ..SolverDesc::default() };
-    assert!(refusal(resting(solver)).contains("solver.most_substeps"), "{}", refusal(resting(solver)));
+    assert!(
+        refusal(resting(solver)).contains("solver.most_substeps"),
+        "{}",
+        refusal(resting(solver))
+    );
     let solver = SolverDesc { quality: Quality::Film, most_substeps: 16, ..SolverDesc::default() };
     assert!(refusal(resting(solver)).contains("from 32"), "{}", refusal(resting(solver)));
     let solver = SolverDesc { recovery_speed: 0.0, ..SolverDesc::default() };

@@ -64,8 +64,11 @@ impl Node {
 impl Bvh {
     /// Sorts triangles, given by their corners [m], into a tree by the surface-area heuristic.
     pub fn new(triangles: &[[DVec3; 3]]) -> Self {
-        let mut items: Vec<Item> =
-            triangles.iter().enumerate().map(|(source, corners)| Item::new(source, corners)).collect();
+        let mut items: Vec<Item> = triangles
+            .iter()
+            .enumerate()
+            .map(|(source, corners)| Item::new(source, corners))
+            .collect();
         let mut nodes = Vec::with_capacity(2 * triangles.len().div_ceil(LEAF_TRIANGLES));
         if !items.is_empty() {
             nodes.push(leaf(&items, 0));
@@ -73,7 +76,8 @@ impl Bvh {
         let mut next = 0;
         while next < nodes.len() {
             let range = nodes[next].range();
-            if let Some(middle) = split(&mut items[range.clone()]).map(|count| range.start + count) {
+            if let Some(middle) = split(&mut items[range.clone()]).map(|count| range.start + count)
+            {
                 nodes[next].children = nodes.len() as u32;
                 nodes.push(leaf(&items[range.start..middle], range.start));
                 nodes.push(leaf(&items[middle..range.end], middle));
@@ -90,13 +94,18 @@ impl Bvh {
     /// Sorts axis-aligned boxes, each from its lowest to its highest corner [m], into a tree for [`Bvh::visit`]: a box is the one
     /// around its own diagonal.
     pub fn of_boxes(boxes: &[(DVec3, DVec3)]) -> Self {
-        let diagonals: Vec<[DVec3; 3]> = boxes.iter().map(|&(low, high)| [low, high, high]).collect();
+        let diagonals: Vec<[DVec3; 3]> =
+            boxes.iter().map(|&(low, high)| [low, high, high]).collect();
         Self::new(&diagonals)
     }
 
     /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in a leaf that `enters` its box, given
     /// by the lowest and the highest corner [m], and those of all the nodes above it. What is visited need not enter by itself.
-    pub fn visit(&self, mut enters: impl FnMut(DVec3, DVec3) -> bool, mut visit: impl FnMut(usize)) {
+    pub fn visit(
+        &self,
+        mut enters: impl FnMut(DVec3, DVec3) -> bool,
+        mut visit: impl FnMut(usize),
+    ) {
         let mut stack = [0; 64];
         let mut waiting = usize::from(!self.nodes.is_empty());
         while waiting > 0 {
@@ -224,9 +233,10 @@ fn split(items: &mut [Item]) -> Option<usize> {
     }
 
     // Sort the middles into bins along the axis of their largest extent.
-    let (low, high) = items.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), item| {
-        (low.min(item.middle()), high.max(item.middle()))
-    });
+    let (low, high) =
+        items.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), item| {
+            (low.min(item.middle()), high.max(item.middle()))
+        });
     let extent = high - low;
     let axis = if extent.x >= extent.y && extent.x >= extent.z {
         0
@@ -248,7 +258,9 @@ fn split(items: &mut [Item]) -> Option<usize> {
     }
 
     // Cut where the expected cost, triangles times box area on either side, is least.
-    let join = |a: (usize, DVec3, DVec3), b: (usize, DVec3, DVec3)| (a.0 + b.0, a.1.min(b.1), a.2.max(b.2));
+    let join = |a: (usize, DVec3, DVec3), b: (usize, DVec3, DVec3)| {
+        (a.0 + b.0, a.1.min(b.1), a.2.max(b.2))
+    };
     let mut above = bins;
     for bin in (0..BINS - 1).rev() {
         above[bin] = join(bins[bin], above[bin + 1]);

@@ -108,7 +108,8 @@ impl MeshChanges {
             if rest > 0 {
                 named.push(format!("{rest} more"));
             }
-            let what = plural(self.sheets.len(), "open part that encloses", "open parts that enclose");
+            let what =
+                plural(self.sheets.len(), "open part that encloses", "open parts that enclose");
             sentences.push(format!("{what} nothing left out: {}", named.join(", ")));
         }
         sentences
@@ -184,7 +185,8 @@ impl Assembly {
     /// is open.
     fn new(raw: &TriMesh, tolerances: &[f64]) -> (Self, Vec<Part>) {
         let (low, high) = raw.bounds();
-        let tolerances: Vec<f64> = tolerances.iter().map(|part| part * (high - low).length()).collect();
+        let tolerances: Vec<f64> =
+            tolerances.iter().map(|part| part * (high - low).length()).collect();
         let widest = tolerances.last().copied().unwrap_or(0.0);
 
         // Pair the triangles at their edges; where one ends in the middle of another, divide and again.
@@ -298,7 +300,8 @@ impl Assembly {
             faces.sort_unstable();
         }
         for part in flat.into_iter().map(|number| &parts[number]) {
-            let lies_there = |&triangle: &u32| faces.binary_search(&self.sorted_places(triangle)).is_ok();
+            let lies_there =
+                |&triangle: &u32| faces.binary_search(&self.sorted_places(triangle)).is_ok();
             if !part.triangles.iter().all(lies_there) {
                 changes.sheets.push(self.sheet(part));
             }
@@ -327,7 +330,8 @@ impl Assembly {
         mut changes: MeshChanges,
     ) -> CleanMesh {
         // Number the solids, then give their numbers to cavities.
-        let mut solid_of: Vec<u32> = vec![NONE; kept.iter().map(|part| part.3 + 1).max().unwrap_or(0)];
+        let mut solid_of: Vec<u32> =
+            vec![NONE; kept.iter().map(|part| part.3 + 1).max().unwrap_or(0)];
         let solids = || kept.iter().filter(|part| matches!(part.2, Role::Solid | Role::In(_)));
         solids().zip(0..).for_each(|(part, number)| solid_of[part.3] = number);
 
@@ -377,7 +381,8 @@ impl Assembly {
         roots.dedup();
         let mut number = vec![NONE; 3 * self.work.triangles.len()];
         roots.iter().zip(0..).for_each(|(&(_, root), vertex)| number[root as usize] = vertex);
-        let positions = roots.iter().map(|&(place, _)| self.work.positions[place as usize]).collect();
+        let positions =
+            roots.iter().map(|&(place, _)| self.work.positions[place as usize]).collect();
         let corners = corner_roots.chunks_exact(3);
         let indices = corners.map(|t| [t[0].1, t[1].1, t[2].1].map(|root| number[root as usize]));
         CleanMesh {

@@ -79,7 +79,13 @@ impl Clip {
     }
 
     /// Lowers each distance to the one to this intersection [m], at nodes that follow `start` along x in steps of `spacing`.
-    pub(crate) fn lower_row(&self, start: DVec3, spacing: f64, scratch: &mut RowScratch, row: &mut [f32]) {
+    pub(crate) fn lower_row(
+        &self,
+        start: DVec3,
+        spacing: f64,
+        scratch: &mut RowScratch,
+        row: &mut [f32],
+    ) {
         // The distance is nowhere below `least`, so that a plane which is not above it at either end is never the farthest.
         scratch.ends.clear();
         let last = (row.len() - 1) as f64;

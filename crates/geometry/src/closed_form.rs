@@ -64,7 +64,11 @@ impl ClosedForm {
             Self::Box { half } => length_beyond(point.abs() - half),
             Self::Cylinder { radius, half_height } => {
                 let from_axis = DVec2::new(point.x, point.z).length();
-                length_beyond(DVec3::new(from_axis - radius, point.y.abs() - half_height, f64::NEG_INFINITY))
+                length_beyond(DVec3::new(
+                    from_axis - radius,
+                    point.y.abs() - half_height,
+                    f64::NEG_INFINITY,
+                ))
             }
         }
     }
@@ -89,7 +93,8 @@ impl ClosedForm {
             }
             Self::Box { half } => {
                 let square = half * half;
-                let moments = DVec3::new(square.y + square.z, square.z + square.x, square.x + square.y) / 3.0;
+                let moments =
+                    DVec3::new(square.y + square.z, square.z + square.x, square.x + square.y) / 3.0;
                 (8.0 * half.x * half.y * half.z, moments)
             }
             Self::Cylinder { radius, half_height } => {
@@ -163,7 +168,11 @@ mod tests {
             ClosedForm::Box { half } => Some(point.clamp(-half, half)),
             ClosedForm::Cylinder { radius, half_height } => {
                 let shrink = (radius / (point.x * point.x + point.z * point.z).sqrt()).min(1.0);
-                Some(DVec3::new(point.x * shrink, point.y.clamp(-half_height, half_height), point.z * shrink))
+                Some(DVec3::new(
+                    point.x * shrink,
+                    point.y.clamp(-half_height, half_height),
+                    point.z * shrink,
+                ))
             }
             _ => None,
         }
@@ -205,9 +214,12 @@ mod tests {
     fn degenerate_points_have_a_unit_gradient() {
         let tiny = 1e-300;
         for form in forms() {
-            for point in
-                [DVec3::ZERO, DVec3::splat(tiny), DVec3::new(0.5, 0.9, 0.2), DVec3::new(0.0, 0.4, 0.0)]
-            {
+            for point in [
+                DVec3::ZERO,
+                DVec3::splat(tiny),
+                DVec3::new(0.5, 0.9, 0.2),
+                DVec3::new(0.0, 0.4, 0.0),
+            ] {
                 for point in [point, -point, point + DVec3::new(tiny, 0.0, tiny)] {
                     let (distance, gradient) = form.distance_and_gradient(point);
                     assert!(
@@ -218,7 +230,10 @@ mod tests {
             }
         }
         let cube = ClosedForm::Box { half: DVec3::ONE };
-        assert_eq!(cube.distance_and_gradient(DVec3::ZERO), cube.distance_and_gradient(-DVec3::ZERO));
+        assert_eq!(
+            cube.distance_and_gradient(DVec3::ZERO),
+            cube.distance_and_gradient(-DVec3::ZERO)
+        );
     }
 
     /// The inertia of a solid cut into slabs along y: analytic against a sum over its cross-sections.
@@ -229,8 +244,14 @@ mod tests {
         let mass = 8.0 * half.x * half.y * half.z;
         let edge = 2.0 * half;
         assert!((cuboid.volume - mass).abs() < 1e-15);
-        assert!((cuboid.inertia.x_axis.x - mass * (edge.y * edge.y + edge.z * edge.z) / 12.0).abs() < 1e-15);
-        assert!((cuboid.inertia.y_axis.y - mass * (edge.x * edge.x + edge.z * edge.z) / 12.0).abs() < 1e-15);
+        assert!(
+            (cuboid.inertia.x_axis.x - mass * (edge.y * edge.y + edge.z * edge.z) / 12.0).abs()
+                < 1e-15
+        );
+        assert!(
+            (cuboid.inertia.y_axis.y - mass * (edge.x * edge.x + edge.z * edge.z) / 12.0).abs()
+                < 1e-15
+        );
 
         // Discs of radius r and thickness dy: pi r^4 / 4 about a diameter, pi r^2 y^2 by the parallel axis.
         let (radius, half_height, slabs) = (0.7, 0.4, 20_000);

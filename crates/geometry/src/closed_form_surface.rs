@@ -35,7 +35,8 @@ fn ball(radius: f64) -> TriMesh {
         for b in (a + 1..directions.len()).filter(|&b| neighbours(a, b)) {
             for c in (b + 1..directions.len()).filter(|&c| neighbours(a, c) && neighbours(b, c)) {
                 let outward = directions[a].cross(directions[b]).dot(directions[c]) > 0.0;
-                triangles.push(if outward { [a, b, c] } else { [a, c, b] }.map(|vertex| vertex as u32));
+                triangles
+                    .push(if outward { [a, b, c] } else { [a, c, b] }.map(|vertex| vertex as u32));
             }
         }
     }
@@ -54,13 +55,17 @@ fn ball(radius: f64) -> TriMesh {
         }
         triangles = finer;
     }
-    TriMesh { positions: directions.into_iter().map(|direction| radius * direction).collect(), triangles }
+    TriMesh {
+        positions: directions.into_iter().map(|direction| radius * direction).collect(),
+        triangles,
+    }
 }
 
 /// Two triangles for each face.
 fn cuboid(half: DVec3) -> TriMesh {
     let sign = |bit: usize| if bit & 1 == 1 { 1.0 } else { -1.0 };
-    let positions = (0..8).map(|c| half * DVec3::new(sign(c), sign(c >> 1), sign(c >> 2))).collect();
+    let positions =
+        (0..8).map(|c| half * DVec3::new(sign(c), sign(c >> 1), sign(c >> 2))).collect();
     let mut triangles = Vec::with_capacity(12);
     for axis in 0..3 {
         let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));

@@ -47,7 +47,8 @@ impl Compound {
         };
         let parts = hulls.into_iter().zip(bounds).map(part).collect();
         let mut compound = Self { parts, tree };
-        let glued: Vec<Vec<bool>> = (0..compound.parts.len()).map(|index| compound.glued(index)).collect();
+        let glued: Vec<Vec<bool>> =
+            (0..compound.parts.len()).map(|index| compound.glued(index)).collect();
         for (part, glued) in compound.parts.iter_mut().zip(glued) {
             part.glued = glued;
         }
@@ -153,7 +154,8 @@ impl Compound {
                 let part = &self.parts[index];
                 if away(part.bounds.0, part.bounds.1) <= best.get().0.max(0.0) {
                     let distance = part.distance_up_to(point, best.get().0);
-                    if distance < best.get().0 || (distance == best.get().0 && index < best.get().1) {
+                    if distance < best.get().0 || (distance == best.get().0 && index < best.get().1)
+                    {
                         best.set((distance, index));
                     }
                 }
@@ -172,7 +174,8 @@ impl Compound {
                 // What is in another part is none, and what two parts share counts once.
                 let point = sample.as_dvec3();
                 let mut faces = part.hull.faces().zip(&part.glued);
-                let is_outer = faces.any(|(face, glued)| !glued && face.plane.distance(point) >= -close);
+                let is_outer =
+                    faces.any(|(face, glued)| !glued && face.plane.distance(point) >= -close);
                 let hidden = |other: usize| {
                     let most = if other < index { close } else { -close };
                     self.parts[other].hull.distance_and_gradient(point).0 <= most
@@ -190,7 +193,8 @@ impl Compound {
     pub fn surface(&self) -> Surface {
         let mut surface = Surface::default();
         for part in &self.parts {
-            part.hull.add_surface(&mut surface, |face| part.glued[face] || part.hull.face(face).inner);
+            part.hull
+                .add_surface(&mut surface, |face| part.glued[face] || part.hull.face(face).inner);
         }
         surface
     }
@@ -229,8 +233,11 @@ impl Compound {
                     && (other.offset + plane.offset).abs() <= close
             };
             let mut area = 0.0;
-            for other in near.iter().filter(|&&other| other != index).map(|&other| &self.parts[other].hull) {
-                let opposite = (0..other.planes().len()).filter(|&at| faces_it(&other.planes()[at]));
+            for other in
+                near.iter().filter(|&&other| other != index).map(|&other| &self.parts[other].hull)
+            {
+                let opposite =
+                    (0..other.planes().len()).filter(|&at| faces_it(&other.planes()[at]));
                 area += opposite
                     .map(|at| overlap_area(&corners, &corners_of(other, at), plane.normal))
                     .sum::<f64>();
@@ -279,7 +286,8 @@ fn corners_of(hull: &Hull, face: usize) -> Vec<DVec3> {
 /// Area of a polygon with this unit normal [m^2]; negative if it runs clockwise.
 fn polygon_area(corners: &[DVec3], normal: DVec3) -> f64 {
     let Some(&origin) = corners.first() else { return 0.0 };
-    let doubled: DVec3 = corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum();
+    let doubled: DVec3 =
+        corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum();
     0.5 * doubled.dot(normal)
 }
 

@@ -15,7 +15,10 @@ pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
 }
 
 /// [`voxel_coverage`] from an exact signed distance [m] and its gradient: exact up to the curvature within a quarter of a voxel.
-pub fn exact_coverage(grid: &Grid, distance_and_gradient: impl Fn(DVec3) -> (f64, DVec3) + Sync) -> Vec<f32> {
+pub fn exact_coverage(
+    grid: &Grid,
+    distance_and_gradient: impl Fn(DVec3) -> (f64, DVec3) + Sync,
+) -> Vec<f32> {
     const PARTS: i32 = 4;
     let part = grid.spacing / f64::from(PARTS);
     let half_diagonal = 0.5 * 3.0f64.sqrt() * grid.spacing;
@@ -28,7 +31,11 @@ pub fn exact_coverage(grid: &Grid, distance_and_gradient: impl Fn(DVec3) -> (f64
         }
         let mut sum = 0.0;
         for n in 0..PARTS * PARTS * PARTS {
-            let shift = DVec3::new(offset(n % PARTS), offset(n / PARTS % PARTS), offset(n / (PARTS * PARTS)));
+            let shift = DVec3::new(
+                offset(n % PARTS),
+                offset(n / PARTS % PARTS),
+                offset(n / (PARTS * PARTS)),
+            );
             let (distance, gradient) = distance_and_gradient(node + shift);
             sum += cube_below_plane(distance, gradient * part);
         }
@@ -195,13 +202,17 @@ mod tests {
         let exact = form.mass_properties().unwrap();
         let axis = DVec3::new(0.3, 1.0, -0.4).normalize();
         let grid = Grid::around_box(DVec3::splat(-1.4), DVec3::splat(1.4), [voxels; 3], 2);
-        let form_from_grid = RigidTransform::new(DQuat::from_axis_angle(axis, 0.8), shift * grid.spacing);
-        let level_set = LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
+        let form_from_grid =
+            RigidTransform::new(DQuat::from_axis_angle(axis, 0.8), shift * grid.spacing);
+        let level_set =
+            LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
         let found = dense_mass_properties(&grid, &coverage_of(&level_set));
         let r = form_from_grid.matrix();
         let inertia_form = r * found.inertia * r.transpose();
-        let inertia_error =
-            (inertia_form - exact.inertia).to_cols_array().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let inertia_error = (inertia_form - exact.inertia)
+            .to_cols_array()
+            .iter()
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
         [found.volume / exact.volume - 1.0, inertia_error / exact.inertia.x_axis.x]
     }
 
@@ -215,8 +226,10 @@ mod tests {
         let (mut mean, mut low, mut high) = ([0.0; 2], f64::INFINITY, f64::NEG_INFINITY);
         for n in 0..shifts {
             let n = f64::from(n);
-            let [volume, inertia] = errors(form, voxels, DVec3::new(0.13, 0.29, 0.41) * n, coverage_of);
-            mean = [mean[0] + volume.abs() / f64::from(shifts), mean[1] + inertia / f64::from(shifts)];
+            let [volume, inertia] =
+                errors(form, voxels, DVec3::new(0.13, 0.29, 0.41) * n, coverage_of);
+            mean =
+                [mean[0] + volume.abs() / f64::from(shifts), mean[1] + inertia / f64::from(shifts)];
             (low, high) = (low.min(volume), high.max(volume));
         }
         [mean[0], mean[1], high - low]
@@ -230,7 +243,11 @@ mod tests {
             ClosedForm::Cylinder { radius: 0.8, half_height: 0.9 },
         ];
         let by_sign = |level_set: &LevelSet| {
-            level_set.phi().iter().map(|&phi| if phi < 0.0 { 1.0 } else { 0.0 }).collect::<Vec<f32>>()
+            level_set
+                .phi()
+                .iter()
+                .map(|&phi| if phi < 0.0 { 1.0 } else { 0.0 })
+                .collect::<Vec<f32>>()
         };
         for form in &forms {
             let [coarse, middle, fine] =
@@ -239,7 +256,9 @@ mod tests {
             for quantity in 0..2 {
                 let order = 0.5 * libm::log2(coarse[quantity] / fine[quantity]);
                 assert!(order > 1.8, "{form:?}: order {order}");
-                assert!(fine[quantity] < middle[quantity] && fine[quantity] < [5e-5, 3e-3][quantity]);
+                assert!(
+                    fine[quantity] < middle[quantity] && fine[quantity] < [5e-5, 3e-3][quantity]
+                );
             }
             // Counting nodes inside, the mass depends on where the solid lies between the nodes.
             assert!(crude[2] > 5.0 * fine[2], "{form:?}: {crude:?} {fine:?}");
@@ -253,16 +272,22 @@ mod tests {
         let form = ClosedForm::Box { half };
         let coverage = exact_coverage(&grid, |point| form.distance_and_gradient(point));
         assert!(coverage.iter().all(|&fraction| fraction == 0.0 || fraction == 1.0));
-        let (found, exact) = (dense_mass_properties(&grid, &coverage), form.mass_properties().unwrap());
+        let (found, exact) =
+            (dense_mass_properties(&grid, &coverage), form.mass_properties().unwrap());
         assert!((found.volume / exact.volume - 1.0).abs() < 1e-12);
-        assert!((found.inertia - exact.inertia).abs_diff_eq(DMat3::ZERO, 1e-12 * exact.inertia.x_axis.x));
+        assert!(
+            (found.inertia - exact.inertia)
+                .abs_diff_eq(DMat3::ZERO, 1e-12 * exact.inertia.x_axis.x)
+        );
 
         // From a formula a ball is fuller known than from its samples, by the square of the finer step.
         let ball = ClosedForm::Sphere { radius: 0.9 };
         let grid = Grid::around_box(DVec3::NEG_ONE, DVec3::ONE, [16; 3], 2);
-        let volume =
-            dense_mass_properties(&grid, &exact_coverage(&grid, |point| ball.distance_and_gradient(point)))
-                .volume;
+        let volume = dense_mass_properties(
+            &grid,
+            &exact_coverage(&grid, |point| ball.distance_and_gradient(point)),
+        )
+        .volume;
         assert!((volume / ball.mass_properties().unwrap().volume - 1.0).abs() < 4e-4);
     }
 
@@ -271,7 +296,8 @@ mod tests {
         let form = ClosedForm::Box { half: DVec3::new(1.0, 0.7, 0.8) };
         let offset = DVec3::new(300.0, -200.0, 500.0);
         let grid = Grid::around_box(offset - 1.0, offset + 1.0, [20; 3], 2);
-        let coverage = voxel_coverage(&LevelSet::sample(grid, |p| form.distance_and_gradient(p - offset).0));
+        let coverage =
+            voxel_coverage(&LevelSet::sample(grid, |p| form.distance_and_gradient(p - offset).0));
         let mut parts = [VoxelMoments::ZERO; 7];
         for (index, &fraction) in coverage.iter().enumerate() {
             let [i, j, k] = grid.coordinates(index);

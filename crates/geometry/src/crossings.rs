@@ -32,7 +32,10 @@ impl<'a> PaddedSigns<'a> {
     pub(crate) fn new(level_set: &'a LevelSet) -> Self {
         let inner = level_set.grid();
         let origin = inner.origin - DVec3::splat(inner.spacing);
-        Self { grid: Grid { origin, spacing: inner.spacing, dims: inner.dims.map(|n| n + 2) }, level_set }
+        Self {
+            grid: Grid { origin, spacing: inner.spacing, dims: inner.dims.map(|n| n + 2) },
+            level_set,
+        }
     }
 
     /// Signed distance at a node of the padded grid [m]; none in the added layer.
@@ -81,8 +84,16 @@ pub(crate) fn find_crossings(
                     {
                         continue;
                     }
-                    let (point, normal, piece) = cross(solid, signs, pieces, coordinates, axis, inside[node]);
-                    found.push(Crossing { node, axis, outward: inside[node], point, normal, piece });
+                    let (point, normal, piece) =
+                        cross(solid, signs, pieces, coordinates, axis, inside[node]);
+                    found.push(Crossing {
+                        node,
+                        axis,
+                        outward: inside[node],
+                        point,
+                        normal,
+                        piece,
+                    });
                 }
             }
             found
@@ -138,7 +149,12 @@ fn cross(
 /// The smallest fraction of the way from `inside` to `outside` at which a piece changes sign.
 ///
 /// A piece that has the inside node on its outer side does not bound the solid here: a sliver from beyond it was merged.
-fn first_exit(pieces: &OutlinePieces, inside: DVec3, outside: DVec3, spacing: f64) -> Option<(f64, usize)> {
+fn first_exit(
+    pieces: &OutlinePieces,
+    inside: DVec3,
+    outside: DVec3,
+    spacing: f64,
+) -> Option<(f64, usize)> {
     // Samples are rounded to f32.
     let rounding = 1e-3 * spacing;
     let mut first: Option<(f64, usize)> = None;
@@ -147,8 +163,11 @@ fn first_exit(pieces: &OutlinePieces, inside: DVec3, outside: DVec3, spacing: f6
         if low >= rounding || high < 0.0 {
             continue;
         }
-        let fraction =
-            if low >= 0.0 { 0.0 } else { root_between(pieces, piece, inside, outside, [low, high]) };
+        let fraction = if low >= 0.0 {
+            0.0
+        } else {
+            root_between(pieces, piece, inside, outside, [low, high])
+        };
         if first.is_none_or(|(best, _)| fraction < best) {
             first = Some((fraction, piece));
         }
@@ -192,7 +211,8 @@ pub(crate) fn sampled_normal(level_set: &LevelSet, point: DVec3) -> Option<DVec3
     // Differences over a cell around the point favour none of the cells that meet there.
     let half = 0.5 * level_set.grid().spacing;
     let along = |axis: DVec3| {
-        f64::from(level_set.value(point + half * axis)) - f64::from(level_set.value(point - half * axis))
+        f64::from(level_set.value(point + half * axis))
+            - f64::from(level_set.value(point - half * axis))
     };
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z)).try_normalize()
 }

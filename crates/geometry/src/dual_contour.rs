@@ -67,8 +67,9 @@ impl ActiveCells {
 
     fn of(grid: &Grid, inside: &[bool]) -> Self {
         let strides = [1, grid.dims[0], grid.dims[0] * grid.dims[1]];
-        let corner_offsets: [usize; 8] =
-            std::array::from_fn(|c| (c & 1) * strides[0] + (c >> 1 & 1) * strides[1] + (c >> 2) * strides[2]);
+        let corner_offsets: [usize; 8] = std::array::from_fn(|c| {
+            (c & 1) * strides[0] + (c >> 1 & 1) * strides[1] + (c >> 2) * strides[2]
+        });
         let mut active = Self { cells: Vec::new(), place: vec![Self::NONE; grid.len()] };
         for k in 0..grid.dims[2] - 1 {
             for j in 0..grid.dims[1] - 1 {
@@ -137,7 +138,8 @@ impl<'a> DualContour<'a> {
         // A quad joins the sheets of the four cells around an edge.
         let mut quads = Vec::with_capacity(crossings.len());
         for (index, crossing) in crossings.iter().enumerate() {
-            let (second, third) = (strides[(crossing.axis + 1) % 3], strides[(crossing.axis + 2) % 3]);
+            let (second, third) =
+                (strides[(crossing.axis + 1) % 3], strides[(crossing.axis + 2) % 3]);
             let around = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(p, q)| {
                 let cell = active.place[crossing.node - p * second - q * third] as usize;
                 let (first, sheet_of_edge) = sheets_of_cell[cell];
@@ -154,7 +156,8 @@ impl<'a> DualContour<'a> {
 
         // Place the vertices, and make sure that each corner of the outline has one.
         let placement = Placement { grid: &grid, pieces: &pieces, crossings: &crossings };
-        let mut vertices: Vec<Vertex> = all_sheets.par_iter().map(|sheet| placement.vertex(sheet)).collect();
+        let mut vertices: Vec<Vertex> =
+            all_sheets.par_iter().map(|sheet| placement.vertex(sheet)).collect();
         let claims: Vec<Vec<CornerClaim>> = all_sheets
             .par_iter()
             .zip(&vertices)

@@ -27,8 +27,8 @@ impl Grid {
         let along = |axis: usize| extent[axis] / voxels[axis] as f64;
         let spacing = along(0).max(along(1)).max(along(2));
         let dims = voxels.map(|n| n + 2 * margin);
-        let half =
-            DVec3::new((dims[0] - 1) as f64, (dims[1] - 1) as f64, (dims[2] - 1) as f64) * (0.5 * spacing);
+        let half = DVec3::new((dims[0] - 1) as f64, (dims[1] - 1) as f64, (dims[2] - 1) as f64)
+            * (0.5 * spacing);
         Self { origin: 0.5 * (min + max) - half, spacing, dims }
     }
 

@@ -2,7 +2,9 @@
 
 use crate::clip::{RowScratch, distances_over, larger};
 use crate::material::{Held, Material, Run};
-use crate::{Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Portion, RunCore, coverage};
+use crate::{
+    Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Portion, RunCore, coverage,
+};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -71,7 +73,11 @@ impl GridSolid {
     ///
     /// # Errors
     /// For a half-space, which no grid can hold.
-    pub fn from_closed_form(form: ClosedForm, voxels: [usize; 3], margin: usize) -> Result<Self, NoMass> {
+    pub fn from_closed_form(
+        form: ClosedForm,
+        voxels: [usize; 3],
+        margin: usize,
+    ) -> Result<Self, NoMass> {
         if form.mass_properties().is_none() {
             return Err(NoMass);
         }
@@ -180,10 +186,12 @@ impl GridSolid {
     fn part(&self, portion: Portion) -> Self {
         let [low, high] = portion.sums.nodes();
         // The part's own lattice; it may reach beyond this one's.
-        let dims: [usize; 3] = std::array::from_fn(|axis| high[axis] + 1 + 2 * Self::MARGIN - low[axis]);
+        let dims: [usize; 3] =
+            std::array::from_fn(|axis| high[axis] + 1 + 2 * Self::MARGIN - low[axis]);
         let from = low.map(|n| n as i64 - Self::MARGIN as i64);
         let h = self.grid.spacing;
-        let origin = self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
+        let origin =
+            self.grid.origin + h * DVec3::new(from[0] as f64, from[1] as f64, from[2] as f64);
         let grid = Grid { origin, spacing: h, dims };
         Self {
             held: self.held.part(portion, from, (&self.grid, &grid)),
@@ -364,7 +372,9 @@ impl GridSolid {
             }
             match self.row_of_field([j, k]) {
                 Some(of_field) => {
-                    phi.extend(of_field.iter().zip(&region).map(|(&field, &region)| larger(field, region)));
+                    phi.extend(
+                        of_field.iter().zip(&region).map(|(&field, &region)| larger(field, region)),
+                    );
                 }
                 None => {
                     let nodes = region.iter().enumerate();
@@ -394,7 +404,8 @@ impl GridSolid {
         let field = self.field.grid();
         let place = |node: usize, axis: usize| usize::try_from(node as i64 + self.shift[axis]).ok();
         let (i, j, k) = (place(0, 0)?, place(row[0], 1)?, place(row[1], 2)?);
-        let is_inside = i + self.grid.dims[0] <= field.dims[0] && j < field.dims[1] && k < field.dims[2];
+        let is_inside =
+            i + self.grid.dims[0] <= field.dims[0] && j < field.dims[1] && k < field.dims[2];
         let first = is_inside.then(|| field.index(i, j, k))?;
         Some(&self.field.phi()[first..first + self.grid.dims[0]])
     }
@@ -404,12 +415,14 @@ impl GridSolid {
     fn field_at(&self, node: [usize; 3]) -> f32 {
         let dims = self.field.grid().dims;
         let at: [i64; 3] = std::array::from_fn(|axis| node[axis] as i64 + self.shift[axis]);
-        let nearest: [i64; 3] = std::array::from_fn(|axis| at[axis].clamp(0, dims[axis] as i64 - 1));
+        let nearest: [i64; 3] =
+            std::array::from_fn(|axis| at[axis].clamp(0, dims[axis] as i64 - 1));
         let value = self.field.at(nearest[0] as usize, nearest[1] as usize, nearest[2] as usize);
         if at == nearest {
             return value;
         }
-        let square: i64 = at.iter().zip(nearest).map(|(at, nearest)| (at - nearest) * (at - nearest)).sum();
+        let square: i64 =
+            at.iter().zip(nearest).map(|(at, nearest)| (at - nearest) * (at - nearest)).sum();
         value + ((square as f64).sqrt() * self.grid.spacing) as f32
     }
 }

@@ -65,7 +65,8 @@ impl Hull {
     pub fn cuboid(half: DVec3) -> Self {
         // Vertex n is at the high end of the axes of its bits.
         let sign = |bit: usize| if bit & 1 == 1 { 1.0 } else { -1.0 };
-        let vertices = (0..8).map(|n| half * DVec3::new(sign(n), sign(n >> 1), sign(n >> 2))).collect();
+        let vertices =
+            (0..8).map(|n| half * DVec3::new(sign(n), sign(n >> 1), sign(n >> 2))).collect();
         let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(6));
         for axis in 0..3 {
             let (high, u, v) = (1 << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
@@ -102,7 +103,9 @@ impl Hull {
     }
 
     /// At least four.
-    pub fn faces(&self) -> impl ExactSizeIterator<Item = HullFace<'_>> + DoubleEndedIterator + Clone {
+    pub fn faces(
+        &self,
+    ) -> impl ExactSizeIterator<Item = HullFace<'_>> + DoubleEndedIterator + Clone {
         (0..self.planes.len()).map(|face| self.face(face))
     }
 
@@ -219,9 +222,11 @@ impl Hull {
     /// Adds the closed surface to another one, with a tag for each face.
     pub(crate) fn add_surface(&self, to: &mut Surface, is_inner: impl Fn(usize) -> bool) {
         let count = |face: usize| self.net.corners(face).len() - 2;
-        let of_triangle: Vec<usize> =
-            (0..self.planes.len()).flat_map(|face| std::iter::repeat_n(face, count(face))).collect();
-        let normals: Vec<DVec3> = of_triangle.iter().map(|&face| self.planes[face].normal).collect();
+        let of_triangle: Vec<usize> = (0..self.planes.len())
+            .flat_map(|face| std::iter::repeat_n(face, count(face)))
+            .collect();
+        let normals: Vec<DVec3> =
+            of_triangle.iter().map(|&face| self.planes[face].normal).collect();
         let interior = of_triangle.iter().map(|&face| is_inner(face)).collect();
         let own = Surface::with_coordinates(self.surface(), interior, &normals);
         let first = to.mesh.positions.len() as u32;
@@ -243,7 +248,11 @@ impl Hull {
 
     /// The polyhedron of these faces. Vertices that lie between two faces only, on a straight edge, are left out, and so are
     /// faces that have lost all but two. `None` if what is left is not closed.
-    fn from_loops(vertices: &[DVec3], mut planes: Vec<HalfSpace>, mut loops: Loops) -> Option<Self> {
+    fn from_loops(
+        vertices: &[DVec3],
+        mut planes: Vec<HalfSpace>,
+        mut loops: Loops,
+    ) -> Option<Self> {
         loops.straighten(vertices.len(), &mut planes);
         let mut corners = Vec::with_capacity(vertices.len());
         loops.renumber(vertices, &mut corners);

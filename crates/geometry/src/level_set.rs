@@ -25,7 +25,10 @@ impl LevelSet {
     /// If `phi` and `grid` differ in length, or an axis has fewer than two nodes.
     pub fn new(grid: Grid, phi: Vec<f32>) -> Self {
         assert_eq!(phi.len(), grid.len(), "one distance for each node");
-        assert!(grid.dims.iter().all(|&n| n >= 2), "trilinear interpolation needs two nodes along each axis");
+        assert!(
+            grid.dims.iter().all(|&n| n >= 2),
+            "trilinear interpolation needs two nodes along each axis"
+        );
         Self { grid, phi }
     }
 

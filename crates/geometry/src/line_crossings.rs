@@ -120,7 +120,8 @@ impl<'a> LineCrossings<'a> {
             };
             self.passed(first, enters, |corners, turn| {
                 // The first node beyond the triangle: about where the line meets it.
-                let beyond = |i: usize| lies_beyond(grid.node(i, row % ny, row / ny), corners, turn);
+                let beyond =
+                    |i: usize| lies_beyond(grid.node(i, row % ny, row / ny), corners, turn);
                 let guess = (met_at(first, corners) - first.x) / grid.spacing;
                 let mut node = guess.clamp(0.0, nx as f64) as usize;
                 while node > 0 && beyond(node - 1) {
@@ -219,12 +220,17 @@ mod tests {
 
     /// A cube of edge 2 around the origin, turned and moved.
     fn cube(turn: DQuat, way: DVec3) -> Vec<[DVec3; 3]> {
-        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let faces =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let corner = |n: usize| {
             let along = |axis: usize| if n >> axis & 1 == 1 { 1.0 } else { -1.0 };
             turn * DVec3::new(along(0), along(1), along(2)) + way
         };
-        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|t| t.map(corner)).collect()
+        faces
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .map(|t| t.map(corner))
+            .collect()
     }
 
     /// Rows through corners, along edges, along faces and along their diagonals: beside the surface
@@ -239,7 +245,10 @@ mod tests {
                 let [i, j, k] = grid.coordinates(index);
                 let node = grid.node(i, j, k);
                 let distance = node.abs().max_element() - 1.0;
-                assert!(distance == 0.0 || winding == i32::from(distance < 0.0), "{node}: {winding}");
+                assert!(
+                    distance == 0.0 || winding == i32::from(distance < 0.0),
+                    "{node}: {winding}"
+                );
                 assert!(winding == 0 || winding == 1, "{node}: {winding}");
                 assert_eq!(winding, surfaces.winding(node), "{node}");
             }
@@ -254,7 +263,8 @@ mod tests {
     fn counts_what_solid_angles_add_up_to() {
         let mut triangles = Vec::new();
         for n in 0..7 {
-            let turn = DQuat::from_rotation_y(0.4 * f64::from(n)) * DQuat::from_rotation_x(f64::from(n));
+            let turn =
+                DQuat::from_rotation_y(0.4 * f64::from(n)) * DQuat::from_rotation_x(f64::from(n));
             triangles.extend(cube(turn, 0.3 * f64::from(n) * DVec3::new(1.0, -0.5, 0.25)));
         }
         let mut inward = cube(DQuat::IDENTITY, DVec3::splat(0.5));
@@ -293,7 +303,10 @@ mod tests {
                 let point = turn.inverse() * grid.node(i, j, k);
                 let beside = 1.0 - 0.5 * point.y - point.with_y(0.0).length();
                 let depth = beside.min(point.y);
-                assert!(depth.abs() < 1e-5 || winding == i32::from(depth > 0.0), "{point}: {winding}");
+                assert!(
+                    depth.abs() < 1e-5 || winding == i32::from(depth > 0.0),
+                    "{point}: {winding}"
+                );
                 inside += winding;
             }
             assert!(inside > 1000, "{inside}");

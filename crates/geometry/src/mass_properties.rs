@@ -99,7 +99,10 @@ mod tests {
     #[test]
     fn a_diagonal_tensor_gives_no_rotation() {
         let moments = DVec3::new(3.0, 1.0, 2.0);
-        assert_eq!(with_inertia(DMat3::from_diagonal(moments)).principal_axes(), (moments, DQuat::IDENTITY));
+        assert_eq!(
+            with_inertia(DMat3::from_diagonal(moments)).principal_axes(),
+            (moments, DQuat::IDENTITY)
+        );
     }
 
     #[test]
@@ -108,7 +111,9 @@ mod tests {
         assert_eq!((moments, rotation), (DVec3::ZERO, DQuat::IDENTITY));
         // Two points on a line along (1, 1, 0): no resistance about it.
         let along = DVec3::new(1.0, 1.0, 0.0);
-        assert!(with_inertia(parallel_axis(1.0, along)).principal_axes().0.min_element().abs() < 1e-15);
+        assert!(
+            with_inertia(parallel_axis(1.0, along)).principal_axes().0.min_element().abs() < 1e-15
+        );
     }
 
     /// Two masses seen from their common centre, once by second moments and once by parallel axes.
@@ -116,7 +121,8 @@ mod tests {
     fn second_moments_and_parallel_axes_agree() {
         let levers = [DVec3::new(1.0, -2.0, 0.5), DVec3::new(-2.0, 4.0, -1.0)];
         let masses = [2.0, 1.0];
-        let second = masses[0] * outer(levers[0], levers[0]) + masses[1] * outer(levers[1], levers[1]);
+        let second =
+            masses[0] * outer(levers[0], levers[0]) + masses[1] * outer(levers[1], levers[1]);
         let sum = parallel_axis(masses[0], levers[0]) + parallel_axis(masses[1], levers[1]);
         assert!(inertia_from_second_moments(second).abs_diff_eq(sum, 1e-14));
         assert_eq!(sum.x_axis, DVec3::new(2.0 * 4.25 + 17.0, 4.0 + 8.0, -1.0 - 2.0));

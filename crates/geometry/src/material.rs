@@ -132,7 +132,12 @@ impl Held {
     }
 
     /// A portion of it, on a grid whose first node is `from` here.
-    pub(crate) fn part(&self, portion: Portion, from: [i64; 3], (grid, own): (&Grid, &Grid)) -> Self {
+    pub(crate) fn part(
+        &self,
+        portion: Portion,
+        from: [i64; 3],
+        (grid, own): (&Grid, &Grid),
+    ) -> Self {
         Self {
             taken: portion.runs,
             mass: portion.sums.mass_properties(),
@@ -172,7 +177,11 @@ impl Held {
             start: along(run.start),
             end: along(run.end),
             inside: run.inside,
-            moments: [volume, first - ahead * volume, second + ahead * (ahead * volume - 2.0 * first)],
+            moments: [
+                volume,
+                first - ahead * volume,
+                second + ahead * (ahead * volume - 2.0 * first),
+            ],
         }
     }
 
@@ -201,7 +210,8 @@ impl Held {
                 let along = |i: u32| (i64::from(i) - self.shift[0]) as u32;
                 let cut = move |span: &Span| {
                     let (start, end) = (span.start.max(run.start), span.end.min(run.end));
-                    (start < end).then(|| (row, Span { start: along(start), end: along(end), ..*span }))
+                    (start < end)
+                        .then(|| (row, Span { start: along(start), end: along(end), ..*span }))
                 };
                 self.source.row(run.number(source_rows_y)).iter().filter_map(cut)
             });
@@ -228,7 +238,8 @@ impl Material {
             let nodes = phi.iter().zip(coverage).zip(0..);
             nodes.filter_map(move |((&phi, &coverage), i)| {
                 let inside = phi <= 0.0;
-                (inside || coverage > 0.0).then_some((row, Span { start: i, end: i + 1, coverage, inside }))
+                (inside || coverage > 0.0)
+                    .then_some((row, Span { start: i, end: i + 1, coverage, inside }))
             })
         });
         Self::from_rows(grid.dims[1] * grid.dims[2], spans)
@@ -240,7 +251,9 @@ impl Material {
         for (row, span) in spans {
             if material.first_of_row.len() <= row {
                 material.first_of_row.resize(row + 1, material.spans.len() as u32);
-            } else if let Some(last) = material.spans.last_mut().filter(|last| last.continues_in(&span)) {
+            } else if let Some(last) =
+                material.spans.last_mut().filter(|last| last.continues_in(&span))
+            {
                 last.end = span.end;
                 continue;
             }

@@ -119,7 +119,8 @@ impl Tetrahedra {
             self.determinant[lane] += determinant;
             let sum: [f64; 3] = std::array::from_fn(|axis| a[axis] + b[axis] + c[axis]);
             for axis in 0..3 {
-                let product = |u: usize, v: usize| a[u] * a[v] + b[u] * b[v] + c[u] * c[v] + sum[u] * sum[v];
+                let product =
+                    |u: usize, v: usize| a[u] * a[v] + b[u] * b[v] + c[u] * c[v] + sum[u] * sum[v];
                 self.first[axis][lane] += determinant * sum[axis];
                 self.squares[axis][lane] += determinant * product(axis, axis);
                 self.products[axis][lane] += determinant * product(axis, (axis + 1) % 3);
@@ -135,7 +136,8 @@ impl Tetrahedra {
         self.sum_up();
         let sum = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
         let vector = |sums: [[f64; LANES]; 3]| DVec3::from_array(sums.map(sum));
-        let [first_moment, squares, products] = [self.first, self.squares, self.products].map(vector);
+        let [first_moment, squares, products] =
+            [self.first, self.squares, self.products].map(vector);
 
         // Move the moments from the origin to the centre of mass.
         let volume = sum(self.determinant) / 6.0;

@@ -14,7 +14,9 @@ pub(crate) fn short(number: f64) -> String {
     let text = format!("{number:.3e}");
     match text.parse::<f64>() {
         // Not hundreds of zeros.
-        Ok(rounded) if rounded == 0.0 || (1e-6..1e12).contains(&rounded.abs()) => format!("{rounded}"),
+        Ok(rounded) if rounded == 0.0 || (1e-6..1e12).contains(&rounded.abs()) => {
+            format!("{rounded}")
+        }
         Ok(rounded) => format!("{rounded:e}"),
         Err(_) => text,
     }
@@ -159,7 +161,9 @@ impl TriMesh {
             }
         }
         for (triangle, corners) in self.triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= self.positions.len()) {
+            if let Some(&vertex) =
+                corners.iter().find(|&&vertex| vertex as usize >= self.positions.len())
+            {
                 return Err(MeshError::IndexOutOfRange {
                     mesh: mesh(),
                     place: format!("triangle {triangle}"),

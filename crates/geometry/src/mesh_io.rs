@@ -35,7 +35,8 @@ pub fn load_with_attributes(path: &Path) -> Result<(TriMesh, MeshAttributes), Me
 fn read(path: &Path, wanted: bool) -> Result<Parsed, MeshError> {
     // Read the file.
     let name = path.display().to_string();
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let ending =
+        path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     if path.is_dir() {
         return Err(MeshError::Folder { mesh: name });
     }

@@ -76,7 +76,8 @@ pub fn solids_to_level_set(clean: &CleanMesh, grid: Grid) -> Result<LevelSet, Me
         meeting.others[solid] || meeting.buried[solid] > 0.0
     };
     let (asked, alone): (Vec<usize>, Vec<usize>) = (0..triangles.len()).partition(meets);
-    let mut boundary: Vec<[DVec3; 3]> = alone.into_iter().map(|triangle| triangles[triangle]).collect();
+    let mut boundary: Vec<[DVec3; 3]> =
+        alone.into_iter().map(|triangle| triangles[triangle]).collect();
     let windings = surfaces.at_nodes(&grid);
     if !asked.is_empty() {
         boundary.extend(boundary_triangles(&surfaces, &asked, &Deep::new(&grid, &windings)));

@@ -117,7 +117,9 @@ impl TriMesh {
     /// For each vertex, the lowest one at the same position.
     pub(crate) fn first_vertex_at_position(&self) -> Vec<u32> {
         // Adding zero makes -0 and 0 the same.
-        let key = |vertex: u32| (self.positions[vertex as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+        let key = |vertex: u32| {
+            (self.positions[vertex as usize] + DVec3::ZERO).to_array().map(f64::to_bits)
+        };
         let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
         order.sort_unstable_by_key(|&vertex| (key(vertex), vertex));
         let mut first_at = vec![0; order.len()];

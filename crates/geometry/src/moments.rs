@@ -143,7 +143,8 @@ impl RunSums {
     fn stretch(&mut self, low: [f64; 3], high: [f64; 3]) {
         for axis in 0..3 {
             self.low[axis] = if low[axis] < self.low[axis] { low[axis] } else { self.low[axis] };
-            self.high[axis] = if high[axis] > self.high[axis] { high[axis] } else { self.high[axis] };
+            self.high[axis] =
+                if high[axis] > self.high[axis] { high[axis] } else { self.high[axis] };
         }
     }
 
@@ -159,7 +160,8 @@ impl RunSums {
 
     /// Lowest and highest node; all zero of nothing.
     pub(crate) fn nodes(&self) -> [[usize; 3]; 2] {
-        [self.low, self.high].map(|corner| corner.map(|n| if n.is_finite() { n as usize } else { 0 }))
+        [self.low, self.high]
+            .map(|corner| corner.map(|n| if n.is_finite() { n as usize } else { 0 }))
     }
 
     /// Of all that was added, in the grid's frame.

@@ -35,8 +35,12 @@ impl<'a> OutlinePieces<'a> {
         let grid = solid.grid();
         pieces.retain(|piece| piece.reaches(grid));
         let of_root = pieces.len();
-        let cuts =
-            solid.outline.cuts.iter().map(|&cut| Piece::Plane(cut)).filter(|piece| piece.reaches(grid));
+        let cuts = solid
+            .outline
+            .cuts
+            .iter()
+            .map(|&cut| Piece::Plane(cut))
+            .filter(|piece| piece.reaches(grid));
         let cracks: Vec<Piece> = cuts.filter(|cut| parts_nodes(grid, &pieces, cut)).collect();
         pieces.extend(cracks);
         pieces.extend(solid.outline.rough.iter().map(|cell| Piece::Sampled(cell)));
@@ -116,7 +120,11 @@ fn pieces_of(form: &ClosedForm) -> Vec<Piece<'static>> {
             .flat_map(|(axis, half)| [face(axis, half), face(-axis, half)])
             .collect(),
         ClosedForm::Cylinder { radius, half_height } => {
-            vec![Piece::Side { radius }, face(DVec3::Y, half_height), face(DVec3::NEG_Y, half_height)]
+            vec![
+                Piece::Side { radius },
+                face(DVec3::Y, half_height),
+                face(DVec3::NEG_Y, half_height),
+            ]
         }
     }
 }
@@ -136,7 +144,9 @@ impl Piece<'_> {
             Self::Plane(plane) => return plane.normal,
             Self::Sphere { .. } => point,
             Self::Side { .. } => DVec3::new(point.x, 0.0, point.z),
-            Self::Sampled(level_set) => return sampled_normal(level_set, point).unwrap_or(DVec3::Y),
+            Self::Sampled(level_set) => {
+                return sampled_normal(level_set, point).unwrap_or(DVec3::Y);
+            }
         };
         direction.try_normalize().unwrap_or(DVec3::Y)
     }

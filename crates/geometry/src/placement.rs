@@ -82,7 +82,9 @@ impl Placement<'_> {
         while !formulas.is_empty() {
             let exact = self.meet_formulas(sheet, middle, start, &mut formulas);
             point = self.meet_samples(sheet, middle, exact, &sampled);
-            let Some(piece) = self.cut_off_by(sheet, middle + point * spacing, &formulas) else { break };
+            let Some(piece) = self.cut_off_by(sheet, middle + point * spacing, &formulas) else {
+                break;
+            };
             formulas.push(piece);
         }
 
@@ -146,11 +148,13 @@ impl Placement<'_> {
         let value = |root, point: DVec3| {
             self.pieces.value(root, middle + point * self.grid.spacing) / self.grid.spacing
         };
-        let pieces =
-            || sheet.crossings[..sheet.count].iter().map(|&index| self.crossings[index as usize].piece);
+        let pieces = || {
+            sheet.crossings[..sheet.count].iter().map(|&index| self.crossings[index as usize].piece)
+        };
         let mut crossed = pieces().flatten().filter(|&piece| !self.pieces.is_formula(piece));
         let root = crossed.next().or_else(|| self.pieces.sampled());
-        let is_one = crossed.all(|piece| Some(piece) == root) && pieces().all(|piece| piece.is_some());
+        let is_one =
+            crossed.all(|piece| Some(piece) == root) && pieces().all(|piece| piece.is_some());
         let Some(root) = root.filter(|_| is_one) else {
             return sampled.minimize_along(&free, foot, SAMPLED_TRUNCATION, CREASE_REACH);
         };
@@ -190,7 +194,12 @@ impl Placement<'_> {
     }
 
     /// The corners of the outline around a vertex: points of the solid where three of its formulas meet.
-    pub(crate) fn corners_near(&self, sheet: &Sheet, vertex: usize, position: DVec3) -> Vec<CornerClaim> {
+    pub(crate) fn corners_near(
+        &self,
+        sheet: &Sheet,
+        vertex: usize,
+        position: DVec3,
+    ) -> Vec<CornerClaim> {
         let reach = 1.2 * self.grid.spacing;
         let near: Vec<usize> = (0..self.pieces.len())
             .filter(|&piece| {
@@ -200,15 +209,20 @@ impl Placement<'_> {
         if near.len() < 3 {
             return Vec::new();
         }
-        let near: Vec<usize> = near.into_iter().filter(|&piece| self.bounds_cell(sheet, piece)).collect();
+        let near: Vec<usize> =
+            near.into_iter().filter(|&piece| self.bounds_cell(sheet, piece)).collect();
         let mut claims = Vec::new();
         for (a, &first) in near.iter().enumerate() {
             for (b, &second) in near.iter().enumerate().skip(a + 1) {
                 for &third in &near[b + 1..] {
-                    let Some(corner) = self.meeting_point([first, second, third], position) else { continue };
+                    let Some(corner) = self.meeting_point([first, second, third], position) else {
+                        continue;
+                    };
                     let distance = corner.distance(position);
                     let on_solid = self.pieces.max_value(corner).is_some_and(|(value, piece)| {
-                        value < if self.pieces.is_formula(piece) { 1e-6 } else { 0.05 } * self.grid.spacing
+                        value
+                            < if self.pieces.is_formula(piece) { 1e-6 } else { 0.05 }
+                                * self.grid.spacing
                     });
                     if distance < reach && on_solid {
                         claims.push(CornerClaim { vertex, corner, distance });

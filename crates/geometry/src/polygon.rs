@@ -83,8 +83,9 @@ impl Clipper {
             return false;
         }
         let same_place = |p: usize| [a, n, c].iter().any(|&q| self.points[p] == self.points[q]);
-        let holds =
-            |p: usize| self.turn(a, n, p) >= 0.0 && self.turn(n, c, p) >= 0.0 && self.turn(c, a, p) >= 0.0;
+        let holds = |p: usize| {
+            self.turn(a, n, p) >= 0.0 && self.turn(n, c, p) >= 0.0 && self.turn(c, a, p) >= 0.0
+        };
         let left = |p: usize| self.version[p].is_some() && p != a && p != n && p != c;
         !reflex.iter().any(|&p| left(p) && holds(p) && !same_place(p))
     }
@@ -99,7 +100,11 @@ impl Clipper {
             let reflex: Vec<usize> = left.iter().copied().filter(is_reflex).collect();
             let mut waiting: BinaryHeap<Reverse<(Side, usize, u32)>> = BinaryHeap::new();
             for &n in left.iter().filter(|&&n| self.is_ear(n, &reflex)) {
-                waiting.push(Reverse((Side(self.side_squared(n)), n, self.version[n].unwrap_or(0))));
+                waiting.push(Reverse((
+                    Side(self.side_squared(n)),
+                    n,
+                    self.version[n].unwrap_or(0),
+                )));
             }
             // A loop that crosses itself may have no ear: then the shortest side goes.
             if waiting.is_empty() {
@@ -167,7 +172,8 @@ mod tests {
     use crate::TriMesh;
 
     fn filled(points: &[(f64, f64)]) -> TriMesh {
-        let positions: Vec<DVec3> = points.iter().map(|&(x, y)| DVec3::new(x, 0.3 * x - y, y)).collect();
+        let positions: Vec<DVec3> =
+            points.iter().map(|&(x, y)| DVec3::new(x, 0.3 * x - y, y)).collect();
         let corners: Vec<u32> = (0..points.len() as u32).collect();
         let triangles = triangulate(&corners, &|corner| positions[corner as usize]);
         TriMesh { positions, triangles }

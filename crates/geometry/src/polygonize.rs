@@ -42,17 +42,22 @@ fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64)
     let pieces = &contour.pieces;
     let corners = triangle.map(|vertex| contour.vertices[vertex as usize].position);
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-    let lies_on =
-        |piece: usize| corners.iter().all(|&corner| pieces.value(piece, corner).abs() < ON_CRACK * spacing);
+    let lies_on = |piece: usize| {
+        corners.iter().all(|&corner| pieces.value(piece, corner).abs() < ON_CRACK * spacing)
+    };
     let faces = |piece: usize| pieces.normal(piece, corners[0]).dot(normal) > LEANS;
     let flat = |piece: usize| pieces.is_cut(piece) && pieces.is_plane(piece);
     match quad.piece {
-        Some(piece) if flat(piece) => (quad.normal, lies_on(piece) || normal == DVec3::ZERO || faces(piece)),
+        Some(piece) if flat(piece) => {
+            (quad.normal, lies_on(piece) || normal == DVec3::ZERO || faces(piece))
+        }
         // Triangles that the outline does not know were made by a merged sliver's cracks.
         None => (quad.normal, pieces.has_cuts()),
         Some(piece) => {
             let crack = (0..pieces.len()).find(|&cut| flat(cut) && faces(cut) && lies_on(cut));
-            crack.map_or((quad.normal, pieces.is_cut(piece)), |cut| (pieces.normal(cut, corners[0]), true))
+            crack.map_or((quad.normal, pieces.is_cut(piece)), |cut| {
+                (pieces.normal(cut, corners[0]), true)
+            })
         }
     }
 }
@@ -112,8 +117,9 @@ mod tests {
     }
 
     fn cut_solid(form: ClosedForm, cuts: Vec<HalfSpace>, grid: Grid) -> GridSolid {
-        let distance =
-            |p: DVec3| cuts.iter().fold(form.distance_and_gradient(p).0, |d, cut| d.max(cut.distance(p)));
+        let distance = |p: DVec3| {
+            cuts.iter().fold(form.distance_and_gradient(p).0, |d, cut| d.max(cut.distance(p)))
+        };
         let mut solid = GridSolid::from_level_set(LevelSet::sample(grid, distance));
         solid.outline = Outline { root: Root::ClosedForm(form), cuts, rough: Vec::new() };
         solid
@@ -146,15 +152,19 @@ mod tests {
         for n in 0..100 {
             let t = f64::from(n);
             let axis =
-                DVec3::new(libm::sin(0.7 * t), libm::cos(1.3 * t), libm::sin(0.37 * t) + 0.1).normalize();
+                DVec3::new(libm::sin(0.7 * t), libm::cos(1.3 * t), libm::sin(0.37 * t) + 0.1)
+                    .normalize();
             let rotation = DQuat::from_axis_angle(axis, 0.61 * t);
             let grid = cubic_grid(0.75, 24, DVec3::new(0.13, 0.29, 0.41) * t);
             let grid = Grid {
                 origin: grid.origin - (DVec3::new(0.13, 0.29, 0.41) * t).floor() * grid.spacing,
                 ..grid
             };
-            let surface =
-                polygonize(&cut_solid(ClosedForm::Sphere { radius: 10.0 }, turned_box(half, rotation), grid));
+            let surface = polygonize(&cut_solid(
+                ClosedForm::Sphere { radius: 10.0 },
+                turned_box(half, rotation),
+                grid,
+            ));
             assert!(is_closed(&surface));
             assert!(surface.interior.iter().all(|&interior| interior));
             for corner in corners(half) {
@@ -195,8 +205,11 @@ mod tests {
                 let [a, b, c] = surface.mesh.corners(triangle);
                 area[usize::from(interior)] += 0.5 * (b - a).cross(c - a).length();
                 for corner in [a, b, c] {
-                    let off =
-                        if interior { side.distance(corner) } else { form.distance_and_gradient(corner).0 };
+                    let off = if interior {
+                        side.distance(corner)
+                    } else {
+                        form.distance_and_gradient(corner).0
+                    };
                     assert!(off.abs() < 1e-6 * grid.spacing, "{off}");
                 }
             }
@@ -226,7 +239,10 @@ mod tests {
             // From samples alone, edges are as round as they are in the samples.
             let (worst, volume_error) = deviation(&sampled);
             let allowed = if form == ball { 0.05 } else { 0.4 };
-            assert!(worst < allowed && volume_error < 5e-3, "{form:?} sampled: {worst} {volume_error}");
+            assert!(
+                worst < allowed && volume_error < 5e-3,
+                "{form:?} sampled: {worst} {volume_error}"
+            );
         }
     }
 
@@ -250,9 +266,14 @@ mod tests {
     #[test]
     fn what_touches_the_border_of_the_grid_is_closed_there() {
         let grid = Grid { origin: DVec3::new(1.0, 2.0, 3.0), spacing: 0.1, dims: [5, 4, 3] };
-        let surface = polygonize(&GridSolid::from_level_set(LevelSet::new(grid, vec![-1.0; grid.len()])));
+        let surface =
+            polygonize(&GridSolid::from_level_set(LevelSet::new(grid, vec![-1.0; grid.len()])));
         assert!(is_closed(&surface) && !surface.interior.contains(&true));
-        assert!((volume(&surface) / (60.0 * grid.voxel_volume()) - 1.0).abs() < 1e-9, "{}", volume(&surface));
+        assert!(
+            (volume(&surface) / (60.0 * grid.voxel_volume()) - 1.0).abs() < 1e-9,
+            "{}",
+            volume(&surface)
+        );
     }
 
     /// A sliver from beyond a cut was merged: the outline's plane passes through the solid, and leaves no dent.
@@ -274,7 +295,10 @@ mod tests {
 
     fn noise(dims: [usize; 3]) -> impl Strategy<Value = GridSolid> {
         prop::collection::vec(-1.0..1.0f32, dims[0] * dims[1] * dims[2]).prop_map(move |phi| {
-            GridSolid::from_level_set(LevelSet::new(Grid { origin: DVec3::ZERO, spacing: 0.5, dims }, phi))
+            GridSolid::from_level_set(LevelSet::new(
+                Grid { origin: DVec3::ZERO, spacing: 0.5, dims },
+                phi,
+            ))
         })
     }
 
@@ -301,7 +325,8 @@ mod tests {
 
     #[test]
     fn a_doubled_triangle_is_not_closed() {
-        let solid = GridSolid::from_closed_form(ClosedForm::Sphere { radius: 1.0 }, [8; 3], 2).unwrap();
+        let solid =
+            GridSolid::from_closed_form(ClosedForm::Sphere { radius: 1.0 }, [8; 3], 2).unwrap();
         let mut surface = polygonize(&solid);
         assert!(is_closed(&surface));
         let triangle = surface.mesh.triangles.pop().unwrap();

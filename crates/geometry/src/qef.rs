@@ -33,11 +33,19 @@ impl Qef {
 
     /// The minimiser nearest to `start` along the directions that `free` projects on. Of these the first one counts from
     /// an angle of 6 degrees between it and the planes on, the other one as an edge that leads across the first.
-    pub(crate) fn minimize_along(&self, free: &DMat3, start: DVec3, truncation: f64, reach: f64) -> DVec3 {
+    pub(crate) fn minimize_along(
+        &self,
+        free: &DMat3,
+        start: DVec3,
+        truncation: f64,
+        reach: f64,
+    ) -> DVec3 {
         const LEAST_ANGLE: f64 = 0.01;
-        let planes = self.normal_matrix.x_axis.x + self.normal_matrix.y_axis.y + self.normal_matrix.z_axis.z;
+        let planes =
+            self.normal_matrix.x_axis.x + self.normal_matrix.y_axis.y + self.normal_matrix.z_axis.z;
         let normal_matrix = *free * self.normal_matrix * *free;
-        let right_side = *free * (self.right_side - self.normal_matrix * start) + normal_matrix * start;
+        let right_side =
+            *free * (self.right_side - self.normal_matrix * start) + normal_matrix * start;
         let sections = Self { normal_matrix, right_side };
         sections.descend(start, reach, |_| [LEAST_ANGLE * planes, truncation * planes])
     }
@@ -109,7 +117,10 @@ mod tests {
         let mut exact = Qef::ZERO;
         exact.add_plane(DVec3::new(0.0, 0.0, 0.2), DVec3::Z);
         let free = exact.free_directions(0.01);
-        assert_eq!((exact.rank(0.01), free * DVec3::new(1.0, 2.0, 3.0)), (1, DVec3::new(1.0, 2.0, 0.0)));
+        assert_eq!(
+            (exact.rank(0.01), free * DVec3::new(1.0, 2.0, 3.0)),
+            (1, DVec3::new(1.0, 2.0, 0.0))
+        );
         // Two that disagree on the third axis, and one that is too flat to cut the exact plane.
         let mut rough = Qef::ZERO;
         rough.add_plane(DVec3::new(0.3, 0.0, 0.2), DVec3::new(0.8, 0.0, 0.6));
@@ -129,6 +140,8 @@ mod tests {
         qef.add_plane(DVec3::new(0.0, 0.0, 3.0), DVec3::Z);
         qef.add_plane(DVec3::new(0.1, 0.0, 0.0), DVec3::X);
         qef.add_plane(DVec3::new(0.0, 0.2, 0.0), DVec3::Y);
-        assert!((qef.minimize(DVec3::ZERO, 0.01, 0.5) - DVec3::new(0.1, 0.2, 0.0)).length() < 1e-12);
+        assert!(
+            (qef.minimize(DVec3::ZERO, 0.01, 0.5) - DVec3::new(0.1, 0.2, 0.0)).length() < 1e-12
+        );
     }
 }

@@ -16,7 +16,10 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>> {
         return Err(Error::other("it is a folder, a device or a pipe, must be a regular file"));
     }
     if status.len() > MOST_BYTES {
-        return Err(Error::other(format!("it has {} bytes, must have at most {MOST_BYTES}", status.len())));
+        return Err(Error::other(format!(
+            "it has {} bytes, must have at most {MOST_BYTES}",
+            status.len()
+        )));
     }
     let mut bytes = Vec::new();
     std::fs::File::open(path)?.take(MOST_BYTES).read_to_end(&mut bytes)?;

@@ -43,7 +43,10 @@ impl RigidTransform {
     /// `c_from_b.after(b_from_a)` is `c_from_a`.
     #[inline]
     pub fn after(&self, first: &Self) -> Self {
-        Self { rotation: self.rotation * first.rotation, translation: self.point(first.translation) }
+        Self {
+            rotation: self.rotation * first.rotation,
+            translation: self.point(first.translation),
+        }
     }
 
     /// The rotation as a matrix.

@@ -51,7 +51,10 @@ impl Sums {
             if span.start >= end {
                 break;
             }
-            run.add(&Span { start: span.start.max(start), end: span.end.min(end), ..*span }, middle);
+            run.add(
+                &Span { start: span.start.max(start), end: span.end.min(end), ..*span },
+                middle,
+            );
         }
         Self { inside: run.inside, moments: run.moments }
     }
@@ -66,7 +69,8 @@ impl Sums {
 impl RunCore {
     /// Of a run and its spans, in a grid that has its middle so many nodes along x.
     pub(crate) fn of(run: &Run, spans: &[Span], middle: f64) -> Self {
-        let longest = (0..spans.len()).rev().max_by_key(|&at| spans[at].end - spans[at].start).unwrap_or(0);
+        let longest =
+            (0..spans.len()).rev().max_by_key(|&at| spans[at].end - spans[at].start).unwrap_or(0);
         let nothing = Span { start: run.start, end: run.start + 1, coverage: 0.0, inside: false };
         let core = spans.get(longest).copied().unwrap_or(nothing);
         let ends = |start: u32, end: u32| [f64::from(start), f64::from(end) - 1.0];

@@ -6,7 +6,9 @@ use crate::hull::{hull_samples, rounded_surface};
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
-use crate::{ClosedForm, GridSolid, Hull, MassProperties, NoMass, RigidTransform, Surface, TriMesh};
+use crate::{
+    ClosedForm, GridSolid, Hull, MassProperties, NoMass, RigidTransform, Surface, TriMesh,
+};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -78,7 +80,10 @@ impl Shape {
     pub fn closed_form(form: ClosedForm, sample_spacing: f64) -> Self {
         // The axes of all of these are principal, and their middle is the centre of mass.
         let (volume, unit_moments) = form.mass_properties().map_or((0.0, DVec3::ZERO), |mass| {
-            (mass.volume, DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z))
+            (
+                mass.volume,
+                DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z),
+            )
         });
         let hull = match form {
             ClosedForm::Box { half } => Some(Arc::new(Hull::cuboid(half))),
@@ -111,7 +116,8 @@ impl Shape {
             ClosedForm::Cylinder { radius, half_height } => Hull::cylinder(radius, half_height),
         };
         let mass = hull.mass_properties();
-        let moments = DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z);
+        let moments =
+            DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z);
         // Moments that are equal but for rounding give no axes.
         let unit_moments = match form {
             ClosedForm::Sphere { .. } => DVec3::splat(moments.element_sum() / 3.0),
@@ -142,7 +148,11 @@ impl Shape {
     ///
     /// # Errors
     /// If its volume or a moment vanishes.
-    pub fn convex_with_mass(hull: Hull, mass: &MassProperties, sample_spacing: f64) -> Result<Self, NoMass> {
+    pub fn convex_with_mass(
+        hull: Hull,
+        mass: &MassProperties,
+        sample_spacing: f64,
+    ) -> Result<Self, NoMass> {
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let in_body = hull.transformed(&body_from_grid);
         Ok(Self {
@@ -163,9 +173,9 @@ impl Shape {
     /// was cut out of, in the same grid frame.
     pub fn cut_from(self, parent: &Self) -> Self {
         let part_of = match parent.geometry {
-            Geometry::ClosedForm(form @ (ClosedForm::Sphere { .. } | ClosedForm::Cylinder { .. })) => {
-                Some(form)
-            }
+            Geometry::ClosedForm(
+                form @ (ClosedForm::Sphere { .. } | ClosedForm::Cylinder { .. }),
+            ) => Some(form),
             _ => parent.part_of,
         };
         Self { part_of, ..self }
@@ -305,16 +315,23 @@ fn without_cracks(mesh: TriMesh) -> Surface {
 }
 
 /// Lowest and highest corner, in the body frame, around all voxels with material and all samples.
-fn bounds_in_body(solid: &GridSolid, body_from_grid: &RigidTransform, samples: &[Vec3]) -> (DVec3, DVec3) {
+fn bounds_in_body(
+    solid: &GridSolid,
+    body_from_grid: &RigidTransform,
+    samples: &[Vec3],
+) -> (DVec3, DVec3) {
     let grid = solid.grid();
     let rotation = body_from_grid.matrix();
-    let half_voxel =
-        0.5 * grid.spacing * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
+    let half_voxel = 0.5
+        * grid.spacing
+        * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
     // The voxels of a run lie on a line, so that its two ends bound them all. With axes turned so that the places rise along x, the
     // lower one is the start, for all runs. Two runs at a time fill lanes.
     let steps = rotation * grid.spacing;
-    let turns = DVec3::from_array(steps.x_axis.to_array().map(|step| if step < 0.0 { -1.0 } else { 1.0 }));
-    let [along_x, along_y, along_z] = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step * turns);
+    let turns =
+        DVec3::from_array(steps.x_axis.to_array().map(|step| if step < 0.0 { -1.0 } else { 1.0 }));
+    let [along_x, along_y, along_z] =
+        [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step * turns);
     let (mut lows, mut highs) = ([[f64::INFINITY; 2]; 3], [[f64::NEG_INFINITY; 2]; 3]);
     let (runs, from) = solid.taken_runs();
     let from = from.map(|n| n as f64);
@@ -360,10 +377,14 @@ mod tests {
         let reach = DVec3::splat(half.length());
         let center = grid_from_form.translation;
         let grid = Grid::around_box(center - reach, center + reach, [48; 3], 2);
-        let level_set = LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
+        let level_set =
+            LevelSet::sample(grid, |p| form.distance_and_gradient(form_from_grid.point(p)).0);
         let corner_grid = grid_from_form.point(half);
-        let shape = Shape::from_grid_solid(GridSolid::from_level_set(level_set), vec![corner_grid.as_vec3()])
-            .unwrap();
+        let shape = Shape::from_grid_solid(
+            GridSolid::from_level_set(level_set),
+            vec![corner_grid.as_vec3()],
+        )
+        .unwrap();
 
         // Moments are those of the formula in some order, and the corner lies where the formula has it, up to signs.
         let exact = Shape::closed_form(form, 0.1);
@@ -377,10 +398,14 @@ mod tests {
         assert!((sorted(shape.samples()[0].as_dvec3()) - sorted(half)).length() < 2e-3);
 
         // Distances are those of the formula, seen from the body.
-        for point in [DVec3::new(0.3, 0.5, -0.2), DVec3::new(0.0, 0.1, 0.4), DVec3::new(-0.5, 0.0, 0.1)] {
+        for point in
+            [DVec3::new(0.3, 0.5, -0.2), DVec3::new(0.0, 0.1, 0.4), DVec3::new(-0.5, 0.0, 0.1)]
+        {
             let point_form = form_from_grid.point(shape.body_from_grid.inverse().point(point));
             let (distance, gradient) = shape.distance_and_gradient(point);
-            assert!((distance - form.distance_and_gradient(point_form).0).abs() < 0.5 * grid.spacing);
+            assert!(
+                (distance - form.distance_and_gradient(point_form).0).abs() < 0.5 * grid.spacing
+            );
             assert!((gradient.length() - 1.0).abs() < 1e-6);
             let ahead = shape.distance_and_gradient(point + 0.01 * gradient).0;
             assert!((ahead - distance - 0.01).abs() < 2e-3);

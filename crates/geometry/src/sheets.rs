@@ -42,8 +42,11 @@ pub(crate) fn sheets(inside: u8, joined: u8) -> ([u8; 12], u8) {
         let at = |p, q| is_inside(inside, face_corner(face, p, q));
         if is_ambiguous(inside, face) {
             // The arc around corner (p, q) links the two edges that meet there.
-            let around =
-                if at(0, 0) != (joined >> face & 1 == 1) { [(0, 0), (1, 1)] } else { [(1, 0), (0, 1)] };
+            let around = if at(0, 0) != (joined >> face & 1 == 1) {
+                [(0, 0), (1, 1)]
+            } else {
+                [(1, 0), (0, 1)]
+            };
             for (p, q) in around {
                 link(&mut leader, along_u[q], along_v[p]);
             }

@@ -23,7 +23,11 @@ type Line = [DVec3; 2];
 
 /// The triangles of `asked`, or parts of them, with outside in front and inside behind; none of
 /// those that lie `deep` in the solid.
-pub(crate) fn boundary_triangles(surfaces: &LineCrossings, asked: &[usize], deep: &Deep) -> Vec<[DVec3; 3]> {
+pub(crate) fn boundary_triangles(
+    surfaces: &LineCrossings,
+    asked: &[usize],
+    deep: &Deep,
+) -> Vec<[DVec3; 3]> {
     let spacing = deep.grid.spacing;
     let divided = |&triangle: &usize| {
         let corners = surfaces.triangles()[triangle];
@@ -89,10 +93,12 @@ impl<'a> Deep<'a> {
             return false;
         }
         let (low, high) = (first.map(|n| n as usize), last.map(|n| n as usize + 1));
-        let at =
-            |i: usize, j: usize, k: usize| i64::from(self.outer[(k * (dims[1] + 1) + j) * (dims[0] + 1) + i]);
+        let at = |i: usize, j: usize, k: usize| {
+            i64::from(self.outer[(k * (dims[1] + 1) + j) * (dims[0] + 1) + i])
+        };
         let slice = |k: usize| {
-            at(high[0], high[1], k) - at(low[0], high[1], k) - at(high[0], low[1], k) + at(low[0], low[1], k)
+            at(high[0], high[1], k) - at(low[0], high[1], k) - at(high[0], low[1], k)
+                + at(low[0], low[1], k)
         };
         slice(high[2]) == slice(low[2])
     }
@@ -102,8 +108,9 @@ impl<'a> Deep<'a> {
 fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near: f64) -> Vec<Line> {
     let own = surfaces.triangles()[triangle];
     let (low, high) = (lowest(&own) - near, highest(&own) + near);
-    let apart =
-        |other_low: DVec3, other_high: DVec3| other_low.cmpgt(high).any() || other_high.cmplt(low).any();
+    let apart = |other_low: DVec3, other_high: DVec3| {
+        other_low.cmpgt(high).any() || other_high.cmplt(low).any()
+    };
     // Boxes beside the triangle's plane hold nothing that meets it.
     let enters = |other_low: DVec3, other_high: DVec3| {
         let height = (0.5 * (other_low + other_high) - own[0]).dot(normal);

@@ -22,7 +22,8 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
 
     let mut accepted = Buckets::new(grid, (CLOSEST * spacing).max(SAME_CORNER * grid.spacing));
     for vertex in sharpest_first {
-        let closest = if vertex.sharpness == 3 { SAME_CORNER * grid.spacing } else { CLOSEST * spacing };
+        let closest =
+            if vertex.sharpness == 3 { SAME_CORNER * grid.spacing } else { CLOSEST * spacing };
         let (position, normal) = (on_surface(vertex, &contour, solid.level_set()), vertex.normal);
         if !accepted.any_near(position, closest, |other| other.normal.dot(normal) > SAME_SIDE) {
             accepted.insert(Vertex { position, ..*vertex });
@@ -72,7 +73,8 @@ impl Buckets {
         let (low, high) = around.bounds();
         let edge = edge.max(around.spacing);
         let origin = low - 2.0 * around.spacing;
-        let dims = ((high - origin + 2.0 * around.spacing) / edge).to_array().map(|n| n as usize + 1);
+        let dims =
+            ((high - origin + 2.0 * around.spacing) / edge).to_array().map(|n| n as usize + 1);
         let grid = Grid { origin, spacing: edge, dims };
         Self { grid, of_cube: vec![Vec::new(); grid.len()], vertices: Vec::new() }
     }
@@ -91,8 +93,9 @@ impl Buckets {
     /// Whether a point that `counts` lies closer than `distance`.
     fn any_near(&self, position: DVec3, distance: f64, counts: impl Fn(&Vertex) -> bool) -> bool {
         let cube = self.cube(position);
-        let around =
-            |axis: usize| cube[axis].saturating_sub(1)..=(cube[axis] + 1).min(self.grid.dims[axis] - 1);
+        let around = |axis: usize| {
+            cube[axis].saturating_sub(1)..=(cube[axis] + 1).min(self.grid.dims[axis] - 1)
+        };
         around(2).any(|k| {
             around(1).any(|j| {
                 around(0).any(|i| {
@@ -113,7 +116,9 @@ pub fn closed_form_samples(form: &ClosedForm, spacing: f64) -> Vec<Vec3> {
         ClosedForm::HalfSpace(_) => Vec::new(),
         ClosedForm::Sphere { radius } => sphere_samples(radius, spacing),
         ClosedForm::Box { half } => box_samples(half, spacing),
-        ClosedForm::Cylinder { radius, half_height } => cylinder_samples(radius, half_height, spacing),
+        ClosedForm::Cylinder { radius, half_height } => {
+            cylinder_samples(radius, half_height, spacing)
+        }
     }
 }
 
@@ -161,7 +166,9 @@ fn cylinder_samples(radius: f64, half_height: f64, spacing: f64) -> Vec<Vec3> {
         let count = steps(TAU * radius, spacing, if radius > 0.0 { 6 } else { 1 });
         for n in 0..count {
             let angle = TAU * n as f64 / count as f64;
-            samples.push(DVec3::new(radius * libm::cos(angle), y, radius * libm::sin(angle)).as_vec3());
+            samples.push(
+                DVec3::new(radius * libm::cos(angle), y, radius * libm::sin(angle)).as_vec3(),
+            );
         }
     };
     let rows = steps(2.0 * half_height, spacing, 1);
@@ -187,8 +194,11 @@ mod tests {
         let n = 20;
         let mut largest = 0.0f64;
         for index in 0..n * n * n {
-            let fraction =
-                DVec3::new(f64::from(index % n), f64::from(index / n % n), f64::from(index / n / n)) + 0.5;
+            let fraction = DVec3::new(
+                f64::from(index % n),
+                f64::from(index / n % n),
+                f64::from(index / n / n),
+            ) + 0.5;
             let point = low + (high - low) * fraction / f64::from(n);
             let (distance, gradient) = form.distance_and_gradient(point);
             let foot = (point - distance * gradient).as_vec3();
@@ -216,12 +226,21 @@ mod tests {
                     let gap = largest_gap(form, &samples);
                     assert!(gap < 0.85 * spacing, "{form:?} {spacing}: {gap}");
                     for (n, sample) in samples.iter().enumerate() {
-                        let nearest =
-                            samples[..n].iter().map(|s| s.distance(*sample)).fold(f32::INFINITY, f32::min);
-                        assert!(f64::from(nearest) > 0.3 * spacing, "{form:?} {spacing}: {nearest}");
+                        let nearest = samples[..n]
+                            .iter()
+                            .map(|s| s.distance(*sample))
+                            .fold(f32::INFINITY, f32::min);
+                        assert!(
+                            f64::from(nearest) > 0.3 * spacing,
+                            "{form:?} {spacing}: {nearest}"
+                        );
                     }
                 } else {
-                    assert!((8..=13).contains(&samples.len()) || samples.len() == 14, "{}", samples.len());
+                    assert!(
+                        (8..=13).contains(&samples.len()) || samples.len() == 14,
+                        "{}",
+                        samples.len()
+                    );
                 }
             }
         }
@@ -231,8 +250,9 @@ mod tests {
     fn a_box_has_its_corners_and_points_along_its_edges() {
         let half = DVec3::new(0.5, 0.2, 0.33);
         let samples = closed_form_samples(&ClosedForm::Box { half }, 0.1);
-        let faces_touched =
-            |s: &Vec3| (s.as_dvec3().abs() - half).abs().to_array().iter().filter(|d| **d < 1e-7).count();
+        let faces_touched = |s: &Vec3| {
+            (s.as_dvec3().abs() - half).abs().to_array().iter().filter(|d| **d < 1e-7).count()
+        };
         assert_eq!(samples.iter().filter(|s| faces_touched(s) == 3).count(), 8);
         assert_eq!(samples.iter().filter(|s| faces_touched(s) == 2).count(), 4 * (9 + 3 + 6));
         assert!(samples.iter().all(|s| faces_touched(s) > 0));
@@ -244,8 +264,9 @@ mod tests {
         let solid = GridSolid::from_closed_form(ClosedForm::Box { half }, [25, 10, 18], 2).unwrap();
         let spacing = 0.1;
         let samples = surface_samples(&solid, spacing);
-        let on_faces =
-            |s: &Vec3| (s.as_dvec3().abs() - half).abs().to_array().iter().filter(|d| **d < 1e-6).count();
+        let on_faces = |s: &Vec3| {
+            (s.as_dvec3().abs() - half).abs().to_array().iter().filter(|d| **d < 1e-6).count()
+        };
         assert_eq!(samples.iter().filter(|s| on_faces(s) == 3).count(), 8);
         assert!(samples.iter().all(|s| on_faces(s) > 0));
         // Along each edge no gap is wider than what fits no further point, plus a voxel.
@@ -280,13 +301,18 @@ mod tests {
         assert_eq!(samples, surface_samples(&solid, spacing));
         for (n, sample) in samples.iter().enumerate() {
             assert!(f64::from(solid.value(sample.as_dvec3()).abs()) < 1e-3 * grid.spacing);
-            let nearest = samples[..n].iter().map(|s| s.distance(*sample)).fold(f32::INFINITY, f32::min);
+            let nearest =
+                samples[..n].iter().map(|s| s.distance(*sample)).fold(f32::INFINITY, f32::min);
             assert!(f64::from(nearest) > 0.5 * spacing);
         }
         assert!(largest_gap(&ball, &samples) < 1.2 * spacing);
         // A lattice of this spacing has 4 pi r^2 / spacing^2 points.
         let expected = 4.0 * PI * 0.64 / (spacing * spacing);
-        assert!((0.7..1.5).contains(&(samples.len() as f64 / expected)), "{} {expected}", samples.len());
+        assert!(
+            (0.7..1.5).contains(&(samples.len() as f64 / expected)),
+            "{} {expected}",
+            samples.len()
+        );
     }
 
     #[test]

@@ -24,8 +24,9 @@ impl Nearest {
         for direction in 0..8 {
             // One sweep for each octant that the way from the surface may point into.
             let upward = [0, 1, 2].map(|axis| direction >> axis & 1 == 0);
-            let along =
-                |axis: usize, count: usize| if upward[axis] { count } else { grid.dims[axis] - 1 - count };
+            let along = |axis: usize, count: usize| {
+                if upward[axis] { count } else { grid.dims[axis] - 1 - count }
+            };
             let [x, y, z] = [(0, 1), (1, nx), (2, nx * ny)].map(|(axis, step): (usize, usize)| {
                 if upward[axis] { -(step as isize) } else { step as isize }
             });
@@ -41,7 +42,8 @@ impl Nearest {
 
                     // Ask the neighbours across the faces, edges and the corner behind the node, one for each set of
                     // axes along which there is one.
-                    let present = usize::from(a > 0) + 2 * usize::from(b > 0) + 4 * usize::from(c > 0);
+                    let present =
+                        usize::from(a > 0) + 2 * usize::from(b > 0) + 4 * usize::from(c > 0);
                     for (axes, back) in back.iter().enumerate().skip(1) {
                         if axes & !present == 0 {
                             self.hand_on(grid, triangles, node.wrapping_add_signed(*back), cell);
@@ -54,7 +56,13 @@ impl Nearest {
 
     /// Tries the nearest triangle of a neighbour, which must be nearer to the surface.
     #[inline]
-    fn hand_on(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], from: usize, [i, j, k]: [usize; 3]) {
+    fn hand_on(
+        &mut self,
+        grid: &Grid,
+        triangles: &[[DVec3; 3]],
+        from: usize,
+        [i, j, k]: [usize; 3],
+    ) {
         let to = grid.index(i, j, k);
         let candidate = self.triangle[from];
         if candidate == self.triangle[to] || self.distance[from] >= self.distance[to] {

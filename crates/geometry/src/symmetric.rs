@@ -34,7 +34,8 @@ fn rotate_away(tensor: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q
         return false;
     }
     let theta = (tensor[q][q] - tensor[p][p]) / (2.0 * off);
-    let tangent = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt()) * if theta < 0.0 { -1.0 } else { 1.0 };
+    let tangent =
+        1.0 / (theta.abs() + (theta * theta + 1.0).sqrt()) * if theta < 0.0 { -1.0 } else { 1.0 };
     let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
     let sine = tangent * cosine;
 

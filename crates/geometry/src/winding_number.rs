@@ -38,7 +38,8 @@ struct Cluster {
 impl WindingNumber {
     /// Sums up the clusters of a hierarchy.
     pub fn new(bvh: Bvh) -> Self {
-        let clusters = bvh.nodes().iter().map(|node| Cluster::new(&bvh.triangles()[node.range()])).collect();
+        let clusters =
+            bvh.nodes().iter().map(|node| Cluster::new(&bvh.triangles()[node.range()])).collect();
         Self { bvh, clusters }
     }
 
@@ -85,7 +86,8 @@ impl Cluster {
         let center = moment / area;
 
         // The moments about it and the farthest corner.
-        let mut cluster = Self { center, far_squared: 0.0, dipole: DVec3::ZERO, quadrupole: DMat3::ZERO };
+        let mut cluster =
+            Self { center, far_squared: 0.0, dipole: DVec3::ZERO, quadrupole: DMat3::ZERO };
         let mut radius_squared = 0.0_f64;
         for corners in triangles {
             let normal = vector_area(corners);

@@ -24,7 +24,8 @@ fn turned_round(mut mesh: TriMesh) -> TriMesh {
 fn soup(mesh: &TriMesh) -> TriMesh {
     let corners = mesh.triangles.iter().flatten();
     let positions = corners.map(|&vertex| mesh.positions[vertex as usize]).collect();
-    let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let triangles =
+        (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     TriMesh { positions, triangles }
 }
 
@@ -200,7 +201,8 @@ fn repeated_and_double_sided_faces_count_once() {
     assert!(clean.changes.sheets.is_empty());
 
     // A whole part twice, and once more turned round.
-    let twice = joined(joined(icosphere(1.0, 1), &icosphere(1.0, 1)), &turned_round(icosphere(1.0, 1)));
+    let twice =
+        joined(joined(icosphere(1.0, 1), &icosphere(1.0, 1)), &turned_round(icosphere(1.0, 1)));
     assert_volume(&twice, icosphere(1.0, 1).mass_properties().volume);
 }
 
@@ -214,7 +216,9 @@ fn noise_is_welded_and_thin_plates_are_not() {
             check(&clean, &raw);
             assert_eq!(clean.mesh.triangles.len(), mesh.triangles.len());
             assert_eq!(clean.mesh.positions.len(), mesh.positions.len());
-            assert!((clean.mesh.mass_properties().volume / volume - 1.0).abs() < 20.0 * noise + 1e-12);
+            assert!(
+                (clean.mesh.mass_properties().volume / volume - 1.0).abs() < 20.0 * noise + 1e-12
+            );
         }
     }
     // A plate a micrometre thick in a metre, as a soup with noise, too.
@@ -228,7 +232,9 @@ fn noise_is_welded_and_thin_plates_are_not() {
     let clean = far.cleaned("far").unwrap();
     assert_eq!(clean.changes.holes, 0);
     assert!(
-        (clean.mesh.mass_properties().volume / icosphere(1.0, 2).mass_properties().volume - 1.0).abs() < 1e-3
+        (clean.mesh.mass_properties().volume / icosphere(1.0, 2).mass_properties().volume - 1.0)
+            .abs()
+            < 1e-3
     );
 }
 
@@ -251,8 +257,10 @@ fn what_touches_stays_two() {
     cells.weld();
     let wall = |mesh: &TriMesh, n: usize| mesh.corners(n).iter().all(|corner| corner.x == 1.0);
     let first = (0..24).find(|&n| wall(&cells, n)).unwrap();
-    let kept: Vec<[u32; 3]> =
-        (0..24).filter(|&n| !wall(&cells, n) || n / 2 == first / 2).map(|n| cells.triangles[n]).collect();
+    let kept: Vec<[u32; 3]> = (0..24)
+        .filter(|&n| !wall(&cells, n) || n / 2 == first / 2)
+        .map(|n| cells.triangles[n])
+        .collect();
     cells.triangles = kept;
     assert_volume(&cells, 2.0);
 }
@@ -274,7 +282,8 @@ fn nested_parts_are_solids_and_cavities() {
     let other_order = joined(ball(0.5, false), &joined(ball(0.8, true), &ball(1.0, false)));
     assert_volume(&other_order, volume(1.0) - volume(0.8) + volume(0.5));
     // Two cavities; and a solid in a solid, which a union makes one.
-    let two = joined(moved(ball(0.3, true), DVec3::X * 0.5), &moved(ball(0.3, true), DVec3::X * -0.5));
+    let two =
+        joined(moved(ball(0.3, true), DVec3::X * 0.5), &moved(ball(0.3, true), DVec3::X * -0.5));
     assert_volume(&joined(ball(1.0, false), &two), volume(1.0) - 2.0 * volume(0.3));
     let clean = joined(ball(1.0, false), &ball(0.5, false)).cleaned("two").unwrap();
     assert_eq!(clean.solid.iter().max(), Some(&1));
@@ -325,7 +334,8 @@ fn holes_are_closed_and_counted() {
     // Holes that touch at a vertex: a pyramid without two opposite sides.
     let base = [DVec3::X, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Z];
     let positions: Vec<DVec3> = base.into_iter().chain([DVec3::Y]).collect();
-    let pyramid = TriMesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2], [1, 2, 4], [3, 0, 4]] };
+    let pyramid =
+        TriMesh { positions, triangles: vec![[0, 2, 1], [0, 3, 2], [1, 2, 4], [3, 0, 4]] };
     assert_eq!(assert_volume(&turned_round(pyramid), 2.0 / 3.0).changes.holes, 2);
 }
 
@@ -387,7 +397,10 @@ fn extruded(outline: &[(f64, f64)]) -> TriMesh {
         let next = (k + 1) % n;
         [[k, next, n + next], [k, n + next, n + k]]
     });
-    TriMesh { positions: rows.into_iter().flatten().collect(), triangles: fans.chain(sides).collect() }
+    TriMesh {
+        positions: rows.into_iter().flatten().collect(),
+        triangles: fans.chain(sides).collect(),
+    }
 }
 
 /// Of an outline that crosses itself all edges of the walls end on faces, and none passes through

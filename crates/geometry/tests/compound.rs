@@ -1,6 +1,11 @@
 //! Convex polyhedra that are one body.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible_geometry::{Compound, HalfSpace, Hull, NoMass, RigidTransform, Shape};
 use glam::{DQuat, DVec3};
@@ -14,7 +19,8 @@ fn cuboid(low: DVec3, high: DVec3) -> Hull {
 
 /// A cube of edge 1 m as eight cubes.
 fn cubelets() -> Vec<Hull> {
-    let low = |n: i32| 0.5 * DVec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2)) - 0.5;
+    let low =
+        |n: i32| 0.5 * DVec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2)) - 0.5;
     (0..8).map(|n| cuboid(low(n), low(n) + 0.5)).collect()
 }
 

@@ -1,10 +1,15 @@
 //! Convex polyhedra: of points, cut, and measured.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible_geometry::{
-    Carver, Clipper, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace, MassProperties,
-    RigidTransform, Shape,
+    Carver, Clipper, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace,
+    MassProperties, RigidTransform, Shape,
 };
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -19,7 +24,8 @@ fn points() -> impl Strategy<Value = Vec<DVec3>> {
 
 /// Points whose hull has many coplanar faces and collinear edges: nodes of a lattice, turned.
 fn lattice_points() -> impl Strategy<Value = Vec<DVec3>> {
-    let node = prop::array::uniform3(0..4_i32).prop_map(|node| DVec3::from_array(node.map(f64::from)));
+    let node =
+        prop::array::uniform3(0..4_i32).prop_map(|node| DVec3::from_array(node.map(f64::from)));
     (prop::collection::vec(node, 8..60), vector(2.0)).prop_map(|(nodes, turn)| {
         let turn = DQuat::from_scaled_axis(turn);
         nodes.into_iter().map(|node| turn * node).collect()
@@ -86,7 +92,10 @@ fn what_has_no_inside_says_so() {
     assert_eq!(Hull::of_points(&square[..3]).unwrap_err(), HullError::TooFew);
     assert_eq!(Hull::of_points(&square).unwrap_err(), HullError::Flat);
     assert_eq!(Hull::of_points(&[DVec3::ONE; 9]).unwrap_err(), HullError::Flat);
-    assert_eq!(Hull::of_points(&[0.0, 1.0, 2.0, 3.0].map(DVec3::splat)).unwrap_err(), HullError::Flat);
+    assert_eq!(
+        Hull::of_points(&[0.0, 1.0, 2.0, 3.0].map(DVec3::splat)).unwrap_err(),
+        HullError::Flat
+    );
     assert_eq!(Hull::of_points(&[DVec3::NAN; 4]).unwrap_err(), HullError::NotFinite);
 }
 
@@ -117,7 +126,9 @@ fn a_ball_of_many_points_is_a_hull() {
     let hull = Hull::of_points(&ball).unwrap();
     check(&hull, 1e-6);
     assert_eq!(hull.vertices().len(), 4000);
-    assert!((hull.mass_properties().volume / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3);
+    assert!(
+        (hull.mass_properties().volume / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3
+    );
 }
 
 /// Polyhedra of round bodies have their volume, lie close to them, and have their symmetry.
@@ -317,10 +328,13 @@ fn distance_to_triangle(point: DVec3, corners: [DVec3; 3]) -> f64 {
 /// A shape finds the principal frame, and everything in it agrees.
 #[test]
 fn a_convex_shape_lies_in_its_principal_frame() {
-    let turned =
-        RigidTransform::new(DQuat::from_scaled_axis(DVec3::new(0.4, -0.2, 0.9)), DVec3::new(3.0, -1.0, 2.0));
+    let turned = RigidTransform::new(
+        DQuat::from_scaled_axis(DVec3::new(0.4, -0.2, 0.9)),
+        DVec3::new(3.0, -1.0, 2.0),
+    );
     let half = DVec3::new(0.5, 0.2, 0.3);
-    let points: Vec<DVec3> = Hull::cuboid(half).vertices().iter().map(|&v| turned.point(v)).collect();
+    let points: Vec<DVec3> =
+        Hull::cuboid(half).vertices().iter().map(|&v| turned.point(v)).collect();
     let shape = Shape::convex(Hull::of_points(&points).unwrap(), 0.1).unwrap();
     let exact = Shape::closed_form(ClosedForm::Box { half }, 0.1);
     assert!((shape.volume - exact.volume).abs() < 1e-14);

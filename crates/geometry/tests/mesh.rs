@@ -9,7 +9,8 @@ use proptest::prelude::*;
 
 fn assert_close(actual: DMat3, expected: DMat3, tolerance: f64) {
     let difference = actual - expected;
-    let largest = difference.to_cols_array().iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    let largest =
+        difference.to_cols_array().iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
     assert!(largest < tolerance, "{actual} against {expected}");
 }
 
@@ -82,9 +83,14 @@ fn holes_and_seams_show_in_the_topology() {
     assert!(!open_box(DVec3::ZERO, DVec3::ONE, 1).is_watertight());
 
     // Vertices split at seams, as in a file with normals, are one vertex each.
-    let positions: Vec<DVec3> =
-        closed.triangles.iter().flatten().map(|&vertex| closed.positions[vertex as usize]).collect();
-    let triangles = (0..12).map(|triangle| [3 * triangle, 3 * triangle + 1, 3 * triangle + 2]).collect();
+    let positions: Vec<DVec3> = closed
+        .triangles
+        .iter()
+        .flatten()
+        .map(|&vertex| closed.positions[vertex as usize])
+        .collect();
+    let triangles =
+        (0..12).map(|triangle| [3 * triangle, 3 * triangle + 1, 3 * triangle + 2]).collect();
     let mut split = TriMesh { positions, triangles };
     split.positions[0] += DVec3::new(-0.0, 0.0, -0.0);
     assert!(split.is_watertight());

@@ -21,7 +21,8 @@ fn polygons_keep_what_their_corners_have() {
         o left\nusemtl red\nf 1/1/1 2/2/1 3/3/1 4/4/1 5/5/1\nf 1 2 2\nusemtl blue\n\
         o right\ng door\nf 1 6 2\nusemtl red\nf -6 -2/-1 -1\n";
     let (mesh, said) = load("a.obj", text.as_bytes());
-    let path = |face: usize| said.faces[face].object.map(|object| said.objects[object as usize].join("/"));
+    let path =
+        |face: usize| said.faces[face].object.map(|object| said.objects[object as usize].join("/"));
     assert_eq!(said.materials, ["red", "blue"]);
     assert_eq!(said.faces.len(), mesh.triangles.len());
     assert_eq!(mesh.triangles.len(), 5, "the one without an area is left out");
@@ -66,7 +67,8 @@ fn images_of_ply_are_materials() {
         )
     };
     let two = "comment TextureFile wood.png\ncomment TextureFile <this>_a b.jpg\n";
-    let text = header(two, "property int texnumber\n") + "3 0 2 1 1\n3 0 1 3 0\n3 1 2 3 -1\n3 2 0 3 7\n";
+    let text =
+        header(two, "property int texnumber\n") + "3 0 2 1 1\n3 0 1 3 0\n3 1 2 3 -1\n3 2 0 3 7\n";
     let (_, said) = load("a.ply", text.as_bytes());
     assert_eq!(said.materials, ["wood.png", "a_a b.jpg"]);
     let materials: Vec<_> = said.faces.iter().map(|face| face.material).collect();
@@ -74,7 +76,8 @@ fn images_of_ply_are_materials() {
 
     // One image without numbers is that of all faces.
     let faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
-    let (_, said) = load("a.ply", (header("comment TextureFile wood.png\n", "") + faces).as_bytes());
+    let (_, said) =
+        load("a.ply", (header("comment TextureFile wood.png\n", "") + faces).as_bytes());
     assert!(said.faces.iter().all(|face| face.material == Some(0)));
     let (_, said) = load("a.ply", (header("", "") + faces).as_bytes());
     assert!(said.is_empty());

@@ -29,7 +29,10 @@ fn obj_vertices() -> String {
 }
 
 fn obj_quads() -> String {
-    CUBE_FACES.iter().map(|[a, b, c, d]| format!("f {} {} {} {}\n", a + 1, b + 1, c + 1, d + 1)).collect()
+    CUBE_FACES
+        .iter()
+        .map(|[a, b, c, d]| format!("f {} {} {} {}\n", a + 1, b + 1, c + 1, d + 1))
+        .collect()
 }
 
 #[test]
@@ -44,7 +47,8 @@ fn obj_of_quads_is_read() {
 #[test]
 fn obj_with_everything_around_the_shape_is_read() {
     let mut text =
-        b"# \xe9t\xe9\r\nmtllib missing.mtl\r\no caf\xe9\r\nusemtl red\r\ns off\r\nvt 0.5\r\n".to_vec();
+        b"# \xe9t\xe9\r\nmtllib missing.mtl\r\no caf\xe9\r\nusemtl red\r\ns off\r\nvt 0.5\r\n"
+            .to_vec();
     for p in &cube().positions {
         text.extend(format!("vn 0 0 1\r\nv {} {} {} 0.5 0.25 1\r\n", p.x, p.y, p.z).bytes());
     }
@@ -60,7 +64,10 @@ fn obj_with_everything_around_the_shape_is_read() {
 #[test]
 fn obj_polygon_becomes_a_fan() {
     let text = "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 1 2 3 4 5\n";
-    assert_eq!(TestFile::new("pentagon.obj", text).load().triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+    assert_eq!(
+        TestFile::new("pentagon.obj", text).load().triangles,
+        [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
+    );
 }
 
 /// A wall that is an L: cut into triangles inside of it, in each format that has polygons.
@@ -77,10 +84,14 @@ fn concave_polygons_are_cut_within_them() {
         let line = |face: &Vec<i32>, base: i32| {
             face.iter().map(|corner| format!(" {}", corner + base)).collect::<String>()
         };
-        let obj = obj + &faces.iter().map(|face| format!("f{}\n", line(face, 1))).collect::<String>();
+        let obj =
+            obj + &faces.iter().map(|face| format!("f{}\n", line(face, 1))).collect::<String>();
         let header = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
                       element face 8\nproperty list uchar int vertex_indices\nend_header\n";
-        let ply = faces.iter().map(|face| format!("{}{}\n", face.len(), line(face, 0))).collect::<String>();
+        let ply = faces
+            .iter()
+            .map(|face| format!("{}{}\n", face.len(), line(face, 0)))
+            .collect::<String>();
         let ply = header.to_owned() + &points.concat() + &ply;
         for mesh in [TestFile::new("l.obj", obj).load(), TestFile::new("l.ply", ply).load()] {
             assert!((mesh.mass_properties().volume - 3.0).abs() < 1e-12);
@@ -92,7 +103,8 @@ fn concave_polygons_are_cut_within_them() {
 #[test]
 fn text_in_utf_16_is_named_and_a_mark_of_utf_8_is_passed_over() {
     let text = obj_vertices() + &obj_quads();
-    let utf16 = |order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+    let utf16 =
+        |order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
     for bytes in [utf16(u16::to_le_bytes), utf16(u16::to_be_bytes)] {
         let sentence = "a.obj: is not a valid OBJ file: it is text in UTF-16, must be in UTF-8";
         assert_eq!(refusal("a.obj", &bytes), sentence);
@@ -254,7 +266,10 @@ fn ply_refusals_name_the_place() {
         );
     }
     let cut = refusal("a.ply", &ply_text()[..60]);
-    assert_eq!(cut, "a.ply: is not a valid PLY file: its header breaks off before the line \"end_header\"");
+    assert_eq!(
+        cut,
+        "a.ply: is not a valid PLY file: its header breaks off before the line \"end_header\""
+    );
 }
 
 /// Strips as MeshLab's oldest files have them: the corners of the next triangle are the last two and
@@ -277,9 +292,11 @@ fn ply_strips_are_read() {
 /// A line of an exporter's own before the first element; a misspelt statement after it stays one.
 #[test]
 fn ply_lines_without_a_keyword_before_the_first_element_are_passed_over() {
-    for made in
-        ["Created by Blender3D 247 - www.blender.org, source file: ", "comments: none", "\u{e9}t\u{e9}"]
-    {
+    for made in [
+        "Created by Blender3D 247 - www.blender.org, source file: ",
+        "comments: none",
+        "\u{e9}t\u{e9}",
+    ] {
         let text = ply_text().replace("comment made by a test", made);
         assert_eq!(TestFile::new("cube.ply", &text).load(), cube());
         assert_eq!(TestFile::new("cube.ply", text.replace('\n', "\r\n")).load(), cube());
@@ -419,12 +436,18 @@ fn each_bad_path_has_its_sentence() {
         refusal("a.fbx", "x"),
         "a.fbx: ends in \".fbx\", must end in one of .obj, .ply, .stl, .gltf, .glb"
     );
-    assert_eq!(refusal("a", "x"), "a: ends in \"\", must end in one of .obj, .ply, .stl, .gltf, .glb");
+    assert_eq!(
+        refusal("a", "x"),
+        "a: ends in \"\", must end in one of .obj, .ply, .stl, .gltf, .glb"
+    );
     assert_eq!(
         refusal("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 -inf\nf 1 2 3\n"),
         "a.obj: vertex 1 is (1, NaN, 0), coordinates must be finite and at most 1e12"
     );
-    assert_eq!(refusal("a.obj", "v 0 0 0\n"), "a.obj: has 0 triangles with an area, must have at least 1");
+    assert_eq!(
+        refusal("a.obj", "v 0 0 0\n"),
+        "a.obj: has 0 triangles with an area, must have at least 1"
+    );
 }
 
 proptest! {

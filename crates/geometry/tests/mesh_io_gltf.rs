@@ -113,7 +113,9 @@ fn buffer_may_be_embedded_beside_or_in_the_file() {
     let file = TestFile::new("a.gltf", document.to_string());
     let missing = file.refusal();
     assert!(
-        missing.starts_with("a.gltf: is not a valid glTF file: buffer 0 in the cube.bin cannot be read"),
+        missing.starts_with(
+            "a.gltf: is not a valid glTF file: buffer 0 in the cube.bin cannot be read"
+        ),
         "{missing}"
     );
     std::fs::write(file.folder.path().join("the cube.bin"), cube_buffer()).unwrap();
@@ -150,7 +152,10 @@ fn buffers_lie_in_the_documents_own_folder() {
     ] {
         with(uri);
         let sentence = file.refusal();
-        assert!(sentence.ends_with("must be a file in the document's own folder"), "{uri}: {sentence}");
+        assert!(
+            sentence.ends_with("must be a file in the document's own folder"),
+            "{uri}: {sentence}"
+        );
     }
     with("below");
     assert!(file.refusal().contains("must be a regular file"));
@@ -170,7 +175,11 @@ fn nodes_move_turn_scale_and_mirror() {
     // The first is 2 m long, the second mirrored into x < 0 and then turned by a right angle about z; the last is not
     // in the scene.
     assert_eq!((info.parts, info.triangles), (2, 24));
-    assert!((info.volume - 3.0).abs() < 1e-5, "a mirrored cube has its volume too: {}", info.volume);
+    assert!(
+        (info.volume - 3.0).abs() < 1e-5,
+        "a mirrored cube has its volume too: {}",
+        info.volume
+    );
     let (low, high) = info.bounds;
     assert!(
         (low - DVec3::new(9.0, 0.0, 0.0)).length() < 1e-5
@@ -183,15 +192,22 @@ fn strips_fans_and_lists_without_indices_are_triangles() {
     // A tetrahedron as a strip of four triangles, and as a fan of three with the fourth in a list.
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let positions = |order: &[usize]| -> Vec<u8> {
-        order.iter().flat_map(|&at| corners[at].as_vec3().to_array()).flat_map(f32::to_le_bytes).collect()
+        order
+            .iter()
+            .flat_map(|&at| corners[at].as_vec3().to_array())
+            .flat_map(f32::to_le_bytes)
+            .collect()
     };
     let document = |primitives: &[(u32, &[usize])]| {
         let buffers: Vec<Vec<u8>> = primitives.iter().map(|(_, order)| positions(order)).collect();
         let mut document = cube_document();
-        document["buffers"] =
-            buffers.iter().map(|bytes| json!({"byteLength": bytes.len(), "uri": embedded(bytes)})).collect();
-        document["bufferViews"] =
-            (0..buffers.len()).map(|n| json!({"buffer": n, "byteLength": buffers[n].len()})).collect();
+        document["buffers"] = buffers
+            .iter()
+            .map(|bytes| json!({"byteLength": bytes.len(), "uri": embedded(bytes)}))
+            .collect();
+        document["bufferViews"] = (0..buffers.len())
+            .map(|n| json!({"buffer": n, "byteLength": buffers[n].len()}))
+            .collect();
         document["accessors"] = (0..buffers.len())
             .map(|n| {
                 let count = buffers[n].len() / 12;
@@ -209,7 +225,12 @@ fn strips_fans_and_lists_without_indices_are_triangles() {
     let (points, lines, list, strip, fan) = (0, 1, 4, 5, 6);
     for primitives in [
         vec![(strip, [1, 0, 2, 3, 1, 0].as_slice())],
-        vec![(points, [0, 1].as_slice()), (fan, &[0, 1, 3, 2, 1]), (lines, &[0, 1]), (list, &[1, 2, 3])],
+        vec![
+            (points, [0, 1].as_slice()),
+            (fan, &[0, 1, 3, 2, 1]),
+            (lines, &[0, 1]),
+            (list, &[1, 2, 3]),
+        ],
     ] {
         let info = load(&document(&primitives));
         assert!(info.watertight, "{primitives:?}");
@@ -223,7 +244,8 @@ fn only_extensions_that_hold_the_shape_are_required() {
     let mut document = cube_document();
     document["extensionsRequired"] = json!(["KHR_texture_basisu", "KHR_materials_unlit"]);
     assert!(load(&document).watertight);
-    let draco = refuse(|document| document["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+    let draco =
+        refuse(|document| document["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
     assert!(
         draco.starts_with("a.gltf: is not a valid glTF file: ")
             && draco.contains("KHR_draco_mesh_compression"),
@@ -241,7 +263,10 @@ fn each_refusal_names_the_place() {
     assert_eq!(refuse(|document| document["accessors"][1]["count"] = json!(37)), beyond);
     assert_eq!(refuse(|document| document["accessors"][1]["count"] = json!(1_u64 << 62)), beyond);
     assert_eq!(refuse(|document| document["accessors"][1]["byteOffset"] = json!(u64::MAX)), beyond);
-    assert_eq!(refuse(|document| document["bufferViews"][1]["byteLength"] = json!(u64::MAX)), beyond);
+    assert_eq!(
+        refuse(|document| document["bufferViews"][1]["byteLength"] = json!(u64::MAX)),
+        beyond
+    );
     assert_eq!(
         refuse(|document| document["nodes"] = json!([{"children": [1]}, {"children": [0]}])),
         "a.gltf: is not a valid glTF file: node 0 is the child of more than one node"
@@ -251,7 +276,10 @@ fn each_refusal_names_the_place() {
         ["a.gltf", "is not a valid glTF file"]
     );
     assert_eq!(
-        refuse(|document| document.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"))),
+        refuse(|document| document
+            .as_object_mut()
+            .unwrap()
+            .retain(|key, _| !key.starts_with("scene"))),
         "a.gltf: is not a valid glTF file: it has no scene"
     );
     assert_eq!(
@@ -263,7 +291,9 @@ fn each_refusal_names_the_place() {
         "a.gltf: is not a valid glTF file: node 0, primitive 0 has indices that are not unsigned integers"
     );
     assert_eq!(
-        refuse(|document| document["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(2)),
+        refuse(
+            |document| document["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(2)
+        ),
         "a.gltf: is not a valid glTF file: it refers to accessor 2, and has 2"
     );
     assert_eq!(
@@ -275,7 +305,10 @@ fn each_refusal_names_the_place() {
         bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
         document["buffers"][0]["uri"] = json!(embedded(&bytes));
     });
-    assert_eq!(nan, "a.gltf: vertex 1 is (NaN, NaN, NaN), coordinates must be finite and at most 1e12");
+    assert_eq!(
+        nan,
+        "a.gltf: vertex 1 is (NaN, NaN, NaN), coordinates must be finite and at most 1e12"
+    );
     for content in
         ["{", "glTF", "glTF\u{2}\0\0\0\u{1}\0\0\0....", "glTF\u{2}\0\0\0\u{7f}\0\0\0....", "[1, 2]"]
     {

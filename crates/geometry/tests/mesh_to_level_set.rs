@@ -41,8 +41,8 @@ fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 }
 
 fn brute_force_distance(mesh: &TriMesh, point: DVec3) -> f64 {
-    let distances =
-        (0..mesh.triangles.len()).map(|triangle| distance_to_triangle(point, mesh.corners(triangle)));
+    let distances = (0..mesh.triangles.len())
+        .map(|triangle| distance_to_triangle(point, mesh.corners(triangle)));
     distances.fold(f64::INFINITY, f64::min)
 }
 
@@ -107,8 +107,8 @@ fn bunny_is_solid() {
     });
 
     // The voxels inside add up to the volume.
-    let volume =
-        nodes(&level_set).filter(|&(_, phi)| phi < 0.0).count() as f64 * level_set.grid().voxel_volume();
+    let volume = nodes(&level_set).filter(|&(_, phi)| phi < 0.0).count() as f64
+        * level_set.grid().voxel_volume();
     assert!((volume / bunny.mass_properties().volume - 1.0).abs() < 2e-3);
 }
 
@@ -191,7 +191,9 @@ fn level_set_is_continuous_across_holes() {
     {
         let phi = level_set.at(i, j, k);
         inside += usize::from(phi < 0.0);
-        for neighbour in [level_set.at(i + 1, j, k), level_set.at(i, j + 1, k), level_set.at(i, j, k + 1)] {
+        for neighbour in
+            [level_set.at(i + 1, j, k), level_set.at(i, j + 1, k), level_set.at(i, j, k + 1)]
+        {
             let slope = f64::from(phi - neighbour).abs() / level_set.grid().spacing;
             assert!(slope < 1.01, "slope {slope} at {i} {j} {k}");
         }
@@ -206,7 +208,8 @@ fn rods_that_cross_are_one_solid() {
     let mut mesh = TriMesh::default();
     let mut planes = Vec::new();
     for n in 0..12 {
-        let turn = DQuat::from_rotation_y(0.5 * f64::from(n)) * DQuat::from_rotation_z(1.3 * f64::from(n));
+        let turn =
+            DQuat::from_rotation_y(0.5 * f64::from(n)) * DQuat::from_rotation_z(1.3 * f64::from(n));
         let mut rod = open_box(DVec3::new(-1.0, -0.06, -0.05), DVec3::new(1.0, 0.06, 0.05), 0);
         rod.positions.iter_mut().for_each(|position| *position = turn * *position);
         mesh = joined(mesh, &rod);
@@ -224,8 +227,12 @@ fn rods_that_cross_are_one_solid() {
     let (mut inside, mut outside) = (0, 0);
     for (point, cells) in nodes(&set) {
         let phi = cells * spacing;
-        let expected = planes.iter().map(|turn| of_box(turn.inverse() * point)).fold(f64::INFINITY, f64::min);
-        assert!(expected.abs() < 1e-9 || (phi < 0.0) == (expected < 0.0), "{point}: {phi} {expected}");
+        let expected =
+            planes.iter().map(|turn| of_box(turn.inverse() * point)).fold(f64::INFINITY, f64::min);
+        assert!(
+            expected.abs() < 1e-9 || (phi < 0.0) == (expected < 0.0),
+            "{point}: {phi} {expected}"
+        );
         if expected > 0.0 && expected < 2.5 * spacing {
             assert!((phi - expected).abs() < crease, "{point}: {phi} {expected}");
             outside += 1;
@@ -242,7 +249,8 @@ fn mesh_that_faces_inward_is_turned() {
     let mesh = icosphere(0.7, 3);
     let mut inward = mesh.clone();
     inward.flip();
-    let (outward, inward) = (level_set(&mesh, [20, 20, 20], 2), level_set(&inward, [20, 20, 20], 2));
+    let (outward, inward) =
+        (level_set(&mesh, [20, 20, 20], 2), level_set(&inward, [20, 20, 20], 2));
     for ((point, phi), (_, expected)) in nodes(&inward).zip(nodes(&outward)) {
         assert!((phi - expected).abs() < 1e-5, "{point}: {phi} {expected}");
     }
@@ -265,7 +273,10 @@ fn what_has_no_level_set_is_refused() {
     let cube = open_box(DVec3::ZERO, DVec3::ONE, 0);
     let grid = Grid { origin: DVec3::ZERO, spacing: 0.1, dims: [700, 700, 700] };
     let error = mesh_to_level_set(&cube, grid).unwrap_err();
-    assert_eq!(error.to_string(), "the grid has 700 x 700 x 700 nodes, must have at most 268435456 in all");
+    assert_eq!(
+        error.to_string(),
+        "the grid has 700 x 700 x 700 nodes, must have at most 268435456 in all"
+    );
     let error = mesh_to_level_set(&cube, Grid { dims: [usize::MAX, 3, 3], ..grid }).unwrap_err();
     assert!(matches!(error, MeshToLevelSetError::TooManyNodes { .. }));
 
@@ -293,9 +304,11 @@ fn what_has_no_level_set_is_refused() {
 /// A box, given by its half extents and where it lies.
 fn placed_box(half: f64, turned: DQuat, center: DVec3) -> TriMesh {
     let sign = |bit: usize, corner: usize| if corner >> bit & 1 == 1 { half } else { -half };
-    let place =
-        |corner: usize| center + turned * DVec3::new(sign(2, corner), sign(1, corner), sign(0, corner));
-    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let place = |corner: usize| {
+        center + turned * DVec3::new(sign(2, corner), sign(1, corner), sign(0, corner))
+    };
+    let quads =
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     TriMesh { positions: (0..8).map(place).collect(), triangles }
 }
@@ -306,7 +319,8 @@ fn placed_box(half: f64, turned: DQuat, center: DVec3) -> TriMesh {
 fn triangles_without_height_are_divided_once() {
     let mut random = Pcg64Mcg::seed_from_u64(7);
     for _ in 0..24 {
-        let mut direction = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
+        let mut direction =
+            || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
         let axes = [direction(), direction()].map(|axis| axis.normalize());
         let turned = DQuat::from_axis_angle(axes[0], 1.3);
         let mut mesh = placed_box(0.5, turned, DVec3::ZERO);

@@ -23,7 +23,8 @@ fn measure(solid: &GridSolid, surface: &Surface) -> RimErrors {
     let Root::Sampled(root) = &solid.outline.root else { unreachable!() };
     let spacing = root.grid().spacing;
     let mesh = &surface.mesh;
-    let off = |cut: &HalfSpace, vertex: u32| cut.distance(mesh.positions[vertex as usize]) / spacing;
+    let off =
+        |cut: &HalfSpace, vertex: u32| cut.distance(mesh.positions[vertex as usize]) / spacing;
     let mut errors = RimErrors::default();
     let mut touches = vec![[false; 2]; mesh.positions.len()];
     let mut interior_area = 0.0;
@@ -36,8 +37,11 @@ fn measure(solid: &GridSolid, surface: &Surface) -> RimErrors {
             let [a, b, c] = mesh.corners(triangle);
             let area = (b - a).cross(c - a).length();
             interior_area += area;
-            let in_one =
-                solid.outline.cuts.iter().any(|cut| corners.iter().all(|&v| off(cut, v).abs() < 0.02));
+            let in_one = solid
+                .outline
+                .cuts
+                .iter()
+                .any(|cut| corners.iter().all(|&v| off(cut, v).abs() < 0.02));
             errors.bent_area += if in_one { 0.0 } else { area };
         }
     }
@@ -46,13 +50,13 @@ fn measure(solid: &GridSolid, surface: &Surface) -> RimErrors {
         let cuts = || solid.outline.cuts.iter().map(|cut| off(cut, vertex as u32));
         errors.beyond_crack = cuts().fold(errors.beyond_crack, f64::max);
         if touches[vertex][1] {
-            errors.off_crack = errors.off_crack.max(cuts().map(f64::abs).fold(f64::INFINITY, f64::min));
+            errors.off_crack =
+                errors.off_crack.max(cuts().map(f64::abs).fold(f64::INFINITY, f64::min));
         }
         let (value, gradient) = root.value_and_gradient(*position);
-        let is_blade =
-            solid.outline.cuts.iter().zip(cuts()).any(|(cut, off)| {
-                off.abs() < 0.02 && cut.normal.dot(gradient.as_dvec3().normalize()) < -0.85
-            });
+        let is_blade = solid.outline.cuts.iter().zip(cuts()).any(|(cut, off)| {
+            off.abs() < 0.02 && cut.normal.dot(gradient.as_dvec3().normalize()) < -0.85
+        });
         if touches[vertex] == [true, true] && !is_blade {
             errors.off_root.push(f64::from(value).abs() / spacing);
         }
@@ -69,7 +73,8 @@ fn octants(root: &Arc<LevelSet>, planes: [HalfSpace; 3]) -> Vec<GridSolid> {
         };
         let cuts: Vec<HalfSpace> = planes.into_iter().enumerate().map(turned).collect();
         let distance = |point: DVec3| {
-            cuts.iter().fold(f64::from(root.value(point)), |largest, cut| largest.max(cut.distance(point)))
+            cuts.iter()
+                .fold(f64::from(root.value(point)), |largest, cut| largest.max(cut.distance(point)))
         };
         let mut solid = GridSolid::from_level_set(LevelSet::sample(*root.grid(), distance));
         solid.outline = Outline { root: Root::Sampled(root.clone()), cuts, rough: Vec::new() };
@@ -81,8 +86,11 @@ fn octants(root: &Arc<LevelSet>, planes: [HalfSpace; 3]) -> Vec<GridSolid> {
 /// Three planes that are nearly at right angles, and pass near the middle.
 fn planes(turn: f64) -> [HalfSpace; 3] {
     [0.0, 1.0, 2.0].map(|n| {
-        let wobble =
-            DVec3::new(libm::sin(turn + 3.0 * n), libm::cos(2.0 * turn + n), libm::sin(5.0 * turn - n));
+        let wobble = DVec3::new(
+            libm::sin(turn + 3.0 * n),
+            libm::cos(2.0 * turn + n),
+            libm::sin(5.0 * turn - n),
+        );
         let normal = (DVec3::AXES[n as usize] + 0.4 * wobble).normalize();
         HalfSpace { normal, offset: 0.15 * libm::sin(7.0 * turn + n) }
     })
@@ -113,7 +121,8 @@ fn sampled(distance: fn(DVec3) -> f64) -> Arc<LevelSet> {
 fn cracks_are_flat_up_to_their_rims_and_rims_lie_on_the_surface() {
     for distance in [ball, ring, scan] {
         let root = sampled(distance);
-        let whole = polygonize(&GridSolid::from_level_set((*root).clone())).mesh.mass_properties().volume;
+        let whole =
+            polygonize(&GridSolid::from_level_set((*root).clone())).mesh.mass_properties().volume;
         for turn in [0.0, 0.7, 1.9, 2.8] {
             let mut volume = 0.0;
             let mut off_root = Vec::new();
@@ -122,7 +131,10 @@ fn cracks_are_flat_up_to_their_rims_and_rims_lie_on_the_surface() {
                 volume += surface.mesh.mass_properties().volume;
                 let RimErrors { off_crack, beyond_crack, off_root: on_rims, bent_area } =
                     measure(&solid, &surface);
-                assert!(off_crack < 1e-6 && beyond_crack < 0.02, "{turn}: {off_crack}, {beyond_crack}");
+                assert!(
+                    off_crack < 1e-6 && beyond_crack < 0.02,
+                    "{turn}: {off_crack}, {beyond_crack}"
+                );
                 assert!(bent_area < 0.005, "{turn}: {bent_area}");
                 off_root.extend(on_rims);
             }
@@ -145,9 +157,14 @@ fn a_rim_that_stands_out_is_measured() {
     let cut = solid.outline.cuts[0];
     let spacing = solid.grid().spacing;
     let mesh = &mut surface.mesh;
-    let on_rim =
-        mesh.positions.iter_mut().find(|p| cut.distance(**p).abs() < 1e-9 && ball(**p).abs() < 0.1 * spacing);
+    let on_rim = mesh
+        .positions
+        .iter_mut()
+        .find(|p| cut.distance(**p).abs() < 1e-9 && ball(**p).abs() < 0.1 * spacing);
     *on_rim.unwrap() += 0.3 * spacing * cut.normal;
     let errors = measure(&solid, &surface);
-    assert!(errors.beyond_crack > 0.29 && errors.off_crack > 0.1 && errors.bent_area > 0.0, "{errors:?}");
+    assert!(
+        errors.beyond_crack > 0.29 && errors.off_crack > 0.1 && errors.bent_area > 0.0,
+        "{errors:?}"
+    );
 }

@@ -54,7 +54,11 @@ fn soup(mesh: &TriMesh) -> TriMesh {
     let corners = mesh.triangles.iter().flatten();
     let positions = corners.map(|&vertex| mesh.positions[vertex as usize]).collect();
     let one = |t: u32| {
-        if t.is_multiple_of(2) { [3 * t, 3 * t + 1, 3 * t + 2] } else { [3 * t, 3 * t + 2, 3 * t + 1] }
+        if t.is_multiple_of(2) {
+            [3 * t, 3 * t + 1, 3 * t + 2]
+        } else {
+            [3 * t, 3 * t + 2, 3 * t + 1]
+        }
     };
     TriMesh { positions, triangles: (0..mesh.triangles.len() as u32).map(one).collect() }
 }
@@ -85,7 +89,8 @@ fn a_disc_and_a_ring_have_their_area_times_the_thickness() {
         let (sin, cos) = libm::sincos(2.0 * PI * f64::from(k) / f64::from(n));
         DVec3::new(radius * cos, 0.0, radius * sin)
     };
-    let polygon = |radius: f64| 0.5 * f64::from(n) * radius * radius * libm::sin(2.0 * PI / f64::from(n));
+    let polygon =
+        |radius: f64| 0.5 * f64::from(n) * radius * radius * libm::sin(2.0 * PI / f64::from(n));
     let mut disc = TriMesh::default();
     disc.positions.push(DVec3::ZERO);
     disc.positions.extend((0..n).map(|k| corner(k, 2.0)));
@@ -161,7 +166,8 @@ fn the_sides_lie_half_of_the_thickness_from_the_sheet() {
 #[test]
 fn a_thickness_is_above_zero() {
     let floor = sheet(1, 1, flat);
-    for (thickness, said) in [(0.0, "0"), (-0.1, "-0.1"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
+    for (thickness, said) in [(0.0, "0"), (-0.1, "-0.1"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")]
+    {
         assert_eq!(
             floor.thickened(thickness, "floor.obj").unwrap_err().to_string(),
             format!("floor.obj: thickness {said} m, must be above 0")

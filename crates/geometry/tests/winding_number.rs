@@ -18,7 +18,8 @@ fn winding(mesh: &TriMesh) -> WindingNumber {
 }
 
 fn exact(mesh: &TriMesh, point: DVec3) -> f64 {
-    triangles(mesh).iter().map(|corners| triangle_solid_angle(point, corners)).sum::<f64>() / (4.0 * PI)
+    triangles(mesh).iter().map(|corners| triangle_solid_angle(point, corners)).sum::<f64>()
+        / (4.0 * PI)
 }
 
 /// Points of a lattice that avoids the faces of the meshes here.
@@ -31,7 +32,10 @@ fn lattice() -> impl Iterator<Item = DVec3> {
 fn octant_is_an_eighth_of_the_sphere() {
     let angle = triangle_solid_angle(DVec3::ZERO, &[DVec3::X, DVec3::Y, DVec3::Z]);
     assert!((angle - PI / 2.0).abs() < 1e-15);
-    assert!((triangle_solid_angle(DVec3::ZERO, &[DVec3::Y, DVec3::X, DVec3::Z]) + PI / 2.0).abs() < 1e-15);
+    assert!(
+        (triangle_solid_angle(DVec3::ZERO, &[DVec3::Y, DVec3::X, DVec3::Z]) + PI / 2.0).abs()
+            < 1e-15
+    );
 }
 
 #[test]
@@ -55,9 +59,11 @@ fn counts_how_often_closed_surfaces_enclose_a_point() {
 /// The series misses the exact sum by some hundredths at worst, and by thousandths on average.
 #[test]
 fn tree_agrees_with_the_exact_sum() {
-    let mesh = joined(icosphere(1.0, 4), &open_box(DVec3::splat(-1.3), DVec3::new(-0.1, 0.2, 1.4), 1));
+    let mesh =
+        joined(icosphere(1.0, 4), &open_box(DVec3::splat(-1.3), DVec3::new(-0.1, 0.2, 1.4), 1));
     let number = winding(&mesh);
-    let errors: Vec<f64> = lattice().map(|point| (number.at(point) - exact(&mesh, point)).abs()).collect();
+    let errors: Vec<f64> =
+        lattice().map(|point| (number.at(point) - exact(&mesh, point)).abs()).collect();
     let worst = errors.iter().fold(0.0_f64, |worst, &error| worst.max(error));
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     assert!(worst < 0.1, "worst error {worst}");
@@ -80,7 +86,8 @@ fn half_in_the_plane_of_a_hole() {
 #[test]
 fn many_sheets_add_up() {
     let far = 1e6;
-    let sheet = [DVec3::new(-far, -far, 1.0), DVec3::new(far, -far, 1.0), DVec3::new(0.0, far, 1.0)];
+    let sheet =
+        [DVec3::new(-far, -far, 1.0), DVec3::new(far, -far, 1.0), DVec3::new(0.0, far, 1.0)];
     let number = WindingNumber::new(Bvh::new(&[sheet; 1000]));
     assert!((number.at(DVec3::ZERO) - 500.0).abs() < 0.01, "{}", number.at(DVec3::ZERO));
     assert!((number.at(DVec3::new(0.0, 0.0, 2.0)) + 500.0).abs() < 0.01);

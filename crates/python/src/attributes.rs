@@ -12,19 +12,26 @@ use std::path::PathBuf;
 
 /// Attributes of a mesh file's triangles; `None` if it says nothing.
 #[pyfunction]
-pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<Bound<'_, PyDict>>> {
+pub(crate) fn mesh_attributes(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<Option<Bound<'_, PyDict>>> {
     let (mesh, said) = py.detach(|| mesh_io::load_with_attributes(&path)).map_err(build_error)?;
     if said.is_empty() {
         return Ok(None);
     }
     let count = said.faces.len();
     let facts = PyDict::new(py);
-    let corners = (0..count).flat_map(|triangle| mesh.corners(triangle)).map(|corner| corner.to_array());
+    let corners =
+        (0..count).flat_map(|triangle| mesh.corners(triangle)).map(|corner| corner.to_array());
     facts.set_item("corners", convert::rows(py, corners)?.reshape([count, 3, 3])?)?;
     facts.set_item("objects", &said.objects)?;
     facts.set_item("materials", &said.materials)?;
     let index = |of: fn(&FaceAttributes) -> Option<u32>| {
-        PyArray1::from_iter(py, said.faces.iter().map(|face| of(face).map_or(-1, |index| index as i32)))
+        PyArray1::from_iter(
+            py,
+            said.faces.iter().map(|face| of(face).map_or(-1, |index| index as i32)),
+        )
     };
     facts.set_item("object", index(|face| face.object))?;
     facts.set_item("material", index(|face| face.material))?;
@@ -34,7 +41,8 @@ pub(crate) fn mesh_attributes(py: Python<'_>, path: PathBuf) -> PyResult<Option<
     fn numbers<const N: usize>(values: Option<[f32; N]>) -> [f32; N] {
         values.unwrap_or([f32::NAN; N])
     }
-    let place = |corner: &CornerAttributes| numbers(corner.coordinates.map(|place| place.to_array()));
+    let place =
+        |corner: &CornerAttributes| numbers(corner.coordinates.map(|place| place.to_array()));
     facts.set_item("coordinates", convert::rows(py, all().map(place))?.reshape([count, 3, 2])?)?;
     let normal = |corner: &CornerAttributes| numbers(corner.normal.map(|normal| normal.to_array()));
     facts.set_item("normals", convert::rows(py, all().map(normal))?.reshape([count, 3, 3])?)?;
@@ -66,8 +74,9 @@ pub(crate) fn closest_triangles<'py>(
             "the triangles: rows of another length than 3, or lists of different lengths",
         ));
     }
-    let corner =
-        |triangle: usize, at: usize| DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]));
+    let corner = |triangle: usize, at: usize| {
+        DVec3::from_array([0, 1, 2].map(|axis| corners[[triangle, at, axis]]))
+    };
     let triangles: Vec<[DVec3; 3]> =
         (0..groups.len()).map(|triangle| [0, 1, 2].map(|at| corner(triangle, at))).collect();
     let groups = groups.to_vec();
@@ -78,7 +87,8 @@ pub(crate) fn closest_triangles<'py>(
         (0..count).map(|n| (row(&points, n), row(&normals, n), wanted[n], reach[n])).collect();
     let found: Vec<i64> = py.detach(|| {
         let tree = Bvh::new(&triangles);
-        let faces: Vec<DVec3> = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
+        let faces: Vec<DVec3> =
+            triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a)).collect();
         let members = Groups::new(&groups, &triangles);
         let closest = |&(point, normal, group, reach): &(DVec3, DVec3, i64, f64)| {
             let (few, own_tree) = members.of(group);
@@ -93,7 +103,9 @@ pub(crate) fn closest_triangles<'py>(
                     among.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
                 };
                 let Some((distance, any)) = nearest(&mut asked.iter()) else { return -1 };
-                let facing = |one: &&(f64, usize)| one.0 < distance + reach && faces[one.1].dot(normal) > 0.0;
+                let facing = |one: &&(f64, usize)| {
+                    one.0 < distance + reach && faces[one.1].dot(normal) > 0.0
+                };
                 let best = nearest(&mut asked.iter().filter(facing));
                 return best.map_or(any, |best| best.1) as i64;
             }

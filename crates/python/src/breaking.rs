@@ -4,8 +4,8 @@ use crate::interrupt::interruptible;
 use crate::patterns::Pattern;
 use crate::{build_error, convert};
 use frangible::fracture::{
-    CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces, resurfaced,
-    sampled_body, shatter,
+    CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces,
+    resurfaced, sampled_body, shatter,
 };
 use frangible::geometry::{MassProperties, TriMesh, mesh_io};
 use glam::DVec3;
@@ -18,7 +18,8 @@ use std::path::PathBuf;
 type MeshArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 
 /// Vertices [m], triangles, and the face of the cell that each is a part of.
-type CutterArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
+type CutterArrays<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
 
 /// The cells, laid onto a box.
 #[pyfunction]
@@ -106,9 +107,12 @@ impl PyMesh<'_> {
     pub(crate) fn to_mesh(&self) -> PyResult<TriMesh> {
         let (vertices, triangles) = (self.0.as_array(), self.1.as_array());
         if vertices.ncols() != 3 || triangles.ncols() != 3 {
-            return Err(build_error("the mesh: rows of another length than 3, must be points and triangles"));
+            return Err(build_error(
+                "the mesh: rows of another length than 3, must be points and triangles",
+            ));
         }
-        let positions = vertices.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
+        let positions =
+            vertices.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
         let triangles = triangles.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
         let mesh = TriMesh { positions, triangles };
         mesh.check("the mesh").map_err(build_error)?;
@@ -159,7 +163,8 @@ pub(crate) fn thicken_mesh<'py>(
     name: String,
 ) -> PyResult<(MeshArrays<'py>, usize)> {
     let mesh = mesh.to_mesh()?;
-    let thick = interruptible(py, move || mesh.thickened(thickness, &name))?.map_err(build_error)?;
+    let thick =
+        interruptible(py, move || mesh.thickened(thickness, &name))?.map_err(build_error)?;
     Ok((mesh_arrays(py, &thick.mesh)?, thick.plates))
 }
 
@@ -195,7 +200,11 @@ pub(crate) fn clean_mesh<'py>(
 
 /// Make the surface of what a mesh encloses anew.
 #[pyfunction]
-pub(crate) fn resurface<'py>(py: Python<'py>, mesh: PyMesh<'_>, voxels: usize) -> PyResult<MeshArrays<'py>> {
+pub(crate) fn resurface<'py>(
+    py: Python<'py>,
+    mesh: PyMesh<'_>,
+    voxels: usize,
+) -> PyResult<MeshArrays<'py>> {
     let mesh = mesh.to_mesh()?;
     let anew = interruptible(py, move || resurfaced(&mesh, voxels))?;
     mesh_arrays(py, &anew.map_err(build_error)?)
@@ -232,7 +241,9 @@ pub(crate) fn piece_contacts<'py>(
     for (mesh, inner) in &pieces {
         let (mesh, inner) = (mesh.to_mesh()?, inner.as_array().to_vec());
         if inner.len() != mesh.triangles.len() {
-            return Err(build_error("the cracks: not as many as triangles, must be true or false for each"));
+            return Err(build_error(
+                "the cracks: not as many as triangles, must be true or false for each",
+            ));
         }
         cut.push(CutPiece { mesh, inner });
     }

@@ -49,13 +49,18 @@ pub(crate) fn value(object: &Bound<'_, PyAny>) -> Value {
 
 /// The same down to so many levels; `None` for what is of another type.
 fn nested_value(object: &Bound<'_, PyAny>, levels: usize) -> Option<Value> {
-    let Some(below) = levels.checked_sub(1) else { return Some(no_json("something nested too deeply")) };
-    let of_item = |item: &Bound<'_, PyAny>| nested_value(item, below).unwrap_or_else(|| no_json(&kind(item)));
+    let Some(below) = levels.checked_sub(1) else {
+        return Some(no_json("something nested too deeply"));
+    };
+    let of_item =
+        |item: &Bound<'_, PyAny>| nested_value(item, below).unwrap_or_else(|| no_json(&kind(item)));
     if object.is_none() {
         return Some(Value::Null);
     }
     if let Ok(text) = object.cast::<PyString>() {
-        return Some(text.to_str().map_or_else(|_| no_json("text with half a character"), Value::from));
+        return Some(
+            text.to_str().map_or_else(|_| no_json("text with half a character"), Value::from),
+        );
     }
     if let Ok(dict) = object.cast::<PyDict>() {
         let mut fields = Map::new();
@@ -127,11 +132,18 @@ pub(crate) fn coordinates<'py>(
     py: Python<'py>,
     triangles: &[[Vec2; 3]],
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    rows(py, triangles.iter().flatten().map(|place| place.to_array()))?.reshape([triangles.len(), 3, 2])
+    rows(py, triangles.iter().flatten().map(|place| place.to_array()))?.reshape([
+        triangles.len(),
+        3,
+        2,
+    ])
 }
 
 /// A vector of three numbers.
-pub(crate) fn vector(name: &str, array: &PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<[f64; 3]> {
+pub(crate) fn vector(
+    name: &str,
+    array: &PyArrayLike1<'_, f64, AllowTypeChange>,
+) -> PyResult<[f64; 3]> {
     match array.as_array().iter().copied().collect::<Vec<_>>().as_slice() {
         &[x, y, z] => Ok([x, y, z]),
         other => Err(build_error(format!("{name}: {} numbers, must be 3", other.len()))),

@@ -24,7 +24,13 @@ pub(crate) fn decode_meshopt<'py>(
 }
 
 /// The error completes the sentence that begins with the view.
-fn unpacked(data: &[u8], count: usize, stride: usize, mode: &str, filter: &str) -> Result<Vec<u8>, String> {
+fn unpacked(
+    data: &[u8],
+    count: usize,
+    stride: usize,
+    mode: &str,
+    filter: &str,
+) -> Result<Vec<u8>, String> {
     // The preconditions of the library.
     let is_vertex = mode == "ATTRIBUTES";
     let fits = match mode {
@@ -47,7 +53,9 @@ fn unpacked(data: &[u8], count: usize, stride: usize, mode: &str, filter: &str) 
         _ => is_vertex || filtered.is_none(),
     };
     if !(fits && filter_fits) {
-        return Err(format!("has {count} rows of {stride} bytes, which {mode} and {filter} do not have"));
+        return Err(format!(
+            "has {count} rows of {stride} bytes, which {mode} and {filter} do not have"
+        ));
     }
     let size = count.checked_mul(stride).ok_or("is too large")?;
     let mut rows: Vec<u8> = Vec::new();
@@ -57,7 +65,10 @@ fn unpacked(data: &[u8], count: usize, stride: usize, mode: &str, filter: &str) 
     // SAFETY: the library writes `count` rows of `stride` bytes and reads no further than the
     // data's length, whatever it holds; strides and counts are those that it asks for, and a vector
     // of bytes from the allocator is aligned for words.
-    #[allow(unsafe_code, reason = "the crate's safe functions know the type of a row when it is compiled")]
+    #[allow(
+        unsafe_code,
+        reason = "the crate's safe functions know the type of a row when it is compiled"
+    )]
     let status = unsafe {
         let target = rows.as_mut_ptr().cast::<c_void>();
         let decode: Decoder = match mode {

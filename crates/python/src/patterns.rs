@@ -36,8 +36,9 @@ impl Pattern {
         if Path::new(name).extension().is_some() {
             for (field, given) in [("cells", cells.is_some()), ("seed", seed.is_some())] {
                 if given {
-                    let sentence =
-                        format!("{field}: must be left out for the pattern in {name}, which is what it is");
+                    let sentence = format!(
+                        "{field}: must be left out for the pattern in {name}, which is what it is"
+                    );
                     return Err(PyValueError::new_err(sentence));
                 }
             }
@@ -59,7 +60,10 @@ impl Pattern {
         mut attempt: impl FnMut(&fracture::Pattern) -> usize,
     ) -> Option<(Self, usize)> {
         // A pattern without a description, such as a file's, cannot be made finer.
-        let desc = self.1.clone().unwrap_or_else(|| PatternDesc::File(PatternFile { path: PathBuf::new() }));
+        let desc = self
+            .1
+            .clone()
+            .unwrap_or_else(|| PatternDesc::File(PatternFile { path: PathBuf::new() }));
         let fineness = Fineness::new(desc, Arc::new(self.0.clone()));
         let found = fineness.search(pieces, PIECES_WITHIN, |pattern| (attempt(pattern), ()))?;
         Some((Self(fracture::Pattern::clone(&found.pattern), self.1.clone()), found.count))
@@ -76,7 +80,12 @@ impl Pattern {
 impl Pattern {
     #[staticmethod]
     #[pyo3(signature = (name, *, cells=None, seed=None))]
-    fn named(py: Python<'_>, name: &str, cells: Option<usize>, seed: Option<u64>) -> PyResult<Self> {
+    fn named(
+        py: Python<'_>,
+        name: &str,
+        cells: Option<usize>,
+        seed: Option<u64>,
+    ) -> PyResult<Self> {
         threads::detached(py, || Self::find(name, cells, seed))?
     }
 
@@ -113,7 +122,9 @@ impl Pattern {
                 };
                 threads::detached(py, || {
                     let body = fracture::sampled_body(&mesh, voxels)?;
-                    Ok(self.searched(pieces, |pattern| shatter(&body, pattern, &impact, &settings).len()))
+                    Ok(self.searched(pieces, |pattern| {
+                        shatter(&body, pattern, &impact, &settings).len()
+                    }))
                 })?
                 .map_err(|error: MeshBreakError| build_error(error))?
             }
@@ -169,10 +180,16 @@ impl Pattern {
     }
 
     #[pyo3(signature = (cell, longest_edge=f64::INFINITY))]
-    fn region_mesh<'py>(&self, py: Python<'py>, cell: usize, longest_edge: f64) -> PyResult<Mesh<'py>> {
+    fn region_mesh<'py>(
+        &self,
+        py: Python<'py>,
+        cell: usize,
+        longest_edge: f64,
+    ) -> PyResult<Mesh<'py>> {
         self.check(cell)?;
         let mesh = threads::detached(py, || self.0.region_mesh(cell, longest_edge))?;
-        let vertices = convert::rows(py, mesh.positions.iter().map(|position| position.to_array()))?;
+        let vertices =
+            convert::rows(py, mesh.positions.iter().map(|position| position.to_array()))?;
         Ok((vertices, convert::rows(py, mesh.triangles.into_iter())?))
     }
 

@@ -33,7 +33,8 @@ impl Pool {
         if let Some(pool) = &self.pool {
             return Ok(pool.clone());
         }
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build().map_err(build_error)?;
+        let pool =
+            ThreadPoolBuilder::new().num_threads(self.threads).build().map_err(build_error)?;
         Ok(self.pool.insert(Arc::new(pool)).clone())
     }
 }

@@ -37,14 +37,18 @@ impl World {
         match self.0.try_lock() {
             Ok(inner) => Ok(inner),
             Err(TryLockError::WouldBlock) => Err(busy()),
-            Err(TryLockError::Poisoned(_)) => {
-                Err(PyRuntimeError::new_err("the world was left in the middle of a step: build it anew"))
-            }
+            Err(TryLockError::Poisoned(_)) => Err(PyRuntimeError::new_err(
+                "the world was left in the middle of a step: build it anew",
+            )),
         }
     }
 
     /// A world of plain data, or of JSON.
-    fn from_readable(py: Python<'_>, readable: &Bound<'_, PyAny>, threads: usize) -> PyResult<Self> {
+    fn from_readable(
+        py: Python<'_>,
+        readable: &Bound<'_, PyAny>,
+        threads: usize,
+    ) -> PyResult<Self> {
         let scene = scene(readable)?;
         let mut pool = Pool::new(threads);
         let here = pool.here()?;
@@ -63,7 +67,8 @@ fn scene(readable: &Bound<'_, PyAny>) -> PyResult<SceneDesc> {
         return Ok(scene);
     }
     // Python also reads NaN, and numbers of any size: the sentence can name their fields.
-    let read = readable.py().import("frangible.scenes")?.call_method1("parse_json", ("scene", text))?;
+    let read =
+        readable.py().import("frangible.scenes")?.call_method1("parse_json", ("scene", text))?;
     SceneDesc::from_value(convert::value(&read)).map_err(build_error)
 }
 
@@ -81,9 +86,10 @@ impl World {
         let built = Self::from_readable(py, &files.call_method0("__enter__")?, threads);
         match &built {
             Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
-            Err(error) => {
-                files.call_method1("__exit__", (error.get_type(py), error.value(py), error.traceback(py)))?
-            }
+            Err(error) => files.call_method1(
+                "__exit__",
+                (error.get_type(py), error.value(py), error.traceback(py)),
+            )?,
         };
         built
     }
@@ -133,12 +139,18 @@ impl World {
 
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        convert::rows(py, self.inner()?.world.bodies().poses.iter().map(|pose| pose.position.to_array()))
+        convert::rows(
+            py,
+            self.inner()?.world.bodies().poses.iter().map(|pose| pose.position.to_array()),
+        )
     }
 
     #[getter]
     fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        convert::rows(py, self.inner()?.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()))
+        convert::rows(
+            py,
+            self.inner()?.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()),
+        )
     }
 
     #[getter]
@@ -158,8 +170,10 @@ impl World {
         let bodies = inner.world.bodies();
         let angular = |i: usize| match bodies.motions[i] {
             Motion::Kinematic { angular, .. } => angular,
-            Motion::Static | Motion::Dynamic => bodies.inertias[i]
-                .angular_velocity(bodies.poses[i].orientation, bodies.velocities[i].angular_momentum),
+            Motion::Static | Motion::Dynamic => bodies.inertias[i].angular_velocity(
+                bodies.poses[i].orientation,
+                bodies.velocities[i].angular_momentum,
+            ),
         };
         convert::rows(py, (0..bodies.len()).map(|i| angular(i).to_array()))
     }
@@ -187,7 +201,13 @@ impl World {
 
     #[getter]
     fn looks(&self) -> PyResult<Vec<Option<&'static str>>> {
-        Ok(self.inner()?.world.labels().iter().map(|label| label.look.map(LookDesc::name)).collect())
+        Ok(self
+            .inner()?
+            .world
+            .labels()
+            .iter()
+            .map(|label| label.look.map(LookDesc::name))
+            .collect())
     }
 
     /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame:
@@ -196,7 +216,8 @@ impl World {
         let inner = self.inner()?;
         let bodies = inner.world.bodies();
         let dense = bodies.index_of(id_from_number(id));
-        let dense = dense.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
+        let dense =
+            dense.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
         let frame = &bodies.shapes[dense].body_from_grid;
         Ok((frame.translation.to_array(), frame.rotation.to_array()))
     }
@@ -208,7 +229,8 @@ impl World {
         linear: PyArrayLike1<'_, f64, AllowTypeChange>,
         angular: PyArrayLike1<'_, f64, AllowTypeChange>,
     ) -> PyResult<()> {
-        let (linear, angular) = (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
+        let (linear, angular) =
+            (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
         let world = &mut self.inner()?.world;
         world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
     }
@@ -220,8 +242,8 @@ impl World {
         let Inner { world, pool } = &mut *inner;
         let pool = pool.here()?;
         let surface = py.detach(|| pool.install(|| world.surface(id_from_number(id))));
-        let surface =
-            surface.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
+        let surface = surface
+            .ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
         let vertices = surface.mesh.positions.iter().map(|point| point.as_vec3().to_array());
         Ok((
             convert::rows(py, vertices)?,

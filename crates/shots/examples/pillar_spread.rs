@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let row = |seed: u64| {
             let options = ShotOptions { seed, method, frames_per_second, ..ShotOptions::default() };
-            let spread = pillar_spread(&options, safeguards).map_err(|obstacle| obstacle.to_string())?;
+            let spread =
+                pillar_spread(&options, safeguards).map_err(|obstacle| obstacle.to_string())?;
             let switch = if safeguards { "on" } else { "off" };
             Ok(format!(
                 "{name},{frames_per_second},{switch},{seed},{:.4},{:.4},{:.4},{:.4}",

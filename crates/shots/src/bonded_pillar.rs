@@ -53,7 +53,10 @@ fn bonded_pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         density: STEEL,
         restitution: 0.1,
         look: Some(LookDesc::Metal),
-        ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() })
+        ..BodyDesc::new(
+            "ball",
+            ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() },
+        )
     };
     let mut scene = SceneDesc::new("");
     scene.bodies.extend([BodyDesc::ground(0.0), pillar, ball]);

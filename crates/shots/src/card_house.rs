@@ -71,7 +71,11 @@ pub(crate) fn card_house(friction: f64) -> SceneDesc {
             let low = ends[0] + if lying == 1 { -OVERHANG } else { 0.5 * GAP };
             let high = ends[1] + if lying + 1 == pairs { OVERHANG } else { -0.5 * GAP };
             let size = [high - low, thickness, width];
-            scene.bodies.push(card([0.5 * (low + high), floor + storey + 0.5 * thickness], 0.0, size));
+            scene.bodies.push(card(
+                [0.5 * (low + high), floor + storey + 0.5 * thickness],
+                0.0,
+                size,
+            ));
         }
     }
     scene

@@ -130,8 +130,9 @@ impl Claim {
     /// Runs its scenes and says what it found. A scene that cannot be set up is a finding
     /// that does not hold.
     pub fn check(&self) -> Vec<Finding> {
-        (self.measure)()
-            .unwrap_or_else(|obstacle| vec![Finding::at_most(obstacle.to_string(), "1", f64::NAN, 0.0)])
+        (self.measure)().unwrap_or_else(|obstacle| {
+            vec![Finding::at_most(obstacle.to_string(), "1", f64::NAN, 0.0)]
+        })
     }
 }
 
@@ -146,7 +147,13 @@ impl Finding {
         self.low > f64::NEG_INFINITY || self.high < f64::INFINITY
     }
 
-    fn between(quantity: impl Into<String>, unit: &'static str, measured: f64, low: f64, high: f64) -> Self {
+    fn between(
+        quantity: impl Into<String>,
+        unit: &'static str,
+        measured: f64,
+        low: f64,
+        high: f64,
+    ) -> Self {
         Self { quantity: quantity.into(), unit, measured, low, high }
     }
 
@@ -166,7 +173,7 @@ impl Finding {
 
 /// The largest of some values; not a number if one of them is none.
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values
-        .into_iter()
-        .fold(f64::NEG_INFINITY, |most, value| if most.is_nan() || value <= most { most } else { value })
+    values.into_iter().fold(f64::NEG_INFINITY, |most, value| {
+        if most.is_nan() || value <= most { most } else { value }
+    })
 }

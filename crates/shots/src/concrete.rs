@@ -45,8 +45,10 @@ fn concrete(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         seed: options.seed,
         half_extent: DVec3::new(1.0, 0.4, 0.4),
     };
-    let breaking =
-        BreakingDesc::once(StrengthDesc::Named(MaterialName::Concrete), PatternDesc::Concrete(pattern));
+    let breaking = BreakingDesc::once(
+        StrengthDesc::Named(MaterialName::Concrete),
+        PatternDesc::Concrete(pattern),
+    );
     let resolution = Resolution { voxels: Some(VOXELS), sample_spacing: None };
     let pillar = BodyDesc {
         position: [0.0, 0.5 * PILLAR[1], 0.0],

@@ -40,7 +40,10 @@ pub(crate) fn cradle(strikers: usize, restitution: f64) -> SceneDesc {
         friction: 0.0,
         restitution,
         look: Some(LookDesc::Metal),
-        ..BodyDesc::new("ball", ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() })
+        ..BodyDesc::new(
+            "ball",
+            ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() },
+        )
     };
     let mut scene = SceneDesc::new("");
     scene.bodies.push(BodyDesc::ground(0.0));

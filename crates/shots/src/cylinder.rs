@@ -2,7 +2,9 @@
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Natural;
-use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{
+    BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+};
 
 /// Figure 5.
 pub(crate) const CYLINDER: Shot = Shot {
@@ -35,7 +37,8 @@ const CELLS: usize = 110;
 fn cylinder(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let resolution = Resolution { voxels: Some(VOXELS), sample_spacing: None };
     let shape = ShapeDesc::Cylinder { radius: RADIUS, height: HEIGHT, resolution };
-    let pattern = PatternDesc::Natural(Natural { cells: CELLS, seed: options.seed, ..Natural::default() });
+    let pattern =
+        PatternDesc::Natural(Natural { cells: CELLS, seed: options.seed, ..Natural::default() });
     let cylinder = BodyDesc {
         position: [0.0, 0.5 * HEIGHT, 0.0],
         breaking: Some(BreakingDesc::once(100.0, pattern)),

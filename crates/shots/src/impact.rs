@@ -71,9 +71,14 @@ fn impact(
     let resolution = Resolution { voxels, sample_spacing: None };
     let thickness = options.thickness.map(|thickness| scale * thickness);
     let shape = ShapeDesc::Mesh { path: name, scale, thickness, resolution };
-    let pattern =
-        PatternDesc::Voronoi(Voronoi { cells, clustering: 1.5, seed: options.seed, ..Voronoi::default() });
-    let body = BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };
+    let pattern = PatternDesc::Voronoi(Voronoi {
+        cells,
+        clustering: 1.5,
+        seed: options.seed,
+        ..Voronoi::default()
+    });
+    let body =
+        BodyDesc { position: [-middle.x, -low.y, -middle.z], ..BodyDesc::new("mesh", shape) };
     let mass = body.density * mesh.mass_properties().volume * scale * scale * scale;
     let strength = (STRENGTH_PER_MASS * mass).min(MOST_STRENGTH);
     let body = BodyDesc { breaking: Some(BreakingDesc::once(strength, pattern)), ..body };

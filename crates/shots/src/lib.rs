@@ -64,7 +64,13 @@ pub struct ShotOptions {
 
 impl Default for ShotOptions {
     fn default() -> Self {
-        Self { mesh: None, thickness: None, frames_per_second: 30.0, method: Method::default(), seed: 0 }
+        Self {
+            mesh: None,
+            thickness: None,
+            frames_per_second: 30.0,
+            method: Method::default(),
+            seed: 0,
+        }
     }
 }
 
@@ -149,7 +155,8 @@ impl Shot {
 
     /// How many frames it takes at a rate [1/s].
     pub fn frames_at(&self, frames_per_second: f64) -> u32 {
-        (f64::from(self.frames) * frames_per_second / ShotOptions::default().frames_per_second).ceil() as u32
+        (f64::from(self.frames) * frames_per_second / ShotOptions::default().frames_per_second)
+            .ceil() as u32
     }
 
     /// Its scene.

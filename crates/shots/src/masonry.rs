@@ -2,7 +2,9 @@
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Bricks;
-use frangible::{AnchorDesc, BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{
+    AnchorDesc, BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+};
 use glam::DVec3;
 
 /// Bricks.

@@ -34,7 +34,8 @@ const SPEED: f64 = 12.0;
 
 fn pane(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let pattern = Radial { spokes: 26, rings: 9, jitter: 0.8, seed: options.seed };
-    let breaking = BreakingDesc::once(StrengthDesc::Named(MaterialName::Glass), PatternDesc::Radial(pattern));
+    let breaking =
+        BreakingDesc::once(StrengthDesc::Named(MaterialName::Glass), PatternDesc::Radial(pattern));
     let resolution = Resolution { voxels: Some([400, 300, 2]), sample_spacing: None };
     let pane = BodyDesc {
         position: [0.0, 0.5 * PANE_SIZE[1], 0.0],

@@ -53,7 +53,9 @@ fn pile_table(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let mut random = Random::new(options.seed);
     let points: Vec<DVec3> = (0..TABLE_CELLS).map(|_| HALF * in_cube(&mut random)).collect();
     let table = cells(&Hull::cuboid(HALF), &points);
-    scene.bodies.extend(table.iter().map(|cell| piece("table", cell, DVec3::new(0.0, DROP + HALF.y, 0.0))));
+    scene
+        .bodies
+        .extend(table.iter().map(|cell| piece("table", cell, DVec3::new(0.0, DROP + HALF.y, 0.0))));
 
     // The balls, in layers.
     let ball = Hull::ball(RADIUS);
@@ -64,7 +66,9 @@ fn pile_table(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         let place = DVec3::new(along(i, abreast), j as f64, along(k, deep));
         let middle = APART * place + bottom * DVec3::Y;
         scene.bodies.extend(
-            cells(&ball, &points_in_ball(&mut random)).iter().map(|cell| piece("ball", cell, middle)),
+            cells(&ball, &points_in_ball(&mut random))
+                .iter()
+                .map(|cell| piece("ball", cell, middle)),
         );
     }
     Ok(scene)

@@ -50,7 +50,11 @@ const APART: f64 = 2.05;
 const PIT: [f64; 2] = [0.5, 6.0];
 
 /// Rubble of the options' seed in layers, each piece free of the others.
-pub(crate) fn pile(counts: [usize; 3], in_pit: bool, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
+pub(crate) fn pile(
+    counts: [usize; 3],
+    in_pit: bool,
+    options: &ShotOptions,
+) -> Result<SceneDesc, ShotError> {
     let mut random = Random::new(options.seed);
     let mut scene = SceneDesc::new("");
     scene.bodies.push(BodyDesc::ground(0.0));
@@ -59,7 +63,8 @@ pub(crate) fn pile(counts: [usize; 3], in_pit: bool, options: &ShotOptions) -> R
     for number in 0..counts.iter().product() {
         let [i, j, k] =
             [number % counts[0], number / (counts[0] * counts[2]), number / counts[0] % counts[2]];
-        let along = |place: usize, count: usize| (place as f64 - 0.5 * (count as f64 - 1.0)) * pitch;
+        let along =
+            |place: usize, count: usize| (place as f64 - 0.5 * (count as f64 - 1.0)) * pitch;
         scene.bodies.push(BodyDesc {
             position: [along(i, counts[0]), RADIUS + (j as f64 + 0.1) * pitch, along(k, counts[2])],
             orientation: random.orientation().to_array(),

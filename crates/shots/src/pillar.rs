@@ -69,7 +69,8 @@ fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     let (mut blocks, mut plates) = (Vec::new(), Vec::new());
     let mut above = Hull::cuboid(HALF);
     for (height, thickness) in LAYERS {
-        let tilt = DVec3::new(random.between(-TILT, TILT), 1.0, random.between(-TILT, TILT)).normalize();
+        let tilt =
+            DVec3::new(random.between(-TILT, TILT), 1.0, random.between(-TILT, TILT)).normalize();
         let floor = HalfSpace { normal: tilt, offset: height * tilt.y };
         let ceiling = HalfSpace { offset: floor.offset + thickness, ..floor };
         if let Some([below, rest]) = split(&above, &floor)

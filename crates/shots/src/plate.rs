@@ -33,8 +33,11 @@ pub(crate) fn plate(orientation: DQuat, ahead: f64) -> SceneDesc {
         ..BodyDesc::new(name, ShapeDesc::Box { size, resolution: Resolution::default() })
     };
     let height = 0.5 * WALL_SIZE[1];
-    let wall =
-        BodyDesc { motion: MotionDesc::Static, position: [0.0, height, 0.0], ..body("wall", WALL_SIZE) };
+    let wall = BodyDesc {
+        motion: MotionDesc::Static,
+        position: [0.0, height, 0.0],
+        ..body("wall", WALL_SIZE)
+    };
     let plate = BodyDesc {
         position: [ahead - ROOM, height, 0.0],
         orientation: orientation.to_array(),

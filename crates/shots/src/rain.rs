@@ -101,7 +101,8 @@ fn rain(balls: usize, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     let mut highest = top;
     for index in 0..balls {
         let (layer, place) = (index / (ABREAST[0] * ABREAST[1]), index % (ABREAST[0] * ABREAST[1]));
-        let along = |place: usize, count: usize| (place as f64 - 0.5 * (count as f64 - 1.0)) * APART;
+        let along =
+            |place: usize, count: usize| (place as f64 - 0.5 * (count as f64 - 1.0)) * APART;
         let mut jitter = || random.between(-0.5, 0.5) * (APART - 2.0 * RADIUS);
         let [x, z] = [along(place % ABREAST[0], ABREAST[0]), along(place / ABREAST[0], ABREAST[1])];
         highest = top + 2.0 + layer as f64 * APART;
@@ -134,7 +135,10 @@ fn rain(balls: usize, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         density: HEAVY,
         friction: 0.2,
         restitution: 0.0,
-        ..BodyDesc::new("large", ShapeDesc::Sphere { radius: LARGE, resolution: Resolution::default() })
+        ..BodyDesc::new(
+            "large",
+            ShapeDesc::Sphere { radius: LARGE, resolution: Resolution::default() },
+        )
     });
     Ok(scene)
 }
@@ -142,8 +146,11 @@ fn rain(balls: usize, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
 /// The top on four legs.
 fn table(scene: &mut SceneDesc, options: &ShotOptions) {
     let resolution = Resolution { voxels: Some(TABLE_VOXELS), sample_spacing: None };
-    let pattern =
-        PatternDesc::Natural(Natural { cells: TABLE_CELLS, seed: options.seed, ..Natural::default() });
+    let pattern = PatternDesc::Natural(Natural {
+        cells: TABLE_CELLS,
+        seed: options.seed,
+        ..Natural::default()
+    });
     scene.bodies.push(BodyDesc {
         position: [0.0, LEG + 0.5 * TABLE[1], 0.0],
         restitution: 0.0,
@@ -151,8 +158,11 @@ fn table(scene: &mut SceneDesc, options: &ShotOptions) {
         ..BodyDesc::new("table", ShapeDesc::Box { size: TABLE, resolution })
     });
     for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-        let shape =
-            ShapeDesc::Cylinder { radius: LEG_RADIUS, height: LEG, resolution: Resolution::default() };
+        let shape = ShapeDesc::Cylinder {
+            radius: LEG_RADIUS,
+            height: LEG,
+            resolution: Resolution::default(),
+        };
         scene.bodies.push(BodyDesc {
             position: [x * LEGS[0], 0.5 * LEG, z * LEGS[1]],
             restitution: 0.0,

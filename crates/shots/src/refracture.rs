@@ -3,7 +3,9 @@
 use crate::wall::{GROUND, ball, wall_of};
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Voronoi;
-use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{
+    BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+};
 
 /// Figure 7.
 pub(crate) const REFRACTURE: Shot = Shot {

@@ -44,8 +44,10 @@ fn timber(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         half_extent: DVec3::new(1.0, 0.1, 0.06),
         ..Splinters::default()
     };
-    let breaking =
-        BreakingDesc::once(StrengthDesc::Named(MaterialName::Wood), PatternDesc::Splinters(pattern));
+    let breaking = BreakingDesc::once(
+        StrengthDesc::Named(MaterialName::Wood),
+        PatternDesc::Splinters(pattern),
+    );
     let resolution = Resolution { voxels: Some([240, 5, 24]), sample_spacing: None };
     let plank = BodyDesc {
         position: [0.0, TRESTLE[0] + 0.5 * PLANK[1], 0.0],

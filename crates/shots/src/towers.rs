@@ -83,7 +83,8 @@ pub(crate) fn pyramid() -> SceneDesc {
 
 /// Ten cubes, and one `ratio` times as heavy on top of them.
 pub(crate) fn load(ratio: f64) -> SceneDesc {
-    let wood = |level: usize| BodyDesc { density: LIGHT, look: Some(LookDesc::Wood), ..cube(0.0, level) };
+    let wood =
+        |level: usize| BodyDesc { density: LIGHT, look: Some(LookDesc::Wood), ..cube(0.0, level) };
     let load = BodyDesc {
         name: "load".into(),
         density: ratio * LIGHT,

@@ -2,7 +2,9 @@
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::{Natural, Radial};
-use frangible::{BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
+use frangible::{
+    BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
+};
 use glam::DVec3;
 
 /// Struck above the middle, towards one side.
@@ -100,7 +102,11 @@ fn kinematic_ball(center: [f64; 3]) -> BodyDesc {
 }
 
 pub(crate) fn ball(shape: ShapeDesc, center: [f64; 3]) -> BodyDesc {
-    BodyDesc { position: center, linear_velocity: [-SPEED, 0.0, 0.0], ..BodyDesc::new("ball", shape) }
+    BodyDesc {
+        position: center,
+        linear_velocity: [-SPEED, 0.0, 0.0],
+        ..BodyDesc::new("ball", shape)
+    }
 }
 
 pub(crate) fn wall_of(breaking: BreakingDesc) -> BodyDesc {
@@ -118,7 +124,11 @@ fn scene(breaking: BreakingDesc, ball: BodyDesc) -> SceneDesc {
 
 /// One pattern for all of figure 4: the paper's twelve wedges, and rings as they form in a pane.
 fn breaking(strength: f64, options: &ShotOptions) -> BreakingDesc {
-    let pattern =
-        PatternDesc::Radial(Radial { spokes: 12, rings: 2, seed: options.seed, ..Radial::default() });
+    let pattern = PatternDesc::Radial(Radial {
+        spokes: 12,
+        rings: 2,
+        seed: options.seed,
+        ..Radial::default()
+    });
     BreakingDesc::once(strength, pattern)
 }

@@ -1,6 +1,11 @@
 //! Fresh pieces lie still: a body at rest that breaks leaves its pieces at rest, whatever it was and however it was cut.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::fracture::{Concrete, Natural, Radial, Slices, Voronoi};
 use frangible::{
@@ -37,7 +42,8 @@ fn births(mut world: World) -> (usize, f64) {
     let mut left = 60;
     while left > 0 {
         left -= 1;
-        let before: Vec<_> = world.bodies().ids.iter().copied().zip(world.bodies().poses.clone()).collect();
+        let before: Vec<_> =
+            world.bodies().ids.iter().copied().zip(world.bodies().poses.clone()).collect();
         let report = step(&mut world);
         assert!(report.quarantined.is_empty());
         if let Some(fracture) = report.fractures.first() {
@@ -50,7 +56,8 @@ fn births(mut world: World) -> (usize, f64) {
         }
         for (id, pose) in before {
             if let Some(i) = bodies.index_of(id).filter(|&i| !is_feather(i)) {
-                fastest = fastest.max(bodies.poses[i].position.distance(pose.position) / world.dt());
+                fastest =
+                    fastest.max(bodies.poses[i].position.distance(pose.position) / world.dt());
             }
         }
     }
@@ -79,7 +86,10 @@ fn part(size: [f64; 3], position: [f64; 3]) -> PartDesc {
 }
 
 /// Breaks bodies and asserts that none of their pieces pops.
-fn lie_still(breaks: impl IntoIterator<Item = (String, ShapeDesc, PatternDesc, DVec3)>, least: usize) {
+fn lie_still(
+    breaks: impl IntoIterator<Item = (String, ShapeDesc, PatternDesc, DVec3)>,
+    least: usize,
+) {
     let mut count = 0;
     let mut popped = Vec::new();
     for (name, shape, pattern, from) in breaks {
@@ -124,7 +134,12 @@ fn pieces_of_level_sets_lie_still() {
         };
         let rough = PatternDesc::Concrete(Concrete { seed, ..Concrete::default() });
         let pattern = if seed % 5 == 4 { rough } else { pattern(seed / 3, seed) };
-        (format!("level set {seed}"), ShapeDesc::Compound { parts, resolution: sampled }, pattern, from(seed))
+        (
+            format!("level set {seed}"),
+            ShapeDesc::Compound { parts, resolution: sampled },
+            pattern,
+            from(seed),
+        )
     });
     lie_still(breaks, 55);
 }
@@ -136,7 +151,8 @@ fn boxes_that_overlap_pop() {
     let mut scene = SceneDesc::new("overlap");
     scene.gravity = [0.0; 3];
     scene.bodies.extend(
-        [0.0, 0.99].map(|x| BodyDesc { position: [x, 0.0, 0.0], ..BodyDesc::new("box", shape.clone()) }),
+        [0.0, 0.99]
+            .map(|x| BodyDesc { position: [x, 0.0, 0.0], ..BodyDesc::new("box", shape.clone()) }),
     );
     let (pieces, fastest) = births(World::build(&scene).unwrap());
     assert!(pieces == 0 && fastest > POPS, "{fastest} m/s");

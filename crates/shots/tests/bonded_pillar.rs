@@ -1,6 +1,11 @@
 //! A pillar of glued pieces stands, until a ball strikes it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::geometry::Shape;
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc, World, step};
@@ -31,7 +36,8 @@ fn height(world: &World) -> f64 {
     let top = |i: usize| {
         let (shape, pose): (&Shape, _) = (&world.bodies().shapes[i], &world.bodies().poses[i]);
         let hulls = shape.hull.iter().map(|hull| &**hull);
-        let parts = shape.compound.iter().flat_map(|compound| compound.parts()).map(|part| &part.hull);
+        let parts =
+            shape.compound.iter().flat_map(|compound| compound.parts()).map(|part| &part.hull);
         let corners = hulls.chain(parts).flat_map(|hull| hull.vertices());
         corners.map(|&corner| pose.world_from_body().point(corner).y).fold(0.0, f64::max)
     };
@@ -103,7 +109,10 @@ fn without_bonds_it_spreads() {
         position: [-0.85, 5.0, 0.0],
         linear_velocity: [1.5, 0.0, 0.0],
         density: 1500.0,
-        ..BodyDesc::new("nudge", ShapeDesc::Sphere { radius: 0.3, resolution: Resolution::default() })
+        ..BodyDesc::new(
+            "nudge",
+            ShapeDesc::Sphere { radius: 0.3, resolution: Resolution::default() },
+        )
     };
     let mut bonded = alone(1.0);
     bonded.bodies.push(nudge.clone());

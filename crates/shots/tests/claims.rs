@@ -1,6 +1,11 @@
 //! Every claim holds; one test for each, so that they run side by side.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible_shots::ShotOptions;
 use frangible_shots::claims::{CLAIMS, Claim, Spread, pillar_spread as pillar_spread_of};
@@ -76,7 +81,9 @@ fn pillar_spreads_as_recorded() {
     assert_eq!(recorded.len(), 10);
     let fine = |column: usize| recorded.iter().map(|row| row[column]).sum::<f64>() / 10.0;
     let coarse: Vec<_> = (0..10)
-        .map(|seed| pillar_spread_of(&ShotOptions { seed, ..ShotOptions::default() }, true).unwrap())
+        .map(|seed| {
+            pillar_spread_of(&ShotOptions { seed, ..ShotOptions::default() }, true).unwrap()
+        })
         .collect();
     let mean = |value: fn(&Spread) -> f64| coarse.iter().map(value).sum::<f64>() / 10.0;
     assert!((mean(|spread| spread.mean) / fine(1) - 1.0).abs() < 0.15);

@@ -1,6 +1,11 @@
 //! The captions of the figures without fracture hold.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::{Method, StepReport, World, step};
 use frangible_shots::{Shot, ShotOptions};
@@ -25,12 +30,14 @@ fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
         assert_eq!(pieces.len(), 94);
         let volume: f64 = pieces.iter().map(|shape| shape.volume).sum();
         assert!((volume - 6.0).abs() < 1e-6, "seed {seed}: {volume} m^3");
-        let lowest = world.bodies().poses[1..].iter().map(|pose| pose.position.y).fold(9.0, f64::min);
+        let lowest =
+            world.bodies().poses[1..].iter().map(|pose| pose.position.y).fold(9.0, f64::min);
         assert!(lowest > 0.5, "seed {seed}: above the ground");
 
         // Plates are the thinnest along their least principal axis; chips are small.
-        let named =
-            |name: &str| -> Vec<usize> { (0..94).filter(|&i| world.labels()[1 + i].name == name).collect() };
+        let named = |name: &str| -> Vec<usize> {
+            (0..94).filter(|&i| world.labels()[1 + i].name == name).collect()
+        };
         let thickness = |i: usize| (pieces[i].bounds.1 - pieces[i].bounds.0).min_element();
         for (layer, plates) in named("plate").chunks(6).enumerate() {
             let expected = [0.08, 0.04, 0.02][layer];
@@ -51,10 +58,16 @@ fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
 fn figure_1_no_chip_squirts_out_of_the_rubble() {
     for seed in [7, 14, 42, 58, 61, 62] {
         let options = ShotOptions { seed, ..ShotOptions::default() };
-        let mut world = World::build(&Shot::find("pillar").unwrap().scene(&options).unwrap()).unwrap();
+        let mut world =
+            World::build(&Shot::find("pillar").unwrap().scene(&options).unwrap()).unwrap();
         for frame in 0..120 {
             step(&mut world);
-            let up = world.bodies().velocities.iter().map(|velocity| velocity.linear.y).fold(0.0, f64::max);
+            let up = world
+                .bodies()
+                .velocities
+                .iter()
+                .map(|velocity| velocity.linear.y)
+                .fold(0.0, f64::max);
             assert!(up < 8.5, "seed {seed}, frame {frame}: {up} m/s");
         }
     }
@@ -87,7 +100,8 @@ fn figure_2_boxes_form_a_stack_and_a_larger_box_scatters_it() {
 fn figure_2_a_larger_box_on_a_plank_scatters_the_stack_on_its_other_end() {
     for method in [Method::Paper, Method::FrameRate] {
         let options = ShotOptions { method, ..ShotOptions::default() };
-        let mut world = World::build(&Shot::find("plank").unwrap().scene(&options).unwrap()).unwrap();
+        let mut world =
+            World::build(&Shot::find("plank").unwrap().scene(&options).unwrap()).unwrap();
         let boxes = 3..10;
         let mut gain = f64::NEG_INFINITY;
         for _ in 0..110 {
@@ -127,7 +141,10 @@ fn figure_3_the_cube_stops_where_the_analytic_solution_does() {
         let moving = time.min(1.0 / brake);
         let expected = moving - 0.5 * brake * moving * moving;
         let slid = (position(&world, 1) - start).length();
-        assert!((slid - expected).abs() < 0.01 * (0.5 / brake), "after {time} s: {slid} m of {expected} m");
+        assert!(
+            (slid - expected).abs() < 0.01 * (0.5 / brake),
+            "after {time} s: {slid} m of {expected} m"
+        );
     }
     assert!(time > 1.1 / brake, "it has stopped");
 }

@@ -1,6 +1,11 @@
 //! The captions of the figures with fracture hold (figure 4: `wall.rs`).
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 mod common;
 
@@ -19,7 +24,11 @@ fn checked(world: &mut World, mass: f64) -> StepReport {
     assert!(report.quarantined.is_empty());
     assert!((report.mass / mass - 1.0).abs() < 1e-9, "{} kg of {mass}", report.mass);
     assert!(report.momentum.linear_error < 1e-9 && report.momentum.angular_error < 1e-9);
-    assert!(report.energy.gain <= 1e-9 * report.energy.kinetic.max(1.0), "{} J", report.energy.gain);
+    assert!(
+        report.energy.gain <= 1e-9 * report.energy.kinetic.max(1.0),
+        "{} J",
+        report.energy.gain
+    );
     for fracture in &report.fractures {
         let error = fracture.imbalance;
         let worst = [error.mass, error.momentum, error.angular_momentum, error.kinetic_energy];
@@ -47,7 +56,9 @@ fn figure_5_a_ball_shatters_the_cylinder_into_25_pieces_or_more() {
         assert_eq!(fractures.len(), 1, "{method:?}");
         assert!(fractures[0].fragments.len() >= 25, "{method:?}: {}", fractures[0].fragments.len());
         // Shattered: few pieces are where they were.
-        let left = world.bodies().poses[1..].iter().filter(|pose| pose.position.with_y(0.0).length() < 0.3);
+        let left = world.bodies().poses[1..]
+            .iter()
+            .filter(|pose| pose.position.with_y(0.0).length() < 0.3);
         assert!(2 * left.count() < fractures[0].fragments.len(), "{method:?}");
     }
 }
@@ -102,7 +113,8 @@ fn figure_7_the_second_ball_breaks_a_large_fragment() {
         .map(|&(mass, position)| (mass, position.distance(struck)))
         .collect();
     let mean = |keep: &dyn Fn(f64) -> bool| {
-        let chosen: Vec<f64> = pieces.iter().filter(|(_, away)| keep(*away)).map(|(mass, _)| *mass).collect();
+        let chosen: Vec<f64> =
+            pieces.iter().filter(|(_, away)| keep(*away)).map(|(mass, _)| *mass).collect();
         chosen.iter().sum::<f64>() / chosen.len() as f64
     };
     let (near, far) = (mean(&|away| away < 1.5), mean(&|away| away > 2.5));
@@ -126,7 +138,8 @@ fn rains(name: &str, balls: usize) {
         let report = checked(&mut world, mass);
         broken.extend(report.fractures.into_iter().map(|fracture| (frame, fracture)));
     }
-    let (tables, rain): (Vec<_>, Vec<_>) = broken.iter().partition(|(_, fracture)| fracture.body == table);
+    let (tables, rain): (Vec<_>, Vec<_>) =
+        broken.iter().partition(|(_, fracture)| fracture.body == table);
     assert_eq!(tables.len(), 1, "{name}");
     // Some balls come down softly on the rubble of others, and break later or not at all.
     let before = rain.iter().filter(|(frame, _)| *frame <= tables[0].0).count();
@@ -159,8 +172,10 @@ fn figure_9_the_wall_breaks_as_stone_does() {
     assert_eq!(fractures.len(), 1);
     // The radial pattern of figure 4 makes 27, of which none has a fourteenth of another's mass.
     assert!(fractures[0].fragments.len() >= 40, "{}", fractures[0].fragments.len());
-    let masses: Vec<f64> = world.bodies().masses.iter().copied().filter(|mass| mass.is_finite()).collect();
-    let (least, most) = masses.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &x| (l.min(x), m.max(x)));
+    let masses: Vec<f64> =
+        world.bodies().masses.iter().copied().filter(|mass| mass.is_finite()).collect();
+    let (least, most) =
+        masses.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &x| (l.min(x), m.max(x)));
     assert!(most > 100.0 * least, "of many sizes: {least} to {most} kg");
 }
 
@@ -174,7 +189,10 @@ fn materials_break() {
         let fracture = (0..15).map(|_| checked(&mut world, mass)).find_map(|report| {
             let booked = report.energy.causes.fracture;
             report.fractures.into_iter().next().inspect(|fracture| {
-                assert!((booked + fracture.energy).abs() < 1e-9 * fracture.energy, "{name}: {booked} J");
+                assert!(
+                    (booked + fracture.energy).abs() < 1e-9 * fracture.energy,
+                    "{name}: {booked} J"
+                );
             })
         });
         let pieces = fracture.map_or(0, |fracture| fracture.fragments.len());

@@ -1,6 +1,11 @@
 //! Any mesh breaks where the ball hits it: the Stanford bunny, and a mesh with holes.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 mod common;
 
@@ -35,7 +40,9 @@ fn breaks_well(mesh: PathBuf) {
     // Nothing vanishes: every piece is there, near where it began, and above the ground.
     assert_eq!(world.bodies().len(), 2 + fracture.fragments.len());
     assert!(
-        world.bodies().poses[1..].iter().all(|pose| pose.position.y > -0.05 && pose.position.length() < 50.0)
+        world.bodies().poses[1..]
+            .iter()
+            .all(|pose| pose.position.y > -0.05 && pose.position.length() < 50.0)
     );
 }
 
@@ -56,8 +63,9 @@ fn a_bunny_with_holes_breaks_too() {
 fn a_plank_breaks() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plank.obj");
-    let corners = (0..8)
-        .map(|n| format!("v {} {} {}\n", 2 * (n & 1), 0.2 * f64::from(n >> 1 & 1), 0.5 * f64::from(n >> 2)));
+    let corners = (0..8).map(|n| {
+        format!("v {} {} {}\n", 2 * (n & 1), 0.2 * f64::from(n >> 1 & 1), 0.5 * f64::from(n >> 2))
+    });
     let faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"];
     let text: String = corners.chain(faces.map(|face| format!("f {face}\n"))).collect();
     fs::write(&path, text).unwrap();
@@ -74,14 +82,19 @@ fn a_plank_breaks() {
 fn pieces_have_closed_surfaces_that_enclose_the_whole() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = Some(bunny(folder.path(), |_| false));
-    let scene = Shot::find("impact").unwrap().scene(&ShotOptions { mesh, ..ShotOptions::default() }).unwrap();
+    let scene = Shot::find("impact")
+        .unwrap()
+        .scene(&ShotOptions { mesh, ..ShotOptions::default() })
+        .unwrap();
     let mut world = World::build(&scene).unwrap();
     let whole = world.bodies().shapes[1].volume;
     while world.bodies().len() == 3 {
         step(&mut world);
     }
     let mut sum = 0.0;
-    for (index, label) in world.labels().iter().enumerate().filter(|(_, label)| label.parent.is_some()) {
+    for (index, label) in
+        world.labels().iter().enumerate().filter(|(_, label)| label.parent.is_some())
+    {
         let surface = world.surface(world.bodies().ids[index]).unwrap();
         assert!(is_closed(&surface.mesh), "{} is open", label.name);
         assert!(surface.interior.contains(&true), "{} has inner faces", label.name);
@@ -116,9 +129,12 @@ fn what_cannot_be_run_says_why() {
     let impact = Shot::find("impact").unwrap();
     assert!(matches!(impact.scene(&ShotOptions::default()), Err(ShotError::NeedsMesh("impact"))));
     let mesh = Some(PathBuf::from("nowhere.obj"));
-    let error = impact.scene(&ShotOptions { mesh: mesh.clone(), ..ShotOptions::default() }).unwrap_err();
-    assert!(error.to_string().starts_with("nowhere.obj: "), "{error}");
     let error =
-        Shot::find("wall").unwrap().scene(&ShotOptions { mesh, ..ShotOptions::default() }).unwrap_err();
+        impact.scene(&ShotOptions { mesh: mesh.clone(), ..ShotOptions::default() }).unwrap_err();
+    assert!(error.to_string().starts_with("nowhere.obj: "), "{error}");
+    let error = Shot::find("wall")
+        .unwrap()
+        .scene(&ShotOptions { mesh, ..ShotOptions::default() })
+        .unwrap_err();
     assert!(matches!(error, ShotError::TakesNoMesh(_)), "{error}");
 }

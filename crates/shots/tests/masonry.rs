@@ -1,6 +1,11 @@
 //! A ball knocks a hole in a wall of mortared bricks, and the rest of it stands.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::{SceneDesc, World, step};
 use frangible_shots::{Shot, ShotOptions};
@@ -54,15 +59,21 @@ impl Run {
     /// Mass and place of what the wall has lost [kg, m].
     fn loose(&self) -> Vec<(f64, DVec3)> {
         let (bodies, labels) = (self.world.bodies(), self.world.labels());
-        let is_loose = |&i: &usize| labels[i].name.starts_with("wall") && bodies.masses[i].is_finite();
-        (0..bodies.len()).filter(is_loose).map(|i| (bodies.masses[i], bodies.poses[i].position)).collect()
+        let is_loose =
+            |&i: &usize| labels[i].name.starts_with("wall") && bodies.masses[i].is_finite();
+        (0..bodies.len())
+            .filter(is_loose)
+            .map(|i| (bodies.masses[i], bodies.poses[i].position))
+            .collect()
     }
 
     /// The volume of what is anchored, in as many bodies [m^3].
     fn standing(&self) -> (f64, usize) {
         let (bodies, labels) = (self.world.bodies(), self.world.labels());
-        let stands = |&i: &usize| labels[i].name.starts_with("wall") && bodies.masses[i].is_infinite();
-        let volumes: Vec<f64> = (0..bodies.len()).filter(stands).map(|i| bodies.shapes[i].volume).collect();
+        let stands =
+            |&i: &usize| labels[i].name.starts_with("wall") && bodies.masses[i].is_infinite();
+        let volumes: Vec<f64> =
+            (0..bodies.len()).filter(stands).map(|i| bodies.shapes[i].volume).collect();
         (volumes.iter().sum(), volumes.len())
     }
 }

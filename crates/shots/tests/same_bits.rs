@@ -1,7 +1,12 @@
 //! The same input gives the same bits: with every width of the solver, on any number of threads, and from one version to the next unless
 //! we say so.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::dynamics::Width;
 use frangible::{SceneDesc, World, step};
@@ -59,7 +64,11 @@ fn any_number_of_threads_ends_in_the_same_state() {
     for shot in SHOTS {
         let alone = state_hash(shot, Width::Avx512, 1);
         for threads in [2, 3, 8] {
-            assert_eq!(state_hash(shot, Width::Avx512, threads), alone, "{shot} on {threads} threads");
+            assert_eq!(
+                state_hash(shot, Width::Avx512, threads),
+                alone,
+                "{shot} on {threads} threads"
+            );
         }
     }
 }

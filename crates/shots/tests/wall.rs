@@ -1,6 +1,11 @@
 //! Figure 4: one pattern breaks the wall around each place where it is struck, and the ball if it is the weaker.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot go on fails"
+)]
 
 use frangible::geometry::Geometry;
 use frangible::{Fracture, Method, World, step};
@@ -41,7 +46,9 @@ fn fragments_at(world: &World, point: DVec3) -> usize {
 
 #[test]
 fn the_wall_breaks_around_each_place_it_is_struck() {
-    for (name, y, z) in [("wall", 0.5, 1.5), ("wall-middle", -0.5, 0.25), ("wall-corner", -1.0, -2.0)] {
+    for (name, y, z) in
+        [("wall", 0.5, 1.5), ("wall-middle", -0.5, 0.25), ("wall-corner", -1.0, -2.0)]
+    {
         let mut world = world(name);
         let fracture = break_it(&mut world);
         let struck = DVec3::from_array(fracture.point);
@@ -76,9 +83,14 @@ fn the_pieces_that_are_struck_fly_with_the_ball() {
         (0..bodies.len()).filter(|&i| world.labels()[i].parent.is_some()).collect();
     fragments.sort_by(|&a, &b| away(a).total_cmp(&away(b)));
     let (near, far) = (&fragments[..6], &fragments[fragments.len() - 6..]);
-    let mean_speed = |set: &[usize]| -set.iter().map(|&i| bodies.velocities[i].linear.x).sum::<f64>() / 6.0;
+    let mean_speed =
+        |set: &[usize]| -set.iter().map(|&i| bodies.velocities[i].linear.x).sum::<f64>() / 6.0;
     assert!(mean_speed(near) > 4.0, "near pieces at {} m/s", mean_speed(near));
-    assert!(mean_speed(near) > 3.0 * mean_speed(far).abs(), "far pieces at {} m/s", mean_speed(far));
+    assert!(
+        mean_speed(near) > 3.0 * mean_speed(far).abs(),
+        "far pieces at {} m/s",
+        mean_speed(far)
+    );
 }
 
 #[test]
@@ -94,15 +106,30 @@ fn the_break_and_the_aftermath_conserve() {
         for _ in 0..60 {
             let report = step(&mut world);
             let mass = *first_mass.get_or_insert(report.mass);
-            assert!((report.mass - mass).abs() < 1e-9 * mass, "{name}: {} kg of {mass}", report.mass);
-            assert!(report.momentum.linear_error < 1e-9, "{name}: {}", report.momentum.linear_error);
-            assert!(report.momentum.angular_error < 1e-9, "{name}: {}", report.momentum.angular_error);
+            assert!(
+                (report.mass - mass).abs() < 1e-9 * mass,
+                "{name}: {} kg of {mass}",
+                report.mass
+            );
+            assert!(
+                report.momentum.linear_error < 1e-9,
+                "{name}: {}",
+                report.momentum.linear_error
+            );
+            assert!(
+                report.momentum.angular_error < 1e-9,
+                "{name}: {}",
+                report.momentum.angular_error
+            );
             assert!(report.quarantined.is_empty());
             for fracture in &report.fractures {
                 pieces += fracture.fragments.len();
                 let error = fracture.imbalance;
                 assert!(error.mass < 1e-9 && error.momentum < 1e-9, "{name}: {error:?}");
-                assert!(error.angular_momentum < 1e-9 && error.kinetic_energy < 1e-9, "{name}: {error:?}");
+                assert!(
+                    error.angular_momentum < 1e-9 && error.kinetic_energy < 1e-9,
+                    "{name}: {error:?}"
+                );
             }
             assert!(
                 report.energy.gain < 1e-9 * report.energy.kinetic.max(1.0),
@@ -182,5 +209,8 @@ fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
         heights.push(sum / world.bodies().len() as f64);
     }
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;
-    assert!(still <= 60 && mean > 0.5, "{still} of 240 frames stood still, bricks are {heights:?} m high");
+    assert!(
+        still <= 60 && mean > 0.5,
+        "{still} of 240 frames stood still, bricks are {heights:?} m high"
+    );
 }

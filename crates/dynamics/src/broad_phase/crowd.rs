@@ -27,7 +27,10 @@ fn depth(a: &Bounds, b: &Bounds) -> f64 {
 /// Of all pairs, which `visit` goes through in the same order each time, those that are among the
 /// deepest of one of their bodies, and how many were left out. A body with few pairs keeps all of
 /// them.
-pub(super) fn thinned(bounds: &[Bounds], visit: impl Fn(&mut dyn FnMut(Pair))) -> (Vec<Pair>, usize) {
+pub(super) fn thinned(
+    bounds: &[Bounds],
+    visit: impl Fn(&mut dyn FnMut(Pair)),
+) -> (Vec<Pair>, usize) {
     let mut count = vec![0_u32; bounds.len()];
     let mut all = 0;
     visit(&mut |Pair { first, second }| {
@@ -50,7 +53,8 @@ pub(super) fn thinned(bounds: &[Bounds], visit: impl Fn(&mut dyn FnMut(Pair))) -
         let depth = depth(&bounds[first], &bounds[second]);
         for (own, other) in [(first, second), (second, first)] {
             let is_before = |&(known, by): &(f64, usize)| {
-                known > depth || (known == depth && (by.abs_diff(own), by) < (other.abs_diff(own), other))
+                known > depth
+                    || (known == depth && (by.abs_diff(own), by) < (other.abs_diff(own), other))
             };
             let of_own = &mut deepest[own];
             if of_own.len() == NEAREST && of_own.last().is_some_and(is_before) {
@@ -62,7 +66,8 @@ pub(super) fn thinned(bounds: &[Bounds], visit: impl Fn(&mut dyn FnMut(Pair))) -
         }
     });
     let chosen = |(own, others): (usize, &Vec<(f64, usize)>)| -> Vec<Pair> {
-        let pair = |&(_, other): &(f64, usize)| Pair { first: own.min(other), second: own.max(other) };
+        let pair =
+            |&(_, other): &(f64, usize)| Pair { first: own.min(other), second: own.max(other) };
         others.iter().map(pair).collect()
     };
     pairs.extend(deepest.iter().enumerate().flat_map(chosen));
@@ -81,8 +86,10 @@ mod tests {
     /// stands aside keeps all.
     #[test]
     fn each_keeps_its_nearest() {
-        let cube =
-            |x: f64| Bounds { low: DVec3::new(x - 1.0, -1.0, -1.0), high: DVec3::new(x + 1.0, 1.0, 1.0) };
+        let cube = |x: f64| Bounds {
+            low: DVec3::new(x - 1.0, -1.0, -1.0),
+            high: DVec3::new(x + 1.0, 1.0, 1.0),
+        };
         let mut bounds: Vec<Bounds> = (0..200).map(|n| cube(1e-3 * f64::from(n))).collect();
         bounds.push(cube(2.1));
         let visit = |take: &mut dyn FnMut(Pair)| {
@@ -101,7 +108,10 @@ mod tests {
         assert!(pairs.len() < 200 * NEAREST, "{}", pairs.len());
         let of = |i: usize| pairs.iter().filter(|pair| pair.first == i || pair.second == i).count();
         assert!((0..200).all(|i| of(i) >= NEAREST), "none has fewer");
-        assert!((0..199).all(|first| pairs.contains(&Pair { first, second: first + 1 })), "neighbours");
+        assert!(
+            (0..199).all(|first| pairs.contains(&Pair { first, second: first + 1 })),
+            "neighbours"
+        );
         let aside = bounds[..200].iter().filter(|other| other.overlaps(&bounds[200])).count();
         assert!(of(200) >= aside.min(NEAREST), "{} of {aside}", of(200));
     }

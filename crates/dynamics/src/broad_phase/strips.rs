@@ -40,15 +40,21 @@ const SHARES: usize = 16;
 /// no order. Boxes that are apart by no more than the rounding of single precision may count as
 /// overlapping. Of crowds, if they are to be thinned, the [deepest](thinned); how many are left out
 /// comes with them.
-pub(crate) fn overlapping_bounded(bounds: &[Bounds], moves: &[bool], thins: bool) -> (Vec<Vec<Pair>>, usize) {
-    let is_bounded = |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
+pub(crate) fn overlapping_bounded(
+    bounds: &[Bounds],
+    moves: &[bool],
+    thins: bool,
+) -> (Vec<Vec<Pair>>, usize) {
+    let is_bounded =
+        |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
     let layout = Layout::of(bounds, &bounded);
 
     // By where they begin along the sweep; the index tells equal ones apart.
     let sweep = layout.axes[1];
-    let key =
-        |&index: &usize| u64::from(ascending(round_down(bounds[index].low[sweep]))) << 32 | index as u64;
+    let key = |&index: &usize| {
+        u64::from(ascending(round_down(bounds[index].low[sweep]))) << 32 | index as u64
+    };
     let mut order: Vec<u64> = bounded.iter().map(key).collect();
     order.sort_unstable();
 

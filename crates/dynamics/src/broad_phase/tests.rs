@@ -14,9 +14,16 @@ fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Fram
 
 /// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and one far away.
 fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
-    let one =
-        (prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(0.0..0.2_f64), 0..40_u32, any::<bool>());
-    (prop::collection::vec(one, 0..60), prop::array::uniform3(prop_oneof![Just(0.0), Just(1.0), Just(30.0)]))
+    let one = (
+        prop::array::uniform3(-1.0..1.0_f64),
+        prop::array::uniform3(0.0..0.2_f64),
+        0..40_u32,
+        any::<bool>(),
+    );
+    (
+        prop::collection::vec(one, 0..60),
+        prop::array::uniform3(prop_oneof![Just(0.0), Just(1.0), Just(30.0)]),
+    )
         .prop_map(|(ones, stretch)| {
             let of = |(at, half, kind, moves): ([f64; 3], [f64; 3], u32, bool)| {
                 let scale = match kind {
@@ -130,13 +137,17 @@ fn bounds_hold_all_kinds_of_bodies() {
     let ball = ClosedForm::Sphere { radius: 0.5 };
     let cylinder = ClosedForm::Cylinder { radius: 0.5, half_height: 0.5 };
     for step in 0..20 {
-        let orientation = DQuat::from_scaled_axis(0.3 * f64::from(step) * DVec3::new(0.3, 0.5, 0.8));
+        let orientation =
+            DQuat::from_scaled_axis(0.3 * f64::from(step) * DVec3::new(0.3, 0.5, 0.8));
         for form in [ball, cylinder] {
             let bounds = around(Shape::breakable(form, 0.1).unwrap(), Motion::Dynamic, orientation);
             // Of a cylinder along its axis, of a ball along all.
             let half = DVec3::splat(0.5 - 1e-12);
             let held = if form == ball { half } else { 0.5 * (orientation * DVec3::Y).abs() };
-            assert!(bounds.low.cmple(-held).all() && bounds.high.cmpge(held).all(), "{step}: {bounds:?}");
+            assert!(
+                bounds.low.cmple(-held).all() && bounds.high.cmpge(held).all(),
+                "{step}: {bounds:?}"
+            );
         }
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let drifts = Motion::Kinematic { linear: DVec3::X, angular: DVec3::ZERO };
@@ -179,10 +190,14 @@ fn ground_meets_what_is_not_above_it() {
     spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(10.0, 1.2, 0.0));
     spawn(&mut bodies, ground, Motion::Static, DVec3::new(0.0, -10.0, 0.0));
     spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(f64::NAN, 0.0, 0.0));
-    let of = |pairs: Vec<Pair>| pairs.iter().map(|pair| [pair.first, pair.second]).collect::<Vec<_>>();
+    let of =
+        |pairs: Vec<Pair>| pairs.iter().map(|pair| [pair.first, pair.second]).collect::<Vec<_>>();
     assert_eq!(of(find_pairs(&bodies, &bodies.poses, 0.0)), [[0, 1], [0, 4], [1, 3]]);
     // The second one falls onto it within the frame.
     let mut ends = bodies.poses.clone();
     ends[2].position.y = -0.5;
-    assert_eq!(of(find_swept_pairs(&bodies, &ends, 0.0, &frame())), [[0, 1], [0, 4], [1, 2], [1, 3]]);
+    assert_eq!(
+        of(find_swept_pairs(&bodies, &ends, 0.0, &frame())),
+        [[0, 1], [0, 4], [1, 2], [1, 3]]
+    );
 }

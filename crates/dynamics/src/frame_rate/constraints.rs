@@ -121,7 +121,12 @@ impl Source<'_> {
         }
     }
 
-    fn constraint(&self, numbers: &[usize], bodies: &Bodies, (h, frame): (f64, &Frame)) -> Constraint {
+    fn constraint(
+        &self,
+        numbers: &[usize],
+        bodies: &Bodies,
+        (h, frame): (f64, &Frame),
+    ) -> Constraint {
         let Manifold { pair, points, .. } = self.manifold;
         let both = [pair.first, pair.second];
         let normal = -points[numbers[0]].normal;
@@ -183,7 +188,8 @@ impl Source<'_> {
         let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         let mut left = 0.0;
         for carried in self.carried {
-            let is_it = |point: &&mut ConstraintPoint| points[point.number].sample == carried.sample;
+            let is_it =
+                |point: &&mut ConstraintPoint| points[point.number].sample == carried.sample;
             let acts = &carried.force;
             let normal = h * f64::from(acts.normal);
             if let Some(point) = constraint.points.iter_mut().find(is_it) {

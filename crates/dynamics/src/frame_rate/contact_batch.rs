@@ -132,7 +132,12 @@ impl<I: Instructions> ContactBatch<I> {
     }
 
     /// Puts a constraint into a lane, with its lines from `first_line` on.
-    pub(super) fn fill(&mut self, lane: usize, (number, constraint): (u32, &Constraint), first_line: usize) {
+    pub(super) fn fill(
+        &mut self,
+        lane: usize,
+        (number, constraint): (u32, &Constraint),
+        first_line: usize,
+    ) {
         self.constraints[lane] = number;
         self.point_count = self.point_count.max(constraint.points.len());
         for side in 0..2 {
@@ -162,7 +167,11 @@ impl<I: Instructions> ContactBatch<I> {
         self.bounces.set(lane, surface.restitution > 0.0);
         if surface.rolling_friction > 0.0 {
             let zero = Single::ZERO;
-            let none = RollingLanes { coefficient: zero, effective_inertia: [zero; 3], impulse: [zero; 2] };
+            let none = RollingLanes {
+                coefficient: zero,
+                effective_inertia: [zero; 3],
+                impulse: [zero; 2],
+            };
             let rolling = self.rolling.get_or_insert_with(|| Box::new(none));
             rolling.coefficient.set(lane, surface.rolling_friction);
             for k in 0..2 {
@@ -190,7 +199,8 @@ impl<I: Instructions> ContactBatch<I> {
         for i in 0..self.point_count {
             let turns = [inertia[0] * arms[i][0], inertia[1] * arms[i][1]];
             for j in i..self.point_count {
-                self.k[ENTRY[i][j]] = inverse_mass + turns[0].dot(arms[j][0]) + turns[1].dot(arms[j][1]);
+                self.k[ENTRY[i][j]] =
+                    inverse_mass + turns[0].dot(arms[j][0]) + turns[1].dot(arms[j][1]);
             }
             self.points[i].effective_mass = reciprocal(self.k[ENTRY[i][i]]);
         }

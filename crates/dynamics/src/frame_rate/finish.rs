@@ -40,7 +40,8 @@ impl<I: Instructions> Group<I> {
     ) -> Part {
         let Self { bodies: mut solver_bodies, constraints, slabs, h, .. } = self;
         let mut places = vec![(0, 0); constraints.len()];
-        let batches: Vec<ContactBatch<I>> = slabs.into_iter().flat_map(|slab| slab.batches).collect();
+        let batches: Vec<ContactBatch<I>> =
+            slabs.into_iter().flat_map(|slab| slab.batches).collect();
         for (at, batch) in batches.iter().enumerate() {
             for (lane, &number) in batch.constraints.iter().enumerate() {
                 if let Some(place) = places.get_mut(number as usize) {
@@ -70,7 +71,8 @@ impl<I: Instructions> Group<I> {
                 }
                 is_acting = true;
                 let axes = batch.frame_of(lane);
-                let impulse: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
+                let impulse: DVec3 =
+                    (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
                 let lines = constraint.lines.map(|line| line as usize);
                 momenta[lines[0]] -= impulse;
                 momenta[lines[1]] += impulse;
@@ -257,7 +259,8 @@ fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
         let arm = bodies.poses[i].position - center;
         let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
         let offset = arm.length_squared() * DMat3::IDENTITY - outer;
-        inertia += bodies.inertias[i].tensor(bodies.poses[i].orientation) + bodies.masses[i] * offset;
+        inertia +=
+            bodies.inertias[i].tensor(bodies.poses[i].orientation) + bodies.masses[i] * offset;
     }
     let spin = inertia.inverse() * -angular_momentum;
     for &i in members {

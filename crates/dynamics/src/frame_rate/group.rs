@@ -83,7 +83,14 @@ impl<I: Instructions> Group<I> {
             Slab { batches: batches(&constraints, order, first_line), first_line }
         };
         let slabs_of = of_slabs.iter().enumerate().map(slab).collect();
-        Self { bodies: solver_bodies, constraints, starts: slabs.starts, slabs: slabs_of, substeps, h }
+        Self {
+            bodies: solver_bodies,
+            constraints,
+            starts: slabs.starts,
+            slabs: slabs_of,
+            substeps,
+            h,
+        }
     }
 
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
@@ -250,7 +257,10 @@ impl Colours {
             let points = constraints[number as usize].points.len();
             order.push((colour, usize::MAX - points, number));
         }
-        members.iter().flat_map(|&number| movable_lines(number)).for_each(|line| self.taken[line] = 0);
+        members
+            .iter()
+            .flat_map(|&number| movable_lines(number))
+            .for_each(|line| self.taken[line] = 0);
         order.sort_unstable();
         order.into_iter().map(|(colour, _, number)| (colour, number)).collect()
     }

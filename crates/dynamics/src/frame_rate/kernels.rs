@@ -71,7 +71,12 @@ pub(super) struct Sides<I> {
 impl<I: Instructions> Sides<I> {
     /// Adds an impulse along `normal` with its moments about both centres.
     #[inline(always)]
-    pub(super) fn push(&mut self, normal: Single3<I>, impulse: Single<I>, moments: [Single3<I>; 2]) {
+    pub(super) fn push(
+        &mut self,
+        normal: Single3<I>,
+        impulse: Single<I>,
+        moments: [Single3<I>; 2],
+    ) {
         let [a, b] = &mut self.of;
         a.linear = a.linear - normal * (a.inverse_mass * impulse);
         b.linear = b.linear + normal * (b.inverse_mass * impulse);
@@ -219,7 +224,8 @@ impl<I: Instructions> ContactBatch<I> {
         for i in 0..self.point_count {
             let (turned, separation) = self.follow(i, &at, apart);
             arms[i] = turned;
-            velocity[i] = linear + turned[1].dot(sides.of[1].angular) - turned[0].dot(sides.of[0].angular);
+            velocity[i] =
+                linear + turned[1].dot(sides.of[1].angular) - turned[0].dot(sides.of[0].angular);
             let is_open = separation.above(zero);
             let closing = separation * substep.per_second;
             if SOFT {
@@ -305,7 +311,8 @@ impl<I: Instructions> ContactBatch<I> {
                 let i = if turn % 2 == 0 { at } else { self.point_count - 1 - at };
                 let point = &mut self.points[i];
                 let change = point.effective_mass * mass_scale[i] * (velocity[i] - target[i]);
-                let impulse = (point.impulse - change - given_up[i] * point.impulse).max(Single::ZERO);
+                let impulse =
+                    (point.impulse - change - given_up[i] * point.impulse).max(Single::ZERO);
                 let added = impulse - point.impulse;
                 given[i] = given[i] + added;
                 point.impulse = impulse;
@@ -374,7 +381,8 @@ impl<I: Instructions> ContactBatch<I> {
         sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
         sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
 
-        let centers = if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
+        let centers =
+            if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
         let slip = sides.velocity_at(centers);
         let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
         let wanted = stopping(self.friction, self.tangent_mass, slip);
@@ -452,7 +460,10 @@ pub(super) fn stopping<I: Instructions>(
 
 /// Shortens a vector to `most`.
 #[inline(always)]
-pub(super) fn clamp_to_cone<I: Instructions>([x, y]: [Single<I>; 2], most: Single<I>) -> [Single<I>; 2] {
+pub(super) fn clamp_to_cone<I: Instructions>(
+    [x, y]: [Single<I>; 2],
+    most: Single<I>,
+) -> [Single<I>; 2] {
     let squared = x * x + y * y;
     let is_over = squared.above(most * most);
     let scale = is_over.select(most / squared.sqrt(), Single::same(1.0));

@@ -110,7 +110,8 @@ impl<I: Instructions> ContactBatch<I> {
             let turns = [at[0].turn_of(anchors[0]), at[1].turn_of(anchors[1])];
             let separation = self.points[i].separation + apart + n.dot(turns[1] - turns[0]);
             arms[i] = [(anchors[0] + turns[0]).cross(n), (anchors[1] + turns[1]).cross(n)];
-            let velocity = linear + arms[i][1].dot(sides.of[1].angular) - arms[i][0].dot(sides.of[0].angular);
+            let velocity =
+                linear + arms[i][1].dot(sides.of[1].angular) - arms[i][0].dot(sides.of[0].angular);
             approach[i] = velocity;
             let closing = (-velocity).max(Single::same(LEAST_SPEED));
             time[i] = (separation / closing).max(zero).min(substep.h);

@@ -25,7 +25,12 @@ pub(super) struct Slabs {
 impl Slabs {
     /// Of some manifolds. `lines` is room of one entry for each body, all of them [`NOWHERE`],
     /// before and after.
-    pub(super) fn new(bodies: &Bodies, manifolds: &[Manifold], members: &[usize], lines: &mut [u32]) -> Self {
+    pub(super) fn new(
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        members: &[usize],
+        lines: &mut [u32],
+    ) -> Self {
         let is_movable = |i: &usize| !Inertia::is_infinite(&bodies.inertias[*i]);
         let pairs = || members.iter().map(|&number| manifolds[number].pair.both());
         let mut movable = Vec::new();

@@ -32,8 +32,10 @@ pub(super) struct SolverBody {
 
 impl SolverBody {
     /// What no contact moves: the other side of empty lanes.
-    const FIXED: Self =
-        Self { velocity: Singles::ZERO, displacement: Singles([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]) };
+    const FIXED: Self = Self {
+        velocity: Singles::ZERO,
+        displacement: Singles([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+    };
 
     pub(super) fn is_movable(&self) -> bool {
         self.velocity.0[6] > 0.0
@@ -86,7 +88,8 @@ impl SolverBodies {
         };
         for (line, &i) in all.body_of.iter().enumerate() {
             let Some(i) = i else { continue };
-            let (pose, velocity, inertia) = (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
+            let (pose, velocity, inertia) =
+                (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
             let angular = bodies.spin(i, pose, velocity);
             let linear = match bodies.motions[i] {
                 Motion::Kinematic { linear, .. } => linear,
@@ -113,7 +116,10 @@ impl SolverBodies {
 
     /// Some of them.
     pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
-        Lines { bodies: &mut self.lines[range.clone()], inverse_inertias: &self.inverse_inertias[range] }
+        Lines {
+            bodies: &mut self.lines[range.clone()],
+            inverse_inertias: &self.inverse_inertias[range],
+        }
     }
 
     /// Adds gravity's impulse of a substep.
@@ -158,7 +164,8 @@ impl SolverBodies {
             let line = &mut self.lines[body.line];
             body.apply(line);
             let pose = Pose { position: DVec3::ZERO, orientation: body.orientation };
-            let velocity = Velocity { linear: DVec3::ZERO, angular_momentum: body.angular_momentum };
+            let velocity =
+                Velocity { linear: DVec3::ZERO, angular_momentum: body.angular_momentum };
             let inertia = &bodies.inertias[body.body];
             body.orientation = advance(&pose, &velocity, inertia, h, rotation).orientation;
             self.inverse_inertias[body.line] = body.show(bodies, line);
@@ -167,7 +174,8 @@ impl SolverBodies {
             let Some(i) = self.body_of[line] else { continue };
             let (at, inertia) = (self.spinning_at(line), &bodies.inertias[i]);
             if let (Err(at), false) = (at, is_round(inertia)) {
-                let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
+                let SolverBody { velocity: Singles(v), displacement: Singles(d) } =
+                    self.lines[line];
                 let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
                 let orientation = (turn * bodies.poses[i].orientation).normalize();
                 let angular_velocity = Vec3::new(v[3], v[4], v[5]).as_dvec3();
@@ -272,7 +280,8 @@ fn drift(body: &mut SolverBody, h: f32, less: Vec3) {
 }
 
 fn symmetric_line(m: &DMat3) -> Singles {
-    let entries = [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.x_axis.z, m.x_axis.y, 0.0, 0.0];
+    let entries =
+        [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.x_axis.z, m.x_axis.y, 0.0, 0.0];
     Singles(entries.map(|entry| entry as f32))
 }
 
@@ -296,7 +305,11 @@ pub(super) struct LaneDisplacements<I> {
 }
 
 #[inline(always)]
-fn gather<I: Instructions, T>(lines: &[T], ids: &[u32; LANES], of: impl Fn(&T) -> Singles) -> [Single<I>; 8] {
+fn gather<I: Instructions, T>(
+    lines: &[T],
+    ids: &[u32; LANES],
+    of: impl Fn(&T) -> Singles,
+) -> [Single<I>; 8] {
     let mut rows = [Singles::ZERO; LANES];
     for lane in 0..LANES {
         rows[lane] = of(&lines[ids[lane] as usize]);
@@ -305,7 +318,10 @@ fn gather<I: Instructions, T>(lines: &[T], ids: &[u32; LANES], of: impl Fn(&T) -
 }
 
 #[inline(always)]
-pub(super) fn velocities<I: Instructions>(lines: &[SolverBody], ids: &[u32; LANES]) -> LaneVelocities<I> {
+pub(super) fn velocities<I: Instructions>(
+    lines: &[SolverBody],
+    ids: &[u32; LANES],
+) -> LaneVelocities<I> {
     let [x, y, z, a, b, c, inverse_mass, unused] = gather(lines, ids, |body| body.velocity);
     let (linear, angular) = (Three { x, y, z }, Three { x: a, y: b, z: c });
     LaneVelocities { linear, angular, inverse_mass, unused }

@@ -75,7 +75,12 @@ impl IslandGroups {
             let (mut needed, mut last) = (0.0_f64, Substeps::default());
             for &number in &island {
                 let manifold = &manifolds[number];
-                needed = needed.max(substeps_of_pair(bodies, manifold, (carried[number], height), frame));
+                needed = needed.max(substeps_of_pair(
+                    bodies,
+                    manifold,
+                    (carried[number], height),
+                    frame,
+                ));
                 for i in manifold.pair.both().into_iter().filter(|&i| !is_fixed[i]) {
                     needed = needed.max(substeps_of_turn(bodies, i, frame));
                     last = last.max(warm.substeps(bodies.ids[i]));
@@ -86,7 +91,9 @@ impl IslandGroups {
             let bodies_of = island.iter().flat_map(|&number| manifolds[number].pair.both());
             bodies_of.for_each(|i| substeps[i] = Substeps { count, needed });
             match open.get(&count).map(|&at| &mut bundles[at].members) {
-                Some(members) if members.len() + island.len() <= MOST_BUNDLED => members.extend(island),
+                Some(members) if members.len() + island.len() <= MOST_BUNDLED => {
+                    members.extend(island)
+                }
                 _ => {
                     open.insert(count, bundles.len());
                     bundles.push(Bundle { substeps: count, members: island });
@@ -128,8 +135,8 @@ fn height(bodies: &Bodies, pairs: impl Iterator<Item = Pair>, frame: &Frame) -> 
     let Some(down) = frame.gravity.try_normalize() else { return 0.0 };
     let movable = pairs.flat_map(Pair::both).filter(|&i| !bodies.inertias[i].is_infinite());
     let depths = movable.map(|i| down.dot(bodies.poses[i].position));
-    let (low, high) =
-        depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+    let (low, high) = depths
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     (high - low).max(0.0)
 }
 

@@ -20,7 +20,13 @@ fn frame(gravity: f64) -> Frame {
     Frame { dt: DT, gravity: -gravity * DVec3::Y, settings }
 }
 
-fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, [at, linear]: [DVec3; 2], [e, mu]: [f64; 2]) {
+fn spawn(
+    bodies: &mut Bodies,
+    form: ClosedForm,
+    motion: Motion,
+    [at, linear]: [DVec3; 2],
+    [e, mu]: [f64; 2],
+) {
     bodies.spawn(NewBody {
         shape: Arc::new(Shape::closed_form(form, 0.1)),
         density: 1000.0,
@@ -120,7 +126,11 @@ fn overlaps_close_at_a_bounded_speed() {
     for _ in 0..60 {
         let solved = run(&mut bodies, &frame, 1);
         let height = bodies.poses[1].position.y;
-        assert!((height - last) / DT <= frame.settings.recovery_speed, "{} m/s", (height - last) / DT);
+        assert!(
+            (height - last) / DT <= frame.settings.recovery_speed,
+            "{} m/s",
+            (height - last) / DT
+        );
         assert!(solved.tally.causes.projection >= 0.0);
         last = height;
     }
@@ -147,14 +157,17 @@ fn heap() -> (Bodies, Vec<Pair>) {
         let at = DVec3::new(f64::from(x), f64::from(y) + 0.5, f64::from(z));
         ball(&mut bodies, 0.5, at, DVec3::ZERO, 0.0, 0.5);
     }
-    let near = |a: usize, b: usize| bodies.poses[a].position.distance(bodies.poses[b].position) < 1.01;
+    let near =
+        |a: usize, b: usize| bodies.poses[a].position.distance(bodies.poses[b].position) < 1.01;
     let mut pairs = Vec::new();
     for a in 1..bodies.len() {
         if bodies.poses[a].position.y < 1.0 {
             pairs.push(Pair { first: 0, second: a });
         }
         pairs.extend(
-            (a + 1..bodies.len().min(a + 22)).filter(|&b| near(a, b)).map(|b| Pair { first: a, second: b }),
+            (a + 1..bodies.len().min(a + 22))
+                .filter(|&b| near(a, b))
+                .map(|b| Pair { first: a, second: b }),
         );
     }
     pairs.sort_unstable();
@@ -185,12 +198,15 @@ fn slabs_and_colours_share_no_body() {
     }
 
     let carried: Vec<&[crate::warm_start::Carried]> = vec![&[]; manifolds.len()];
-    let group = Group::<Scalar>::new(&bodies, (&manifolds, &carried), (&members, 16), &mut lines, &frame);
+    let group =
+        Group::<Scalar>::new(&bodies, (&manifolds, &carried), (&members, 16), &mut lines, &frame);
     let mut seen = 0;
     for slab in &group.slabs {
         for batch in &slab.batches {
             let mut taken = BTreeSet::new();
-            for &number in batch.constraints.iter().filter(|&&number| (number as usize) < manifolds.len()) {
+            for &number in
+                batch.constraints.iter().filter(|&&number| (number as usize) < manifolds.len())
+            {
                 let constraint = &group.constraints[number as usize];
                 seen += 1;
                 for side in 0..2 {

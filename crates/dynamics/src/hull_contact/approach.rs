@@ -77,7 +77,8 @@ impl<'a> Approach<'a> {
         let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach - near > PASSING * size);
         loop {
             // Faces say how far they may go, until they no longer do.
-            let poses = [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
+            let poses =
+                [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
             let [world_from_first, world_from_second] =
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
@@ -98,14 +99,16 @@ impl<'a> Approach<'a> {
             }
 
             // On to where the gap cannot have closed before.
-            let next = time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
+            let next =
+                time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
             is_far_at_start &= time > 0.0 || apart.gap > STALE * size;
             if is_passing && is_far_at_start && apart.gap > STALE * size {
                 // What others push that far is looked at again before it can meet anything.
                 pair.over_face(&axes, apart, room);
-                let instant = Instant { time, world_from_first, pair, contact: apart, lasts: false };
+                let instant =
+                    Instant { time, world_from_first, pair, contact: apart, lasts: false };
                 if room.points.iter().all(|point| self.can_touch(&instant, point)) {
                     return Ok(instant);
                 }
@@ -147,11 +150,14 @@ impl<'a> Approach<'a> {
     }
 
     fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
-        let [on_first, on_second] =
-            [instant.world_from_first.point(point.on[0]), instant.world_from_first.point(point.on[1])];
+        let [on_first, on_second] = [
+            instant.world_from_first.point(point.on[0]),
+            instant.world_from_first.point(point.on[1]),
+        ];
         let normal = instant.world_from_first.direction(point.normal);
         let [first, second] = self.encounter.flights;
-        let velocity = first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
+        let velocity =
+            first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
         ManifoldPoint {
             anchor_first: point.on[0],
             rounding: [0.0; 2],

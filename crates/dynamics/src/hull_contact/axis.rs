@@ -95,16 +95,23 @@ impl FaceAxis {
     pub(super) fn of_face(pair: &HullPair, side: usize, face: usize, vertex: usize) -> Self {
         let plane = &pair.hulls[side].planes()[face];
         let own_from_other = pair.own_from_other(side);
-        let height = plane.normal.dot(own_from_other.direction(pair.hulls[1 - side].vertices()[vertex]));
-        Self { face, vertex, separation: height + plane.normal.dot(own_from_other.shift) - plane.offset }
+        let height =
+            plane.normal.dot(own_from_other.direction(pair.hulls[1 - side].vertices()[vertex]));
+        Self {
+            face,
+            vertex,
+            separation: height + plane.normal.dot(own_from_other.shift) - plane.offset,
+        }
     }
 }
 
 /// The face of one of two hulls, by its number, that the other is furthest away from.
 pub(super) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
     let (hull, other) = (pair.hulls[side].columns(), pair.hulls[1 - side].columns());
-    let (own_from_other, other_from_own) = (pair.own_from_other(side), pair.own_from_other(1 - side));
-    let [face, vertex] = with_widest!(pair.width, furthest_face(hull, other, own_from_other, other_from_own));
+    let (own_from_other, other_from_own) =
+        (pair.own_from_other(side), pair.own_from_other(1 - side));
+    let [face, vertex] =
+        with_widest!(pair.width, furthest_face(hull, other, own_from_other, other_from_own));
     FaceAxis::of_face(pair, side, face, vertex)
 }
 
@@ -139,9 +146,13 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
     for side in [1, 0] {
         let (hull, view, other) = (pair.hulls[side], &views[side], 1 - side);
         let face = hull.planes()[axes[side].face];
-        let face_of_other = pair.own_from_other(side).plane(pair.hulls[other].planes()[axes[other].face]);
+        let face_of_other =
+            pair.own_from_other(side).plane(pair.hulls[other].planes()[axes[other].face]);
         let layers = [
-            HalfSpace { normal: -face.normal, offset: within - axes[side].separation - face.offset },
+            HalfSpace {
+                normal: -face.normal,
+                offset: within - axes[side].separation - face.offset,
+            },
             HalfSpace { offset: face_of_other.offset + within, ..face_of_other },
         ];
         with_widest!(pair.width, mark_within(hull.columns(), &layers, marks));

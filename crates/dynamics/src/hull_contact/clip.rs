@@ -74,7 +74,12 @@ pub(crate) fn face_points(
         let gap = plane.distance(corner.point);
         let foot = corner.point - gap * plane.normal;
         if reference_is_first {
-            HullPoint { on: [foot, corner.point], normal: -plane.normal, gap, feature: corner.feature }
+            HullPoint {
+                on: [foot, corner.point],
+                normal: -plane.normal,
+                gap,
+                feature: corner.feature,
+            }
         } else {
             let feature = corner.feature.swapped();
             HullPoint { on: [corner.point, foot], normal: plane.normal, gap, feature }

@@ -88,7 +88,11 @@ pub(super) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
 pub(super) const IN_BOTH: u8 = 3;
 
 /// Which of two half-spaces each vertex of `hull` is in, a bit for each.
-pub(super) fn mark_within<I: Instructions>(hull: &Columns, spaces: &[HalfSpace; 2], marks: &mut Vec<u8>) {
+pub(super) fn mark_within<I: Instructions>(
+    hull: &Columns,
+    spaces: &[HalfSpace; 2],
+    marks: &mut Vec<u8>,
+) {
     let depth = |space: &HalfSpace| space.offset - space.normal.dot(hull.middle);
     let depths = [depth(&spaces[0]), depth(&spaces[1])];
     marks.resize(LANES * hull.vertices().len(), 0);
@@ -103,7 +107,8 @@ pub(super) fn mark_within<I: Instructions>(hull: &Columns, spaces: &[HalfSpace; 
                 let out_of_second = lever.dot(normals[1]).above(depths[1]);
                 for lane in 0..LANES {
                     let marks = &mut marks[LANES * block + lane];
-                    *marks = u8::from(!out_of_first.get(lane)) | u8::from(!out_of_second.get(lane)) << 1;
+                    *marks =
+                        u8::from(!out_of_first.get(lane)) | u8::from(!out_of_second.get(lane)) << 1;
                 }
             }
         },
@@ -140,10 +145,13 @@ pub(super) fn furthest_edges<I: Instructions>(
             let parallel = Single::<I>::splat(PARALLEL * PARALLEL);
             let (mut best, mut of_first) = (Best::none(), Single::<I>::ZERO);
             for (at, ridge) in first.iter().enumerate() {
-                let (along, start) = (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
+                let (along, start) =
+                    (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
                 let normals = [Single3::splat(ridge.normals[0]), Single3::splat(ridge.normals[1])];
                 let squared_length = along.dot(along);
-                for (block, [other_start, other_along, beside, other_beside]) in columns.iter().enumerate() {
+                for (block, [other_start, other_along, beside, other_beside]) in
+                    columns.iter().enumerate()
+                {
                     // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
                     // cross, else other features are further apart.
                     let (other_along, beside, other_beside) =
@@ -159,8 +167,8 @@ pub(super) fn furthest_edges<I: Instructions>(
                     let lengths = squared_length * other_along.dot(other_along);
                     // Outward of the second hull is between the normals of its edge.
                     let outward = across.dot(beside + other_beside);
-                    let apart =
-                        across.dot(start - three_of(other_start)) * (Single::same(1.0) / squared.sqrt());
+                    let apart = across.dot(start - three_of(other_start))
+                        * (Single::same(1.0) / squared.sqrt());
                     let apart = negative(outward).select(-apart, apart);
                     let counts = cross.and(squared.above(parallel * lengths));
                     let apart = counts.select(apart, Single::same(f32::NEG_INFINITY));

@@ -7,7 +7,11 @@ use glam::DVec3;
 
 /// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they touch or overlap, or are more than
 /// `most` [m] apart.
-pub(crate) fn nearest_points(pair: &HullPair, ridges: &[Vec<Ridge>; 2], most: f64) -> Option<HullPoint> {
+pub(crate) fn nearest_points(
+    pair: &HullPair,
+    ridges: &[Vec<Ridge>; 2],
+    most: f64,
+) -> Option<HullPoint> {
     let mut best: Option<HullPoint> = None;
     let mut consider = |on: [DVec3; 2], feature: Feature| {
         let gap = on[0].distance(on[1]);
@@ -57,8 +61,11 @@ pub(crate) fn between_edges(first: [DVec3; 2], second: [DVec3; 2]) -> Option<[DV
     const PARALLEL: f64 = 1e-3;
     let (along_first, along_second) = (first[1] - first[0], second[1] - second[0]);
     let apart = first[0] - second[0];
-    let (aa, bb, ab) =
-        (along_first.length_squared(), along_second.length_squared(), along_first.dot(along_second));
+    let (aa, bb, ab) = (
+        along_first.length_squared(),
+        along_second.length_squared(),
+        along_first.dot(along_second),
+    );
     let determinant = aa * bb - ab * ab;
     if determinant <= PARALLEL * PARALLEL * aa * bb {
         return None;

@@ -45,7 +45,9 @@ pub(crate) fn reduce(
 
     // Those that are taken go to the front, in turn; the others keep their order.
     let deepest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
-    let least = points.iter().map(|point| SOMEWHERE.dot(middle(point))).fold(f64::INFINITY, f64::min) - close;
+    let least =
+        points.iter().map(|point| SOMEWHERE.dot(middle(point))).fold(f64::INFINITY, f64::min)
+            - close;
     let mut taken = 0;
     let mut take = |score: &dyn Fn(&HullPoint) -> f64| {
         let best = best_of(&points[taken..], score).map(|index| taken + index);
@@ -71,13 +73,15 @@ pub(crate) fn reduce(
         around.extend(if area(&a, &b, &c) < 0.0 { [a, b, c] } else { [b, a, c] });
     }
     while (3..most).contains(&around.len()) {
-        let beyond =
-            |side: usize, point: &HullPoint| area(&around[side], &around[(side + 1) % around.len()], point);
+        let beyond = |side: usize, point: &HullPoint| {
+            area(&around[side], &around[(side + 1) % around.len()], point)
+        };
         let sides = 0..around.len();
         let most_beyond =
             |point: &HullPoint| sides.clone().map(|side| beyond(side, point)).fold(0.0, f64::max);
         let Some(next) = take(&most_beyond) else { break };
-        let side = sides.clone().find(|&side| beyond(side, &next) == most_beyond(&next)).unwrap_or(0);
+        let side =
+            sides.clone().find(|&side| beyond(side, &next) == most_beyond(&next)).unwrap_or(0);
         around.insert(side + 1, next);
     }
     points.truncate(taken);

@@ -18,7 +18,8 @@ fn vector(half: f64) -> impl Strategy<Value = DVec3> {
 fn hull() -> impl Strategy<Value = Hull> {
     let rock = prop::collection::vec(vector(0.5), 8..16)
         .prop_filter_map("flat", |points| Hull::of_points(&points).ok());
-    let cuboid = prop::array::uniform3(0.1..0.5_f64).prop_map(|half| Hull::cuboid(DVec3::from_array(half)));
+    let cuboid =
+        prop::array::uniform3(0.1..0.5_f64).prop_map(|half| Hull::cuboid(DVec3::from_array(half)));
     prop_oneof![rock, cuboid]
 }
 
@@ -73,7 +74,8 @@ fn a_face_on_a_face_has_the_corners_of_what_they_share() {
         for point in &above.points {
             assert!((point.gap + 0.01).abs() < 1e-15);
             assert!(
-                (point.on[0].y + side * 0.5).abs() < 1e-15 && (point.on[1].y + side * 0.49).abs() < 1e-15
+                (point.on[0].y + side * 0.5).abs() < 1e-15
+                    && (point.on[1].y + side * 0.49).abs() < 1e-15
             );
             assert!((point.on[0] - point.on[1]).with_y(0.0).length() < 1e-15);
             seen.push([point.on[0].x, point.on[0].z].map(|x| (side * x * 1000.0).round() as i64));
@@ -408,9 +410,11 @@ fn a_rod_that_turns_meets_a_post() {
 fn a_cube_meets_the_ground_with_its_lowest_corners() {
     let cube = ClosedForm::Box { half: DVec3::splat(0.5) };
     let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
-    for (height, fall, turn, expected) in
-        [(0.5, 0.0, 0.0, 4), (0.8, 30.0, 0.0, 4), (0.5_f64.sqrt(), 0.0, std::f64::consts::FRAC_PI_4, 2)]
-    {
+    for (height, fall, turn, expected) in [
+        (0.5, 0.0, 0.0, 4),
+        (0.8, 30.0, 0.0, 4),
+        (0.5_f64.sqrt(), 0.0, std::f64::consts::FRAC_PI_4, 2),
+    ] {
         let mut bodies = Bodies::default();
         spawn(&mut bodies, ground, Motion::Static, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         spawn(&mut bodies, cube, Motion::Dynamic, height * DVec3::Y, -fall * DVec3::Y, DVec3::ZERO);

@@ -241,8 +241,10 @@ unsafe fn transpose_fours(rows: [[__m256d; 2]; LANES]) -> [[__m256d; 2]; LANES] 
         for k in 0..2 {
             let at = |row: usize| rows[4 * i + row][k];
             unsafe {
-                let (low, high) = (_mm256_unpacklo_pd(at(0), at(1)), _mm256_unpackhi_pd(at(0), at(1)));
-                let (low2, high2) = (_mm256_unpacklo_pd(at(2), at(3)), _mm256_unpackhi_pd(at(2), at(3)));
+                let (low, high) =
+                    (_mm256_unpacklo_pd(at(0), at(1)), _mm256_unpackhi_pd(at(0), at(1)));
+                let (low2, high2) =
+                    (_mm256_unpacklo_pd(at(2), at(3)), _mm256_unpackhi_pd(at(2), at(3)));
                 columns[4 * k][i] = _mm256_permute2f128_pd::<0x20>(low, low2);
                 columns[4 * k + 1][i] = _mm256_permute2f128_pd::<0x20>(high, high2);
                 columns[4 * k + 2][i] = _mm256_permute2f128_pd::<0x31>(low, low2);
@@ -263,7 +265,8 @@ unsafe fn transpose_eights(rows: [[__m512d; 1]; LANES]) -> [[__m512d; 1]; LANES]
         let at = |row: usize| rows[4 * half + row][0];
         unsafe {
             let (low, high) = (_mm512_unpacklo_pd(at(0), at(1)), _mm512_unpackhi_pd(at(0), at(1)));
-            let (low2, high2) = (_mm512_unpacklo_pd(at(2), at(3)), _mm512_unpackhi_pd(at(2), at(3)));
+            let (low2, high2) =
+                (_mm512_unpacklo_pd(at(2), at(3)), _mm512_unpackhi_pd(at(2), at(3)));
             halves[half] = [
                 _mm512_shuffle_f64x2::<0x88>(low, low2),
                 _mm512_shuffle_f64x2::<0xdd>(low, low2),
@@ -287,7 +290,8 @@ unsafe fn transpose_singles_by_four(rows: [[__m128; 2]; LANES]) -> [[__m128; 2];
     let mut columns = rows;
     for i in 0..2 {
         for k in 0..2 {
-            let [a, b, c, d] = [rows[4 * i][k], rows[4 * i + 1][k], rows[4 * i + 2][k], rows[4 * i + 3][k]];
+            let [a, b, c, d] =
+                [rows[4 * i][k], rows[4 * i + 1][k], rows[4 * i + 2][k], rows[4 * i + 3][k]];
             unsafe {
                 let (low, high) = (_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
                 let (low2, high2) = (_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));

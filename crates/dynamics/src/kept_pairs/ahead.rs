@@ -55,7 +55,8 @@ impl<'a> Ahead<'a> {
         let Self { seen, pairs, next } = *self;
         let hulls = |back: usize| -> [Option<&Hull>; 2] {
             let pair = next.checked_sub(back).and_then(|at| pairs.get(at));
-            let hull = |i: usize| if let Solid::Hull(hull) = seen[i].solid { Some(hull) } else { None };
+            let hull =
+                |i: usize| if let Solid::Hull(hull) = seen[i].solid { Some(hull) } else { None };
             pair.map_or([None; 2], |pair| [hull(pair.first), hull(pair.second)])
         };
         for hull in hulls(0).into_iter().flatten() {

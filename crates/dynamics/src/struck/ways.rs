@@ -57,16 +57,22 @@ impl Way {
 }
 
 impl<'a> Ways<'a> {
-    pub(super) fn new(bodies: &'a Bodies, ends: &'a [Pose], bounds: &'a [Bounds], frame: &'a Frame) -> Self {
+    pub(super) fn new(
+        bodies: &'a Bodies,
+        ends: &'a [Pose],
+        bounds: &'a [Bounds],
+        frame: &'a Frame,
+    ) -> Self {
         let all = threads::list(bodies.len(), |i| Way::of(bodies, i, &ends[i], frame));
         let bounded = all.iter().filter(|way| way.radius.is_finite());
         let count = bounded.clone().count().max(1);
         let widest = WIDE * bounded.clone().map(|way| 2.0 * way.radius).sum::<f64>() / count as f64;
 
         // Along the longer side of what lies on the ground, no more strips than bodies.
-        let (low, high) = bounded.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), way| {
-            (low.min(way.middle), high.max(way.middle))
-        });
+        let (low, high) = bounded
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), way| {
+                (low.min(way.middle), high.max(way.middle))
+            });
         let axis = if high.x - low.x >= high.z - low.z { 0 } else { 2 };
         let (begin, length) = (low[axis], (high[axis] - low[axis]).max(0.0));
         let width = widest.max(length / count as f64).max(f64::MIN_POSITIVE);
@@ -85,7 +91,8 @@ impl<'a> Ways<'a> {
             ways[*next] = way;
             *next += 1;
         }
-        let wide = all.iter().copied().filter(|way| !is_narrow(way) && !way.radius.is_nan()).collect();
+        let wide =
+            all.iter().copied().filter(|way| !is_narrow(way) && !way.radius.is_nan()).collect();
         Self { bodies, ends, bounds, frame, ways, begins, strips, wide, furthest: 0.0 }
     }
 
@@ -96,12 +103,15 @@ impl<'a> Ways<'a> {
         let bounds = |i: usize| bounds[i].grown(strays[i].most.0);
         let of_body = bounds(i);
         let poses: &[&[Pose]] = &[&bodies.poses, ends];
-        let is_above =
-            |ground: usize| Ground::of(bodies, ground, poses).is_some_and(|ground| ground.is_below(&of_body));
+        let is_above = |ground: usize| {
+            Ground::of(bodies, ground, poses).is_some_and(|ground| ground.is_below(&of_body))
+        };
         let is_reached = |way: &&Way| {
             let other = way.i;
             let of_other = bounds(other);
-            other != i && of_body.overlaps(&of_other) && !(of_other.is_boundless() && is_above(other))
+            other != i
+                && of_body.overlaps(&of_other)
+                && !(of_other.is_boundless() && is_above(other))
         };
 
         // Nothing whose ball is further away, as far as any strays.

@@ -23,7 +23,8 @@ pub(crate) enum Tensors {
 }
 
 impl Tensors {
-    pub(crate) const ALL: [Self; 4] = [Self::Mild, Self::Physical, Self::Arbitrary, Self::NearSymmetric];
+    pub(crate) const ALL: [Self; 4] =
+        [Self::Mild, Self::Physical, Self::Arbitrary, Self::NearSymmetric];
 }
 
 impl Random {
@@ -79,7 +80,11 @@ impl Random {
                 if self.uniform(0.0, 1.0) < 0.5 {
                     DVec3::new(self.log_uniform(1e-6, 1.0), 1.0, 1.0 + split)
                 } else {
-                    DVec3::new(1.0, 1.0 + split, (2.0 + split) * (1.0 - self.log_uniform(1e-6, 1e-1)))
+                    DVec3::new(
+                        1.0,
+                        1.0 + split,
+                        (2.0 + split) * (1.0 - self.log_uniform(1e-6, 1e-1)),
+                    )
                 }
             }
         };
@@ -88,7 +93,12 @@ impl Random {
     }
 
     /// Angular momentum in a random direction with `|omega| dt` log-uniform in [1e-3, 100].
-    pub(crate) fn angular_momentum(&mut self, orientation: DQuat, inertia: &Inertia, dt: f64) -> DVec3 {
+    pub(crate) fn angular_momentum(
+        &mut self,
+        orientation: DQuat,
+        inertia: &Inertia,
+        dt: f64,
+    ) -> DVec3 {
         let direction = self.direction();
         let turn = self.log_uniform(1e-3, 100.0);
         turn / (dt * inertia.angular_velocity(orientation, direction).length()) * direction

@@ -41,7 +41,8 @@ pub(super) fn check(
     origin: DVec3,
 ) -> Result<(), String> {
     // Look at the middles of boxes, cubes but for rounding, that fill the box.
-    let dims = ((high - low) / spacing).to_array().map(|count| (libm::round(count) as usize).max(1));
+    let dims =
+        ((high - low) / spacing).to_array().map(|count| (libm::round(count) as usize).max(1));
     let step = (high - low) / DVec3::from(dims.map(|count| count as f64));
     let node = |index: usize| {
         let [i, j, k] = [index % dims[0], index / dims[0] % dims[1], index / dims[0] / dims[1]];

@@ -51,8 +51,8 @@ pub(super) fn closed_parts(mesh: &TriMesh) -> Result<Vec<TriMesh>, String> {
         return Ok(cells);
     }
     let rest = TriMesh { positions: mesh.positions.clone(), triangles: gathered };
-    let at =
-        open_edge(&rest).map_or(String::new(), |edge| format!(": there is an open edge at {}", place(edge)));
+    let at = open_edge(&rest)
+        .map_or(String::new(), |edge| format!(": there is an open edge at {}", place(edge)));
     Err(format!("cell {} is not closed{at}", cells.len()))
 }
 

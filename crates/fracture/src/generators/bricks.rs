@@ -53,7 +53,12 @@ impl Pattern {
         require(columns >= 1, "columns", columns as f64, "at least 1")?;
         require(courses >= 1, "courses", courses as f64, "at least 1")?;
         let most = columns.saturating_add(1).saturating_mul(courses).saturating_mul(3);
-        require(most <= MOST_CELLS, "columns", columns as f64, "at most 3332 divided by the courses")?;
+        require(
+            most <= MOST_CELLS,
+            "columns",
+            columns as f64,
+            "at most 3332 divided by the courses",
+        )?;
         require((0.0..=0.5).contains(&mortar), "mortar", mortar, "from 0 to 0.5")?;
         require((0.0..=1.0).contains(&jitter), "jitter", jitter, "from 0 to 1")?;
         require_box(half_extent)?;
@@ -108,6 +113,7 @@ fn block([left, right]: [f64; 2], [bottom, top]: [f64; 2], half_extent: DVec3) -
         (DVec3::Y, top, top < half_extent.y - tiny),
     ];
     let cuts = sides.into_iter().filter(|&(_, _, crack)| crack);
-    let half_spaces: Vec<HalfSpace> = cuts.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
+    let half_spaces: Vec<HalfSpace> =
+        cuts.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
     Some(Region::from_half_spaces(&half_spaces, half_extent))
 }

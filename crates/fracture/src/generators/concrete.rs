@@ -27,7 +27,14 @@ pub struct Concrete {
 
 impl Default for Concrete {
     fn default() -> Self {
-        Self { cells: 25, roughness: 0.7, grain: 0.7, clustering: 0.0, seed: 1, half_extent: DVec3::ONE }
+        Self {
+            cells: 25,
+            roughness: 0.7,
+            grain: 0.7,
+            clustering: 0.0,
+            seed: 1,
+            half_extent: DVec3::ONE,
+        }
     }
 }
 
@@ -43,7 +50,8 @@ impl Pattern {
         let &Concrete { cells, roughness, grain, clustering, seed, half_extent } = concrete;
         require((0.0..=1.0).contains(&roughness), "roughness", roughness, "from 0 to 1")?;
         require((0.05..=2.0).contains(&grain), "grain", grain, "from 0.05 to 2")?;
-        let plane = Self::voronoi(&Voronoi { cells, clustering, grading: DVec3::ZERO, seed, half_extent })?;
+        let plane =
+            Self::voronoi(&Voronoi { cells, clustering, grading: DVec3::ZERO, seed, half_extent })?;
         if roughness == 0.0 {
             return Ok(plane);
         }

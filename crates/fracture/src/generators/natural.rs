@@ -50,8 +50,11 @@ struct Part {
 impl Part {
     fn new(half_spaces: Vec<HalfSpace>, hull: Hull, spread: f64) -> Self {
         let properties = hull.mass_properties();
-        let weight =
-            if spread > 0.0 { libm::pow(properties.volume, 1.0 / spread - 1.0) } else { properties.volume };
+        let weight = if spread > 0.0 {
+            libm::pow(properties.volume, 1.0 / spread - 1.0)
+        } else {
+            properties.volume
+        };
         Self { half_spaces, hull, center: properties.center, weight }
     }
 
@@ -110,7 +113,8 @@ impl Pattern {
             }
         }
 
-        let scaled = |plane: &HalfSpace| HalfSpace { normal: plane.normal, offset: plane.offset * size };
+        let scaled =
+            |plane: &HalfSpace| HalfSpace { normal: plane.normal, offset: plane.offset * size };
         let region = |part: &Part| {
             let half_spaces: Vec<HalfSpace> = part.half_spaces.iter().map(scaled).collect();
             Region::from_half_spaces(&half_spaces, half_extent)

@@ -82,7 +82,8 @@ impl Pattern {
         let mut regions = Vec::with_capacity(radial.spokes * (radial.rings + 1));
         for spoke in 0..radial.spokes {
             let next = (spoke + 1) % radial.spokes;
-            let sides = [chord(DVec2::ZERO, directions[spoke]), chord(directions[next], DVec2::ZERO)];
+            let sides =
+                [chord(DVec2::ZERO, directions[spoke]), chord(directions[next], DVec2::ZERO)];
             for ring in 0..=radial.rings {
                 let mut half_spaces = sides.to_vec();
                 if ring > 0 {

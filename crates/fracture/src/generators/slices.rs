@@ -44,7 +44,12 @@ impl Pattern {
         require((0.0..=1.0).contains(&jitter), "jitter", jitter, "from 0 to 1")?;
         require_box(half_extent)?;
         let length = axis.length();
-        require(length > 1e-9 && length < 1e9, "axis", length, "three finite numbers that are not all 0")?;
+        require(
+            length > 1e-9 && length < 1e9,
+            "axis",
+            length,
+            "three finite numbers that are not all 0",
+        )?;
         let axis = axis / length;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
 

@@ -87,8 +87,8 @@ impl Pattern {
                     let angle = TAU * deviation(&mut random);
                     let tilt = u * libm::cos(angle) + v * libm::sin(angle);
                     let shift = spread * (piece - 2.0 * slope * width) * deviation(&mut random);
-                    let middle =
-                        site.reject_from(axis) + axis * (number as f64 * piece - half_length + shift);
+                    let middle = site.reject_from(axis)
+                        + axis * (number as f64 * piece - half_length + shift);
                     let normal = (axis + slope * tilt).normalize();
                     HalfSpace { normal, offset: normal.dot(middle) }
                 })

@@ -62,7 +62,8 @@ fn draw_sites(voronoi: &Voronoi) -> Vec<DVec3> {
     let mut random = Pcg64Mcg::seed_from_u64(voronoi.seed);
     let mut sites = Vec::with_capacity(voronoi.cells);
     while sites.len() < voronoi.cells {
-        let shares = DVec3::new(deviation(&mut random), deviation(&mut random), deviation(&mut random));
+        let shares =
+            DVec3::new(deviation(&mut random), deviation(&mut random), deviation(&mut random));
         let place = graded(2.0 * shares, voronoi.grading);
         let deviations = place * voronoi.clustering;
         if random.random::<f64>() < libm::exp(-0.5 * deviations.length_squared()) {
@@ -93,8 +94,12 @@ pub(super) fn voronoi_regions(sites: &[DVec3], half_extent: DVec3) -> Vec<Region
 /// first site that is too far to cut anything.
 fn bisectors(sites: &[DVec3], cell: usize, half_extent: DVec3) -> Vec<HalfSpace> {
     let site = sites[cell];
-    let mut others: Vec<DVec3> =
-        sites.iter().enumerate().filter(|&(other, _)| other != cell).map(|(_, &other)| other).collect();
+    let mut others: Vec<DVec3> = sites
+        .iter()
+        .enumerate()
+        .filter(|&(other, _)| other != cell)
+        .map(|(_, &other)| other)
+        .collect();
     others.sort_by(|a, b| a.distance_squared(site).total_cmp(&b.distance_squared(site)));
     let mut around = Vec::new();
     let mut hull = Some(Hull::cuboid(half_extent));

@@ -52,7 +52,11 @@ pub(crate) fn contacts_of_some(hulls: &[&Hull], some: &[bool]) -> Vec<Contact> {
             }
         }
     }
-    contacts.into_interfaces().into_iter().map(|contact| ([contact.a, contact.b], contact.area)).collect()
+    contacts
+        .into_interfaces()
+        .into_iter()
+        .map(|contact| ([contact.a, contact.b], contact.area))
+        .collect()
 }
 
 /// Adds the overlaps of all faces of two polyhedra that lie in one plane.
@@ -64,11 +68,14 @@ fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &H
         let polygon_a = corners(a, &face);
         for other in b.faces() {
             let polygon_b = corners(b, &other);
-            let in_plane = polygon_b.iter().all(|&corner| face.plane.distance(corner).abs() <= near);
+            let in_plane =
+                polygon_b.iter().all(|&corner| face.plane.distance(corner).abs() <= near);
             if !in_plane || face.plane.normal.dot(other.plane.normal) > 0.0 {
                 continue;
             }
-            if let Some((area, centroid)) = overlap_of_faces(&polygon_a, &polygon_b, face.plane.normal) {
+            if let Some((area, centroid)) =
+                overlap_of_faces(&polygon_a, &polygon_b, face.plane.normal)
+            {
                 contacts.add(pair, area * face.plane.normal, centroid);
             }
         }

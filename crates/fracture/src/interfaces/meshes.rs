@@ -28,8 +28,11 @@ struct CrackTriangle {
 /// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's frame. Exact: the two sides of a
 /// crack are cut into different triangles, but lie in the same planes.
 pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
-    let triangles: Vec<CrackTriangle> =
-        pieces.iter().enumerate().flat_map(|(number, piece)| crack_triangles(number, piece)).collect();
+    let triangles: Vec<CrackTriangle> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(number, piece)| crack_triangles(number, piece))
+        .collect();
     let boxes: Vec<(DVec3, DVec3)> = triangles.iter().map(|one| (one.low, one.high)).collect();
     let low = boxes.iter().fold(DVec3::INFINITY, |low, bounds| low.min(bounds.0));
     let high = boxes.iter().fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.1));
@@ -44,7 +47,10 @@ pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
         tree.visit(enters, |other| {
             let second = &triangles[other];
             let is_counted = other <= at || first.piece == second.piece;
-            if is_counted || !enters(second.low, second.high) || first.normal.dot(second.normal) > 0.0 {
+            if is_counted
+                || !enters(second.low, second.high)
+                || first.normal.dot(second.normal) > 0.0
+            {
                 return;
             }
             let (a, b) = if first.piece < second.piece { (first, second) } else { (second, first) };
@@ -66,6 +72,12 @@ fn crack_triangles(number: usize, piece: &CutPiece) -> impl Iterator<Item = Crac
         let corners = piece.mesh.corners(triangle);
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).try_normalize()?;
-        Some(CrackTriangle { piece: number, corners, normal, low: a.min(b).min(c), high: a.max(b).max(c) })
+        Some(CrackTriangle {
+            piece: number,
+            corners,
+            normal,
+            low: a.min(b).min(c),
+            high: a.max(b).max(c),
+        })
     })
 }

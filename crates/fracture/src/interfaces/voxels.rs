@@ -211,7 +211,8 @@ impl Lattice {
         }
         let corner = DVec3::new(low[0] as f64, low[1] as f64, low[2] as f64);
         let dims = std::array::from_fn(|axis| (high[axis] - low[axis]) as usize);
-        let grid = Grid { origin: first.origin + first.spacing * corner, spacing: first.spacing, dims };
+        let grid =
+            Grid { origin: first.origin + first.spacing * corner, spacing: first.spacing, dims };
 
         // Enter its voxels, row by row.
         let mut owner = vec![NONE; grid.len()];
@@ -219,7 +220,8 @@ impl Lattice {
         for ((place, solid), piece) in places.iter().zip(solids).zip(0_u32..) {
             let own = solid.grid();
             let filled = solid.coverage();
-            let [i, j, k]: [usize; 3] = std::array::from_fn(|axis| (place[axis] - low[axis]) as usize);
+            let [i, j, k]: [usize; 3] =
+                std::array::from_fn(|axis| (place[axis] - low[axis]) as usize);
             for row in 0..own.dims[1] * own.dims[2] {
                 let from = row * own.dims[0];
                 let to = grid.index(i, j + row % own.dims[1], k + row / own.dims[1]);

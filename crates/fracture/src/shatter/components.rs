@@ -44,7 +44,8 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
 /// What the regions hold of a convex body, one component for each that holds anything: it is connected, whether or not the grid shows
 /// it. Numbered in the order of their first runs.
 pub(crate) fn of_convex(portions_of_regions: Vec<Portion>) -> Components {
-    let held = portions_of_regions.into_iter().zip(0..).filter(|(portion, _)| !portion.runs.is_empty());
+    let held =
+        portions_of_regions.into_iter().zip(0..).filter(|(portion, _)| !portion.runs.is_empty());
     let mut held: Vec<(Portion, u32)> = held.collect();
     held.sort_by_key(|(portion, _)| portion.runs[0].place());
     let mut components = Components::default();
@@ -131,7 +132,8 @@ fn split_surface(solid: &GridSolid, shares: &mut Shares) {
                 split.all.push(*share);
                 continue;
             }
-            let span = Span { start: whole.start, end: whole.end, coverage: fill(&whole), inside: false };
+            let span =
+                Span { start: whole.start, end: whole.end, coverage: fill(&whole), inside: false };
             split.all.extend((whole.start..whole.end).map(|start| {
                 let mut run = Run::empty(whole.row, start);
                 run.add(&Span { start, end: start + 1, ..span }, middle);
@@ -208,7 +210,12 @@ fn share_at(shares: &Shares, row: usize, i: u32) -> Option<usize> {
 }
 
 /// The shares that share a face with a single voxel's.
-fn shares_beside(grid: &Grid, shares: &Shares, row: usize, at: usize) -> impl Iterator<Item = usize> {
+fn shares_beside(
+    grid: &Grid,
+    shares: &Shares,
+    row: usize,
+    at: usize,
+) -> impl Iterator<Item = usize> {
     let run = shares.all[at].run;
     let range = shares.row(row);
     let before = (at > range.start && shares.all[at - 1].run.end == run.start).then(|| at - 1);
@@ -222,7 +229,11 @@ type SurfaceVoxel = (usize, usize);
 
 /// Gives surface voxels to components that they touch, first of their own region, then of any; from the body outwards,
 /// one layer at a time. Returns those that touch nothing.
-fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, labels: &mut Labels) -> Vec<SurfaceVoxel> {
+fn attach_surface_voxels(
+    solid: &GridSolid,
+    shares: &Shares,
+    labels: &mut Labels,
+) -> Vec<SurfaceVoxel> {
     let grid = solid.grid();
     let mut pending: Vec<SurfaceVoxel> = (0..shares.rows())
         .flat_map(|row| shares.row(row).map(move |at| (row, at)))
@@ -235,7 +246,8 @@ fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, labels: &mut Labels
                 let fits = |other: &usize| {
                     let component = labels.of_share[*other];
                     let region = shares.all[at].region;
-                    component != NONE && (!own_region_only || labels.region[component as usize] == region)
+                    component != NONE
+                        && (!own_region_only || labels.region[component as usize] == region)
                 };
                 let mut fullest: Option<usize> = None;
                 for other in shares_beside(grid, shares, row, at).filter(fits) {
@@ -260,7 +272,12 @@ fn attach_surface_voxels(solid: &GridSolid, shares: &Shares, labels: &mut Labels
 }
 
 /// Material without any node inside, too thin for the grid: each connected part becomes a component of its own.
-fn found_islands(solid: &GridSolid, shares: &Shares, labels: &mut Labels, pending: &[SurfaceVoxel]) {
+fn found_islands(
+    solid: &GridSolid,
+    shares: &Shares,
+    labels: &mut Labels,
+    pending: &[SurfaceVoxel],
+) {
     let row_of = |at: usize| shares.first_of_row.partition_point(|&first| first as usize <= at) - 1;
     for &(row, seed) in pending {
         if labels.of_share[seed] != NONE {
@@ -293,7 +310,8 @@ fn rejoin_tips(solid: &GridSolid, shares: &Shares, labels: &mut Labels, smallest
         for at in shares.row(row) {
             let sliver = labels.of_share[at];
             let known = sets.root(sliver) != sliver;
-            let is_sliver = labels.material[sliver as usize] < smallest && shares.all[at].run.inside > 0;
+            let is_sliver =
+                labels.material[sliver as usize] < smallest && shares.all[at].run.inside > 0;
             if is_sliver
                 && !known
                 && let Some(host) = rest_of_tip(solid, shares, labels, (row, at))
@@ -329,8 +347,13 @@ fn rest_of_tip(
             for other in shares.row(to_j + grid.dims[1] * to_k) {
                 let there = &shares.all[other];
                 let component = labels.of_share[other];
-                let heavier = labels.material[component as usize] > labels.material[sliver as usize];
-                if there.region != region || there.run.inside == 0 || component == sliver || !heavier {
+                let heavier =
+                    labels.material[component as usize] > labels.material[sliver as usize];
+                if there.region != region
+                    || there.run.inside == 0
+                    || component == sliver
+                    || !heavier
+                {
                     continue;
                 }
                 let i = run.start.clamp(there.run.start, there.run.end - 1);

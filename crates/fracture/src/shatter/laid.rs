@@ -33,7 +33,12 @@ impl<'a> Laid<'a> {
     }
 
     /// The cells that consecutive nodes of a row of the body lie in: `found` is told of each node.
-    pub(crate) fn cells_along(&self, [j, k]: [usize; 2], nodes: Range<usize>, mut found: impl FnMut(u32)) {
+    pub(crate) fn cells_along(
+        &self,
+        [j, k]: [usize; 2],
+        nodes: Range<usize>,
+        mut found: impl FnMut(u32),
+    ) {
         let margin = GridSolid::MARGIN;
         let [j, k] = [j + margin, k + margin];
         let (Cells::Rough(rough), Some(moved)) = (&self.pattern.cells, &self.moved) else {
@@ -65,7 +70,9 @@ impl<'a> Laid<'a> {
             (point, to)
         });
         let cell = |(point, to): (DVec3, Option<DVec3>)| match (&self.pattern.cells, to) {
-            (Cells::Rough(rough), Some(to)) => rough.nearest(point, to, self.pattern.half_extent)[0].0,
+            (Cells::Rough(rough), Some(to)) => {
+                rough.nearest(point, to, self.pattern.half_extent)[0].0
+            }
             _ => self.pattern.region_at(point).unwrap_or(0),
         };
         let [own, other] = nodes.map(cell);

@@ -11,7 +11,9 @@ use super::{
 use crate::Placement;
 use crate::pattern::Region;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
-use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape};
+use frangible_geometry::{
+    BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape,
+};
 use glam::{DMat3, DVec3, Vec3};
 use owners::Owners;
 
@@ -141,7 +143,9 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
         let count = collector.whole.samples.len() + collector.single.len() + collector.cracks.len();
         if count < FEWEST_SAMPLES {
             let points = project_surface_voxels(solid);
-            collector.single.extend(points.into_iter().map(|point| collector.body_from_grid.point(point)));
+            collector
+                .single
+                .extend(points.into_iter().map(|point| collector.body_from_grid.point(point)));
         }
         let mut surface = collector.whole;
         surface.samples.reserve_exact(collector.single.len() + collector.cracks.len());
@@ -167,13 +171,15 @@ impl Sharing<'_> {
         let mut nearest = 0;
         let mut around = Neighbourhood::new(&regions);
         for cluster in parent.sample_clusters() {
-            let samples = &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
+            let samples =
+                &parent.samples()[cluster.first as usize..(cluster.first + cluster.count) as usize];
             let center = cluster.center.as_dvec3();
             around.look(center, f64::from(cluster.radius));
-            let whole = around.region_of_all().and_then(|region| only_pieces[region]).filter(|&piece| {
-                let point = |sample: &Vec3| grid_from_body.point(sample.as_dvec3());
-                samples.iter().all(|sample| self.is_beside(piece, point(sample)))
-            });
+            let whole =
+                around.region_of_all().and_then(|region| only_pieces[region]).filter(|&piece| {
+                    let point = |sample: &Vec3| grid_from_body.point(sample.as_dvec3());
+                    samples.iter().all(|sample| self.is_beside(piece, point(sample)))
+                });
             if let Some(piece) = whole {
                 let collector = &mut collectors[piece];
                 let motion = &collector.body_from_parent;
@@ -211,7 +217,8 @@ impl Sharing<'_> {
         let of_region = self.lookup.of_regions[region].as_slice();
         let beside = self.owners.as_ref().map_or(Vec::new(), |owners| owners.around(point));
         let of_both = beside.iter().copied().filter(|&piece| of_region.contains(&(piece as u32)));
-        if let Some(piece) = of_both.min_by(least).or_else(|| beside.iter().copied().min_by(least)) {
+        if let Some(piece) = of_both.min_by(least).or_else(|| beside.iter().copied().min_by(least))
+        {
             return Some(piece);
         }
         match of_region {
@@ -262,7 +269,9 @@ impl Sharing<'_> {
         let (solid, _) = &self.lookup.pieces[piece];
         let across = 0.5 * solid.grid().spacing * face.normal;
         let misses = |part: &Clip| {
-            let beyond = |plane: &HalfSpace| face.corners.iter().all(|&at| plane.distance(at + across) > 0.0);
+            let beyond = |plane: &HalfSpace| {
+                face.corners.iter().all(|&at| plane.distance(at + across) > 0.0)
+            };
             part.half_spaces().iter().any(beyond)
         };
         match solid.parts() {
@@ -292,7 +301,9 @@ fn project_surface_voxels(solid: &GridSolid) -> Vec<DVec3> {
     // A fragment's grid has empty layers around it.
     let at_surface = |&node: &usize| {
         coverage[node] > 0.0
-            && strides.iter().any(|stride| coverage[node - stride] == 0.0 || coverage[node + stride] == 0.0)
+            && strides
+                .iter()
+                .any(|stride| coverage[node - stride] == 0.0 || coverage[node + stride] == 0.0)
     };
     (0..grid.len())
         .filter(at_surface)

@@ -6,7 +6,11 @@ use frangible_geometry::{Grid, GridSolid, HalfSpace, Portion, Run};
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
 /// region.
-pub(crate) fn pieces_of_regions(regions: usize, components: &Components, pieces: &Pieces) -> Vec<Vec<u32>> {
+pub(crate) fn pieces_of_regions(
+    regions: usize,
+    components: &Components,
+    pieces: &Pieces,
+) -> Vec<Vec<u32>> {
     let mut of_region = vec![Vec::new(); regions];
     for (component, &piece) in pieces.of_component.iter().enumerate() {
         if piece != NONE && components.has_inside[component] {

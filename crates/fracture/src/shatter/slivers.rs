@@ -28,7 +28,8 @@ pub(crate) fn merge_slivers(
 ) -> Pieces {
     let material = &components.material;
     let spacing = solid.grid().spacing;
-    let in_voxels = Smallest { volume: smallest.volume / (spacing * spacing * spacing), ..*smallest };
+    let in_voxels =
+        Smallest { volume: smallest.volume / (spacing * spacing * spacing), ..*smallest };
     let least = voxels.max(in_voxels.least(material));
     let too_small: Vec<bool> = material.iter().map(|&material| material < least).collect();
     let mut groups = Groups::new(material, &too_small);
@@ -66,7 +67,8 @@ impl Rows {
         let highest = runs().filter_map(|runs| runs.last().map(number)).max().unwrap_or(0);
         let (first, behind) = (lowest.saturating_sub(rows_y), highest + rows_y + 1);
         let within = |runs: &[Run]| {
-            runs.partition_point(|run| number(run) < first)..runs.partition_point(|run| number(run) < behind)
+            runs.partition_point(|run| number(run) < first)
+                ..runs.partition_point(|run| number(run) < behind)
         };
 
         // One more row makes room for where each begins.
@@ -101,7 +103,8 @@ impl Rows {
 
 /// How many voxel faces each component that is too small shares with others; each pair once.
 fn contacts(grid: &Grid, components: &Components, too_small: &[bool]) -> Vec<Contact> {
-    let slivers: Vec<u32> = (0..).zip(too_small).filter(|&(_, &small)| small).map(|(at, _)| at).collect();
+    let slivers: Vec<u32> =
+        (0..).zip(too_small).filter(|&(_, &small)| small).map(|(at, _)| at).collect();
     let rows = Rows::around(grid, components, &slivers);
     let mut contacts = Vec::new();
     for &sliver in &slivers {
@@ -152,7 +155,9 @@ fn number_pieces(of_group: &[usize], material: &[f64]) -> Pieces {
         members[piece_of[group] as usize].push(component as u32);
     }
     for piece in &mut members {
-        piece.sort_by(|&a, &b| material[b as usize].total_cmp(&material[a as usize]).then(a.cmp(&b)));
+        piece.sort_by(|&a, &b| {
+            material[b as usize].total_cmp(&material[a as usize]).then(a.cmp(&b))
+        });
     }
     Pieces { of_component, components: members }
 }

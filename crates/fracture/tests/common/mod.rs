@@ -4,7 +4,8 @@
 
 use frangible_fracture::{Fragment, Impact, Pattern, Radial, Voronoi, fragment_velocity};
 use frangible_geometry::{
-    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, TriMesh, surface_samples::surface_samples,
+    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, TriMesh,
+    surface_samples::surface_samples,
 };
 use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -28,7 +29,12 @@ pub fn sampled_form(form: ClosedForm, voxels: [usize; 3]) -> Shape {
 }
 
 /// Any distance on a grid over `low` to `high`, with samples two voxels apart.
-pub fn sampled(low: DVec3, high: DVec3, voxels: [usize; 3], distance: impl Fn(DVec3) -> f64) -> Shape {
+pub fn sampled(
+    low: DVec3,
+    high: DVec3,
+    voxels: [usize; 3],
+    distance: impl Fn(DVec3) -> f64,
+) -> Shape {
     let grid = Grid::around_box(low, high, voxels, 2);
     let solid = GridSolid::from_level_set(LevelSet::sample(grid, distance));
     let samples = surface_samples(&solid, 2.0 * grid.spacing);
@@ -69,7 +75,10 @@ pub fn bodies() -> Vec<(&'static str, Shape)> {
     vec![
         ("sphere", sampled_form(ClosedForm::Sphere { radius: 0.5 }, [28; 3])),
         ("box", sampled_form(ClosedForm::Box { half: DVec3::new(0.5, 0.1, 0.4) }, [40, 8, 32])),
-        ("cylinder", sampled_form(ClosedForm::Cylinder { radius: 0.3, half_height: 0.6 }, [18, 36, 18])),
+        (
+            "cylinder",
+            sampled_form(ClosedForm::Cylinder { radius: 0.3, half_height: 0.6 }, [18, 36, 18]),
+        ),
         ("bitten box", bitten_box()),
         ("two balls", two_balls()),
     ]
@@ -98,7 +107,8 @@ pub fn patterns(seed: u64) -> Vec<Pattern> {
         Pattern::radial(&Radial { spokes: 12, rings: 0, jitter: 0.5, seed }).unwrap(),
         Pattern::radial(&Radial { spokes: 7, rings: 3, jitter: 1.0, seed }).unwrap(),
         Pattern::voronoi(&Voronoi { cells: 25, seed, ..Voronoi::default() }).unwrap(),
-        Pattern::voronoi(&Voronoi { cells: 40, clustering: 3.0, seed, ..Voronoi::default() }).unwrap(),
+        Pattern::voronoi(&Voronoi { cells: 40, clustering: 3.0, seed, ..Voronoi::default() })
+            .unwrap(),
     ]
 }
 
@@ -131,11 +141,18 @@ pub fn motion(shape: &Shape, axes: DMat3, center: DVec3, velocity: DVec3, omega:
 pub fn defect(parent: &Shape, fragments: &[Fragment], random: &mut Pcg64Mcg) -> f64 {
     let (velocity, omega) = (3.0 * direction(random), 5.0 * direction(random));
     let before = motion(parent, DMat3::IDENTITY, DVec3::ZERO, velocity, omega);
-    let mut after = Motion { mass: 0.0, momentum: DVec3::ZERO, angular_momentum: DVec3::ZERO, energy: 0.0 };
+    let mut after =
+        Motion { mass: 0.0, momentum: DVec3::ZERO, angular_momentum: DVec3::ZERO, energy: 0.0 };
     for fragment in fragments {
         let center = fragment.parent_from_fragment.translation;
         let velocity = fragment_velocity(velocity, omega, DVec3::ZERO, center);
-        let part = motion(&fragment.shape, fragment.parent_from_fragment.matrix(), center, velocity, omega);
+        let part = motion(
+            &fragment.shape,
+            fragment.parent_from_fragment.matrix(),
+            center,
+            velocity,
+            omega,
+        );
         after.mass += part.mass;
         after.momentum += part.momentum;
         after.angular_momentum += part.angular_momentum;

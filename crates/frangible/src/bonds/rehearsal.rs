@@ -118,7 +118,13 @@ fn speed(coming: &Coming) -> f64 {
 }
 
 /// A blow as it is to one side of its pair: a load in the frame of its pieces, and gravity there.
-fn load(world: &World, body: usize, coming: &Coming, side: usize, frame: &Frame) -> (PointLoad, DVec3) {
+fn load(
+    world: &World,
+    body: usize,
+    coming: &Coming,
+    side: usize,
+    frame: &Frame,
+) -> (PointLoad, DVec3) {
     let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
     let in_body = coming.poses[side].world_from_body().inverse();
     let impulse = if side == 0 { coming.impulse.at_contact } else { -coming.impulse.at_contact };

@@ -29,7 +29,10 @@ pub fn schema<T: JsonSchema>() -> Value {
 ///
 /// # Errors
 /// The first thing that does not fit: its path, its value and the rule.
-pub fn read<T: JsonSchema + DeserializeOwned>(mut value: Value, path: &str) -> Result<T, BuildError> {
+pub fn read<T: JsonSchema + DeserializeOwned>(
+    mut value: Value,
+    path: &str,
+) -> Result<T, BuildError> {
     let schema = schema::<T>();
     Reader { root: &schema }.check(&schema, &mut value, path)?;
     serde_json::from_value(value).map_err(|error| rule(path, "this value", &error.to_string()))
@@ -85,7 +88,9 @@ impl<'a> Reader<'a> {
         match value {
             Value::Null if allows(schema, "null") => Ok(()),
             Value::Bool(_) if allows(schema, "boolean") => Ok(()),
-            Value::Number(number) if allows(schema, "number") && number.as_f64().is_some() => Ok(()),
+            Value::Number(number) if allows(schema, "number") && number.as_f64().is_some() => {
+                Ok(())
+            }
             Value::Number(_) if allows(schema, "integer") => self.check_whole(schema, value, path),
             Value::String(_) if allows(schema, "string") => Ok(()),
             Value::Array(items) if allows(schema, "array") => self.check_items(schema, items, path),
@@ -98,7 +103,8 @@ impl<'a> Reader<'a> {
 
     /// The schema that a schema refers to, or itself.
     fn resolve(&self, schema: &'a Value) -> &'a Value {
-        let named = schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
+        let named =
+            schema.get("$ref").and_then(Value::as_str).and_then(|name| name.strip_prefix('#'));
         named.and_then(|pointer| self.root.pointer(pointer)).unwrap_or(schema)
     }
 
@@ -156,9 +162,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn check_whole(&self, schema: &'a Value, value: &mut Value, path: &str) -> Result<(), BuildError> {
+    fn check_whole(
+        &self,
+        schema: &'a Value,
+        value: &mut Value,
+        path: &str,
+    ) -> Result<(), BuildError> {
         const EXACT: f64 = (1_u64 << 53) as f64;
-        let whole = value.as_f64().filter(|number| number.trunc() == *number && number.abs() <= EXACT);
+        let whole =
+            value.as_f64().filter(|number| number.trunc() == *number && number.abs() <= EXACT);
         if let (None, Some(whole)) = (value.as_u64(), whole)
             && whole >= 0.0
         {
@@ -170,7 +182,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn check_items(&self, schema: &'a Value, items: &mut [Value], path: &str) -> Result<(), BuildError> {
+    fn check_items(
+        &self,
+        schema: &'a Value,
+        items: &mut [Value],
+        path: &str,
+    ) -> Result<(), BuildError> {
         let bound = |name: &str| schema.get(name).and_then(Value::as_u64);
         let count = items.len() as u64;
         if bound("minItems").is_some_and(|least| count < least)
@@ -195,7 +212,9 @@ impl<'a> Reader<'a> {
         fields: &mut Map<String, Value>,
         path: &str,
     ) -> Result<(), BuildError> {
-        let Some(known) = schema.get("properties").and_then(Value::as_object) else { return Ok(()) };
+        let Some(known) = schema.get("properties").and_then(Value::as_object) else {
+            return Ok(());
+        };
         for (name, value) in fields.iter_mut() {
             let Some(of_field) = known.get(name) else {
                 let names: Vec<&str> = known.keys().map(String::as_str).collect();
@@ -249,7 +268,8 @@ impl<'a> Reader<'a> {
                 Some(items) if allows(items, "array") => "lists",
                 _ => "objects",
             };
-            let count = schema.get("minItems").map_or_else(String::new, |count| format!("{count} "));
+            let count =
+                schema.get("minItems").map_or_else(String::new, |count| format!("{count} "));
             return format!("a list of {count}{noun}");
         }
         let fields = schema.get("properties").and_then(Value::as_object);
@@ -259,7 +279,11 @@ impl<'a> Reader<'a> {
 }
 
 fn alternatives(schema: &Value) -> Option<&[Value]> {
-    ["oneOf", "anyOf"].iter().find_map(|name| schema.get(*name)).and_then(Value::as_array).map(Vec::as_slice)
+    ["oneOf", "anyOf"]
+        .iter()
+        .find_map(|name| schema.get(*name))
+        .and_then(Value::as_array)
+        .map(Vec::as_slice)
 }
 
 /// True if a schema names a type.

@@ -14,7 +14,11 @@ pub(super) struct Split {
 
 /// Divides triangles at the open vertices that lie on their open edges, closer than `tolerance`
 /// [m]; `None` if there is none.
-pub(super) fn split_at_junctions(pairing: &Pairing, source: &[u32], tolerance: f64) -> Option<Split> {
+pub(super) fn split_at_junctions(
+    pairing: &Pairing,
+    source: &[u32],
+    tolerance: f64,
+) -> Option<Split> {
     // The open edges in a tree.
     let TriMesh { positions, triangles } = &pairing.mesh;
     let at = |place: u32| positions[place as usize];
@@ -68,7 +72,9 @@ pub(super) fn split_at_junctions(pairing: &Pairing, source: &[u32], tolerance: f
                 let on_edge = own.iter().filter(|split| split.0 as usize % 3 == corner);
                 polygon.extend(on_edge.map(|&(_, _, place)| place));
             }
-            split.triangles.extend(triangulate(&polygon, &|vertex| at(pairing.place[vertex as usize])));
+            split
+                .triangles
+                .extend(triangulate(&polygon, &|vertex| at(pairing.place[vertex as usize])));
         }
         split.source.resize(split.triangles.len(), source[triangle]);
     }

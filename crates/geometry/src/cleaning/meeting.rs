@@ -69,7 +69,9 @@ fn met(surfaces: &[Surface], near: f64) -> Vec<bool> {
             |other| {
                 // A pair that is met already needs no look.
                 let is_pair = other < one && !apart(low, high, boxes[other].0, boxes[other].1);
-                if is_pair && !(is_met(one) && is_met(other)) && surfaces[one].is_near(&surfaces[other], near)
+                if is_pair
+                    && !(is_met(one) && is_met(other))
+                    && surfaces[one].is_near(&surfaces[other], near)
                 {
                     met[one].store(true, Ordering::Relaxed);
                     met[other].store(true, Ordering::Relaxed);
@@ -96,11 +98,17 @@ impl Surface {
         let corners: Vec<[DVec3; 3]> =
             triangles.iter().map(|&triangle| clean.mesh.corners(triangle as usize)).collect();
         let normal = |&[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a).normalize_or_zero();
-        let bounds = corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corners| {
-            let (own_low, own_high) = box_of(corners);
-            (low.min(own_low), high.max(own_high))
-        });
-        Self { normals: corners.iter().map(normal).collect(), tree: Bvh::new(&corners), corners, bounds }
+        let bounds =
+            corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corners| {
+                let (own_low, own_high) = box_of(corners);
+                (low.min(own_low), high.max(own_high))
+            });
+        Self {
+            normals: corners.iter().map(normal).collect(),
+            tree: Bvh::new(&corners),
+            corners,
+            bounds,
+        }
     }
 
     /// True if a triangle of another surface comes near one of these.
@@ -140,7 +148,8 @@ impl Surface {
             let (corners, normal) = (&self.corners[triangle], self.normals[triangle]);
             let (low, high) = box_of(corners);
             let (low, high) = (low - near, high + near);
-            let one_sided = |least: f64, most: f64| normal != DVec3::ZERO && (least > -near || most < near);
+            let one_sided =
+                |least: f64, most: f64| normal != DVec3::ZERO && (least > -near || most < near);
             let enters = |other_low: DVec3, other_high: DVec3| {
                 let (least, most) = box_heights(other_low, other_high, corners[0], normal);
                 !apart(low, high, other_low, other_high) && !one_sided(least, most)
@@ -164,8 +173,8 @@ impl Surface {
         let [a, b] = [(one, other), (other, one)].map(|(triangle, plane)| {
             let (corners, at) = (&self.corners[triangle], self.corners[plane][0]);
             let heights = corners.map(|corner| (corner - at).dot(self.normals[plane]));
-            let both =
-                heights.iter().any(|height| *height > near) && heights.iter().any(|height| *height < -near);
+            let both = heights.iter().any(|height| *height > near)
+                && heights.iter().any(|height| *height < -near);
             both.then(|| common_line(corners, heights, self.corners[one][0], along))
         });
         match (a, b) {

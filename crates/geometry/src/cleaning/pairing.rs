@@ -57,8 +57,11 @@ impl Pairing {
             if open.is_empty() {
                 return pairing;
             }
-            let welded =
-                if step == 0 { pairing.weld_equal(&open) } else { pairing.weld_near(&open, tolerance) };
+            let welded = if step == 0 {
+                pairing.weld_equal(&open)
+            } else {
+                pairing.weld_near(&open, tolerance)
+            };
             if welded {
                 pairing.drop_collapsed();
                 pairing.drop_repeated();
@@ -94,8 +97,9 @@ impl Pairing {
 
     /// Welds open places with equal positions.
     fn weld_equal(&mut self, open: &[u32]) -> bool {
-        let key =
-            |place: u32| (self.mesh.positions[place as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+        let key = |place: u32| {
+            (self.mesh.positions[place as usize] + DVec3::ZERO).to_array().map(f64::to_bits)
+        };
         let mut order = open.to_vec();
         order.sort_unstable_by_key(|&place| (key(place), place));
         let mut sets = DisjointSets::new(self.mesh.positions.len());
@@ -109,13 +113,16 @@ impl Pairing {
 
     /// Welds open places that are no farther apart than `tolerance` [m].
     fn weld_near(&mut self, open: &[u32], tolerance: f64) -> bool {
-        let points: Vec<DVec3> = open.iter().map(|&place| self.mesh.positions[place as usize]).collect();
-        let boxes: Vec<_> = points.iter().map(|&point| (point - tolerance, point + tolerance)).collect();
+        let points: Vec<DVec3> =
+            open.iter().map(|&place| self.mesh.positions[place as usize]).collect();
+        let boxes: Vec<_> =
+            points.iter().map(|&point| (point - tolerance, point + tolerance)).collect();
         let tree = Bvh::of_boxes(&boxes);
         let mut sets = DisjointSets::new(self.mesh.positions.len());
         let mut welded = false;
         for (number, &point) in points.iter().enumerate() {
-            let enters = |low: DVec3, high: DVec3| point.cmpge(low).all() && point.cmple(high).all();
+            let enters =
+                |low: DVec3, high: DVec3| point.cmpge(low).all() && point.cmple(high).all();
             tree.visit(enters, |other| {
                 if other < number && points[other].distance(point) <= tolerance {
                     sets.unite(open[other], open[number]);
@@ -195,7 +202,9 @@ impl Pairing {
         // Triangles with an edge that nothing meets are loose.
         let mut loose = vec![false; self.mesh.triangles.len()];
         let edges = || open.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
-        edges().filter(|edge| edge.len() == 1).for_each(|edge| loose[edge[0].2 as usize / 3] = true);
+        edges()
+            .filter(|edge| edge.len() == 1)
+            .for_each(|edge| loose[edge[0].2 as usize / 3] = true);
         for edge in edges() {
             match edge {
                 [_] => {}
@@ -209,7 +218,8 @@ impl Pairing {
                 _ => {
                     let ordered = self.by_angle(edge);
                     let is_loose = |&(half_edge, _): &(u32, bool)| loose[half_edge as usize / 3];
-                    let (rest, firm): (Vec<_>, Vec<_>) = ordered.iter().copied().partition(is_loose);
+                    let (rest, firm): (Vec<_>, Vec<_>) =
+                        ordered.iter().copied().partition(is_loose);
                     if firm.len() >= 2 && firm.len().is_multiple_of(2) {
                         self.pair_around(&firm);
                         self.pair_around(&rest);
@@ -257,8 +267,9 @@ impl Pairing {
                 self.pair(opening, half_edge);
             }
         }
-        let is_free =
-            |&(half_edge, _): &(u32, bool)| (self.partner[half_edge as usize] == NONE).then_some(half_edge);
+        let is_free = |&(half_edge, _): &(u32, bool)| {
+            (self.partner[half_edge as usize] == NONE).then_some(half_edge)
+        };
         let left: Vec<u32> = ordered.iter().filter_map(is_free).collect();
         if left.len().is_multiple_of(2) {
             for two in left.chunks_exact(2) {

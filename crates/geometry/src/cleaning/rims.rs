@@ -37,7 +37,8 @@ pub(super) fn close(pairing: &Pairing, turned: &[bool]) -> Closed {
         let (from, to) = if turned[half_edge as usize / 3] { (to, from) } else { (from, to) };
         next[to as usize] = from;
     }
-    let place_of = |corner: u32| pairing.place[triangles[corner as usize / 3][corner as usize % 3] as usize];
+    let place_of =
+        |corner: u32| pairing.place[triangles[corner as usize / 3][corner as usize % 3] as usize];
     let at = |corner: u32| positions[place_of(corner) as usize];
 
     // Walk along the rims, and cut off a loop whenever a place comes again.

@@ -118,8 +118,8 @@ pub(super) fn roles(shells: &[Shell]) -> Vec<Role> {
                 roles[inner] = Role::Repeated;
                 break;
             }
-            let winding =
-                windings[outer].get_or_insert_with(|| WindingNumber::new(Bvh::new(&shells[outer].corners)));
+            let winding = windings[outer]
+                .get_or_insert_with(|| WindingNumber::new(Bvh::new(&shells[outer].corners)));
             if lies_in(shell, winding) {
                 let opposite = (shell.volume < 0.0) != (shells[outer].volume < 0.0);
                 let in_solid = matches!(roles[outer], Role::Solid | Role::In(_));

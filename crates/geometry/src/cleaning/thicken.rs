@@ -37,7 +37,8 @@ impl TriMesh {
         let (open, closed): (Vec<Part>, Vec<Part>) =
             parts.into_iter().partition(|part| assembly.is_open(part));
         let source = |&triangle: &u32| assembly.source[triangle as usize];
-        let mut kept: Vec<u32> = closed.iter().flat_map(|part| &part.triangles).map(source).collect();
+        let mut kept: Vec<u32> =
+            closed.iter().flat_map(|part| &part.triangles).map(source).collect();
         kept.sort_unstable();
         kept.dedup();
         let mut mesh = TriMesh {
@@ -69,7 +70,8 @@ impl Assembly {
             let normal = (b - a).cross(c - a).normalize_or_zero();
             let roots = corners.map(|corner| self.closed.vertices.root(corner));
             for (corner, &root) in roots.iter().enumerate() {
-                let (here, to, from) = (points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]);
+                let (here, to, from) =
+                    (points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]);
                 let vertex = vertices.entry(root).or_insert(Vertex::new(here));
                 vertex.add(normal, (to - here).angle_between(from - here));
             }
@@ -87,7 +89,9 @@ impl Assembly {
         for roots in faces {
             let [a, b, c] = roots.map(front);
             mesh.triangles.extend([[a, b, c], [a + 1, c + 1, b + 1]]);
-            edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to)));
+            edges.extend(
+                [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to)),
+            );
         }
 
         // Walls where an edge has no opposite.

@@ -125,7 +125,8 @@ impl<'a> Carver<'a> {
 
     fn cut(&mut self, cut: &HalfSpace) -> Cut {
         // Where all vertices are.
-        let (mut lowest, mut highest, mut nearest) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+        let (mut lowest, mut highest, mut nearest) =
+            (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
         self.levels.resize(self.part.kept.len(), 0.0);
         for (kept, level) in self.part.kept.iter().zip(&mut self.levels) {
             let height = cut.distance(kept.position);
@@ -149,8 +150,10 @@ impl<'a> Carver<'a> {
         self.heights.resize(self.part.vertices.len(), 0.0);
         let start = self.part.keep_below(&self.levels, &mut self.heights);
         let before = self.part.vertices.len();
-        let is_closed =
-            self.part.crossing(&self.heights, start).is_some_and(|start| self.walk_around(start, cut));
+        let is_closed = self
+            .part
+            .crossing(&self.heights, start)
+            .is_some_and(|start| self.walk_around(start, cut));
         if !is_closed {
             return Cut::Touching;
         }
@@ -214,7 +217,8 @@ impl<'a> Carver<'a> {
         let vertices: Vec<DVec3> = part.kept.iter().map(|kept| kept.position).collect();
 
         // Faces that have kept a vertex. Euler's formula tells a sphere from anything else.
-        let (numbers, sides, edge_of) = (numbers.as_slice(), part.sides.as_slice(), edge_of.as_mut_slice());
+        let (numbers, sides, edge_of) =
+            (numbers.as_slice(), part.sides.as_slice(), edge_of.as_mut_slice());
         left.clear();
         for face in &part.faces {
             if numbers[sides[face.first as usize].origin as usize] != NONE {

@@ -155,7 +155,8 @@ impl Clipper {
         for face in 0..self.loops.len() {
             // What only touches the cut vanishes, or is the rim's.
             let corners = self.loops.of(face);
-            let sides = corners.iter().fold(0, |sides, &vertex| sides | self.sides[vertex as usize]);
+            let sides =
+                corners.iter().fold(0, |sides, &vertex| sides | self.sides[vertex as usize]);
             if sides == BELOW {
                 self.next_loops.add(corners.iter().map(|&vertex| self.number[vertex as usize]));
             } else if sides & BELOW != 0 {
@@ -193,8 +194,10 @@ impl Clipper {
         // The last corner that was kept, if it lies on the cut; the first, to close the loop.
         let (mut last_on, mut first_on, mut is_first) = (NONE, NONE, true);
         for at in 0..count {
-            let (a, b) =
-                (self.loops.corner(range.start + at), self.loops.corner(range.start + (at + 1) % count));
+            let (a, b) = (
+                self.loops.corner(range.start + at),
+                self.loops.corner(range.start + (at + 1) % count),
+            );
             let side = self.sides[a as usize];
             if side != ABOVE {
                 let vertex = self.number[a as usize];
@@ -206,7 +209,8 @@ impl Clipper {
             if self.sides[a as usize] | self.sides[b as usize] == BELOW | ABOVE {
                 let vertex = self.crossing(a, b);
                 self.add_to_rim(last_on, vertex);
-                (last_on, first_on, is_first) = (vertex, if is_first { vertex } else { first_on }, false);
+                (last_on, first_on, is_first) =
+                    (vertex, if is_first { vertex } else { first_on }, false);
                 self.next_loops.add([vertex]);
             }
         }

@@ -57,7 +57,9 @@ impl Columns {
         }
         for at in 0..corners * COLUMN {
             let lever = *vertices.get(at).unwrap_or(&vertices[0]) - middle;
-            for (column, number) in for_vertices[3 * (at / COLUMN)..].iter_mut().zip(lever.to_array()) {
+            for (column, number) in
+                for_vertices[3 * (at / COLUMN)..].iter_mut().zip(lever.to_array())
+            {
                 column.0[at % COLUMN] = number as f32;
             }
         }
@@ -102,7 +104,8 @@ mod tests {
         let columns = hull.columns();
         assert_eq!((columns.faces().len(), columns.vertices().len()), (1, 1));
         for (at, vertex) in hull.vertices().iter().enumerate() {
-            let lever = DVec3::from_array(columns.vertices()[0].map(|column| f64::from(column.0[at])));
+            let lever =
+                DVec3::from_array(columns.vertices()[0].map(|column| f64::from(column.0[at])));
             assert!((columns.middle + lever - vertex).length() < 1e-6, "{at}");
         }
         for at in 0..8 {

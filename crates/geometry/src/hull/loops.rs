@@ -114,7 +114,8 @@ impl Loops {
             let old = std::mem::take(self);
             let mut kept = Vec::with_capacity(planes.len());
             for (face, plane) in planes.iter().enumerate() {
-                let corners = || old.of(face).iter().copied().filter(|&vertex| faces_at[vertex as usize] > 2);
+                let corners =
+                    || old.of(face).iter().copied().filter(|&vertex| faces_at[vertex as usize] > 2);
                 if corners().count() > 2 {
                     self.push(old.inner[face], corners());
                     kept.push(*plane);
@@ -133,9 +134,14 @@ impl Loops {
             return None;
         }
         let mut stands_for: Vec<u32> = (0..vertices.len() as u32).collect();
-        for side in (0..self.len()).flat_map(|face| sides(self.of(face))).filter(|&side| is_short(side)) {
+        for side in
+            (0..self.len()).flat_map(|face| sides(self.of(face))).filter(|&side| is_short(side))
+        {
             let [a, b] = side.map(|vertex| stands_for[vertex as usize]);
-            stands_for.iter_mut().filter(|vertex| **vertex == a.max(b)).for_each(|vertex| *vertex = a.min(b));
+            stands_for
+                .iter_mut()
+                .filter(|vertex| **vertex == a.max(b))
+                .for_each(|vertex| *vertex = a.min(b));
         }
         let mut collapsed = Self::default();
         for face in 0..self.len() {

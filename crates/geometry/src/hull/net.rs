@@ -56,7 +56,9 @@ impl Net {
         let mut indices = Vec::with_capacity(2 * sides + loops.len());
         indices.extend((0..sides).map(|side| loops.corner(side)));
         indices.extend(edges_along);
-        indices.extend((0..loops.len()).map(|face| face_end(loops.range(face).end, loops.is_inner(face))));
+        indices.extend(
+            (0..loops.len()).map(|face| face_end(loops.range(face).end, loops.is_inner(face))),
+        );
         Some(Self { sides, indices, edges, half_edges: OnceLock::new() })
     }
 
@@ -108,8 +110,9 @@ impl Net {
     /// The sides, to be walked along.
     pub(super) fn half_edges(&self) -> &HalfEdges {
         self.half_edges.get_or_init(|| {
-            let vertices =
-                self.indices[..self.sides].iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));
+            let vertices = self.indices[..self.sides]
+                .iter()
+                .fold(0, |most, &vertex| most.max(vertex as usize + 1));
             let (mut sides, mut leaving) = (Vec::with_capacity(self.sides), vec![0; vertices]);
             let mut side_of = vec![u32::MAX; self.edges.len()];
             for face in 0..self.faces() {
@@ -127,7 +130,9 @@ impl Net {
             }
             // The second side of an edge knows the first.
             for at in 0..sides.len() {
-                if let Some(first) = sides.get(sides[at].twin as usize).map(|_| sides[at].twin as usize) {
+                if let Some(first) =
+                    sides.get(sides[at].twin as usize).map(|_| sides[at].twin as usize)
+                {
                     sides[first].twin = at as u32;
                 }
             }
@@ -165,7 +170,12 @@ impl NetBuilder {
     pub(super) fn new(edges: usize, faces: usize) -> Self {
         let none = HullEdge { vertices: [0; 2], faces: [0; 2] };
         let indices = vec![0; 4 * edges + faces];
-        let net = Net { sides: 2 * edges, indices, edges: vec![none; edges], half_edges: OnceLock::new() };
+        let net = Net {
+            sides: 2 * edges,
+            indices,
+            edges: vec![none; edges],
+            half_edges: OnceLock::new(),
+        };
         Self { net, sides: 0, edges: 0, faces: 0 }
     }
 
@@ -206,6 +216,7 @@ impl NetBuilder {
     /// The net if it has as many sides, edges and faces as it was made for.
     pub(super) fn finished(self) -> Option<Net> {
         let Self { net, sides, edges, faces } = self;
-        (sides == net.sides && edges as usize == net.edges.len() && faces == net.faces()).then_some(net)
+        (sides == net.sides && edges as usize == net.edges.len() && faces == net.faces())
+            .then_some(net)
     }
 }

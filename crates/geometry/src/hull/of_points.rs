@@ -63,12 +63,15 @@ impl Hull {
         const LEAST_FREEDOM: f64 = 0.01;
         let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
         let Self { vertices, planes, net, .. } = &mut self;
-        for (face, plane) in planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3) {
+        for (face, plane) in
+            planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3)
+        {
             for &vertex in net.corners(face) {
                 // Along this the vertex leaves none of the planes that it is on already.
                 let taken = &mut freedom[vertex as usize];
                 let normal = plane.normal;
-                let across = taken.iter().fold(normal, |across, &other| across - across.dot(other) * other);
+                let across =
+                    taken.iter().fold(normal, |across, &other| across - across.dot(other) * other);
                 if across.length() > LEAST_FREEDOM {
                     let across = across.normalize();
                     let position = &mut vertices[vertex as usize];
@@ -77,7 +80,9 @@ impl Hull {
                 }
             }
         }
-        for (face, plane) in planes.iter_mut().enumerate().filter(|(face, _)| net.corners(*face).len() == 3) {
+        for (face, plane) in
+            planes.iter_mut().enumerate().filter(|(face, _)| net.corners(*face).len() == 3)
+        {
             let corners = net.corners(face).iter().map(|&vertex| vertices[vertex as usize]);
             *plane = plane_of(corners).unwrap_or(*plane);
         }
@@ -118,7 +123,12 @@ impl<'a> Quickhull<'a> {
                 next += 1;
             }
         }
-        Ok(hull.triangles.iter().filter(|triangle| triangle.alive).map(|triangle| triangle.corners).collect())
+        Ok(hull
+            .triangles
+            .iter()
+            .filter(|triangle| triangle.alive)
+            .map(|triangle| triangle.corners)
+            .collect())
     }
 
     /// Whether a point lies strictly outside of a triangle's plane, without rounding.
@@ -191,7 +201,9 @@ impl<'a> Quickhull<'a> {
 fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
     let furthest = |from: &dyn Fn(DVec3) -> f64| {
         let distance = |index: &usize| from(points[*index]);
-        (0..points.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)).then(b.cmp(a))).unwrap_or(0)
+        (0..points.len())
+            .max_by(|a, b| distance(a).total_cmp(&distance(b)).then(b.cmp(a)))
+            .unwrap_or(0)
     };
     // The two ends along the longest axis, what is furthest from the line through them, and from the plane.
     let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
@@ -206,8 +218,8 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
     let d = furthest(&|point| height(point).abs());
 
     let thin = FLAT * (high - low).max_element();
-    let is_flat =
-        from_line(points[c]) <= thin * along.length() || height(points[d]).abs() <= thin * normal.length();
+    let is_flat = from_line(points[c]) <= thin * along.length()
+        || height(points[d]).abs() <= thin * normal.length();
     if is_flat {
         return Err(HullError::Flat);
     }
@@ -228,8 +240,9 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<H
         .map(|[a, b, c]| (b - a).cross(c - a))
         .collect();
     let mut largest_first: Vec<usize> = (0..triangles.len()).collect();
-    largest_first
-        .sort_by(|&a, &b| areas[b].length_squared().total_cmp(&areas[a].length_squared()).then(a.cmp(&b)));
+    largest_first.sort_by(|&a, &b| {
+        areas[b].length_squared().total_cmp(&areas[a].length_squared()).then(a.cmp(&b))
+    });
 
     // Grow the faces.
     let mut face_of: Vec<Option<usize>> = vec![None; triangles.len()];
@@ -245,7 +258,8 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<H
         while let Some(triangle) = open.pop() {
             for [a, b] in sides(&triangles[triangle]) {
                 let beside = *triangle_along.get(&[b, a])?;
-                let is_near = |&corner: &u32| normal.dot(points[corner as usize] - middle).abs() <= close;
+                let is_near =
+                    |&corner: &u32| normal.dot(points[corner as usize] - middle).abs() <= close;
                 if face_of[beside].is_none() && triangles[beside].iter().all(is_near) {
                     face_of[beside] = Some(seeds.len());
                     open.push(beside);
@@ -259,7 +273,8 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<H
     let mut rims: Vec<BTreeMap<u32, u32>> = vec![BTreeMap::new(); seeds.len()];
     for (&[a, b], &triangle) in &triangle_along {
         let face = face_of[triangle]?;
-        if face_of[*triangle_along.get(&[b, a])?] != Some(face) && rims[face].insert(a, b).is_some() {
+        if face_of[*triangle_along.get(&[b, a])?] != Some(face) && rims[face].insert(a, b).is_some()
+        {
             return None;
         }
     }

@@ -17,8 +17,10 @@ impl Hull {
     /// moments are equal. Its faces are hexagons, and pentagons around the twelve corners of an icosahedron.
     pub fn ball(radius: f64) -> Self {
         // Planes that touch the unit sphere at the nodes of a geodesic net.
-        let cuts: Vec<HalfSpace> =
-            geodesic_directions().into_iter().map(|normal| HalfSpace { normal, offset: 1.0 }).collect();
+        let cuts: Vec<HalfSpace> = geodesic_directions()
+            .into_iter()
+            .map(|normal| HalfSpace { normal, offset: 1.0 })
+            .collect();
         let whole = Self::cuboid(DVec3::splat(2.0));
         let touching = Clipper::default().clipped(&whole, &cuts).unwrap_or(whole);
         let volume = touching.mass_properties().volume;
@@ -36,7 +38,11 @@ impl Hull {
     fn scaled(self, factor: f64) -> Self {
         let plane = |plane: &HalfSpace| HalfSpace { offset: factor * plane.offset, ..*plane };
         let vertices = self.vertices.iter().map(|&vertex| factor * vertex).collect();
-        Self::new(vertices, self.planes.iter().map(plane).collect(), self.net.all_made_by_cuts(false))
+        Self::new(
+            vertices,
+            self.planes.iter().map(plane).collect(),
+            self.net.all_made_by_cuts(false),
+        )
     }
 }
 
@@ -79,7 +85,9 @@ fn geodesic_directions() -> Vec<DVec3> {
     let beside = |a: DVec3, b: DVec3| a.distance_squared(b) < 4.1;
     let mut directions: Vec<DVec3> = Vec::new();
     for (first, &a) in corners.iter().enumerate() {
-        for (second, &b) in corners.iter().enumerate().skip(first + 1).filter(|&(_, &b)| beside(a, b)) {
+        for (second, &b) in
+            corners.iter().enumerate().skip(first + 1).filter(|&(_, &b)| beside(a, b))
+        {
             for &c in corners[second + 1..].iter().filter(|&&c| beside(a, c) && beside(b, c)) {
                 for i in 0..=BALL_FREQUENCY {
                     for j in 0..=BALL_FREQUENCY - i {

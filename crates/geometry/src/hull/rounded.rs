@@ -23,14 +23,15 @@ const FARTHEST: f64 = 0.05;
 /// and for a part outside of the round body.
 pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface> {
     let whole = fine_hull(form)?;
-    let cracks: Vec<HalfSpace> = hull.faces().filter(|face| face.inner).map(|face| face.plane).collect();
+    let cracks: Vec<HalfSpace> =
+        hull.faces().filter(|face| face.inner).map(|face| face.plane).collect();
     let mut part = Clipper::default().clipped(&whole, &cracks)?;
     let planes = planes_at_vertices(form, &part);
     for (vertex, planes) in part.vertices.iter_mut().zip(&planes) {
         // Cracks that graze the round surface meet it far away, or nowhere: they bend a little.
-        let place = planes
-            .as_ref()
-            .and_then(|planes| on_surface(form, *vertex, planes).or_else(|| on_surface(form, *vertex, &[])));
+        let place = planes.as_ref().and_then(|planes| {
+            on_surface(form, *vertex, planes).or_else(|| on_surface(form, *vertex, &[]))
+        });
         *vertex = place.unwrap_or(*vertex);
     }
     Some(part.tagged_surface())
@@ -49,7 +50,9 @@ fn fine_hull(form: &ClosedForm) -> Option<Hull> {
             }
             mesh.positions
         }
-        ClosedForm::Cylinder { radius, half_height } => return Some(prism(radius, half_height, DRAWN_SIDES)),
+        ClosedForm::Cylinder { radius, half_height } => {
+            return Some(prism(radius, half_height, DRAWN_SIDES));
+        }
         ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => return None,
     };
     Some(Hull::new(positions, planes, Net::of(&loops)?))
@@ -57,8 +60,9 @@ fn fine_hull(form: &ClosedForm) -> Option<Hull> {
 
 /// For each vertex the normals of the flat faces around it; `None` for one without a round face.
 fn planes_at_vertices(form: &ClosedForm, hull: &Hull) -> Vec<Option<Vec<DVec3>>> {
-    let is_cap =
-        |face: usize| matches!(form, ClosedForm::Cylinder { .. }) && hull.planes[face].normal.y.abs() > 0.5;
+    let is_cap = |face: usize| {
+        matches!(form, ClosedForm::Cylinder { .. }) && hull.planes[face].normal.y.abs() > 0.5
+    };
     let is_round = |face: usize| !hull.net.is_inner(face) && !is_cap(face);
     let mut around: Vec<Option<Vec<DVec3>>> = vec![None; hull.vertices.len()];
     for face in (0..hull.planes.len()).filter(|&face| is_round(face)) {

@@ -90,7 +90,8 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
     let direction = DVec3::new(0.612_9, 0.538_3, 0.578_1);
     let keys: Vec<f64> = places.iter().map(|place| direction.dot(place.position)).collect();
     let low = keys.iter().fold(f64::INFINITY, |low, &key| if key < low { key } else { low });
-    let high = keys.iter().fold(f64::NEG_INFINITY, |high, &key| if key > high { key } else { high });
+    let high =
+        keys.iter().fold(f64::NEG_INFINITY, |high, &key| if key > high { key } else { high });
     let scale = keys.len() as f64 / (high - low).max(f64::MIN_POSITIVE);
     let buckets: Vec<i32> = keys.iter().map(|&key| ((key - low) * scale) as i32).collect();
 

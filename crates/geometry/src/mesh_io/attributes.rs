@@ -64,7 +64,11 @@ impl Parsed {
         let place: BTreeMap<u32, usize> = polygon.iter().copied().zip(0..).collect();
         for triangle in &self.mesh.triangles[self.attributes.faces.len()..] {
             let corners = triangle.map(|vertex| {
-                place.get(&vertex).and_then(|&place| corners.get(place)).copied().unwrap_or_default()
+                place
+                    .get(&vertex)
+                    .and_then(|&place| corners.get(place))
+                    .copied()
+                    .unwrap_or_default()
             });
             self.attributes.faces.push(FaceAttributes { object, material, corners });
         }
@@ -126,5 +130,6 @@ pub(super) fn colour_from_srgb(srgb: [f64; 3], alpha: f64) -> Option<[f32; 4]> {
         if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
     };
     let [red, green, blue] = srgb.map(|channel| linear(channel) as f32);
-    Some([red, green, blue, alpha as f32]).filter(|colour| colour.iter().all(|channel| channel.is_finite()))
+    Some([red, green, blue, alpha as f32])
+        .filter(|colour| colour.iter().all(|channel| channel.is_finite()))
 }

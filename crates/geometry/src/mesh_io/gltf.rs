@@ -30,7 +30,10 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let mut placed: Vec<(Node, DMat4, Vec<String>)> = Vec::new();
     while let Some((node, scene_from_parent, above)) = waiting.pop() {
         if std::mem::replace(&mut seen[node.index()], true) {
-            return Err(malformed(format!("node {} is the child of more than one node", node.index())));
+            return Err(malformed(format!(
+                "node {} is the child of more than one node",
+                node.index()
+            )));
         }
         let columns = node.transform().matrix().map(|column| column.map(f64::from));
         let scene_from_node = scene_from_parent * DMat4::from_cols_array_2d(&columns);
@@ -46,15 +49,16 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     // Nodes may share a mesh: a small file can hold any number of triangles.
     let all = placed.iter().flat_map(|(node, _, _)| node.mesh()).flat_map(|mesh| mesh.primitives());
     let bytes = buffers.iter().map(Vec::len).sum();
-    let count = all.map(|primitive| most_triangles(&primitive, bytes)).fold(0, usize::saturating_add);
+    let count =
+        all.map(|primitive| most_triangles(&primitive, bytes)).fold(0, usize::saturating_add);
     TriMesh::check_size(file.name, count)?;
 
     // Append the nodes' triangles.
     for (node, scene_from_node, path) in placed {
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             let place = format!("node {}, primitive {}", node.index(), primitive.index());
-            let (positions, indices) =
-                read(&primitive, &buffers).map_err(|reason| malformed(format!("{place} {reason}")))?;
+            let (positions, indices) = read(&primitive, &buffers)
+                .map_err(|reason| malformed(format!("{place} {reason}")))?;
             let last = positions.len() as i64 - 1;
             if let Some(&index) = indices.iter().find(|&&index| i64::from(index) > last) {
                 let (mesh, index) = (file.name.to_owned(), i64::from(index));
@@ -62,8 +66,9 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             }
             let base = mesh.positions.len() as u32;
             let mirrored = scene_from_node.determinant() < 0.0;
-            mesh.positions
-                .extend(positions.iter().map(|&position| scene_from_node.transform_point3(position)));
+            mesh.positions.extend(
+                positions.iter().map(|&position| scene_from_node.transform_point3(position)),
+            );
             let turned = triangles(primitive.mode(), &indices)
                 .into_iter()
                 .map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
@@ -74,7 +79,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             }
 
             // Their attributes.
-            let corners = attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
+            let corners =
+                attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
             let material = primitive.material().index().map(|index| index as u32);
             let object = (!path.is_empty()).then(|| number_of(&mut said.objects, path.clone()));
             said.faces.extend(own.iter().map(|triangle| FaceAttributes {
@@ -90,8 +96,10 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
 /// The document and the bytes of its buffers; the error completes the sentence "it is not a valid glTF file".
 fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
     // The library takes the length in the header of a GLB file for at least the header's own.
-    let length =
-        file.bytes.get(8..12).map_or(0, |bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    let length = file
+        .bytes
+        .get(8..12)
+        .map_or(0, |bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
     if file.bytes.starts_with(b"glTF") && (length < 12 || length as usize > file.bytes.len()) {
         return Err(format!("its header says {length} bytes, and it has {}", file.bytes.len()));
     }
@@ -106,7 +114,9 @@ fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
     let accessors = json.accessors.len();
     for primitive in json.meshes.iter().flat_map(|mesh| &mesh.primitives) {
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
-        if let Some(index) = positions.map(|index| index.value()).filter(|&index| index >= accessors) {
+        if let Some(index) =
+            positions.map(|index| index.value()).filter(|&index| index >= accessors)
+        {
             return Err(format!("it refers to accessor {index}, and has {accessors}"));
         }
     }
@@ -116,7 +126,9 @@ fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
     let buffers = document
         .buffers()
         .map(|buffer| match buffer.source() {
-            Source::Bin => blob.take().ok_or_else(|| format!("buffer {} is missing", buffer.index())),
+            Source::Bin => {
+                blob.take().ok_or_else(|| format!("buffer {} is missing", buffer.index()))
+            }
             Source::Uri(uri) => {
                 read_uri(file, uri).map_err(|reason| format!("buffer {} {reason}", buffer.index()))
             }
@@ -135,7 +147,8 @@ fn read_uri(file: &File, uri: &str) -> Result<Vec<u8>, String> {
     }
     let relative = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
     let path = file.path.with_file_name(relative.as_ref());
-    let unreadable = |error: std::io::Error| format!("in {} cannot be read: {error}", path.display());
+    let unreadable =
+        |error: std::io::Error| format!("in {} cannot be read: {error}", path.display());
     let foreign = || format!("is in {uri:?}, must be a file in the document's own folder");
 
     // A path that leads out of the folder is not read, be it by a link.
@@ -158,7 +171,8 @@ fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u
     if (positions.data_type(), positions.dimensions()) != (DataType::F32, Dimensions::Vec3) {
         return Err("has positions other than 3 floats each".to_owned());
     }
-    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    let number =
+        |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
     let positions: Vec<DVec3> = items(&positions, buffers)?
         .iter()
         .map(|bytes| DVec3::new(number(&bytes[0..4]), number(&bytes[4..8]), number(&bytes[8..12])))
@@ -179,7 +193,8 @@ fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u
 
 /// The bytes of each item of an accessor, whose every number is checked against the buffer.
 fn items<'a>(accessor: &Accessor, buffers: &'a [Vec<u8>]) -> Result<Vec<&'a [u8]>, String> {
-    let outside = || format!("refers to accessor {}, which reaches beyond its buffer", accessor.index());
+    let outside =
+        || format!("refers to accessor {}, which reaches beyond its buffer", accessor.index());
     let view = accessor
         .view()
         .filter(|_| accessor.sparse().is_none())
@@ -190,8 +205,10 @@ fn items<'a>(accessor: &Accessor, buffers: &'a [Vec<u8>]) -> Result<Vec<&'a [u8]
     let mut items = Vec::new();
     let mut start = accessor.offset();
     for _ in 0..accessor.count() {
-        let item =
-            start.checked_add(accessor.size()).and_then(|end| bytes.get(start..end)).ok_or_else(outside)?;
+        let item = start
+            .checked_add(accessor.size())
+            .and_then(|end| bytes.get(start..end))
+            .ok_or_else(outside)?;
         items.push(item);
         start = start.saturating_add(stride);
     }

@@ -57,7 +57,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             }
             Some("vt") => lists.coordinates.push(numbers(words).map(|[u, v]| Vec2::new(u, v))),
             Some("vn") => {
-                let normal = numbers(words).and_then(|normal| unit(Vec3::from_array(normal).as_dvec3()));
+                let normal =
+                    numbers(words).and_then(|normal| unit(Vec3::from_array(normal).as_dvec3()));
                 lists.normals.push(normal);
             }
             // Names reach to the end of the line.
@@ -66,7 +67,9 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 let name = (!name.is_empty()).then(|| name.to_owned());
                 let attributes = &mut parsed.attributes;
                 match word {
-                    "usemtl" => material = name.map(|name| number_of(&mut attributes.materials, name)),
+                    "usemtl" => {
+                        material = name.map(|name| number_of(&mut attributes.materials, name))
+                    }
                     "o" => (object, group) = (name, None),
                     _ => group = name.filter(|name| name != "default"),
                 }
@@ -101,7 +104,10 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
 /// The first numbers of a line; `None` if there are not so many.
 fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f32; N]> {
     let found: Vec<f32> = words.map_while(|word| word.parse().ok()).take(N).collect();
-    found.try_into().ok().filter(|numbers: &[f32; N]| numbers.iter().all(|number| number.is_finite()))
+    found
+        .try_into()
+        .ok()
+        .filter(|numbers: &[f32; N]| numbers.iter().all(|number| number.is_finite()))
 }
 
 /// Three numbers behind a vertex's place; one alone is a weight.
@@ -131,9 +137,13 @@ impl Lists {
 
 /// The vertex of a face's corner such as `7`, `7/1/3`, `7//3` or, counted back from the last vertex, `-1`.
 fn corner(file: &File, place: &str, word: &str, vertices: usize) -> Result<u32, MeshError> {
-    let index: i64 = word.split('/').next().and_then(|vertex| vertex.parse().ok()).ok_or_else(|| {
-        file.malformed("OBJ", format!("{place} has {word} for a corner, must be the number of a vertex"))
-    })?;
+    let index: i64 =
+        word.split('/').next().and_then(|vertex| vertex.parse().ok()).ok_or_else(|| {
+            file.malformed(
+                "OBJ",
+                format!("{place} has {word} for a corner, must be the number of a vertex"),
+            )
+        })?;
     let last = vertices as i64;
     let from_zero = if index < 0 { last + index } else { index - 1 };
     if (0..last).contains(&from_zero) {

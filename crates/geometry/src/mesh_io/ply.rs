@@ -22,8 +22,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let (preamble, rest) = preamble(file.bytes);
     let mut reader = Reader::new(preamble.chain(rest));
     let header = Parser::<DefaultElement>::new().read_header(&mut reader);
-    let header =
-        header.map_err(|error| file.malformed("PLY", header_fault(file.bytes, &error.to_string())))?;
+    let header = header
+        .map_err(|error| file.malformed("PLY", header_fault(file.bytes, &error.to_string())))?;
     let body = reader.into_inner().into_inner().1;
     let text = String::from_utf8_lossy(body);
     let mut numbers = match header.encoding {
@@ -39,27 +39,40 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     for element in header.elements.values() {
         let name = &element.name;
         if element.properties.is_empty() || element.count > body.len() {
-            let reason =
-                format!("its {} bytes cannot hold {} elements \"{name}\"", body.len(), element.count);
+            let reason = format!(
+                "its {} bytes cannot hold {} elements \"{name}\"",
+                body.len(),
+                element.count
+            );
             return Err(file.malformed("PLY", reason));
         }
         let axes = ["x", "y", "z"].map(|axis| element.properties.get_index_of(axis));
-        let corners =
-            ["vertex_indices", "vertex_index"].iter().find_map(|list| element.properties.get_index_of(*list));
+        let corners = ["vertex_indices", "vertex_index"]
+            .iter()
+            .find_map(|list| element.properties.get_index_of(*list));
         let besides = Besides::of(element);
         for count in 0..element.count {
             let values = numbers.element(element).ok_or_else(|| {
-                file.malformed("PLY", format!("element \"{name}\" {count} has a number missing or misspelt"))
+                file.malformed(
+                    "PLY",
+                    format!("element \"{name}\" {count} has a number missing or misspelt"),
+                )
             })?;
             match (name.as_str(), axes, corners) {
                 ("vertex", [Some(x), Some(y), Some(z)], _) => {
                     let coordinate = |at: usize| values[at].first().copied().unwrap_or(f64::NAN);
-                    parsed.mesh.positions.push(DVec3::new(coordinate(x), coordinate(y), coordinate(z)));
+                    parsed.mesh.positions.push(DVec3::new(
+                        coordinate(x),
+                        coordinate(y),
+                        coordinate(z),
+                    ));
                     if file.wanted {
                         corners_of_vertices.push(besides.corner(&values));
                     }
                 }
-                ("vertex", _, _) => return Err(file.malformed("PLY", "its vertices have no x, y and z")),
+                ("vertex", _, _) => {
+                    return Err(file.malformed("PLY", "its vertices have no x, y and z"));
+                }
                 ("face", _, Some(corners)) => {
                     faces.add(&values[corners]);
                     if file.wanted {
@@ -67,7 +80,9 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                     }
                 }
                 ("tristrips", _, Some(corners)) => faces.strips.push(values[corners].clone()),
-                ("face", _, None) => return Err(file.malformed("PLY", "its faces have no vertex_indices")),
+                ("face", _, None) => {
+                    return Err(file.malformed("PLY", "its faces have no vertex_indices"));
+                }
                 ("tristrips", _, None) => {
                     return Err(file.malformed("PLY", "its strips have no vertex_indices"));
                 }
@@ -109,9 +124,17 @@ impl Faces {
     ) -> Result<(), MeshError> {
         let last = parsed.mesh.positions.len() as i64 - 1;
         let vertices = |what: &str, number: usize, corners: &[f64]| {
-            if let Some(&index) = corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64)) {
+            if let Some(&index) =
+                corners.iter().find(|&&index| !(index >= 0.0 && index <= last as f64))
+            {
                 let (mesh, place) = (file.name.to_owned(), format!("{what} {number}"));
-                return Err(MeshError::IndexOutOfRange { mesh, place, index: index as i64, first: 0, last });
+                return Err(MeshError::IndexOutOfRange {
+                    mesh,
+                    place,
+                    index: index as i64,
+                    first: 0,
+                    last,
+                });
             }
             Ok(corners.iter().map(|&index| index as u32).collect::<Vec<u32>>())
         };
@@ -139,7 +162,12 @@ impl Faces {
                 parsed.mesh.triangles.extend(strip(&corners));
                 if file.wanted {
                     let of = corners.iter().map(|&vertex| attributes[vertex as usize]);
-                    parsed.describe(None, (images > 0).then_some(0), &corners, &of.collect::<Vec<_>>());
+                    parsed.describe(
+                        None,
+                        (images > 0).then_some(0),
+                        &corners,
+                        &of.collect::<Vec<_>>(),
+                    );
                 }
             }
         }
@@ -158,7 +186,9 @@ fn preamble(bytes: &[u8]) -> (Vec<u8>, &[u8]) {
         let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
         // The first line says what the file is.
         let is_known = known.is_empty() || word.is_empty() || KEYWORDS.contains(&word);
-        if [&b"element"[..], b"property", b"end_header"].contains(&word) || known.len() > MOST_PREAMBLE {
+        if [&b"element"[..], b"property", b"end_header"].contains(&word)
+            || known.len() > MOST_PREAMBLE
+        {
             break;
         }
         known.extend(if is_known { &b""[..] } else { b"comment " });
@@ -199,14 +229,15 @@ impl Besides {
     fn of(element: &ElementDef) -> Self {
         let index = |name: &str| element.properties.get_index_of(name);
         let all = |names: [&str; 3]| Some([index(names[0])?, index(names[1])?, index(names[2])?]);
-        let rgb =
-            all(["red", "green", "blue"]).or_else(|| all(["diffuse_red", "diffuse_green", "diffuse_blue"]));
+        let rgb = all(["red", "green", "blue"])
+            .or_else(|| all(["diffuse_red", "diffuse_green", "diffuse_blue"]));
         let full = |channel: usize| match element.properties[channel].data_type {
             PropertyType::Scalar(ScalarType::Float | ScalarType::Double) => 1.0,
             PropertyType::Scalar(ScalarType::Short | ScalarType::UShort) => f64::from(u16::MAX),
             _ => f64::from(u8::MAX),
         };
-        let pairs = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+        let pairs =
+            [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
         Self {
             colour: rgb.map(|rgb| (rgb, index("alpha"), full(rgb[0]))),
             normal: all(["nx", "ny", "nz"]),
@@ -223,8 +254,8 @@ impl Besides {
     }
 
     fn corner(&self, values: &[Vec<f64>]) -> CornerAttributes {
-        let [normal, coordinates] =
-            [self.normal.map(Vec::from), self.coordinates.map(Vec::from)].map(|places| {
+        let [normal, coordinates] = [self.normal.map(Vec::from), self.coordinates.map(Vec::from)]
+            .map(|places| {
                 places.map(|places| places.iter().map(|&at| number(values, at)).collect::<Vec<_>>())
             });
         CornerAttributes {
@@ -259,7 +290,8 @@ fn header_fault(bytes: &[u8], words: &str) -> String {
     let line = |number: usize| {
         let line = bytes.split(|&byte| byte == b'\n').nth(number)?;
         let text = String::from_utf8_lossy(line);
-        let shown = text.trim().chars().take(MOST_SHOWN).filter(|character| !character.is_control());
+        let shown =
+            text.trim().chars().take(MOST_SHOWN).filter(|character| !character.is_control());
         Some(shown.collect::<String>())
     };
     let first = line(0).unwrap_or_default();
@@ -270,7 +302,9 @@ fn header_fault(bytes: &[u8], words: &str) -> String {
     let number = digits.and_then(|digits| digits.parse::<usize>().ok()).unwrap_or(0);
     match number.checked_sub(1).and_then(line) {
         Some(text) if !text.is_empty() => {
-            format!("line {number} of its header is \"{text}\", must be a statement of PLY in its place")
+            format!(
+                "line {number} of its header is \"{text}\", must be a statement of PLY in its place"
+            )
         }
         _ => "its header breaks off before the line \"end_header\"".to_owned(),
     }

@@ -17,8 +17,9 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
         Some(triangles) => binary_corners(triangles),
         None => text_corners(file)?,
     };
-    let triangles =
-        (0..corners.len() as u32 / 3).map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner)).collect();
+    let triangles = (0..corners.len() as u32 / 3)
+        .map(|triangle| [0, 1, 2].map(|corner| 3 * triangle + corner))
+        .collect();
     let mut mesh = TriMesh { positions: corners, triangles };
     mesh.check(file.name)?;
     mesh.weld();
@@ -39,17 +40,21 @@ fn binary_triangles(bytes: &[u8]) -> Option<&[u8]> {
 
 fn binary_corners(triangles: &[u8]) -> Vec<DVec3> {
     let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    let corner = |bytes: &[u8]| Vec3::new(number(bytes), number(&bytes[4..]), number(&bytes[8..])).as_dvec3();
-    let corners =
-        |triangle: &[u8]| [corner(&triangle[12..]), corner(&triangle[24..]), corner(&triangle[36..])];
+    let corner = |bytes: &[u8]| {
+        Vec3::new(number(bytes), number(&bytes[4..]), number(&bytes[8..])).as_dvec3()
+    };
+    let corners = |triangle: &[u8]| {
+        [corner(&triangle[12..]), corner(&triangle[24..]), corner(&triangle[36..])]
+    };
     triangles.chunks_exact(TRIANGLE_BYTES).flat_map(corners).collect()
 }
 
 /// The corners of the text form: the lines `vertex x y z`, three in each facet.
 fn text_corners(file: &File) -> Result<Vec<DVec3>, MeshError> {
     let text = String::from_utf8_lossy(file.bytes);
-    let malformed =
-        |number: usize, reason: &str| file.malformed("STL", format!("line {} {reason}", number + 1));
+    let malformed = |number: usize, reason: &str| {
+        file.malformed("STL", format!("line {} {reason}", number + 1))
+    };
     if !text.trim_start().to_lowercase().starts_with("solid") {
         let reason = "it has neither the word solid in front, as text has, nor the 84 + 50 n bytes of n binary triangles";
         return Err(file.malformed("STL", reason));

@@ -67,7 +67,8 @@ pub(crate) fn icosphere(radius: f64, levels: usize) -> TriMesh {
         let mut finer = Vec::new();
         for [a, b, c] in triangles {
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-                let middle = (positions[from as usize] + positions[to as usize]).normalize() * radius;
+                let middle =
+                    (positions[from as usize] + positions[to as usize]).normalize() * radius;
                 positions.push(middle);
                 positions.len() as u32 - 1
             });
@@ -84,7 +85,9 @@ pub(crate) fn icosphere(radius: f64, levels: usize) -> TriMesh {
 pub(crate) fn joined(mut first: TriMesh, second: &TriMesh) -> TriMesh {
     let base = first.positions.len() as u32;
     first.positions.extend(&second.positions);
-    first.triangles.extend(second.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+    first
+        .triangles
+        .extend(second.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
     first
 }
 
@@ -100,8 +103,9 @@ pub(crate) fn moved(mut mesh: TriMesh, way: DVec3) -> TriMesh {
 pub(crate) fn bunny() -> TriMesh {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tests/tools/node_modules/bunny/index.js");
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}; `make test` fetches it, run that", path.display()));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| {
+        panic!("{}: {error}; `make test` fetches it, run that", path.display())
+    });
     let array = |name: &str| {
         let start = text.find(name).unwrap() + name.len();
         let end = text[start..].find("]]").unwrap() + start + 2;
@@ -144,7 +148,8 @@ pub(crate) fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
 
 /// Bytes to put at places, counted from the start, that wrap around.
 pub(crate) fn any_damages() -> impl Strategy<Value = Vec<(usize, u8)>> {
-    let digits_and_all = prop_oneof![prop::sample::select(b"0123456789-e.".as_slice()), any::<u8>()];
+    let digits_and_all =
+        prop_oneof![prop::sample::select(b"0123456789-e.".as_slice()), any::<u8>()];
     prop::collection::vec((any::<usize>(), digits_and_all), 1..8)
 }
 

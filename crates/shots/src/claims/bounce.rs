@@ -28,19 +28,27 @@ fn bounces() -> Result<Vec<Finding>, Obstacle> {
         let returned = elastic.last().map_or(0.0, |height| height / HEIGHT);
         let highest = elastic.iter().fold(0.0_f64, |most, &height| most.max(height)) / HEIGHT;
         let losing = heights(method, 0.5, 3)?;
-        let ratios =
-            std::iter::once(&HEIGHT).chain(&losing).zip(&losing).map(|(before, after)| after / before);
-        let worst =
-            ratios.fold(
-                0.25_f64,
-                |worst, ratio| {
-                    if (ratio - 0.25).abs() > (worst - 0.25).abs() { ratio } else { worst }
-                },
-            );
+        let ratios = std::iter::once(&HEIGHT)
+            .chain(&losing)
+            .zip(&losing)
+            .map(|(before, after)| after / before);
+        let worst = ratios.fold(0.25_f64, |worst, ratio| {
+            if (ratio - 0.25).abs() > (worst - 0.25).abs() { ratio } else { worst }
+        });
         let quantities = [
-            (format!("height after 20 bounces with restitution 1, {name}"), returned, 0.999, 1.0 + 1e-9),
+            (
+                format!("height after 20 bounces with restitution 1, {name}"),
+                returned,
+                0.999,
+                1.0 + 1e-9,
+            ),
             (format!("highest of them, {name}"), highest, 0.999, 1.0 + 1e-9),
-            (format!("height after one bounce with restitution 0.5, worst of 3, {name}"), worst, 0.23, 0.27),
+            (
+                format!("height after one bounce with restitution 0.5, worst of 3, {name}"),
+                worst,
+                0.23,
+                0.27,
+            ),
         ];
         for (quantity, measured, low, high) in quantities {
             findings.push(match method {

@@ -136,7 +136,11 @@ fn turntable() -> Result<Vec<Finding>, Obstacle> {
 fn ride(method: Method, share: f64) -> Result<(f64, f64), BuildError> {
     let friction = 0.5;
     let rate = share * (friction * GRAVITY / SEAT).sqrt();
-    let shape = ShapeDesc::Cylinder { radius: TABLE_RADIUS, height: 0.2, resolution: Resolution::default() };
+    let shape = ShapeDesc::Cylinder {
+        radius: TABLE_RADIUS,
+        height: 0.2,
+        resolution: Resolution::default(),
+    };
     let table = BodyDesc {
         motion: MotionDesc::Kinematic,
         position: [0.0, -0.1, 0.0],
@@ -186,7 +190,12 @@ fn conveyor() -> Result<Vec<Finding>, Obstacle> {
             0.99,
             1.01,
         ));
-        findings.push(Finding::at_most(format!("creep in 3 s of moving along, {name}"), "m", crept, 1e-4));
+        findings.push(Finding::at_most(
+            format!("creep in 3 s of moving along, {name}"),
+            "m",
+            crept,
+            1e-4,
+        ));
     }
     Ok(findings)
 }

@@ -66,7 +66,12 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
             let slowest = leave.iter().copied().fold(f64::INFINITY, f64::min);
             let fastest = largest(rest.iter().map(|speed| speed.abs()));
             let of = format!("of those that {strikers} set in motion, {place}");
-            findings.push(Finding::at_least(format!("slowest {of}"), "1", slowest, 1.0 - FEW_PER_CENT));
+            findings.push(Finding::at_least(
+                format!("slowest {of}"),
+                "1",
+                slowest,
+                1.0 - FEW_PER_CENT,
+            ));
             findings.push(Finding::at_most(
                 format!("fastest of the others, struck by {strikers}, {place}"),
                 "1",
@@ -80,7 +85,13 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
         let losing = struck(&scene(1, 0.9))?;
         let last = losing.speeds.last().map_or(0.0, |speed| speed / libm::pow(0.95, ROW as f64));
         let quantity = format!("speed of the last with restitution 0.9 per the analytic, {place}");
-        findings.push(Finding::between(quantity, "1", last, 1.0 - FEW_PER_CENT, 1.0 + FEW_PER_CENT));
+        findings.push(Finding::between(
+            quantity,
+            "1",
+            last,
+            1.0 - FEW_PER_CENT,
+            1.0 + FEW_PER_CENT,
+        ));
         books.push(losing);
 
         // From light to heavy and back.
@@ -90,7 +101,8 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
         }
         let mixed = struck(&mixed)?;
         let approach = largest(mixed.speeds.windows(2).map(|pair| pair[0] - pair[1]));
-        let quantity = format!("largest speed at which balls of other masses still approach, {place}");
+        let quantity =
+            format!("largest speed at which balls of other masses still approach, {place}");
         findings.push(Finding::at_most(quantity, "1", approach, FEW_PER_CENT));
         books.push(mixed);
 
@@ -102,7 +114,12 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
             1e-9,
         ));
         let gain = largest(books.iter().map(|struck| struck.energy));
-        findings.push(Finding::at_most(format!("largest gain of energy, {place}"), "1", gain, 1e-9));
+        findings.push(Finding::at_most(
+            format!("largest gain of energy, {place}"),
+            "1",
+            gain,
+            1e-9,
+        ));
     }
     Ok(findings)
 }

@@ -58,7 +58,8 @@ pub(super) fn run_scene(
 ) -> Result<Run, BuildError> {
     let mut world = World::build(scene)?;
     change(world.settings_mut());
-    let start: Vec<_> = world.bodies().ids.iter().copied().zip(world.bodies().poses.clone()).collect();
+    let start: Vec<_> =
+        world.bodies().ids.iter().copied().zip(world.bodies().poses.clone()).collect();
     let (kinetic, potential) = world.energy();
     let (mut kinetics, mut low, mut high) = (kinetic, potential, potential);
     let (mut gain, mut unexplained, mut momentum_error) = (f64::NEG_INFINITY, 0.0, 0.0);
@@ -79,7 +80,14 @@ pub(super) fn run_scene(
         rise = largest(risen.chain([rise]));
     }
     let scale = kinetics + high - low;
-    Ok(Run { gain: gain / scale, unexplained: unexplained / scale, momentum_error, quarantined, rise, world })
+    Ok(Run {
+        gain: gain / scale,
+        unexplained: unexplained / scale,
+        momentum_error,
+        quarantined,
+        rise,
+        world,
+    })
 }
 
 /// The findings of several runs.
@@ -158,7 +166,12 @@ fn safeguards() -> Result<Vec<Finding>, Obstacle> {
     // The ledger would catch what the others let through.
     let (ledger, clamp, fix) = (gain(no_ledger)?, gain(no_clamp)?, gain(no_energy_fix)?);
     let mut findings = vec![
-        Finding::at_least("largest gain without the ledger, paper's method", "1", ledger, 1e3 * MOST_GAIN),
+        Finding::at_least(
+            "largest gain without the ledger, paper's method",
+            "1",
+            ledger,
+            1e3 * MOST_GAIN,
+        ),
         Finding::at_least("the same without ledger and clamp", "1", clamp, 5.0 * ledger),
         Finding::at_least("the same without ledger and energy fix", "1", fix, 10.0 * ledger),
     ];
@@ -169,7 +182,12 @@ fn safeguards() -> Result<Vec<Finding>, Obstacle> {
     };
     for (method, name) in METHODS {
         let run = run_scene(&pillar(method, 0)?, 60, |_| {})?;
-        findings.push(Finding::at_most(format!("rise of a shard of the pillar, {name}"), "m", run.rise, 0.1));
+        findings.push(Finding::at_most(
+            format!("rise of a shard of the pillar, {name}"),
+            "m",
+            run.rise,
+            0.1,
+        ));
     }
     // Not every pillar has a shard that is thin enough.
     let runs: Vec<Run> = (0..UNSAFE_PILLARS)

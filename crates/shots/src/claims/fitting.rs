@@ -43,17 +43,28 @@ fn slab() -> Result<Vec<Finding>, Obstacle> {
         for _ in 0..300 {
             step(&mut world);
             let ways = world.bodies().poses.iter().zip(&start);
-            moved = largest(ways.map(|(now, then)| now.position.distance(then.position)).chain([moved]));
+            moved = largest(
+                ways.map(|(now, then)| now.position.distance(then.position)).chain([moved]),
+            );
         }
-        findings.push(Finding::at_most(format!("largest drift of a piece of slab {seed}"), "m", moved, 1e-3));
+        findings.push(Finding::at_most(
+            format!("largest drift of a piece of slab {seed}"),
+            "m",
+            moved,
+            1e-3,
+        ));
     }
     Ok(findings)
 }
 
 fn plates() -> Result<Vec<Finding>, Obstacle> {
     let mut beyond = f64::NEG_INFINITY;
-    let turns =
-        [DVec3::ZERO, DVec3::new(0.0, 0.3, 0.0), DVec3::new(0.0, 1.5, 0.2), DVec3::new(0.4, 0.1, 0.8)];
+    let turns = [
+        DVec3::ZERO,
+        DVec3::new(0.0, 0.3, 0.0),
+        DVec3::new(0.0, 1.5, 0.2),
+        DVec3::new(0.4, 0.1, 0.8),
+    ];
     for turn in turns {
         for part in 0..8 {
             let orientation = DQuat::from_scaled_axis(turn);
@@ -83,7 +94,8 @@ fn nuts() -> Result<Vec<Finding>, Obstacle> {
         step(&mut world);
         let bodies = world.bodies();
         let (pose, velocity) = (&bodies.poses[2], &bodies.velocities[2]);
-        angle += bodies.inertias[2].angular_velocity(pose.orientation, velocity.angular_momentum).y / 30.0;
+        angle += bodies.inertias[2].angular_velocity(pose.orientation, velocity.angular_momentum).y
+            / 30.0;
         off = largest([off, (pose.position.y - start - angle * PITCH / TAU).abs()]);
     }
 

@@ -41,11 +41,24 @@ fn free_box() -> Result<Vec<Finding>, Obstacle> {
             let inertia: &Inertia = &world.bodies().inertias[0];
             let rate = inertia.angular_velocity(pose.orientation, velocity.angular_momentum);
             let momentum = inertia.tensor(pose.orientation) * rate;
-            tilt = largest([tilt, momentum.cross(start).length() / (momentum.length() * start.length())]);
+            tilt = largest([
+                tilt,
+                momentum.cross(start).length() / (momentum.length() * start.length()),
+            ]);
         }
         let most = if method == Method::FrameRate { 1e-12 } else { 1e-9 };
-        findings.push(Finding::at_most(format!("change of the energy in 10 s, {name}"), "1", change, most));
-        findings.push(Finding::at_most(format!("turn of the angular momentum, {name}"), "rad", tilt, 1e-12));
+        findings.push(Finding::at_most(
+            format!("change of the energy in 10 s, {name}"),
+            "1",
+            change,
+            most,
+        ));
+        findings.push(Finding::at_most(
+            format!("turn of the angular momentum, {name}"),
+            "rad",
+            tilt,
+            1e-12,
+        ));
     }
     Ok(findings)
 }

@@ -65,12 +65,14 @@ fn mean_height(world: &World) -> f64 {
 fn measured() -> Result<Vec<Finding>, Obstacle> {
     let mut findings = Vec::new();
     for counts in HEAPS {
-        let heaps = (0..SEEDS).map(|seed| fallen(counts, seed, 30.0)).collect::<Result<Vec<_>, _>>()?;
+        let heaps =
+            (0..SEEDS).map(|seed| fallen(counts, seed, 30.0)).collect::<Result<Vec<_>, _>>()?;
         let (heap, fine) = (&heaps[0], fallen(counts, 0, 300.0)?);
         let of = format!("{} pieces", counts.iter().product::<usize>());
         let quantity = format!("height of {of} per that at 300 frames per second");
         findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.95, 1.05));
-        let quantity = format!("largest rise of {of} in a frame when they lie, mean of {SEEDS} heaps");
+        let quantity =
+            format!("largest rise of {of} in a frame when they lie, mean of {SEEDS} heaps");
         let rise = heaps.iter().map(|heap| heap.rise).sum::<f64>() / SEEDS as f64;
         findings.push(Finding::at_most(quantity, "m", rise, MOST_RISE));
         let quantity = format!("share of islands whose motion was scaled down, {of}");

@@ -29,12 +29,18 @@ fn incline() -> Result<Vec<Finding>, Obstacle> {
             let brake = GRAVITY * (friction * libm::cos(slope) - libm::sin(slope));
             let expected = 0.5 * speed * speed / brake;
             let (slid, crept) = slide(method, slope, friction, speed)?;
-            let quantity =
-                format!("slide on {degrees} degrees with friction {friction} per the analytic, {name}");
+            let quantity = format!(
+                "slide on {degrees} degrees with friction {friction} per the analytic, {name}"
+            );
             findings.push(Finding::between(quantity, "1", slid / expected, 0.99, 1.01));
             most_crept = largest([most_crept, crept]);
         }
-        findings.push(Finding::at_most(format!("largest creep in 10 s, {name}"), "m", most_crept, 1e-4));
+        findings.push(Finding::at_most(
+            format!("largest creep in 10 s, {name}"),
+            "m",
+            most_crept,
+            1e-4,
+        ));
     }
     Ok(findings)
 }

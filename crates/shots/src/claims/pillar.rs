@@ -48,12 +48,16 @@ const SEEDS: u64 = 10;
 pub fn pillar_spread(options: &ShotOptions, safeguards: bool) -> Result<Spread, Obstacle> {
     let scene = Shot::find("pillar")?.scene(options)?;
     let frames = (TIME * options.frames_per_second).round() as u32;
-    let run =
-        if safeguards { run_scene(&scene, frames, |_| {}) } else { run_scene(&scene, frames, no_safeguard) }?;
+    let run = if safeguards {
+        run_scene(&scene, frames, |_| {})
+    } else {
+        run_scene(&scene, frames, no_safeguard)
+    }?;
 
     // The ground is the first body.
     let centers = run.world.bodies().poses.iter().skip(1).map(|pose| pose.position);
-    let mut distances: Vec<f64> = centers.clone().map(|center| center.with_y(0.0).length()).collect();
+    let mut distances: Vec<f64> =
+        centers.clone().map(|center| center.with_y(0.0).length()).collect();
     distances.sort_by(f64::total_cmp);
     let count = distances.len();
     Ok(Spread {
@@ -66,12 +70,22 @@ pub fn pillar_spread(options: &ShotOptions, safeguards: bool) -> Result<Spread, 
 
 /// Means over some pillars.
 fn mean(spreads: &[Spread]) -> Spread {
-    let of = |value: fn(&Spread) -> f64| spreads.iter().map(value).sum::<f64>() / spreads.len() as f64;
-    Spread { mean: of(|s| s.mean), p95: of(|s| s.p95), highest: of(|s| s.highest), rise: of(|s| s.rise) }
+    let of =
+        |value: fn(&Spread) -> f64| spreads.iter().map(value).sum::<f64>() / spreads.len() as f64;
+    Spread {
+        mean: of(|s| s.mean),
+        p95: of(|s| s.p95),
+        highest: of(|s| s.highest),
+        rise: of(|s| s.rise),
+    }
 }
 
 /// The means over all cuts of the pillar.
-fn over_seeds(method: Method, frames_per_second: f64, safeguards: bool) -> Result<Spread, Obstacle> {
+fn over_seeds(
+    method: Method,
+    frames_per_second: f64,
+    safeguards: bool,
+) -> Result<Spread, Obstacle> {
     let run = |seed: u64| {
         let options = ShotOptions { seed, method, frames_per_second, ..ShotOptions::default() };
         pillar_spread(&options, safeguards)
@@ -101,7 +115,13 @@ fn spread() -> Result<Vec<Finding>, Obstacle> {
             0.85,
             1.15,
         ),
-        Finding::between("95th percentile per that at 3000", "1", frame_rate.p95 / fine.p95, 0.85, 1.15),
+        Finding::between(
+            "95th percentile per that at 3000",
+            "1",
+            frame_rate.p95 / fine.p95,
+            0.85,
+            1.15,
+        ),
         Finding::between(
             "highest piece less that at 3000, per the pillar's height",
             "1",

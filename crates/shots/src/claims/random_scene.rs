@@ -30,8 +30,16 @@ pub(super) fn random_scene(seed: u64, method: Method) -> SceneDesc {
     };
     scene.bodies.push(BodyDesc {
         position: [0.0, 0.3, 0.0],
-        linear_velocity: [random.between(-1.0, 1.0), random.between(0.0, 1.0), random.between(-1.0, 1.0)],
-        angular_velocity: [random.between(-0.3, 0.3), random.between(-2.0, 2.0), random.between(-0.3, 0.3)],
+        linear_velocity: [
+            random.between(-1.0, 1.0),
+            random.between(0.0, 1.0),
+            random.between(-1.0, 1.0),
+        ],
+        angular_velocity: [
+            random.between(-0.3, 0.3),
+            random.between(-2.0, 2.0),
+            random.between(-0.3, 0.3),
+        ],
         ..moving(cuboid([4.0, 0.2, 4.0]))
     });
     scene.bodies.push(BodyDesc {
@@ -43,7 +51,11 @@ pub(super) fn random_scene(seed: u64, method: Method) -> SceneDesc {
     for number in 0..BODIES {
         let (shape, volume) = random_shape(number, &mut random);
         scene.bodies.push(BodyDesc {
-            position: [random.between(-1.0, 1.0), 1.0 + 0.6 * f64::from(number), random.between(-1.0, 1.0)],
+            position: [
+                random.between(-1.0, 1.0),
+                1.0 + 0.6 * f64::from(number),
+                random.between(-1.0, 1.0),
+            ],
             orientation: random.orientation().to_array(),
             linear_velocity: [
                 random.between(-3.0, 3.0),
@@ -92,10 +104,18 @@ fn hull(length: f64, random: &mut Random) -> (ShapeDesc, f64) {
     let thin = power_of_ten(random.between(-2.0, 0.0));
     let mut corner = |x: f64, y: f64, z: f64| {
         let shift = random.direction() * 0.2;
-        glam::DVec3::new(length * (x + shift.x), length * thin * (y + shift.y), length * (z + shift.z))
+        glam::DVec3::new(
+            length * (x + shift.x),
+            length * thin * (y + shift.y),
+            length * (z + shift.z),
+        )
     };
-    let corners =
-        [corner(0.0, 0.0, 0.0), corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)];
+    let corners = [
+        corner(0.0, 0.0, 0.0),
+        corner(1.0, 0.0, 0.0),
+        corner(0.0, 1.0, 0.0),
+        corner(0.0, 0.0, 1.0),
+    ];
     let [a, b, c] = [1, 2, 3].map(|i: usize| corners[i] - corners[0]);
     let resolution = Resolution { voxels: None, sample_spacing: Some(0.15 * length) };
     let points = corners.map(|corner| corner.to_array()).to_vec();
@@ -104,8 +124,9 @@ fn hull(length: f64, random: &mut Random) -> (ShapeDesc, f64) {
 
 /// An outline of cells of a width [m] as a body of a depth [m]. The walls between two cells of it are left out.
 fn prism(outline: &[u8; 9], cell: f64, depth: f64) -> ShapeDesc {
-    let filled =
-        |x: i32, y: i32| (0..3).contains(&x) && (0..3).contains(&y) && outline[(3 * y + x) as usize] == 1;
+    let filled = |x: i32, y: i32| {
+        (0..3).contains(&x) && (0..3).contains(&y) && outline[(3 * y + x) as usize] == 1
+    };
     let vertex = |x: i32, y: i32, z: i32| (x + 4 * y + 16 * z) as u32;
     let mut triangles = Vec::new();
     let mut face = |[a, b, c, d]: [u32; 4]| triangles.extend([[a, b, c], [a, c, d]]);
@@ -121,7 +142,12 @@ fn prism(outline: &[u8; 9], cell: f64, depth: f64) -> ShapeDesc {
         ];
         for ((dx, dy), [a, b]) in sides {
             if !filled(x + dx, y + dy) {
-                face([corner(a.0, a.1, 0), corner(b.0, b.1, 0), corner(b.0, b.1, 1), corner(a.0, a.1, 1)]);
+                face([
+                    corner(a.0, a.1, 0),
+                    corner(b.0, b.1, 0),
+                    corner(b.0, b.1, 1),
+                    corner(a.0, a.1, 1),
+                ]);
             }
         }
     }

@@ -25,7 +25,11 @@ pub(super) const ROLLING_FRICTION: Claim = Claim {
 pub(super) const RADIUS: f64 = 0.5;
 
 /// A ball on level ground.
-pub(super) fn ball_on_ground(method: Method, linear: DVec3, angular: DVec3) -> Result<World, BuildError> {
+pub(super) fn ball_on_ground(
+    method: Method,
+    linear: DVec3,
+    angular: DVec3,
+) -> Result<World, BuildError> {
     let ball = BodyDesc {
         position: [0.0, RADIUS, 0.0],
         linear_velocity: linear.to_array(),
@@ -41,7 +45,11 @@ fn rolling() -> Result<Vec<Finding>, Obstacle> {
     let mut findings = Vec::new();
     for (method, name) in METHODS {
         let most = |low: f64, high: f64| {
-            if method == Method::FrameRate { (low, high) } else { (f64::NEG_INFINITY, f64::INFINITY) }
+            if method == Method::FrameRate {
+                (low, high)
+            } else {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            }
         };
         let (low, high) = most(0.99, 1.01);
 
@@ -111,7 +119,19 @@ fn rolling_friction() -> Result<Vec<Finding>, Obstacle> {
     let per_mass = momentum / (0.4 * world.bodies().masses[1] * RADIUS * RADIUS);
     let slowed = (spin - per_mass) / (2.0 * GRAVITY * TORQUE_ARM / (0.4 * RADIUS * RADIUS));
     Ok(vec![
-        Finding::between("distance rolled per the analytic, frame-rate method", "1", rolled, 0.98, 1.02),
-        Finding::between("loss of spin per the analytic, frame-rate method", "1", slowed, 0.98, 1.02),
+        Finding::between(
+            "distance rolled per the analytic, frame-rate method",
+            "1",
+            rolled,
+            0.98,
+            1.02,
+        ),
+        Finding::between(
+            "loss of spin per the analytic, frame-rate method",
+            "1",
+            slowed,
+            0.98,
+            1.02,
+        ),
     ])
 }

@@ -70,7 +70,10 @@ impl Reference {
                 turn: v[0],
                 start: DQuat::from_slice(&v[1..5]),
                 momentum: DVec3::from_slice(&v[5..8]),
-                inertia: Inertia { inverse_mass: 1.0, inverse_moments: DVec3::from_slice(&v[8..11]) },
+                inertia: Inertia {
+                    inverse_mass: 1.0,
+                    inverse_moments: DVec3::from_slice(&v[8..11]),
+                },
                 dt: v[11],
                 end: DQuat::from_slice(&v[12..16]),
             })
@@ -135,7 +138,8 @@ fn million_rotations() -> Result<Vec<Finding>, Obstacle> {
         for turn in [0.03, 0.3, 1.0, 7.0] {
             let start = random.orientation();
             let direction = random.direction();
-            let momentum = turn / (DT * inertia.angular_velocity(start, direction).length()) * direction;
+            let momentum =
+                turn / (DT * inertia.angular_velocity(start, direction).length()) * direction;
             let energy = inertia.rotational_energy(start, momentum);
             let mut orientation = start;
             for _ in 0..1_000_000 {
@@ -144,7 +148,8 @@ fn million_rotations() -> Result<Vec<Finding>, Obstacle> {
                 worst = largest([worst, change.abs()]);
             }
         }
-        let quantity = format!("largest change of the energy in a million steps of 0.03 to 7 rad, {name}");
+        let quantity =
+            format!("largest change of the energy in a million steps of 0.03 to 7 rad, {name}");
         findings.push(Finding::at_most(quantity, "1", worst, most));
     }
     Ok(findings)
@@ -155,7 +160,8 @@ fn flip_period() -> Result<Vec<Finding>, Obstacle> {
     let inertia = Inertia::new(1.0, moments);
     let momentum = DVec3::new(0.02, 2.0, 0.05);
     // The part of L along the intermediate axis, and when it changes sign near a time.
-    let along = |t: f64| (rotate_exact(DQuat::IDENTITY, momentum, &inertia, t).conjugate() * momentum).y;
+    let along =
+        |t: f64| (rotate_exact(DQuat::IDENTITY, momentum, &inertia, t).conjugate() * momentum).y;
     let crossing = |near: f64| {
         let (mut low, mut high) = (near - 1.0, near + 1.0);
         for _ in 0..60 {
@@ -225,7 +231,8 @@ fn rotation_cost() -> Result<Vec<Finding>, Obstacle> {
     };
 
     // Rule by rule in each pass, so that a busy moment of the machine strikes both.
-    let passes: Vec<[f64; 2]> = (0..51).map(|_| [Rotation::Exact, SECOND_ORDER].map(nanoseconds)).collect();
+    let passes: Vec<[f64; 2]> =
+        (0..51).map(|_| [Rotation::Exact, SECOND_ORDER].map(nanoseconds)).collect();
     let ratio = median(passes.iter().map(|[exact, paper]| exact / paper).collect());
     let [exact, paper] = [0, 1].map(|rule| median(passes.iter().map(|pass| pass[rule]).collect()));
     Ok(vec![

@@ -28,14 +28,24 @@ fn settled_pile() -> Result<Vec<Finding>, Obstacle> {
     for i in 0..30 {
         let [x, y, z] = [i % 3, i / 9, i / 3 % 3].map(f64::from);
         let position = [0.8 * x + 0.1 * y, 0.6 + 1.2 * y, 0.8 * z - 0.1 * y];
-        bodies.push(BodyDesc { position, angular_velocity: [x, y, z], ..BodyDesc::new("cube", cube(0.6)) });
+        bodies.push(BodyDesc {
+            position,
+            angular_velocity: [x, y, z],
+            ..BodyDesc::new("cube", cube(0.6))
+        });
     }
     let mut findings = Vec::new();
     for (method, name) in METHODS {
         let share = share_balanced(&mut world(method, bodies.clone())?);
-        findings.push(Finding::at_most(format!("share of islands balanced, {name}"), "1", share, 0.01));
+        findings.push(Finding::at_most(
+            format!("share of islands balanced, {name}"),
+            "1",
+            share,
+            0.01,
+        ));
     }
-    let share = share_balanced(&mut World::build(&Shot::find("pillar")?.scene(&ShotOptions::default())?)?);
+    let share =
+        share_balanced(&mut World::build(&Shot::find("pillar")?.scene(&ShotOptions::default())?)?);
     let quantity = "share of islands balanced in the rubble of the pillar, frame-rate method";
     findings.push(Finding::at_most(quantity, "1", share, 0.01));
     Ok(findings)
@@ -64,8 +74,16 @@ fn lossless() -> Result<Vec<Finding>, Obstacle> {
         let most = |bound: f64| if method == Method::FrameRate { bound } else { f64::INFINITY };
         let cases = [
             ("flying brick", world(method, vec![brick.clone()])?, 1e-11),
-            ("rolling ball", ball_on_ground(method, 2.0 * DVec3::X, -2.0 / RADIUS * DVec3::Z)?, most(1e-6)),
-            ("ball spinning on the spot", ball_on_ground(method, DVec3::ZERO, 20.0 * DVec3::Y)?, most(1e-6)),
+            (
+                "rolling ball",
+                ball_on_ground(method, 2.0 * DVec3::X, -2.0 / RADIUS * DVec3::Z)?,
+                most(1e-6),
+            ),
+            (
+                "ball spinning on the spot",
+                ball_on_ground(method, DVec3::ZERO, 20.0 * DVec3::Y)?,
+                most(1e-6),
+            ),
         ];
         for (motion, mut world, most) in cases {
             let (kinetic, potential) = world.energy();

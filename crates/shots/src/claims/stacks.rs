@@ -9,7 +9,9 @@ pub(super) const STACK: Claim = Claim {
     name: "stack",
     says: "a stack of ten cubes stands for 20 s at 30 frames per second",
     source: "Su09 fig. 2",
-    measure: || METHODS.map(|(method, name)| drift(method, name, 0.0, MOST_DRIFT)).into_iter().collect(),
+    measure: || {
+        METHODS.map(|(method, name)| drift(method, name, 0.0, MOST_DRIFT)).into_iter().collect()
+    },
 };
 
 /// Each cube's support lies on edges that cross edges.
@@ -18,7 +20,10 @@ pub(super) const ZIGZAG: Claim = Claim {
     says: "ten cubes shifted by a quarter of their width to alternating sides, in both directions, stand for 20 s",
     source: "mechanics",
     measure: || {
-        METHODS.map(|(method, name)| drift(method, name, 0.125, MOST_ZIGZAG_DRIFT)).into_iter().collect()
+        METHODS
+            .map(|(method, name)| drift(method, name, 0.125, MOST_ZIGZAG_DRIFT))
+            .into_iter()
+            .collect()
     },
 };
 
@@ -39,7 +44,11 @@ fn drift(method: Method, name: &str, shift: f64, most: f64) -> Result<Finding, O
     let mut world = world(method, bodies)?;
     let start = world.bodies().poses.clone();
     run(&mut world, 600);
-    let moved =
-        world.bodies().poses.iter().zip(&start).map(|(now, then)| now.position.distance(then.position));
+    let moved = world
+        .bodies()
+        .poses
+        .iter()
+        .zip(&start)
+        .map(|(now, then)| now.position.distance(then.position));
     Ok(Finding::at_most(format!("largest drift, {name}"), "m", largest(moved), most))
 }

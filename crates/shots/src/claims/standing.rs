@@ -57,7 +57,13 @@ fn drift(scene: &SceneDesc) -> Result<[f64; 2], Obstacle> {
         step(&mut world);
     }
     let moves = || -> Vec<DVec3> {
-        world.bodies().poses.iter().zip(&start).map(|(now, then)| now.position - then.position).collect()
+        world
+            .bodies()
+            .poses
+            .iter()
+            .zip(&start)
+            .map(|(now, then)| now.position - then.position)
+            .collect()
     };
     Ok([largest(moves().iter().map(|by| by.length())), largest(moves().iter().map(|by| -by.y))])
 }
@@ -82,7 +88,11 @@ fn towers() -> Result<Vec<Finding>, Obstacle> {
 fn loads() -> Result<Vec<Finding>, Obstacle> {
     let mut findings = Vec::new();
     for ratio in [10.0, LOAD_RATIO] {
-        findings.extend(stands(&format!("a stack under a load of {ratio}"), &load(ratio), MOST_SWAY)?);
+        findings.extend(stands(
+            &format!("a stack under a load of {ratio}"),
+            &load(ratio),
+            MOST_SWAY,
+        )?);
     }
     Ok(findings)
 }
@@ -111,7 +121,9 @@ fn card_houses() -> Result<Vec<Finding>, Obstacle> {
     for _ in 0..FRAMES {
         step(&mut struck);
     }
-    let moved = largest(positions(&struck, cards).iter().zip(&start).map(|(now, then)| now.distance(*then)));
+    let moved = largest(
+        positions(&struck, cards).iter().zip(&start).map(|(now, then)| now.distance(*then)),
+    );
     findings.push(Finding::at_least("the same, struck by a ball", "m", moved, 5.0 * MOST_SWAY));
     Ok(findings)
 }

@@ -35,9 +35,24 @@ fn swarm() -> Result<Vec<Finding>, Obstacle> {
             linear = largest([linear, report.momentum.linear_error]);
             angular = largest([angular, report.momentum.angular_error]);
         }
-        findings.push(Finding::at_most(format!("change of linear momentum, {name}"), "1", linear, 1e-10));
-        findings.push(Finding::at_most(format!("change of angular momentum, {name}"), "1", angular, 1e-10));
-        findings.push(Finding::at_least(format!("impulses, {name}"), "1", impulses as f64, COLLISIONS));
+        findings.push(Finding::at_most(
+            format!("change of linear momentum, {name}"),
+            "1",
+            linear,
+            1e-10,
+        ));
+        findings.push(Finding::at_most(
+            format!("change of angular momentum, {name}"),
+            "1",
+            angular,
+            1e-10,
+        ));
+        findings.push(Finding::at_least(
+            format!("impulses, {name}"),
+            "1",
+            impulses as f64,
+            COLLISIONS,
+        ));
     }
     Ok(findings)
 }

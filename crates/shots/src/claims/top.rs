@@ -82,8 +82,19 @@ fn top() -> Result<Vec<Finding>, Obstacle> {
         let bound = |most: f64| if method == Method::FrameRate { most } else { f64::INFINITY };
         let quantity = format!("angle of precession per the analytic, {name}");
         let error = bound(0.03);
-        findings.push(Finding::between(quantity, "1", turned / (10.0 * rate), 1.0 - error, 1.0 + error));
-        findings.push(Finding::at_most(format!("energy of motion lost, {name}"), "1", lost, bound(0.01)));
+        findings.push(Finding::between(
+            quantity,
+            "1",
+            turned / (10.0 * rate),
+            1.0 - error,
+            1.0 + error,
+        ));
+        findings.push(Finding::at_most(
+            format!("energy of motion lost, {name}"),
+            "1",
+            lost,
+            bound(0.01),
+        ));
     }
     Ok(findings)
 }

@@ -8,10 +8,12 @@ use std::path::{Path, PathBuf};
 
 /// The bunny of the npm package, as an OBJ file in `folder`.
 pub(crate) fn bunny(folder: &Path, without_triangle: impl Fn(usize) -> bool) -> PathBuf {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/tools/node_modules/bunny/index.js");
+    let source =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/tools/node_modules/bunny/index.js");
     let script = fs::read_to_string(source).expect("the bunny is not installed, run `make test`");
     let array = |name: &str| -> Vec<[f64; 3]> {
-        let start = script.find(&format!("exports.{name}=")).unwrap() + format!("exports.{name}=").len();
+        let start =
+            script.find(&format!("exports.{name}=")).unwrap() + format!("exports.{name}=").len();
         let text = &script[start..];
         let end = text.find("]]").unwrap() + 2;
         serde_json::from_str(&text[..end]).unwrap()

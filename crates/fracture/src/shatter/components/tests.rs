@@ -79,7 +79,8 @@ fn field() -> impl Strategy<Value = (GridSolid, Vec<u32>)> {
     let dims = (2..9usize, 2..7usize, 2..7usize);
     dims.prop_flat_map(|(x, y, z)| {
         let count = x * y * z;
-        let nodes = (prop::collection::vec(-1.0..1.0f32, count), prop::collection::vec(0..3u32, count));
+        let nodes =
+            (prop::collection::vec(-1.0..1.0f32, count), prop::collection::vec(0..3u32, count));
         nodes.prop_map(move |(phi, regions)| (noise(phi, [x, y, z]), regions))
     })
 }

@@ -55,7 +55,8 @@ impl Face {
         }
         let (origin, along) = (corners[0], longest.normalize_or_zero());
         let across = normal.cross(along);
-        let flat = |corner: DVec3| DVec2::new((corner - origin).dot(along), (corner - origin).dot(across));
+        let flat =
+            |corner: DVec3| DVec2::new((corner - origin).dot(along), (corner - origin).dot(across));
         let flat = sides(corners).map(|side| side.map(flat)).collect();
         Self { flat, origin, along, across }
     }
@@ -84,5 +85,6 @@ pub(super) fn face_lines(sides: &[[DVec2; 2]], spacing: f64) -> impl Iterator<It
 
 /// From each corner of a polygon to the next.
 pub(super) fn sides<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 2]> {
-    (0..corners.len()).map(|at| [corners[at], corners[if at + 1 < corners.len() { at + 1 } else { 0 }]])
+    (0..corners.len())
+        .map(|at| [corners[at], corners[if at + 1 < corners.len() { at + 1 } else { 0 }]])
 }

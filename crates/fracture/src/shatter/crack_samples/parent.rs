@@ -97,20 +97,34 @@ impl<'a> Parent<'a> {
 
     /// The stretches of a line between two points that lie inside, as fractions of the way.
     #[inline(always)]
-    pub(super) fn inside(&self, start: DVec3, end: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
+    pub(super) fn inside(
+        &self,
+        start: DVec3,
+        end: DVec3,
+        spacing: f64,
+        stretches: &mut Vec<[f64; 2]>,
+    ) {
         stretches.clear();
         let way = end - start;
         let flat = DVec3::new(1.0, 0.0, 1.0);
         match self.curved {
             Curved::Nothing => stretches.push([0.0, 1.0]),
             Curved::Sphere { radius } => stretches.extend(within_ball(start, way, radius)),
-            Curved::Cylinder { radius } => stretches.extend(within_ball(start * flat, way * flat, radius)),
+            Curved::Cylinder { radius } => {
+                stretches.extend(within_ball(start * flat, way * flat, radius))
+            }
             Curved::Sampled(_) => self.inside_samples(start, way, spacing, stretches),
         }
     }
 
     /// The same where only samples know it.
-    fn inside_samples(&self, start: DVec3, way: DVec3, spacing: f64, stretches: &mut Vec<[f64; 2]>) {
+    fn inside_samples(
+        &self,
+        start: DVec3,
+        way: DVec3,
+        spacing: f64,
+        stretches: &mut Vec<[f64; 2]>,
+    ) {
         let steps = (way.length() / spacing).ceil().max(1.0) as usize;
         let mut last = (0.0, self.distance(start));
         let mut entry = (last.1 <= 0.0).then_some(0.0);

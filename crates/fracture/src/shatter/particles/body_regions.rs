@@ -20,7 +20,11 @@ impl BodyRegions {
         let (low, high) = parent.bounds;
         let reaching = Self::within(regions, parent, BEYOND * 0.5 * (high - low).max_element());
         // A pattern that misses the parent has a nearest region all the same.
-        if reaching.numbers.is_empty() { Self::within(regions, parent, f64::INFINITY) } else { reaching }
+        if reaching.numbers.is_empty() {
+            Self::within(regions, parent, f64::INFINITY)
+        } else {
+            reaching
+        }
     }
 
     /// Those of the regions that are not known to be further than `most` [m] from the parent's bounds.

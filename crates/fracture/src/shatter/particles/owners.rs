@@ -19,7 +19,8 @@ impl Owners {
             let shift = grid.lattice_from_point(solid.grid().origin);
             let [x, y, z] = shift.to_array().map(|along| libm::round(along) as i64);
             for run in solid.runs() {
-                let row = [i64::from(run.row[0]) + y, i64::from(run.row[1]) + z].map(|n| n as usize);
+                let row =
+                    [i64::from(run.row[0]) + y, i64::from(run.row[1]) + z].map(|n| n as usize);
                 let ends = [run.start, run.end].map(|end| (i64::from(end) + x) as usize);
                 let first = grid.index(0, row[0], row[1]);
                 owners[first + ends[0]..first + ends[1]].fill(piece);
@@ -51,13 +52,17 @@ impl Owners {
                 if low[axis] + 1 == self.grid.dims[axis] {
                     continue;
                 }
-                let is_on_row = [1, 2].iter().all(|turn| low[(axis + turn) % 3].is_multiple_of(spacing));
+                let is_on_row =
+                    [1, 2].iter().all(|turn| low[(axis + turn) % 3].is_multiple_of(spacing));
                 let around = || {
                     let steps = [across[0], across[1], across[0] + across[1]];
                     steps.into_iter().flat_map(move |step| [node + step, node.wrapping_sub(step)])
                 };
-                let is_other = |at: usize| self.pieces.get(at).is_none_or(|other| !pieces.contains(other));
-                if !is_on_row && !around().any(|at| is_other(at) || is_other(at.wrapping_add(stride))) {
+                let is_other =
+                    |at: usize| self.pieces.get(at).is_none_or(|other| !pieces.contains(other));
+                if !is_on_row
+                    && !around().any(|at| is_other(at) || is_other(at.wrapping_add(stride)))
+                {
                     continue;
                 }
                 let mut high = low;
@@ -86,7 +91,8 @@ impl Owners {
     fn within(&self, at: DVec3, reach: i64) -> Vec<usize> {
         let ends: [[usize; 2]; 3] = std::array::from_fn(|axis| {
             let last = self.grid.dims[axis] as i64 - 1;
-            [at[axis] as i64 - reach, at[axis] as i64 + 1 + reach].map(|end| end.clamp(0, last) as usize)
+            [at[axis] as i64 - reach, at[axis] as i64 + 1 + reach]
+                .map(|end| end.clamp(0, last) as usize)
         });
         let [[x, to_x], [y, to_y], [z, to_z]] = ends;
         let mut near = Vec::new();

@@ -14,7 +14,8 @@ pub(crate) fn portions_of_regions(solid: &GridSolid, regions: &[Region]) -> Vec<
     let ends = RowEnds::of(solid);
     let tiles = Tiles::new(grid, &ends, regions);
     let most_rows = tiles.most_rows(regions.len());
-    let mut of_region: Vec<Portion> = most_rows.map(|rows| Portion::with_capacity(grid, rows)).collect();
+    let mut of_region: Vec<Portion> =
+        most_rows.map(|rows| Portion::with_capacity(grid, rows)).collect();
     let (mut found, mut claims, mut sums) = (Found::default(), Vec::new(), Vec::new());
     let [_, rows_y, rows_z] = grid.dims;
     for k in 0..rows_z {
@@ -27,7 +28,13 @@ pub(crate) fn portions_of_regions(solid: &GridSolid, regions: &[Region]) -> Vec<
 
             // There are gaps, or nodes in several intervals or in none.
             for row in rows {
-                if cut_rows((solid, &ends), &found, (row..row + 1, [j, k]), &mut sums, &mut of_region) {
+                if cut_rows(
+                    (solid, &ends),
+                    &found,
+                    (row..row + 1, [j, k]),
+                    &mut sums,
+                    &mut of_region,
+                ) {
                     continue;
                 }
                 let number = j + row + rows_y * k;

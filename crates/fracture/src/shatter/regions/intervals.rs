@@ -24,7 +24,8 @@ impl RowEnds {
     pub(super) fn of(solid: &GridSolid) -> Self {
         let [_, rows_y, rows_z] = solid.grid().dims;
         let (runs, rows) = (solid.runs(), rows_y * rows_z);
-        let (mut ends, mut run) = (vec![[f64::INFINITY, f64::NEG_INFINITY]; rows], vec![NONE; rows]);
+        let (mut ends, mut run) =
+            (vec![[f64::INFINITY, f64::NEG_INFINITY]; rows], vec![NONE; rows]);
         for (number, here) in (0..).zip(runs) {
             let row = here.number(rows_y);
             let is_first = ends[row][0] == f64::INFINITY;
@@ -102,7 +103,8 @@ enum Side {
 
 impl LatticePlane {
     fn new(half_space: &HalfSpace, grid: &Grid) -> Self {
-        let (normal, at_origin) = (half_space.normal, half_space.distance(grid.origin) / grid.spacing);
+        let (normal, at_origin) =
+            (half_space.normal, half_space.distance(grid.origin) / grid.spacing);
         let slope = normal.x;
         let (scale, side) = match slope {
             _ if slope.abs() < ON_CRACK * 1e-3 => (1.0, Side::Either),
@@ -169,11 +171,13 @@ impl Tiles {
         let middle = 0.5 * DVec3::from_array(grid.dims.map(|n| (n - 1) as f64));
         let reaches_in = |planes: &Vec<LatticePlane>| {
             let beyond = |plane: &LatticePlane| {
-                plane.normal.dot(middle) + plane.at_origin - plane.normal.abs().dot(middle) > 2.0 * ON_CRACK
+                plane.normal.dot(middle) + plane.at_origin - plane.normal.abs().dot(middle)
+                    > 2.0 * ON_CRACK
             };
             !planes.iter().any(beyond)
         };
-        let regions = regions.iter().map(on_lattice).zip(0..).filter(|(planes, _)| reaches_in(planes));
+        let regions =
+            regions.iter().map(on_lattice).zip(0..).filter(|(planes, _)| reaches_in(planes));
         let regions: Vec<(Vec<LatticePlane>, u32)> = regions.collect();
         let [count_y, count_z] = [grid.dims[1].div_ceil(TILE), grid.dims[2].div_ceil(TILE)];
         let mut tiles =
@@ -235,26 +239,31 @@ impl Tiles {
             let (mut low, mut high) = (firsts, lasts);
             for crossing in &self.crossings[from as usize..to as usize] {
                 let at_z = crossing.at_origin + crossing.along_z * k as f64;
-                let at: [f64; TILE] = std::array::from_fn(|row| at_z + crossing.along_y * at_y[row]);
+                let at: [f64; TILE] =
+                    std::array::from_fn(|row| at_z + crossing.along_y * at_y[row]);
                 match crossing.side {
                     Side::BelowCrossing => {
-                        high =
-                            std::array::from_fn(|row| if at[row] < high[row] { at[row] } else { high[row] });
+                        high = std::array::from_fn(|row| {
+                            if at[row] < high[row] { at[row] } else { high[row] }
+                        });
                     }
                     Side::AboveCrossing => {
-                        low = std::array::from_fn(|row| if at[row] > low[row] { at[row] } else { low[row] });
+                        low = std::array::from_fn(|row| {
+                            if at[row] > low[row] { at[row] } else { low[row] }
+                        });
                     }
                     Side::Either => {
-                        high = std::array::from_fn(
-                            |row| if at[row] < 0.0 { f64::NEG_INFINITY } else { high[row] },
-                        );
+                        high = std::array::from_fn(|row| {
+                            if at[row] < 0.0 { f64::NEG_INFINITY } else { high[row] }
+                        });
                     }
                 }
             }
             let (first, last) = (low.map(ceil), high.map(floor));
             if let Some(row) = (0..TILE).find(|&row| first[row] <= last[row]) {
                 let place = first[row] + last[row];
-                let behind = found.order.iter().rev().take_while(|(_, other)| *other > place).count();
+                let behind =
+                    found.order.iter().rev().take_while(|(_, other)| *other > place).count();
                 found.order.insert(found.order.len() - behind, (found.intervals.len(), place));
                 found.intervals.push(Intervals { region: number, first, last });
             }

@@ -63,7 +63,9 @@ fn numbers(accessor: &Accessor, buffers: &[Vec<u8>]) -> Option<Vec<[f64; 4]>> {
     let number = |bytes: &[u8]| match (accessor.data_type(), bytes) {
         (DataType::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
         (DataType::U8, &[a]) => f64::from(a) / scale(f64::from(u8::MAX)),
-        (DataType::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])) / scale(f64::from(u16::MAX)),
+        (DataType::U16, &[a, b]) => {
+            f64::from(u16::from_le_bytes([a, b])) / scale(f64::from(u16::MAX))
+        }
         (DataType::I8, &[a]) => (f64::from(a as i8) / scale(f64::from(i8::MAX))).max(least),
         (DataType::I16, &[a, b]) => {
             (f64::from(i16::from_le_bytes([a, b])) / scale(f64::from(i16::MAX))).max(least)
