@@ -1,6 +1,6 @@
-//! Time to find who may touch, and where, on one core: `cargo bench -p frangible-dynamics --bench contact`.
-//! Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close as
-//! those of a pile.
+//! Time to find who may touch, and where, on one core: `cargo bench -p frangible-dynamics --bench
+//! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close
+//! as those of a pile.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -21,7 +21,8 @@ use std::time::Instant;
 
 const DT: f64 = 1.0 / 30.0;
 
-/// Between the middles of neighbours, relative to the rocks' diameter: some touch, most of them do not.
+/// Between the middles of neighbours, relative to the rocks' diameter: some touch, most of them do
+/// not.
 const SPACING: f64 = 0.95;
 
 /// A rock of about 0.3 m.

@@ -1,5 +1,6 @@
-//! Time of one torque-free rotation on one core: `cargo bench -p frangible-dynamics --bench rotation`.
-//! Prints the rows of `bench/results/rotation.csv`: medians over passes of the mean over bodies.
+//! Time of one torque-free rotation on one core: `cargo bench -p frangible-dynamics --bench
+//! rotation`. Prints the rows of `bench/results/rotation.csv`: medians over passes of the mean over
+//! bodies.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

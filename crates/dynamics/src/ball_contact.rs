@@ -1,4 +1,5 @@
-//! Where a ball touches another body within a frame: the other's signed distance from its centre says, without samples.
+//! Where a ball touches another body within a frame: the other's signed distance from its centre
+//! says, without samples.
 
 use crate::Pose;
 use crate::encounter::Encounter;
@@ -12,7 +13,8 @@ const MOST_STEPS: u32 = 32;
 /// What counts as touching, relative to the ball's radius.
 const TOUCH: f64 = 1e-4;
 
-/// Part of the distance that a step goes: a sampled distance can change a little faster than the way.
+/// Part of the distance that a step goes: a sampled distance can change a little faster than the
+/// way.
 const CAUTION: f64 = 0.9;
 
 /// On a way that is shorter than this, relative to the ball's radius, the normal hardly turns.
@@ -28,14 +30,15 @@ pub(crate) struct BallContact<'a> {
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
-    /// Of the other body, or of a part of it: signed distance [m] and unit gradient, in the body frame.
+    /// Of the other body, or of a part of it: signed distance [m] and unit gradient, in the body
+    /// frame.
     pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
 }
 
 impl BallContact<'_> {
     /// The ball's point of contact: where the two first touch on their ballistic ways through the
-    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not. Along
-    /// that normal what only passes does not touch.
+    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not.
+    /// Along that normal what only passes does not touch.
     pub(crate) fn point(&self) -> Option<ManifoldPoint> {
         let start = self.gap(0.0);
         if start.phi > self.encounter.reach {

@@ -1,23 +1,27 @@
-//! How fragments fit when they are born: where the samples of their cracks overlap, nothing has moved, and nothing is to be parted.
+//! How fragments fit when they are born: where the samples of their cracks overlap, nothing has
+//! moved, and nothing is to be parted.
 
 use crate::manifold::{ManifoldPoint, Manifolds};
 use crate::pair::Pair;
 use crate::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
-/// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is forgotten.
+/// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is
+/// forgotten.
 #[derive(Clone, Debug, Default)]
 pub struct BirthFits {
     /// The deepest overlap of each pair that is still forgiven [m].
     overlaps: BTreeMap<[BodyId; 2], f64>,
 }
 
-/// Overlaps that are smaller, relative to the pieces' distance from each other, are rounding: polyhedra fit as exactly.
+/// Overlaps that are smaller, relative to the pieces' distance from each other, are rounding:
+/// polyhedra fit as exactly.
 const ROUNDING: f64 = 1e-9;
 
 impl BirthFits {
-    /// Lets fragments be where they were born: their points, among those of all pairs, that overlap no more than at their birth just touch.
-    /// `are_newborn` says whether a pair has come from one body in this frame.
+    /// Lets fragments be where they were born: their points, among those of all pairs, that overlap
+    /// no more than at their birth just touch. `are_newborn` says whether a pair has come from one
+    /// body in this frame.
     pub fn forgive(
         &mut self,
         bodies: &Bodies,

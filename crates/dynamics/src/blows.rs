@@ -38,8 +38,9 @@ pub struct Blow {
 /// Where a pair first touches, with the poses of its bodies then.
 pub(crate) type Touch = (ContactPoint, [Pose; 2]);
 
-/// For each body of the pair, the blow if an impulse at `acts_at` of `size` [N s] is more than it bears [Su09 sec. 4.2]. The weaker one breaks;
-/// the stronger feels no more than the weaker can pass on, so it breaks only if they are equally strong.
+/// For each body of the pair, the blow if an impulse at `acts_at` of `size` [N s] is more than it
+/// bears [Su09 sec. 4.2]. The weaker one breaks; the stronger feels no more than the weaker can
+/// pass on, so it breaks only if they are equally strong.
 pub(crate) fn blows_of(
     bodies: &Bodies,
     pair: Pair,
@@ -81,8 +82,9 @@ fn borne_by(bodies: &Bodies, pair: Pair) -> f64 {
     strength(bodies, pair.first).min(strength(bodies, pair.second))
 }
 
-/// The blows of a frame before anything has moved: for each pair, the impulse that would stop it where it first touches on its way
-/// to `predicted`. Both bodies receive at once what the weaker one bears. A body that breaks is left alone from then on.
+/// The blows of a frame before anything has moved: for each pair, the impulse that would stop it
+/// where it first touches on its way to `predicted`. Both bodies receive at once what the weaker
+/// one bears. A body that breaks is left alone from then on.
 pub fn strike(
     bodies: &mut Bodies,
     pairs: &[Pair],
@@ -127,8 +129,9 @@ pub fn strike(
     blows
 }
 
-/// Whether both bodies of a pair bear whatever happens between them within the frame: no impulse that makes no energy, and so
-/// lets `|u + K j| <= |u|` in the measure of the pair's K, is larger than twice the reduced mass times their speed.
+/// Whether both bodies of a pair bear whatever happens between them within the frame: no impulse
+/// that makes no energy, and so lets `|u + K j| <= |u|` in the measure of the pair's K, is larger
+/// than twice the reduced mass times their speed.
 fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     let borne = borne_by(bodies, pair);
     let answer =
@@ -162,7 +165,8 @@ pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) ->
     Some(Coming { approach, impulse, point: contact.point, poses })
 }
 
-/// Lets an impulse act on a pair before the frame moves it, and books it: no more of it than the energy allows.
+/// Lets an impulse act on a pair before the frame moves it, and books it: no more of it than the
+/// energy allows.
 pub fn pass_on(
     bodies: &mut Bodies,
     pair: Pair,
@@ -180,7 +184,8 @@ pub fn pass_on(
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
-/// How a pair approaches where it will touch first within the frame, seen at its start, and the touch itself.
+/// How a pair approaches where it will touch first within the frame, seen at its start, and the
+/// touch itself.
 fn next_touch(
     bodies: &Bodies,
     pair: Pair,

@@ -38,9 +38,11 @@ pub struct Contactant {
     pub friction: f64,
     /// Largest torque against rolling per normal force [m]; a pair has the larger of its two.
     pub rolling_friction: f64,
-    /// Largest torque against spinning about the normal per normal force [m]; a pair has the larger of its two.
+    /// Largest torque against spinning about the normal per normal force [m]; a pair has the larger
+    /// of its two.
     pub spinning_friction: f64,
-    /// Ratio of normal speeds after and before a collision, in [0, 1]; a pair has the smaller of its two.
+    /// Ratio of normal speeds after and before a collision, in [0, 1]; a pair has the smaller of
+    /// its two.
     pub restitution: f64,
     /// The largest impulse that the body bears in one collision [N s]; infinite if it cannot break.
     pub strength: f64,
@@ -49,7 +51,8 @@ pub struct Contactant {
 /// How the surfaces of a pair meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContactant {
-    /// Ratio of normal speeds after and before; in [-1, 1], below 0 only a part of the approach is stopped.
+    /// Ratio of normal speeds after and before; in [-1, 1], below 0 only a part of the approach is
+    /// stopped.
     pub restitution: f64,
     /// Coulomb's coefficient.
     pub friction: f64,
@@ -210,8 +213,8 @@ impl Bodies {
         id
     }
 
-    /// Removes the bodies whose entry in `gone` is true; the others keep their order. Returns, for each old dense
-    /// index, the new one.
+    /// Removes the bodies whose entry in `gone` is true; the others keep their order. Returns, for
+    /// each old dense index, the new one.
     pub fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {
         // Free the slots; the next tenant gets a new generation.
         for (dense, id) in self.ids.iter().enumerate().filter(|&(dense, _)| gone[dense]) {
@@ -246,7 +249,8 @@ impl Bodies {
             .collect()
     }
 
-    /// Velocity of the material point at `lever` from the centre of mass of body `i`, at the given time levels [m/s].
+    /// Velocity of the material point at `lever` from the centre of mass of body `i`, at the given
+    /// time levels [m/s].
     pub fn point_velocity(
         &self,
         i: usize,

@@ -45,7 +45,8 @@ impl Bounds {
         Self { low: center - reach, high: center + reach }
     }
 
-    /// Of a shape at a pose; of a polyhedron, around its corners. Balls and cylinders are wider than the polyhedra that they break as.
+    /// Of a shape at a pose; of a polyhedron, around its corners. Balls and cylinders are wider
+    /// than the polyhedra that they break as.
     fn of_solid<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
         let is_round = matches!(&shape.geometry, Geometry::ClosedForm(form) if !matches!(form, ClosedForm::Box { .. }));
         let Some(hull) = shape.hull.as_ref().filter(|_| !is_round) else {
@@ -88,8 +89,8 @@ impl Bounds {
     }
 }
 
-/// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of which at least one is dynamic, in increasing
-/// order.
+/// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of
+/// which at least one is dynamic, in increasing order.
 pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
     let bounds: Vec<Bounds> = bodies
         .shapes
@@ -103,7 +104,8 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
 /// What turns by more than this [rad] within a frame may have any turn in it.
 const LARGE_TURN: f64 = 1.0;
 
-/// Turning by so little within a frame that no point of a body comes further than this [m], in units of the margin, it is looked at only where it starts.
+/// Turning by so little within a frame that no point of a body comes further than this [m], in
+/// units of the margin, it is looked at only where it starts.
 const HARDLY: f64 = 0.01;
 
 /// Where bodies come on their ways through a frame.
@@ -118,7 +120,8 @@ pub struct Swept {
 }
 
 impl Swept {
-    /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`, around the corners of polyhedra.
+    /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`,
+    /// around the corners of polyhedra.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
         let bounds =
             with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
@@ -139,7 +142,8 @@ fn all_swept_bounds<I: Instructions>(
     frame: &Frame,
 ) -> Vec<Bounds> {
     threads::list(bodies.len(), |i| {
-        // The memory of the next ones is asked for meanwhile: what they are, then what that leads to, and what that does.
+        // The memory of the next ones is asked for meanwhile: what they are, then what that leads
+        // to, and what that does.
         let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
         let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
         later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
@@ -173,7 +177,8 @@ fn swept_bounds_with<I: Instructions>(
         let way = end.position - start.position;
         (Bounds { low: bounds.low + way, high: bounds.high + way }, further)
     } else {
-        // Its points go along arcs, beyond their chords by no more than this where the spin keeps its axis; of 6,000 boxes that turn freely by half a radian to one, none needs more.
+        // Its points go along arcs, beyond their chords by no more than this where the spin keeps
+        // its axis; of 6,000 boxes that turn freely by half a radian to one, none needs more.
         let bulge = if turn > 0.0 { 0.125 * turn * turn * bodies.radii[i] } else { 0.0 };
         (Bounds::of_solid::<I>(shape, end), bulge)
     };
@@ -209,7 +214,8 @@ fn overlapping_pairs(
 
 /// A half-space that does not move.
 pub(crate) struct Ground {
-    /// In each of some lists of all bodies' poses: its normal, where it is [m], and how far from there it reaches along the normal [m].
+    /// In each of some lists of all bodies' poses: its normal, where it is [m], and how far from
+    /// there it reaches along the normal [m].
     planes: Vec<(DVec3, DVec3, f64)>,
 }
 
@@ -240,7 +246,8 @@ impl Ground {
 /// Bodies whose pairs a thread sorts together.
 const SORTED: usize = 512;
 
-/// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are few to each.
+/// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are
+/// few to each.
 fn sorted(pairs: &[Vec<Pair>], count: usize) -> Vec<Pair> {
     let mut begin = vec![0; count + 1];
     pairs.iter().flatten().for_each(|pair| begin[pair.first + 1] += 1);

@@ -1,8 +1,9 @@
 //! Collisions: what would meet in this frame bounces before it gets there [GBF03 sec. 4].
 //!
-//! Contact points, normals, levers and angular velocities are those of the predicted poses x^{n+1}; the impulses change
-//! v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision Clamping"]. A blow above a body's strength is
-//! reported, for the engine to break the body [Su09 sec. 4.2].
+//! Contact points, normals, levers and angular velocities are those of the predicted poses x^{n+1};
+//! the impulses change v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision
+//! Clamping"]. A blow above a body's strength is reported, for the engine to break the body [Su09
+//! sec. 4.2].
 
 use crate::blows::{Blow, blows_of};
 use crate::broad_phase::find_pairs;
@@ -41,7 +42,8 @@ pub struct Collisions {
     pub tally: Tally,
     /// How often each body was re-evolved.
     moves: Vec<u32>,
-    /// The moves of both bodies when a pair was last looked at: what has not moved since needs no second look.
+    /// The moves of both bodies when a pair was last looked at: what has not moved since needs no
+    /// second look.
     seen: HashMap<(BodyId, BodyId), (u32, u32)>,
     penetrations: Vec<Penetration>,
 }
@@ -58,7 +60,8 @@ impl Collisions {
         }
     }
 
-    /// Goes on after bodies were broken: `new_index` maps old dense indices, and what is new stands behind.
+    /// Goes on after bodies were broken: `new_index` maps old dense indices, and what is new stands
+    /// behind.
     pub fn rebase(&mut self, bodies: &Bodies, new_index: &[Option<usize>], frame: &Frame) {
         let mut moves = vec![0; bodies.len()];
         for (old, new) in new_index.iter().enumerate() {
@@ -102,7 +105,8 @@ impl Collisions {
                     pass.blows.extend(blow);
                 }
             }
-            // A pair with a blow is looked at again: by the fragments, or by a body that could not be split.
+            // A pair with a blow is looked at again: by the fragments, or by a body that could not
+            // be split.
             if !broken[pair.first] && !broken[pair.second] {
                 self.remember(bodies, pair);
             }
@@ -110,7 +114,8 @@ impl Collisions {
         pass
     }
 
-    /// The blow to each body of the pair; it lands where they first touched, or, if they did before, where the impulse acts.
+    /// The blow to each body of the pair; it lands where they first touched, or, if they did
+    /// before, where the impulse acts.
     fn blows(
         &self,
         bodies: &Bodies,
@@ -186,7 +191,8 @@ impl Collisions {
     }
 }
 
-/// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels [SSF08].
+/// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels
+/// [SSF08].
 pub fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
     evolve_all(bodies, &bodies.poses, &half, frame)

@@ -1,4 +1,5 @@
-//! Where a compound of convex polyhedra touches another body: part by part, without what glued parts hide of each other.
+//! Where a compound of convex polyhedra touches another body: part by part, without what glued
+//! parts hide of each other.
 
 use crate::broad_phase::Bounds;
 use crate::detection::{Placed, second_from_first};
@@ -8,14 +9,15 @@ use crate::manifold::{MOST_POINTS, ManifoldPoint, Solid, exact_points};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
-/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs four points however many parts it
-/// goes over.
+/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs
+/// four points however many parts it goes over.
 const FLAT: f64 = 0.9998;
 
 /// Gaps of one flat contact differ by less, relative to the smaller body's size.
 const LEVEL: f64 = 5e-3;
 
-/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their samples.
+/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their
+/// samples.
 pub(crate) fn compound_points(
     encounter: &Encounter,
     room: &mut Room,
@@ -60,7 +62,8 @@ pub(crate) fn compound_points(
     true
 }
 
-/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each other.
+/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each
+/// other.
 pub(crate) fn near_parts(
     placed: [Placed; 2],
     compounds: [Option<&Compound>; 2],
@@ -117,7 +120,8 @@ fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bo
     (of_first, feature | first << 48 | second << 32)
 }
 
-/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the ground, would have.
+/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the
+/// ground, would have.
 pub(crate) fn few(
     encounter: &Encounter,
     points: &[ManifoldPoint],

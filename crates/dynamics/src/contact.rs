@@ -1,7 +1,8 @@
 //! Contact: impulses that keep what touches from moving into each other [GBF03 sec. 6].
 //!
-//! The position phase and the velocity phase are the same computation at two places in time. What would penetrate is
-//! looked for at the *proposed* poses; normals, levers and velocities are taken at the *old* ones.
+//! The position phase and the velocity phase are the same computation at two places in time. What
+//! would penetrate is looked for at the *proposed* poses; normals, levers and velocities are taken
+//! at the *old* ones.
 
 use crate::contact_graph::{ContactGraph, Level};
 use crate::detection::{NearSamples, Penetration};
@@ -13,20 +14,22 @@ use crate::tally::Cause;
 use crate::{Bodies, Frame, Inertia, PairContactant, Pose, Tally, Velocity};
 use std::collections::HashMap;
 
-/// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the authors' code.
+/// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the
+/// authors' code.
 const CONTOUR: f32 = 1e-6;
 
 /// What becomes of the impulses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Only their effect on the poses stays. Not clamped: there is no non-split state to clamp against
-    /// [Su09 sec. 3.2, "Contact Clamping"].
+    /// Only their effect on the poses stays. Not clamped: there is no non-split state to clamp
+    /// against [Su09 sec. 3.2, "Contact Clamping"].
     Position,
     /// They stay; clamped against (x^{n+1}, v^{n+1}) [Su09 sec. 3.2].
     Velocity,
 }
 
-/// One phase of contact: where bodies are, where they would get to, and the velocities that take them there.
+/// One phase of contact: where bodies are, where they would get to, and the velocities that take
+/// them there.
 pub struct Contact<'a> {
     /// At the phase's old time level: normals, levers and angular velocities are taken there.
     pub bodies: &'a Bodies,
@@ -72,8 +75,9 @@ impl<'a> Contact<'a> {
         }
     }
 
-    /// Passes over the graph, level by level, until nothing approaches. Restitution below 0 ("epsilon
-    /// scaling") lets the first passes stop a part of each approach only; the schedule is that of the authors' code. Returns the graph of what fired.
+    /// Passes over the graph, level by level, until nothing approaches. Restitution below 0
+    /// ("epsilon scaling") lets the first passes stop a part of each approach only; the schedule is
+    /// that of the authors' code. Returns the graph of what fired.
     pub fn resolve(&mut self, graph: &ContactGraph) -> ContactGraph {
         let settings = self.frame.settings;
         let full = f64::from(settings.contact_passes * settings.contact_level_iterations);

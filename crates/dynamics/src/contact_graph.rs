@@ -21,8 +21,8 @@ pub struct Level {
     pub pairs: Vec<Pair>,
 }
 
-/// Builds the graph from the velocities after collisions: each body in turn falls through one frame while all others
-/// move without gravity; what it falls into is below it.
+/// Builds the graph from the velocities after collisions: each body in turn falls through one frame
+/// while all others move without gravity; what it falls into is below it.
 pub fn contact_graph(bodies: &Bodies, candidates: &[Pair], frame: &Frame) -> ContactGraph {
     let others = evolve_all(bodies, &bodies.poses, &bodies.velocities, frame);
     let falling = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
@@ -53,8 +53,8 @@ fn falls_into(bodies: &Bodies, pair: Pair, upper: usize, fallen: &[Pose], others
     overlap(first, second)
 }
 
-/// Levels of the graph with `count` nodes and edges `(lower, upper)`: one for each strongly connected component, in
-/// topological order.
+/// Levels of the graph with `count` nodes and edges `(lower, upper)`: one for each strongly
+/// connected component, in topological order.
 fn levels_of(count: usize, edges: &[(usize, usize)]) -> ContactGraph {
     let components = strongly_connected_components(count, edges);
     let mut level_of = vec![0; count];
@@ -78,7 +78,8 @@ fn levels_of(count: usize, edges: &[(usize, usize)]) -> ContactGraph {
     ContactGraph { levels }
 }
 
-/// Tarjan's algorithm [Tar72] with its own stack; components in topological order of `from -> to`, each sorted.
+/// Tarjan's algorithm [Tar72] with its own stack; components in topological order of `from -> to`,
+/// each sorted.
 fn strongly_connected_components(count: usize, edges: &[(usize, usize)]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let mut next = vec![Vec::new(); count];

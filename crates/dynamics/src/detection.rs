@@ -33,12 +33,12 @@ pub struct Placed<'a> {
     pub pose: &'a Pose,
 }
 
-/// The samples of a pair that are near the other body, found once and asked many times: while the pair moves little, only
-/// they can be inside.
+/// The samples of a pair that are near the other body, found once and asked many times: while the
+/// pair moves little, only they can be inside.
 #[derive(Clone, Debug)]
 pub struct NearSamples {
-    /// Of the first body, near the second, and the other way round: sorted by their signed distance when they were
-    /// gathered [m].
+    /// Of the first body, near the second, and the other way round: sorted by their signed distance
+    /// when they were gathered [m].
     near: [Vec<(f32, u32)>; 2],
     /// `second_from_first` when they were gathered.
     gathered_at: RigidTransform,
@@ -46,15 +46,18 @@ pub struct NearSamples {
     margin: f64,
 }
 
-/// The relative motion that near samples allow for, relative to the size of the smaller body: some frames of a resting
-/// pair, a fraction of a frame of a fast one, few samples that are near in vain.
+/// The relative motion that near samples allow for, relative to the size of the smaller body: some
+/// frames of a resting pair, a fraction of a frame of a fast one, few samples that are near in
+/// vain.
 const MARGIN: f64 = 0.02;
 
-/// How much faster than the way a trilinear level set can change: each of the three slopes is at most 1.
+/// How much faster than the way a trilinear level set can change: each of the three slopes is at
+/// most 1.
 const STEEPEST: f64 = 1.733;
 
 impl NearSamples {
-    /// Gathers the samples of a pair that can get inside, as deep as `contour` [m] at least, while it moves little.
+    /// Gathers the samples of a pair that can get inside, as deep as `contour` [m] at least, while
+    /// it moves little.
     pub fn gather(first: Placed, second: Placed, contour: f32) -> Self {
         let gathered_at = second_from_first(first, second);
         let margin = MARGIN * radius(first.shape).min(radius(second.shape));
@@ -80,8 +83,8 @@ impl NearSamples {
         Self { near, gathered_at, margin }
     }
 
-    /// Collects every sample of either body where the other's signed distance is at most `contour` [m]; gathers anew if
-    /// the pair has moved too far.
+    /// Collects every sample of either body where the other's signed distance is at most `contour`
+    /// [m]; gathers anew if the pair has moved too far.
     pub fn find_penetrations(
         &mut self,
         first: Placed,
@@ -117,8 +120,8 @@ impl NearSamples {
     }
 }
 
-/// The furthest that a point of the smaller body, or within `beyond` [m] of it, can have moved relative to the other one since
-/// `second_from_first` was `then` [m].
+/// The furthest that a point of the smaller body, or within `beyond` [m] of it, can have moved
+/// relative to the other one since `second_from_first` was `then` [m].
 pub fn moved_since(then: &RigidTransform, first: Placed, second: Placed, beyond: f64) -> f64 {
     moved_between(
         then,
@@ -149,7 +152,8 @@ pub(crate) fn moved_between(
 
 /// No point of a body of this radius [m] has moved further from one pose to the other [m].
 pub(crate) fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
-    // As above, up to the sign of q; what has no bounds has no far points as long as it does not turn.
+    // As above, up to the sign of q; what has no bounds has no far points as long as it does not
+    // turn.
     let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
@@ -165,7 +169,8 @@ pub fn overlap(first: Placed, second: Placed) -> bool {
     deepest(first, second).is_some()
 }
 
-/// Signed distance of the deepest sample of either body in the other [m]; `None` if there is none inside.
+/// Signed distance of the deepest sample of either body in the other [m]; `None` if there is none
+/// inside.
 pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
     let relative = second_from_first(first, second);
     let mut least = f32::INFINITY;
@@ -186,8 +191,8 @@ pub fn radius(shape: &Shape) -> f64 {
     shape.bounds.0.abs().max(shape.bounds.1.abs()).length()
 }
 
-/// Calls `visit(sample index, signed distance)` for the samples of `body` where `other`'s signed distance is at most
-/// `contour` [m]; of those listed in `near`, if given.
+/// Calls `visit(sample index, signed distance)` for the samples of `body` where `other`'s signed
+/// distance is at most `contour` [m]; of those listed in `near`, if given.
 fn visit_inside(
     body: &Shape,
     other: &Shape,
@@ -219,8 +224,8 @@ fn visit_inside(
     }
 }
 
-/// The inner loop over a sampled level set, in its lattice units and single precision: the coordinates are relative to
-/// the two bodies, so they are small.
+/// The inner loop over a sampled level set, in its lattice units and single precision: the
+/// coordinates are relative to the two bodies, so they are small.
 fn visit_inside_grid(
     body: &Shape,
     solid: &GridSolid,
@@ -269,7 +274,8 @@ fn visit_inside_grid(
     }
 }
 
-/// Whether the box of a body's samples misses the box from `low` to `high` along one of the latter's axes.
+/// Whether the box of a body's samples misses the box from `low` to `high` along one of the
+/// latter's axes.
 fn apart(shape: &Shape, lattice_from_body: Mat3, shift: Vec3, low: Vec3, high: Vec3) -> bool {
     let center = lattice_from_body * (0.5 * (shape.bounds.0 + shape.bounds.1)).as_vec3() + shift;
     let half = (0.5 * (shape.bounds.1 - shape.bounds.0)).as_vec3();
@@ -281,7 +287,8 @@ fn apart(shape: &Shape, lattice_from_body: Mat3, shift: Vec3, low: Vec3, high: V
     (center + reach).cmplt(low).any() || (center - reach).cmpgt(high).any()
 }
 
-/// The same loop over an exact distance; what is above its second argument need only be known to be so.
+/// The same loop over an exact distance; what is above its second argument need only be known to be
+/// so.
 fn visit_inside_exact(
     body: &Shape,
     distance: impl Fn(DVec3, f64) -> f64,
@@ -312,7 +319,8 @@ fn visit_inside_exact(
     }
 }
 
-/// Point and normal of a penetration, seen at the given poses (which need not be those where it was found).
+/// Point and normal of a penetration, seen at the given poses (which need not be those where it was
+/// found).
 pub fn contact_point(first: Placed, second: Placed, penetration: &Penetration) -> ContactPoint {
     let (body, other) = if penetration.sample_of_first { (first, second) } else { (second, first) };
     let sample = body.shape.samples()[penetration.sample as usize].as_dvec3();
@@ -355,7 +363,8 @@ mod tests {
     }
 
     proptest! {
-        /// However the pair moves, and whichever of the two is the ground, near samples miss nothing.
+        /// However the pair moves, and whichever of the two is the ground, near samples miss
+        /// nothing.
         #[test]
         fn near_samples_miss_nothing(
             pair in prop::sample::select(vec![(0, 1), (1, 0), (0, 2), (1, 2), (2, 1), (0, 3), (3, 1), (2, 3)]),

@@ -1,4 +1,5 @@
-//! Displacements against the velocities: what the position update does to angular momentum, and how it is made up for.
+//! Displacements against the velocities: what the position update does to angular momentum, and how
+//! it is made up for.
 
 use crate::impulse::apply_impulse;
 use crate::pair::Pair;
@@ -8,7 +9,8 @@ use crate::{Bodies, Inertia, Tally};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// What the position update did to each pair by moving its bodies off the paths of the velocities that they keep.
+/// What the position update did to each pair by moving its bodies off the paths of the velocities
+/// that they keep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Displacements {
     gains: BTreeMap<Pair, Gain>,
@@ -49,8 +51,8 @@ impl Displacements {
         gain.point = push.point;
     }
 
-    /// Gives each pair of dynamic bodies back the angular momentum that it gained, by turning it rigidly; what static and kinematic
-    /// bodies gave is booked, and who owes energy.
+    /// Gives each pair of dynamic bodies back the angular momentum that it gained, by turning it
+    /// rigidly; what static and kinematic bodies gave is booked, and who owes energy.
     pub fn restore_angular_momentum(&self, bodies: &mut Bodies, tally: &mut Tally) {
         for (&pair, gain) in &self.gains {
             tally.link(bodies, pair);

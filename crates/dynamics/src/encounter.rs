@@ -8,8 +8,10 @@ use crate::pair::Pair;
 use crate::{Bodies, Frame};
 use glam::DVec3;
 
-/// What comes slower than this, in units of what gravity gives in a frame [1], is no [strike](crate::struck) as far as it is near: it falls through that and through its way, so that
-/// SLOW^2 + 2 SLOW + 1.1 is no more than 1.1^2, with the 1.1 of [`Frame::sag`], of which a strike comes twice as far in a frame.
+/// What comes slower than this, in units of what gravity gives in a frame [1], is no
+/// [strike](crate::struck) as far as it is near: it falls through that and through its way, so that
+/// SLOW^2 + 2 SLOW + 1.1 is no more than 1.1^2, with the 1.1 of [`Frame::sag`], of which a strike
+/// comes twice as far in a frame.
 const SLOW: f64 = 0.05;
 
 /// A pair of bodies and how they fly through a frame.
@@ -20,7 +22,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) frame: &'a Frame,
     /// No two points of the pair move faster against each other at any time of the frame [m/s].
     pub(crate) most_speed: f64,
-    /// What is this near may meet within the frame although it rests now: it may fall, or be struck [m].
+    /// What is this near may meet within the frame although it rests now: it may fall, or be struck
+    /// [m].
     pub(crate) near: f64,
     /// How far apart two surfaces may be and still meet within the frame [m].
     pub(crate) reach: f64,
@@ -28,7 +31,8 @@ pub(crate) struct Encounter<'a> {
     pub(crate) search: f64,
     /// Radius of the smaller one [m].
     pub(crate) size: f64,
-    /// The normal of two polyhedra when they were last looked at, if they touched: see [`HullPoint::normal`].
+    /// The normal of two polyhedra when they were last looked at, if they touched: see
+    /// [`HullPoint::normal`].
     pub(crate) last_normal: Option<DVec3>,
 }
 
@@ -87,13 +91,15 @@ impl<'a> Encounter<'a> {
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
-    /// Whether any two points of the pair, near as they are, may meet so fast that it is a [strike](crate::struck).
+    /// Whether any two points of the pair, near as they are, may meet so fast that it is a
+    /// [strike](crate::struck).
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
         self.most_speed > (1.0 + SLOW) * self.frame.gravity.length() * self.frame.dt
     }
 
-    /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed, gravity included [m/s].
+    /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed,
+    /// gravity included [m/s].
     #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
         let [first, second] = self.flights;
@@ -124,7 +130,8 @@ mod tests {
     use glam::DQuat;
     use std::sync::Arc;
 
-    /// A ball above the ground that may not strike it meets it no faster than what falls from as high as is near, however far above it is; one that is some times as fast does.
+    /// A ball above the ground that may not strike it meets it no faster than what falls from as
+    /// high as is near, however far above it is; one that is some times as fast does.
     #[test]
     fn what_is_slow_strikes_nothing() {
         let frame =

@@ -1,8 +1,8 @@
 //! The orientation near an evolved one that has the kinetic energy it should have [Su09 sec. 2].
 //!
-//! A step of the rotation keeps the angular momentum L and misses the kinetic energy `KE = L . I^-1 L / 2`. The fix
-//! rotates the body about an axis s, normal to L, until KE is right. Along that circle KE is a cosine of twice the angle,
-//! so the angle has a closed form.
+//! A step of the rotation keeps the angular momentum L and misses the kinetic energy `KE = L . I^-1
+//! L / 2`. The fix rotates the body about an axis s, normal to L, until KE is right. Along that
+//! circle KE is a cosine of twice the angle, so the angle has a closed form.
 
 use crate::Inertia;
 use glam::{DQuat, DVec3};
@@ -26,29 +26,33 @@ pub enum EnergyFix {
         /// How many rotations in a row.
         rounds: u32,
     },
-    /// No orientation has this energy with this angular momentum, or a number is not finite. The orientation is the
-    /// one with the nearest energy that was found.
+    /// No orientation has this energy with this angular momentum, or a number is not finite. The
+    /// orientation is the one with the nearest energy that was found.
     Unresolved {
         /// `KE / KE0 - 1` of the orientation returned.
         relative_error: f64,
     },
 }
 
-/// Energies [J] whose squares are normal numbers with digits to spare: a bound of `f64`, far from any physical one.
+/// Energies [J] whose squares are normal numbers with digits to spare: a bound of `f64`, far from
+/// any physical one.
 const SQUARABLE: std::ops::RangeInclusive<f64> = 1e-140..=1e140;
 
-/// Energy errors below this many units in the last place of the orientation are left alone. Turning the body by an
-/// angle d changes KE by up to `|omega||L| d`, and the orientation itself is only good to a few of these.
+/// Energy errors below this many units in the last place of the orientation are left alone. Turning
+/// the body by an angle d changes KE by up to `|omega||L| d`, and the orientation itself is only
+/// good to a few of these.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Where `a` is below this fraction of KE the axis L x omega carries few digits, and the fallback is as near.
+/// Where `a` is below this fraction of KE the axis L x omega carries few digits, and the fallback
+/// is as near.
 const SMALL_SLOPE: f64 = 1e-7;
 
-/// One round resolves nearly all; a second polishes what an ill-conditioned tensor left, or follows an extremum.
+/// One round resolves nearly all; a second polishes what an ill-conditioned tensor left, or follows
+/// an extremum.
 const MAX_ROUNDS: u32 = 8;
 
-/// Turns `orientation` (`world_from_body`) so that the kinetic energy of rotation is `kinetic_energy_0` [J] while the
-/// angular momentum [kg m^2/s, world frame] stays as it is.
+/// Turns `orientation` (`world_from_body`) so that the kinetic energy of rotation is
+/// `kinetic_energy_0` [J] while the angular momentum [kg m^2/s, world frame] stays as it is.
 ///
 /// Works for every inertia, also when L lies along a principal axis, and in any units.
 pub fn fix_rotational_energy(
@@ -135,15 +139,15 @@ impl BodyState {
         0.5 * self.momentum.dot(self.omega)
     }
 
-    /// `L x omega`, by which the energy changes as the body turns [Su09 eq. 1]; each component to full relative accuracy
-    /// however near L is to a principal axis.
+    /// `L x omega`, by which the energy changes as the body turns [Su09 eq. 1]; each component to
+    /// full relative accuracy however near L is to a principal axis.
     fn momentum_cross_omega(&self) -> DVec3 {
         let (l, w) = (self.momentum, self.inverse_moments);
         DVec3::new(l.y * l.z * (w.z - w.y), l.z * l.x * (w.x - w.z), l.x * l.y * (w.y - w.x))
     }
 
-    /// The circle about `axis`, which is normal to L; the axis is flipped so that `a = s . (L x omega) >= 0`.
-    /// (The sign of y in [Su09 sec. 2.3] holds only then.)
+    /// The circle about `axis`, which is normal to L; the axis is flipped so that `a = s . (L x
+    /// omega) >= 0`. (The sign of y in [Su09 sec. 2.3] holds only then.)
     fn circle(&self, axis: DVec3) -> Circle {
         let signed_slope = axis.dot(self.momentum_cross_omega());
         let axis = if signed_slope < 0.0 { -axis } else { axis };
@@ -163,9 +167,10 @@ impl BodyState {
         circle.turn_to_energy(excess)
     }
 
-    /// About `s = L x r` with the principal axis r of the largest moment if there is too much energy and of the
-    /// smallest if too little: this circle passes through the global extremum [Su09 sec. 2.4]. Where even that is out of
-    /// reach, if only by rounding, turns to the extremum.
+    /// About `s = L x r` with the principal axis r of the largest moment if there is too much
+    /// energy and of the smallest if too little: this circle passes through the global extremum
+    /// [Su09 sec. 2.4]. Where even that is out of reach, if only by rounding, turns to the
+    /// extremum.
     fn turn_towards_principal_axis(&self, excess: f64) -> Turn {
         let (low, high) =
             (self.inverse_moments.min_position(), self.inverse_moments.max_position());
@@ -180,19 +185,20 @@ impl BodyState {
 }
 
 impl Circle {
-    /// The smaller of the two turns to the energy `KE0 = KE - k`; `None` if the circle does not reach it.
+    /// The smaller of the two turns to the energy `KE0 = KE - k`; `None` if the circle does not
+    /// reach it.
     ///
-    /// `a x y = k - c y^2` [Su09 eq. 5] with x = cos, y = sin has the roots [eq. 6]. With a >= 0 the root near zero, as
-    /// [sec. 2.3] writes it, has x and y in the ratio of `a + sqrt(g)` to `2 k`, and k has the sign of `k - c y^2`; so it
-    /// needs no r, n, p and no sign rule.
+    /// `a x y = k - c y^2` [Su09 eq. 5] with x = cos, y = sin has the roots [eq. 6]. With a >= 0
+    /// the root near zero, as [sec. 2.3] writes it, has x and y in the ratio of `a + sqrt(g)` to `2
+    /// k`, and k has the sign of `k - c y^2`; so it needs no r, n, p and no sign rule.
     fn turn_to_energy(&self, k: f64) -> Option<Turn> {
         let g = self.a * self.a + 4.0 * k * (self.c - k);
         (g >= 0.0).then(|| Turn { axis: self.axis, cosine: self.a + g.sqrt(), sine: 2.0 * k })
     }
 
-    /// To the lowest energy on the circle if `k > 0`, else to the highest: half of the way that the phase `atan2(a, c)`
-    /// of the cosine in [Su09 eq. 3] has to go, by the half-angle formula that does not cancel. Nowhere if all
-    /// energies are equal.
+    /// To the lowest energy on the circle if `k > 0`, else to the highest: half of the way that the
+    /// phase `atan2(a, c)` of the cosine in [Su09 eq. 3] has to go, by the half-angle formula that
+    /// does not cancel. Nowhere if all energies are equal.
     fn turn_to_extremum(&self, k: f64) -> Turn {
         let r = (self.a * self.a + self.c * self.c).sqrt();
         if r == 0.0 {
@@ -259,7 +265,8 @@ mod tests {
         }
     }
 
-    /// Our ratio of sine to cosine is that of [Su09 eq. 6] and of [sec. 2.3], and satisfies [eq. 4].
+    /// Our ratio of sine to cosine is that of [Su09 eq. 6] and of [sec. 2.3], and satisfies [eq.
+    /// 4].
     #[test]
     fn turn_agrees_with_the_printed_formulas() {
         let inertia = Inertia::new(1.0, MOMENTS);
@@ -279,7 +286,8 @@ mod tests {
                 );
                 checked += 1;
 
-                // Direct use of eq. 6 with the signs of sec. 2.2: p_b = -sgn(a), p_c = 1, p_s = sgn(k - c y^2).
+                // Direct use of eq. 6 with the signs of sec. 2.2: p_b = -sgn(a), p_c = 1, p_s =
+                // sgn(k - c y^2).
                 let (r, n) = (a.hypot(c), c - 2.0 * k);
                 let q = a * (r * r - n * n).sqrt();
                 let y_squared = (r * r - c * n - q) / (2.0 * r * r);
@@ -336,7 +344,8 @@ mod tests {
         assert!((relative_error + 0.25).abs() < 1e-15);
     }
 
-    /// Other units of mass, length and time give the same orientation, to the bit where they are powers of two.
+    /// Other units of mass, length and time give the same orientation, to the bit where they are
+    /// powers of two.
     #[test]
     fn units_do_not_matter() {
         for (orientation, momentum) in samples() {

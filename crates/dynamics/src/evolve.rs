@@ -7,7 +7,8 @@ use crate::vector::Turn;
 use crate::{Bodies, Frame, Motion, Pose, Rotation, Velocity, rotation, threads};
 use glam::{DQuat, DVec3};
 
-/// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09 sec. 2].
+/// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09
+/// sec. 2].
 pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame: &Frame) -> Pose {
     match bodies.motions[i] {
         Motion::Static => *pose,

@@ -1,9 +1,10 @@
 //! Torque-free rotation in closed form, at the cost of a second-order step.
 //!
-//! In the body frame the unit vector l along L runs around a closed curve, the polhode, as Jacobi's elliptic functions
-//! of time [Landau & Lifshitz, Mechanics, sec. 37]. Where it stands on the curve is known, so their addition theorem
-//! carries it on and no integral has to be inverted. All constants of the curve are written as sums of terms of one
-//! sign, so near-symmetric bodies and near-steady spins cost no digits.
+//! In the body frame the unit vector l along L runs around a closed curve, the polhode, as Jacobi's
+//! elliptic functions of time [Landau & Lifshitz, Mechanics, sec. 37]. Where it stands on the curve
+//! is known, so their addition theorem carries it on and no integral has to be inverted. All
+//! constants of the curve are written as sums of terms of one sign, so near-symmetric bodies and
+//! near-steady spins cost no digits.
 
 use crate::Inertia;
 use crate::jacobi::{Series, arithmetic_geometric_mean};
@@ -15,16 +16,17 @@ use std::f64::consts::PI;
 /// A turn [rad] that leaves a quaternion as it is.
 const NO_TURN: f64 = 1e-20;
 
-/// A turn [rad] up to which the series in time is exact to rounding: its next term, of fifth order, is below 1e-16.
+/// A turn [rad] up to which the series in time is exact to rounding: its next term, of fifth order,
+/// is below 1e-16.
 pub(crate) const SLOW: f64 = 1e-3;
 
 /// Angular momentum [kg m^2/s] whose square is too small for its length to be precise.
 const NO_MOMENTUM: f64 = 1e-140;
 
-/// Rotates `orientation` (`world_from_body`) over `dt` [s], of either sign, without torque. `angular_momentum` L is in
-/// the world frame [kg m^2/s]; it is an input only, and the kinetic energy is kept to round-off. The error in angle is
-/// round-off times the rotation angle, unless the spin is so near the intermediate axis that the motion itself
-/// magnifies it.
+/// Rotates `orientation` (`world_from_body`) over `dt` [s], of either sign, without torque.
+/// `angular_momentum` L is in the world frame [kg m^2/s]; it is an input only, and the kinetic
+/// energy is kept to round-off. The error in angle is round-off times the rotation angle, unless
+/// the spin is so near the intermediate axis that the motion itself magnifies it.
 pub fn rotate_exact(
     orientation: DQuat,
     angular_momentum: DVec3,
@@ -48,14 +50,15 @@ pub fn rotate_exact(
     let (axes, start) = circulation_axes(direction, rates);
     let (end, phase) = Polhode::new(start, axes.relabel(rates)).follow(start, angle);
 
-    // L is at rest in the world, and the body turns about it: undo the tilt to l at the end, turn, and redo the
-    // tilt to l at the start.
+    // L is at rest in the world, and the body turns about it: undo the tilt to l at the end, turn,
+    // and redo the tilt to l at the start.
     let turn_body = axes.restore(tilt_turn_tilt(start, phase, end));
     settle((orientation * turn_body).into(), direction_world, direction, rates).into()
 }
 
-/// Rotates within an `angle` below [`SLOW`] in units of the fastest principal axis' rate, as [`rotate_exact`] does. `direction_world` is that
-/// of L, `rates` are those of the principal axes, relative to the fastest.
+/// Rotates within an `angle` below [`SLOW`] in units of the fastest principal axis' rate, as
+/// [`rotate_exact`] does. `direction_world` is that of L, `rates` are those of the principal axes,
+/// relative to the fastest.
 #[inline(always)]
 pub(crate) fn rotate_slowly<V: Vector>(
     orientation: Turn<V>,
@@ -67,8 +70,9 @@ pub(crate) fn rotate_slowly<V: Vector>(
     settle(orientation.after(turn_body), direction_world, direction, rates)
 }
 
-/// Rotates bodies side by side over `dt` [s], which is not negative, each as [`rotate_exact`] does, that turn slowly: which these are. `inverse_moments` are the principal ones, of which
-/// `fastest` is the largest.
+/// Rotates bodies side by side over `dt` [s], which is not negative, each as [`rotate_exact`] does,
+/// that turn slowly: which these are. `inverse_moments` are the principal ones, of which `fastest`
+/// is the largest.
 #[inline(always)]
 pub(crate) fn rotate_slow_ones<I: Instructions>(
     orientation: Turn<Lanes3<I>>,
@@ -89,7 +93,8 @@ pub(crate) fn rotate_slow_ones<I: Instructions>(
     (Turn { vector, scalar: goes.select(turned.scalar, orientation.scalar) }, is_slow)
 }
 
-/// The turn within `angle`, in the body frame: the logarithm of the rotation to fourth order in time [Mag54].
+/// The turn within `angle`, in the body frame: the logarithm of the rotation to fourth order in
+/// time [Mag54].
 #[inline(always)]
 fn turn_slowly<V: Vector>(l: V, rates: V, angle: V::Number) -> Turn<V> {
     // Derivatives of l and of omega in the body frame, where l' = l x omega.
@@ -133,7 +138,8 @@ impl Axes {
     }
 }
 
-/// Axes in which l circulates about the third with z >= 0 and the second is the intermediate one; and l in them.
+/// Axes in which l circulates about the third with z >= 0 and the second is the intermediate one;
+/// and l in them.
 #[inline]
 fn circulation_axes(direction: DVec3, rates: DVec3) -> (Axes, DVec3) {
     // By rising rate; a table has no branches to mispredict.
@@ -148,7 +154,8 @@ fn circulation_axes(direction: DVec3, rates: DVec3) -> (Axes, DVec3) {
     };
     let middle = 3 - low - high;
 
-    // The separatrix through the intermediate axis tells about which of the outer axes it circulates.
+    // The separatrix through the intermediate axis tells about which of the outer axes it
+    // circulates.
     let about_high = l[high] * l[high] * (rate[high] - rate[middle])
         >= l[low] * l[low] * (rate[middle] - rate[low]);
     let order = if about_high { [low, middle, high] } else { [high, middle, low] };
@@ -160,10 +167,12 @@ fn circulation_axes(direction: DVec3, rates: DVec3) -> (Axes, DVec3) {
     (axes, start)
 }
 
-/// The curve of l in [`circulation_axes`]: x, y and z go as cn, sn and dn of `sqrt(rate_squared)` times time.
+/// The curve of l in [`circulation_axes`]: x, y and z go as cn, sn and dn of `sqrt(rate_squared)`
+/// times time.
 struct Polhode {
     rates: DVec3,
-    /// Differences of the rates: first and second, second and third, first and third; all of one sign, here positive.
+    /// Differences of the rates: first and second, second and third, first and third; all of one
+    /// sign, here positive.
     differences: [f64; 3],
     /// -1 where the first rate is the lowest: time runs backwards along the curve.
     sense: f64,
@@ -198,7 +207,8 @@ impl Polhode {
         }
     }
 
-    /// Where l is after `angle`, and by which angle the body has then turned about L, beyond the tilts [rad].
+    /// Where l is after `angle`, and by which angle the body has then turned about L, beyond the
+    /// tilts [rad].
     #[inline]
     fn follow(&self, l: DVec3, angle: f64) -> (DVec3, f64) {
         let advance_squared = self.rate_squared * angle * angle;
@@ -212,10 +222,11 @@ impl Polhode {
         }
     }
 
-    /// Takes whole periods out: dn has the period 2 K >= pi, over which cn and sn change sign, and each period turns as
-    /// far as the other.
+    /// Takes whole periods out: dn has the period 2 K >= pi, over which cn and sn change sign, and
+    /// each period turns as far as the other.
     fn follow_periods(&self, l: DVec3, angle: f64) -> (DVec3, f64) {
-        // On the separatrix itself the period is infinite; taken as 1e-150 off it, it is some 700 of u.
+        // On the separatrix itself the period is infinite; taken as 1e-150 off it, it is some 700
+        // of u.
         let rate = self.rate_squared.sqrt();
         let period = PI
             / arithmetic_geometric_mean(rate, self.complement.max(0.0).sqrt().max(1e-150 * rate));
@@ -251,7 +262,8 @@ impl Polhode {
         (at, angle * rates / parts)
     }
 
-    /// Where l is after twice `half`; and the mean rate at which the body turns about L in between the tilts.
+    /// Where l is after twice `half`; and the mean rate at which the body turns about L in between
+    /// the tilts.
     #[inline]
     fn part<const TERMS: usize, const N: usize>(
         &self,
@@ -259,8 +271,9 @@ impl Polhode {
         half: f64,
         rule: &[(f64, f64); N],
     ) -> (DVec3, f64) {
-        // The addition theorem [A&S 16.17] for l itself, with sn, cn and dn as `t / n`, `c / n` and `d / n`; the
-        // amplitudes of l cancel. For so short a time nothing else does but where a component changes sign.
+        // The addition theorem [A&S 16.17] for l itself, with sn, cn and dn as `t / n`, `c / n` and
+        // `d / n`; the amplitudes of l cancel. For so short a time nothing else does but where a
+        // component changes sign.
         let [ab, bc, ac] = self.differences;
         let (t, t_squared) = (self.sense * half, half * half);
         let n_squared = self.series.at::<TERMS>(t_squared);
@@ -282,8 +295,8 @@ impl Polhode {
         (advance(middle), self.mean_rate::<TERMS, N>(middle, t_squared, rule))
     }
 
-    /// Mean over a time on both sides of `middle` of `(energy + rates.z z) / (1 + z)`, by Gauss's quadrature. Its poles
-    /// are at least pi/2 off the real axis of u.
+    /// Mean over a time on both sides of `middle` of `(energy + rates.z z) / (1 + z)`, by Gauss's
+    /// quadrature. Its poles are at least pi/2 off the real axis of u.
     #[inline]
     fn mean_rate<const TERMS: usize, const N: usize>(
         &self,
@@ -296,8 +309,8 @@ impl Polhode {
         let scale_gain = ac * bc * (middle.z * middle.z) - self.rate_squared;
         let mut mean = 0.0;
         for (node_squared, weight) in rule {
-            // As in `part`, at both times +-t: z = (even -+ odd) / scale, and the mean of the two rates needs odd only
-            // squared.
+            // As in `part`, at both times +-t: z = (even -+ odd) / scale, and the mean of the two
+            // rates needs odd only squared.
             let t_squared = node_squared * half_squared;
             let n_squared = self.series.at::<TERMS>(t_squared);
             let scale = n_squared + scale_gain * t_squared;
@@ -312,8 +325,9 @@ impl Polhode {
     }
 }
 
-/// `tilt(start) R(phase) tilt(end)^-1` in the axes of [`circulation_axes`]. R turns about the third axis; `tilt(l)`, along
-/// (w, x, y, z) = (1 + l.z, -l.y, l.x, 0), is the shortest rotation from that axis to l. As l.z >= 0, neither is singular.
+/// `tilt(start) R(phase) tilt(end)^-1` in the axes of [`circulation_axes`]. R turns about the third
+/// axis; `tilt(l)`, along (w, x, y, z) = (1 + l.z, -l.y, l.x, 0), is the shortest rotation from
+/// that axis to l. As l.z >= 0, neither is singular.
 #[inline]
 fn tilt_turn_tilt(start: DVec3, phase: f64, end: DVec3) -> DQuat {
     let (sine, cosine) = libm::sincos(0.5 * phase);
@@ -330,17 +344,19 @@ fn tilt_turn_tilt(start: DVec3, phase: f64, end: DVec3) -> DQuat {
     )
 }
 
-/// Turns from within rounding of the energy at the start to within less, on average, and normalises what nearly is so.
-/// The constants of a polhode are rounded alike in every step, which would add up. `start` is the direction of L at the
-/// start, body frame.
+/// Turns from within rounding of the energy at the start to within less, on average, and normalises
+/// what nearly is so. The constants of a polhode are rounded alike in every step, which would add
+/// up. `start` is the direction of L at the start, body frame.
 #[inline(always)]
 fn settle<V: Vector>(orientation: Turn<V>, direction_world: V, start: V, rates: V) -> Turn<V> {
     let of = V::Number::of;
     let end = orientation.back().turn(direction_world);
-    // The squares change by as much together as apart, so any one rate may be taken off all of them.
+    // The squares change by as much together as apart, so any one rate may be taken off all of
+    // them.
     let energy = rates.dot(end.times(end));
     let gain = rates.less(energy).times(end - start).dot(end + start);
-    // About L x omega, where the energy changes fastest; by no more than rounding where it hardly does.
+    // About L x omega, where the energy changes fastest; by no more than rounding where it hardly
+    // does.
     let axis = end.cross(rates.times(end));
     let half_turn = axis * (of(0.25) * gain / (axis.dot(axis) + of(1e-5) * energy * energy));
     let Turn { vector, scalar } = orientation;
@@ -354,8 +370,8 @@ fn settle<V: Vector>(orientation: Turn<V>, direction_world: V, start: V, rates: 
     }
 }
 
-/// Squares of the positive nodes on [-1, 1], and weights of the mean of both signs, of Gauss's rules
-/// [A&S table 25.4].
+/// Squares of the positive nodes on [-1, 1], and weights of the mean of both signs, of Gauss's
+/// rules [A&S table 25.4].
 const GAUSS_6: [(f64, f64); 3] = [
     (square(0.238_619_186_083_196_9), 0.467_913_934_572_691_04),
     (square(0.661_209_386_466_264_5), 0.360_761_573_048_138_6),

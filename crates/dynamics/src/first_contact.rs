@@ -1,15 +1,17 @@
-//! Where two bodies first touched on their way through a frame: where a fracture is centred [Su09 sec. 4.1].
+//! Where two bodies first touched on their way through a frame: where a fracture is centred [Su09
+//! sec. 4.1].
 //!
-//! Collisions are found with samples at the predicted poses, where a fast body may be deep inside another and the deepest
-//! sample lies beside the line of impact. The first touch on the way there, looked for along the surface, is the point that
-//! the eye sees.
+//! Collisions are found with samples at the predicted poses, where a fast body may be deep inside
+//! another and the deepest sample lies beside the line of impact. The first touch on the way there,
+//! looked for along the surface, is the point that the eye sees.
 
 use crate::detection::{ContactPoint, NearSamples, Placed, contact_point, overlap};
 use crate::pair::{Pair, placed};
 use crate::{Bodies, Pose};
 use glam::DVec3;
 
-/// Parts of the way that are looked at one after the other, so that a body that passes through another is found.
+/// Parts of the way that are looked at one after the other, so that a body that passes through
+/// another is found.
 const PARTS: u32 = 16;
 
 /// Halvings of the part in which they first touch: to 1/65536 of the way.
@@ -18,11 +20,12 @@ const HALVINGS: u32 = 12;
 /// Steps along the surface; each is taken, or halves the next.
 const SLIDES: u32 = 60;
 
-/// First step along the surface, relative to the size of the smaller body: about the distance between its samples.
+/// First step along the surface, relative to the size of the smaller body: about the distance
+/// between its samples.
 const FIRST_SLIDE: f64 = 0.1;
 
-/// The point and the normal of the first touch, with the poses of the pair's bodies then; `None` if they touch already at
-/// the frame's start, or nowhere on the way.
+/// The point and the normal of the first touch, with the poses of the pair's bodies then; `None` if
+/// they touch already at the frame's start, or nowhere on the way.
 pub fn first_contact(
     bodies: &Bodies,
     pair: Pair,
@@ -75,7 +78,8 @@ pub fn first_contact(
     Some((ContactPoint { point, normal }, poses))
 }
 
-/// The point of `body`'s surface, near `point`, that is deepest in `other`: steepest descent along the surface.
+/// The point of `body`'s surface, near `point`, that is deepest in `other`: steepest descent along
+/// the surface.
 fn slide_inwards(body: Placed, other: Placed, mut point: DVec3) -> DVec3 {
     let size = |shape: &frangible_geometry::Shape| (shape.bounds.1 - shape.bounds.0).length();
     let mut step = FIRST_SLIDE * size(body.shape).min(size(other.shape));
@@ -122,7 +126,8 @@ mod tests {
         });
     }
 
-    /// A ball on its way through a wall first touches it on the line of its centre, however coarse the samples.
+    /// A ball on its way through a wall first touches it on the line of its centre, however coarse
+    /// the samples.
     #[test]
     fn a_ball_touches_a_wall_on_the_line_of_its_centre() {
         for (y, z) in [(0.5, 1.5), (-0.5, 0.25), (-1.03, -2.07), (0.111, 0.0)] {

@@ -1,4 +1,5 @@
-//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or edges across edges [Gregorius13].
+//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
+//! edges across edges [Gregorius13].
 
 mod approach;
 mod axis;
@@ -19,7 +20,8 @@ use glam::DVec3;
 use nearest::{between_edges, nearest_points};
 pub(crate) use reduce::{FEW_POINTS, reduce};
 
-/// What meets at a point of two hulls. The same features have the same name whichever hull's face is the reference.
+/// What meets at a point of two hulls. The same features have the same name whichever hull's face
+/// is the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Feature {
     VertexOfFirst(u32),
@@ -63,13 +65,15 @@ pub(crate) struct HullPoint {
 /// How two hulls meet, in the first one's frame; their points are in a [`Room`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
-    /// Unit, from the second to the first: that of their points. If they are apart, they are by at least `gap` along it.
+    /// Unit, from the second to the first: that of their points. If they are apart, they are by at
+    /// least `gap` along it.
     pub(crate) normal: DVec3,
     /// Along the best axis [m]; negative if they overlap.
     pub(crate) gap: f64,
 }
 
-/// Room for what is found on the way to a pair's points, used again from pair to pair; nothing in it lasts.
+/// Room for what is found on the way to a pair's points, used again from pair to pair; nothing in
+/// it lasts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Room {
     /// The points where two hulls meet.
@@ -83,19 +87,20 @@ pub(crate) struct Room {
     ridge_columns: Vec<RidgeColumns>,
 }
 
-/// How much better an axis must be than the one before it in the order of preference, relative to the size of the smaller hull: what
-/// rests does not change its features for less.
+/// How much better an axis must be than the one before it in the order of preference, relative to
+/// the size of the smaller hull: what rests does not change its features for less.
 pub(crate) const PREFERENCE: f64 = 5e-4;
 
-/// Where two hulls overlap, by so much of that edges must overlap less than the face that they lie on [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one
+/// Where two hulls overlap, by so much of that edges must overlap less than the face that they lie
+/// on [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one
 /// pair of edges, about which it turns, it would never come to rest.
 const DEEP_PREFERENCE: f64 = 0.3;
 
 /// Cosine of the angle by which a face may have turned since it was found.
 const SAME_FACE: f64 = 0.99;
 
-/// Overlap, relative to the size of the smaller hull, up to which the face that they touched with goes on to serve, even if an axis may
-/// separate them better: so shallow, they part along any.
+/// Overlap, relative to the size of the smaller hull, up to which the face that they touched with
+/// goes on to serve, even if an axis may separate them better: so shallow, they part along any.
 const SHALLOW: f64 = 1e-2;
 
 /// Two hulls where they are.
@@ -112,7 +117,8 @@ pub(crate) struct HullPair<'a> {
 }
 
 impl<'a> HullPair<'a> {
-    /// The smaller one is of `size` [m]; their faces and vertices are looked at with instructions of this width.
+    /// The smaller one is of `size` [m]; their faces and vertices are looked at with instructions
+    /// of this width.
     pub(crate) fn new(
         hulls: [&'a Hull; 2],
         first_from_second: &RigidTransform,
@@ -138,7 +144,8 @@ impl<'a> HullPair<'a> {
         ]
     }
 
-    /// The faces of each hull that the other is furthest away from; if that is more than `most` [m], how far they are apart at least.
+    /// The faces of each hull that the other is furthest away from; if that is more than `most`
+    /// [m], how far they are apart at least.
     fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
         let of_first = face_axis(self, 0);
         if of_first.separation > most {
@@ -162,15 +169,17 @@ impl<'a> HullPair<'a> {
         }
     }
 
-    /// Signed distance along the axis that separates them best [m]; infinite if that is more than `most` [m].
+    /// Signed distance along the axis that separates them best [m]; infinite if that is more than
+    /// `most` [m].
     pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
         let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
         let contact = self.contact(&axes, most, room);
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
     }
 
-    /// How the two meet on the face whose normal is nearly this one, given as in [`HullPoint::normal`], if there is one and they overlap little,
-    /// or no axis separates them clearly better. So what keeps its face is spared the search for it.
+    /// How the two meet on the face whose normal is nearly this one, given as in
+    /// [`HullPoint::normal`], if there is one and they overlap little, or no axis separates them
+    /// clearly better. So what keeps its face is spared the search for it.
     fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
         // The face of each that looks most along it, and the better of the two.
         let along = |side: usize, direction: DVec3| {
@@ -191,7 +200,8 @@ impl<'a> HullPair<'a> {
         let axis = FaceAxis::of_face(self, side, face, vertex);
         self.face_points(&[axis, axis], is_of_first, room);
         let normal = room.points.first()?.normal;
-        // With its deepest point over the face: beside it they may be apart, and about to meet elsewhere.
+        // With its deepest point over the face: beside it they may be apart, and about to meet
+        // elsewhere.
         let is_deepest = |point: &HullPoint| point.gap <= axis.separation + self.close;
         let is_shallow = axis.separation <= 0.0
             && axis.separation >= -SHALLOW * self.size
@@ -201,9 +211,11 @@ impl<'a> HullPair<'a> {
         holds.then_some(HullContact { normal, gap: axis.separation })
     }
 
-    /// How the two meet, given the best face of each, with their points in `room`; `None` if they are more than `most` [m] apart.
+    /// How the two meet, given the best face of each, with their points in `room`; `None` if they
+    /// are more than `most` [m] apart.
     fn contact(&self, axes: &[FaceAxis; 2], most: f64, room: &mut Room) -> Option<HullContact> {
-        // The first one's face, unless the second's is clearly better. A face that does not lie over the other hull is none.
+        // The first one's face, unless the second's is clearly better. A face that does not lie
+        // over the other hull is none.
         let face = axes[0].separation.max(axes[1].separation);
         let prefer_first = axes[1].separation <= axes[0].separation + self.close;
         let mut is_preferred = true;
@@ -219,7 +231,8 @@ impl<'a> HullPair<'a> {
             return Some(HullContact { normal: point.normal, gap: face });
         }
 
-        // Edges, if they are better than faces, and clearly better than one that lies over the other hull.
+        // Edges, if they are better than faces, and clearly better than one that lies over the
+        // other hull.
         let within = self.furthest(axes, most, &room.points);
         gather_ridges(self, axes, within, room);
         let of_edges = edge_axis(self, room);
@@ -232,7 +245,8 @@ impl<'a> HullPair<'a> {
         if let Some(point) = on_edges
             && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
         {
-            // What is over a face meets it when they turn about the edges; where these cross, there is one point.
+            // What is over a face meets it when they turn about the edges; where these cross, there
+            // is one point.
             room.points
                 .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
             room.points.push(point);
@@ -280,13 +294,15 @@ impl<'a> HullPair<'a> {
         }
     }
 
-    /// Whether points over a face show that no axis separates the hulls clearly better than the faces, which do by `face`, that is by more than `clearly` [m].
+    /// Whether points over a face show that no axis separates the hulls clearly better than the
+    /// faces, which do by `face`, that is by more than `clearly` [m].
     fn is_least(&self, (face, clearly): (f64, f64), points: &[HullPoint]) -> bool {
         // Nothing is further apart than two of its points.
         if face >= -self.close {
             return points.iter().any(|point| point.gap <= face + clearly);
         }
-        // What overlaps by less than the width of a ball that is inside of both overlaps by no less along any axis.
+        // What overlaps by less than the width of a ball that is inside of both overlaps by no less
+        // along any axis.
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for point in points.iter().filter(|point| point.gap <= 0.0) {
             sum += 0.5 * (point.on[0] + point.on[1]);
@@ -303,12 +319,14 @@ impl<'a> HullPair<'a> {
         -2.0 * inside(0).min(inside(1)) <= face + clearly
     }
 
-    /// By how much two hulls must be further apart along another axis, to leave a face on which they are so far apart [m].
+    /// By how much two hulls must be further apart along another axis, to leave a face on which
+    /// they are so far apart [m].
     fn clearly(&self, separation: f64) -> f64 {
         self.close + DEEP_PREFERENCE * (-separation).max(0.0)
     }
 
-    /// A distance that edges must come within if they are nearest, or overlap less than the faces do [m].
+    /// A distance that edges must come within if they are nearest, or overlap less than the faces
+    /// do [m].
     fn furthest(&self, axes: &[FaceAxis; 2], most: f64, points: &[HullPoint]) -> f64 {
         let [of_first, of_second] = axes;
         let [first, second] = self.hulls;

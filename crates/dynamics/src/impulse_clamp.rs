@@ -46,13 +46,15 @@ impl Clamp {
     }
 }
 
-/// An energy-neutral fraction this near to 1 is 1 up to rounding, as every elastic impulse without friction has it.
+/// An energy-neutral fraction this near to 1 is 1 up to rounding, as every elastic impulse without
+/// friction has it.
 const WHOLE: f64 = 1.0 - 1e-13;
 
-/// How much of the two bodies' impulses leaves the kinetic energy of the pair in the non-split state no higher than it is.
+/// How much of the two bodies' impulses leaves the kinetic energy of the pair in the non-split
+/// state no higher than it is.
 ///
-/// Against a kinematic body the energy is that in the frame that moves with the body's point, so that a lift can lift.
-/// Nothing is to be scaled between two prescribed bodies: `Whole`.
+/// Against a kinematic body the energy is that in the frame that moves with the body's point, so
+/// that a lift can lift. Nothing is to be scaled between two prescribed bodies: `Whole`.
 pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
     let (slope, curvature) = pair_energy_change(a, b);
     if curvature == 0.0 {
@@ -76,7 +78,8 @@ pub fn energy_given(a: &ClampSide, b: &ClampSide) -> f64 {
     slope + 0.5 * curvature
 }
 
-/// The change of the pair's energy is  slope eps + curvature eps^2 / 2  if a fraction eps of its impulses acts [J].
+/// The change of the pair's energy is  slope eps + curvature eps^2 / 2  if a fraction eps of its
+/// impulses acts [J].
 fn pair_energy_change(a: &ClampSide, b: &ClampSide) -> (f64, f64) {
     let frame_velocity = |other: &ClampSide| match other {
         ClampSide::Dynamic { .. } => DVec3::ZERO,
@@ -87,13 +90,14 @@ fn pair_energy_change(a: &ClampSide, b: &ClampSide) -> (f64, f64) {
     (slope_a + slope_b, curvature_a + curvature_b)
 }
 
-/// First and second derivative of a body's kinetic energy with respect to the fraction of the impulse that acts, at
-/// fraction zero [J].
+/// First and second derivative of a body's kinetic energy with respect to the fraction of the
+/// impulse that acts, at fraction zero [J].
 fn energy_change(side: &ClampSide, frame_velocity: DVec3) -> (f64, f64) {
     let ClampSide::Dynamic { inertia, orientation, velocity, impulse } = side else {
         return (0.0, 0.0);
     };
-    // Rotation, in the body frame: there a thin body's energy does not drown in the rounding of its tensor.
+    // Rotation, in the body frame: there a thin body's energy does not drown in the rounding of its
+    // tensor.
     let body_from_world = orientation.conjugate();
     let angular_impulse = body_from_world * impulse.angular;
     let angular_answer = inertia.inverse_moments * angular_impulse;

@@ -1,5 +1,5 @@
-//! The instruction sets that [`Lanes`](crate::lanes::Lanes) are computed with. All of them add, multiply, divide and take roots as
-//! IEEE 754 says, and none contracts, so all give the same bits.
+//! The instruction sets that [`Lanes`](crate::lanes::Lanes) are computed with. All of them add,
+//! multiply, divide and take roots as IEEE 754 says, and none contracts, so all give the same bits.
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "the compiler does not turn these loops into vectors by itself")]
@@ -17,7 +17,8 @@ impl Numbers {
     pub(crate) const ZERO: Self = Self([0.0; LANES]);
 }
 
-/// A number in each lane in single precision: half the room, and half the work where registers hold no more than eight of them.
+/// A number in each lane in single precision: half the room, and half the work where registers hold
+/// no more than eight of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub(crate) struct Singles(pub(crate) [f32; LANES]);
@@ -55,7 +56,8 @@ pub(crate) trait Instructions:
     fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
     /// Asks for what will be needed soon; changes nothing.
     fn prefetch<T>(soon: &[T]);
-    /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine must have them.
+    /// Runs a kernel with these instructions. Only for what [`available`] has named: the machine
+    /// must have them.
     fn run(kernel: impl FnOnce());
 }
 

@@ -3,10 +3,12 @@
 use crate::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
-/// Groups of bodies, united link by link. A living body's node is its dense index; those that are gone follow.
+/// Groups of bodies, united link by link. A living body's node is its dense index; those that are
+/// gone follow.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Islands {
-    /// Of each node, another one of its island; its own if it stands for the island, [`NONE`] if it is in none.
+    /// Of each node, another one of its island; its own if it stands for the island, [`NONE`] if it
+    /// is in none.
     parent: Vec<u32>,
     gone: BTreeMap<BodyId, u32>,
     number: Vec<u32>,
@@ -49,7 +51,8 @@ impl Islands {
         *parent = if *parent == NONE { node } else { *parent };
     }
 
-    /// The members of each island, in order of their smallest node; bodies that were never linked are not listed.
+    /// The members of each island, in order of their smallest node; bodies that were never linked
+    /// are not listed.
     pub(crate) fn members(&mut self, bodies: &Bodies) -> Vec<Vec<BodyId>> {
         let mut gone = vec![BodyId { index: 0, generation: 0 }; self.gone.len()];
         for (&id, &node) in &self.gone {

@@ -1,9 +1,9 @@
-//! Jacobi's elliptic functions over a short time, for any parameter m in [0, 1] without loss of digits
-//! [Abramowitz & Stegun, ch. 16 to 18].
+//! Jacobi's elliptic functions over a short time, for any parameter m in [0, 1] without loss of
+//! digits [Abramowitz & Stegun, ch. 16 to 18].
 
-/// The series of `(rate t)^2 ns^2(rate t)`, with ns = 1/sn, in terms of `rate^2` and `m rate^2`; so neither a small rate
-/// nor an m near 0 or 1 is a special case. With it the functions are, up to signs, `sn^2 = (rate t)^2 / series`,
-/// `cn^2 = 1 - sn^2` and `dn^2 = 1 - m sn^2`.
+/// The series of `(rate t)^2 ns^2(rate t)`, with ns = 1/sn, in terms of `rate^2` and `m rate^2`; so
+/// neither a small rate nor an m near 0 or 1 is a special case. With it the functions are, up to
+/// signs, `sn^2 = (rate t)^2 / series`, `cn^2 = 1 - sn^2` and `dn^2 = 1 - m sn^2`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Series {
     coefficients: [f64; 9],
@@ -17,8 +17,9 @@ impl Series {
     /// From `rate^2` and `m rate^2`, the latter no more than the former.
     #[inline]
     pub(crate) fn new(a: f64, b: f64) -> Self {
-        // rate^2 ns^2 is Weierstrass's function plus (a + b)/3, with g2 = 20 c2, g3 = 28 c3 and
-        // c_k = 3 / ((2k + 1)(k - 3)) sum c_j c_{k-j} [A&S 18.5.2, 18.5.3, 18.9]. Its series converges for
+        // rate^2 ns^2 is Weierstrass's function plus (a + b)/3, with g2 = 20 c2, g3 = 28 c3 and c_k
+        // = 3 / ((2k + 1)(k - 3)) sum c_j c_{k-j} [A&S 18.5.2, 18.5.3, 18.9]. Its series converges
+        // for
         // |rate t| < pi, twice as far as that of sn.
         let c2 = (a * a - a * b + b * b) * (1.0 / 15.0);
         let c3 = (a + b) * (2.0 * a - b) * (a - 2.0 * b) * (1.0 / 189.0);
@@ -39,8 +40,8 @@ impl Series {
     }
 }
 
-/// Arithmetic-geometric mean of a and b, `a >= b > 0`: the quarter period is `K = pi / (2 agm(1, sqrt(1 - m)))`
-/// [A&S 17.6].
+/// Arithmetic-geometric mean of a and b, `a >= b > 0`: the quarter period is `K = pi / (2 agm(1,
+/// sqrt(1 - m)))` [A&S 17.6].
 pub(crate) fn arithmetic_geometric_mean(mut a: f64, mut b: f64) -> f64 {
     while a - b > 1e-8 * a {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
@@ -87,7 +88,8 @@ mod tests {
         (0.9, 0.4, 0.380_891_762_070_405),
     ];
 
-    /// K(0) = pi/2, K(1/2) = Gamma(1/4)^2 / (4 sqrt(pi)) [A&S 17.3], K = ln(4 / sqrt(1 - m)) as m goes to 1.
+    /// K(0) = pi/2, K(1/2) = Gamma(1/4)^2 / (4 sqrt(pi)) [A&S 17.3], K = ln(4 / sqrt(1 - m)) as m
+    /// goes to 1.
     #[test]
     fn quarter_period_meets_its_closed_forms() {
         let lemniscate = libm::tgamma(0.25).powi(2) / (4.0 * std::f64::consts::PI.sqrt());

@@ -1,5 +1,6 @@
-//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against each other since its points were found
-//! keeps them, and what was further apart than it can have come since is still apart.
+//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against
+//! each other since its points were found keeps them, and what was further apart than it can have
+//! come since is still apart.
 
 mod ahead;
 mod passing;
@@ -27,7 +28,8 @@ const STEADY: f64 = 0.03;
 /// jams goes on to part only along an axis that is the best one now.
 const DEEP: f64 = 0.1;
 
-/// How much further than the reach points are looked for, relative to it, so that they can be kept while it varies.
+/// How much further than the reach points are looked for, relative to it, so that they can be kept
+/// while it varies.
 const MARGIN: f64 = 0.2;
 
 /// The pairs of the last frame, in the order of their bodies' births.
@@ -87,8 +89,8 @@ struct KeptPoint {
 }
 
 impl KeptPairs {
-    /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which is increasing. Points that are in
-    /// `warm` carried in the last frame.
+    /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which
+    /// is increasing. Points that are in `warm` carried in the last frame.
     pub fn find_manifolds(
         &mut self,
         bodies: &Bodies,
@@ -123,7 +125,8 @@ impl KeptPairs {
         &mut self.found
     }
 
-    /// Follows all bodies to where they are now. Returns where those of the last frame are among them.
+    /// Follows all bodies to where they are now. Returns where those of the last frame are among
+    /// them.
     fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
         let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
         let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
@@ -138,7 +141,8 @@ impl KeptPairs {
     }
 }
 
-/// What is known of a pair from the last frame, and from when on its ways count if that still holds.
+/// What is known of a pair from the last frame, and from when on its ways count if that still
+/// holds.
 struct Look<'a> {
     pair: Pair,
     known: Option<(&'a KeptPair, &'a [KeptPoint])>,
@@ -220,7 +224,8 @@ impl Share<'_> {
         self.ways[pair.first].length + self.ways[pair.second].length
     }
 
-    /// If the points of a pair are still its points, and nothing else has come within reach: from when on its ways count.
+    /// If the points of a pair are still its points, and nothing else has come within reach: from
+    /// when on its ways count.
     #[inline]
     fn still_holds(
         &self,

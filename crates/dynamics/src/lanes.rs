@@ -1,4 +1,5 @@
-//! Several numbers at a time. No lane sees another, so it does not matter how many of them the machine does at once.
+//! Several numbers at a time. No lane sees another, so it does not matter how many of them the
+//! machine does at once.
 
 pub(crate) use crate::instructions::{Instructions, Numbers, Singles};
 use crate::vector::Number;
@@ -14,7 +15,8 @@ pub(crate) const LANES: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<I>(Numbers, PhantomData<I>);
 
-/// A number in each lane in single precision: what contact is computed with, and kept in, that has no sum to keep exact.
+/// A number in each lane in single precision: what contact is computed with, and kept in, that has
+/// no sum to keep exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Single<I>(Singles, PhantomData<I>);
 

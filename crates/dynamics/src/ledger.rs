@@ -1,11 +1,14 @@
-//! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus the work done on it.
+//! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus
+//! the work done on it.
 //!
-//! Whatever contact, position correction and shock propagation did, the island's energy E' is compared with what it may have: its
-//! energy at the frame's start, the work of kinematic bodies, and what is left in its bank. Contacts whose light bodies would be flung by what they gave are
-//! restrained in any case; those that gave too much pay it back first; what is left is taken from the velocities
-//! relative to the island's rigid part, and, if that is not enough, from the displacements off the ballistic path; at the
-//! end of both lies the flight after collisions, whose energy is no more than it was by construction. The bank holds a little of what
-//! an island dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
+//! Whatever contact, position correction and shock propagation did, the island's energy E' is
+//! compared with what it may have: its energy at the frame's start, the work of kinematic bodies,
+//! and what is left in its bank. Contacts whose light bodies would be flung by what they gave are
+//! restrained in any case; those that gave too much pay it back first; what is left is taken from
+//! the velocities relative to the island's rigid part, and, if that is not enough, from the
+//! displacements off the ballistic path; at the end of both lies the flight after collisions, whose
+//! energy is no more than it was by construction. The bank holds a little of what an island
+//! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
 use crate::bodies::PerBody;
 use crate::evolve::accelerate;
@@ -47,7 +50,8 @@ pub struct Balance {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Opening(PerBody<f64>);
 
-/// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities that they have [J].
+/// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities
+/// that they have [J].
 pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: DVec3) -> f64 {
     let dynamic =
         [pair.first, pair.second].into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
@@ -73,7 +77,8 @@ fn energies(bodies: &Bodies, frame: &Frame) -> Vec<f64> {
     threads::list(bodies.len(), |i| if bodies.inertias[i].is_infinite() { 0.0 } else { of(i) })
 }
 
-/// The sum of its kinetic and of the size of its potential energy, by the sum of both: what rounding is relative to [J].
+/// The sum of its kinetic and of the size of its potential energy, by the sum of both: what
+/// rounding is relative to [J].
 fn magnitude(bodies: &Bodies, i: usize, energy: f64, gravity: DVec3) -> f64 {
     let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
     energy - potential + potential.abs()
@@ -92,7 +97,8 @@ impl Opening {
     }
 }
 
-/// The frame as it would be if bodies flew on after they were struck: its energy is no more than the opening's, plus the work until then.
+/// The frame as it would be if bodies flew on after they were struck: its energy is no more than
+/// the opening's, plus the work until then.
 #[derive(Clone, Debug)]
 pub struct Ballistic {
     /// At its end.
@@ -152,7 +158,8 @@ impl Ledger {
         self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
-    /// Closes the books of a frame: balances every island. Bodies that broke are linked to their fragments in the tally.
+    /// Closes the books of a frame: balances every island. Bodies that broke are linked to their
+    /// fragments in the tally.
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
@@ -189,7 +196,8 @@ impl Ledger {
             };
             balance.islands += 1;
 
-            // What a contact gave must not fling what is light: little of it may be left in the motion of its pair.
+            // What a contact gave must not fling what is light: little of it may be left in the
+            // motion of its pair.
             let work_before = tally.causes.work;
             let mut debts: Vec<Debt> =
                 island.debts.iter().map(|&index| tally.debts[index]).collect();

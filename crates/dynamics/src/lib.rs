@@ -1,7 +1,8 @@
 //! Rigid bodies in motion that never gain energy.
 //!
 //! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
-//! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a [`Tally`].
+//! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a
+//! [`Tally`].
 
 mod ball_contact;
 pub mod birth_fits;

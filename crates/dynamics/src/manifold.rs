@@ -1,5 +1,6 @@
-//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's start. Balls and convex polyhedra
-//! have ways of their own; everything else meets by the samples of each body in the level set of the other [GBF03 sec. 3].
+//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's
+//! start. Balls and convex polyhedra have ways of their own; everything else meets by the samples
+//! of each body in the level set of the other [GBF03 sec. 3].
 
 mod found;
 
@@ -25,14 +26,17 @@ pub struct ManifoldPoint {
     pub anchor_first: DVec3,
     /// In the second body's frame [m].
     pub anchor_second: DVec3,
-    /// Distances from the anchors to the surfaces along the normal [m]: a ball's anchor is its centre, so that it need not turn with it.
+    /// Distances from the anchors to the surfaces along the normal [m]: a ball's anchor is its
+    /// centre, so that it need not turn with it.
     pub rounding: [f64; 2],
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
-    /// Which sample or feature this is, and whether of the first body, to find it again in the next frame.
+    /// Which sample or feature this is, and whether of the first body, to find it again in the next
+    /// frame.
     pub sample: (bool, u64),
-    /// Speed at which the surfaces will meet, or at which they close now if they touch already [m/s]; zero if they separate, and
-    /// for points that are kept from frame to frame also if it cannot be a [strike](crate::struck).
+    /// Speed at which the surfaces will meet, or at which they close now if they touch already
+    /// [m/s]; zero if they separate, and for points that are kept from frame to frame also if it
+    /// cannot be a [strike](crate::struck).
     pub approach: f64,
     /// Between the surfaces, where the bodies were when it was found or seen again [m].
     pub gap: f64,
@@ -51,7 +55,8 @@ impl ManifoldPoint {
         [first - self.rounding[0] * self.normal, second + self.rounding[1] * self.normal]
     }
 
-    /// Where it acts, in the world [m]: between the surfaces, beside the corner that slides along the other body.
+    /// Where it acts, in the world [m]: between the surfaces, beside the corner that slides along
+    /// the other body.
     pub(crate) fn middle(&self, bodies: &Bodies, pair: Pair) -> DVec3 {
         let [on_first, on_second] = self.on_surfaces(bodies, pair);
         let half = 0.5 * (on_first - on_second).dot(self.normal) * self.normal;
@@ -68,14 +73,15 @@ pub struct Manifold<'a> {
     pub points: &'a [ManifoldPoint],
 }
 
-/// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some more.
+/// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some
+/// more.
 pub(crate) const MOST_POINTS: usize = 8;
 
 /// Pairs of edges of two hulls, above which samples are found faster than separating axes.
 pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;
 
-/// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points that are in `warm` carried
-/// in the last frame.
+/// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points
+/// that are in `warm` carried in the last frame.
 pub fn find_manifolds(
     bodies: &Bodies,
     pairs: &[Pair],
@@ -91,7 +97,8 @@ pub fn find_manifolds(
     Manifolds { parts: vec![found] }
 }
 
-/// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it found before.
+/// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it
+/// found before.
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldFinder {
     pub(crate) room: Room,
@@ -99,7 +106,8 @@ pub struct ManifoldFinder {
 }
 
 impl ManifoldFinder {
-    /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the last frame.
+    /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the
+    /// last frame.
     pub fn find(
         &mut self,
         bodies: &Bodies,
@@ -258,8 +266,8 @@ fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
     form.distance(grid_from_world.point(other.pose.position)) > radius(other.shape) + reach
 }
 
-/// Indices of the candidates that are kept: the deepest, those that have carried, and then always the one that is
-/// furthest from those that are kept.
+/// Indices of the candidates that are kept: the deepest, those that have carried, and then always
+/// the one that is furthest from those that are kept.
 fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -> Vec<usize> {
     let distance = |a: usize, b: usize| {
         candidates[a].contact.point.distance_squared(candidates[b].contact.point)

@@ -45,8 +45,8 @@ pub fn placed<'a>(bodies: &'a Bodies, pair: Pair, poses: &'a [Pose]) -> (Placed<
     (at(pair.first), at(pair.second))
 }
 
-/// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen at `poses` and
-/// `velocities`. Uses the penetrations up.
+/// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen
+/// at `poses` and `velocities`. Uses the penetrations up.
 pub fn deepest_approach(
     bodies: &Bodies,
     pair: Pair,
@@ -55,7 +55,8 @@ pub fn deepest_approach(
     velocities: &[Velocity],
 ) -> Option<Approach> {
     let (first, second) = placed(bodies, pair, poses);
-    // The deepest one nearly always approaches, so looking for the next deepest one is cheaper than sorting.
+    // The deepest one nearly always approaches, so looking for the next deepest one is cheaper than
+    // sorting.
     while let Some(deepest) =
         (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b]))
     {
@@ -88,8 +89,8 @@ pub(crate) fn approach_at(
     Approach { contact, levers, relative_velocity: first - second }
 }
 
-/// The impulse on the first body that stops the approach with the pair's restitution, inside Coulomb's cone.
-/// `inertias` may hold bodies still that could move.
+/// The impulse on the first body that stops the approach with the pair's restitution, inside
+/// Coulomb's cone. `inertias` may hold bodies still that could move.
 pub fn impulse_for(
     pair: Pair,
     approach: &Approach,
@@ -148,8 +149,8 @@ impl PairImpulse {
         self.at_contact == DVec3::ZERO
     }
 
-    /// With levers of another time level, two dynamic bodies at the poses of `bodies` would gain or lose angular
-    /// momentum; this adds the rigid rotation of the pair that makes up for it.
+    /// With levers of another time level, two dynamic bodies at the poses of `bodies` would gain or
+    /// lose angular momentum; this adds the rigid rotation of the pair that makes up for it.
     pub fn keeping_angular_momentum(mut self, bodies: &Bodies, pair: Pair) -> Self {
         let [first, second] = [pair.first, pair.second];
         if bodies.inertias[first].is_infinite() || bodies.inertias[second].is_infinite() {
@@ -171,8 +172,8 @@ impl PairImpulse {
         }
     }
 
-    /// The part that does not raise the pair's kinetic energy in the non-split state at the poses of `bodies` and
-    /// `velocities` [Su09 sec. 3.2].
+    /// The part that does not raise the pair's kinetic energy in the non-split state at the poses
+    /// of `bodies` and `velocities` [Su09 sec. 3.2].
     pub fn clamped_to_energy(
         &self,
         bodies: &Bodies,
@@ -191,7 +192,8 @@ impl PairImpulse {
         self.scaled(clamp.scale())
     }
 
-    /// What it adds to the kinetic energy of the pair at the poses of `bodies` and `velocities`, beyond a kinematic body's work [J].
+    /// What it adds to the kinetic energy of the pair at the poses of `bodies` and `velocities`,
+    /// beyond a kinematic body's work [J].
     pub fn energy_given(
         &self,
         bodies: &Bodies,
@@ -203,7 +205,8 @@ impl PairImpulse {
         energy_given(&first, &second)
     }
 
-    /// The part of it by friction: the tangential impulse times the mean of the slip before and after [J].
+    /// The part of it by friction: the tangential impulse times the mean of the slip before and
+    /// after [J].
     pub fn energy_of_friction(
         &self,
         bodies: &Bodies,

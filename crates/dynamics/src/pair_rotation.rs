@@ -1,17 +1,19 @@
 //! The rigid rotation that gives a pair back its angular momentum.
 //!
-//! The paper's method moves bodies along other velocities than those they keep, and collides them where they will be. Equal and
-//! opposite impulses keep the sum of linear momenta through all of that, but the orbital part of angular momentum, x cross m v,
-//! goes wrong by what the positions and the velocities disagree. Turning the pair rigidly about its common centre of mass
-//! makes up for it: the relative velocity at their contact stays as it is, and so does the sum of linear momenta.
+//! The paper's method moves bodies along other velocities than those they keep, and collides them
+//! where they will be. Equal and opposite impulses keep the sum of linear momenta through all of
+//! that, but the orbital part of angular momentum, x cross m v, goes wrong by what the positions
+//! and the velocities disagree. Turning the pair rigidly about its common centre of mass makes up
+//! for it: the relative velocity at their contact stays as it is, and so does the sum of linear
+//! momenta.
 
 use crate::pair::Pair;
 use crate::{Bodies, Impulse};
 use frangible_geometry::mass_properties::parallel_axis;
 use glam::DVec3;
 
-/// The impulses that add `angular_momentum` [kg m^2/s] to a pair of dynamic bodies at the poses of `bodies`, by turning it
-/// rigidly; one for each body, with opposite linear parts.
+/// The impulses that add `angular_momentum` [kg m^2/s] to a pair of dynamic bodies at the poses of
+/// `bodies`, by turning it rigidly; one for each body, with opposite linear parts.
 pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impulse; 2] {
     // Inertia of the two about their common centre of mass.
     let [first, second] = [pair.first, pair.second];
@@ -27,7 +29,8 @@ pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impul
     let orbital = reduced_mass * turn.cross(apart);
     let spin = [tensor_first * turn, tensor_second * turn];
 
-    // What the solution of the 3 x 3 system leaves over goes to the first body's spin: the sum is exact to rounding.
+    // What the solution of the 3 x 3 system leaves over goes to the first body's spin: the sum is
+    // exact to rounding.
     let rest = angular_momentum - (spin[0] + spin[1] + apart.cross(orbital));
     [
         Impulse { linear: orbital, angular: spin[0] + rest },

@@ -1,4 +1,5 @@
-//! Local payment: a contact that gave energy to its bodies pays it back out of their relative velocity, before the island has to.
+//! Local payment: a contact that gave energy to its bodies pays it back out of their relative
+//! velocity, before the island has to.
 
 use crate::detection::ContactPoint;
 use crate::ledger::Anchor;
@@ -8,8 +9,9 @@ use crate::tally::{Debt, kinematic_work};
 use crate::{Bodies, Frame, Motion, Tally};
 use glam::DVec3;
 
-/// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its relative velocity has it. Impulses at the
-/// contact are mutual, so momentum and angular momentum stay.
+/// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its
+/// relative velocity has it. Impulses at the contact are mutual, so momentum and angular momentum
+/// stay.
 pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut Tally) {
     let owed: f64 = debts.iter().map(|debt| debt.energy).sum();
     if owed <= 0.0 {
@@ -22,9 +24,11 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
     }
 }
 
-/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than that is left in its relative motion; by no more than the
-/// contact gave, than all contacts of the lighter body gave between them, and than that body has `gained` in the frame [J], a number for each body. A chip that the
-/// ground presses against a block would squirt out at 20 m/s, on what the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
+/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than
+/// that is left in its relative motion; by no more than the contact gave, than all contacts of the
+/// lighter body gave between them, and than that body has `gained` in the frame [J], a number for
+/// each body. A chip that the ground presses against a block would squirt out at 20 m/s, on what
+/// the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
 pub(crate) fn restrain(
     bodies: &mut Bodies,
     (debts, gained): (&mut [Debt], &[f64]),
@@ -60,7 +64,8 @@ pub(crate) fn restrain(
     any
 }
 
-/// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the lighter body as seen from the heavier one, and both spins.
+/// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the
+/// lighter body as seen from the heavier one, and both spins.
 fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     let linear = |i: usize| match bodies.motions[i] {
         Motion::Static => DVec3::ZERO,
@@ -96,8 +101,8 @@ fn energy_of(approach: &Approach, stopping: DVec3) -> f64 {
     if stopping.is_finite() { available.max(0.0) } else { 0.0 }
 }
 
-/// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of u.K^-1 u / 2, by an impulse
-/// j = -alpha K^-1 u.
+/// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of
+/// u.K^-1 u / 2, by an impulse j = -alpha K^-1 u.
 pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
     let available = energy_of(&approach, stopping);
@@ -193,8 +198,10 @@ mod tests {
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
 
-    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken, nor than all contacts of the chip gave, nor than it gained; whatever the block is, what comes from
-    /// outside is told: momenta and energy change by that, and by what was paid, which is owed no more.
+    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken,
+    /// nor than all contacts of the chip gave, nor than it gained; whatever the block is, what
+    /// comes from outside is told: momenta and energy change by that, and by what was paid, which
+    /// is owed no more.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
         let moving = Motion::Kinematic {

@@ -10,9 +10,9 @@ use crate::settings::Width;
 use crate::{Bodies, Pose};
 use frangible_geometry::RigidTransform;
 
-/// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in increasing order of the pairs: the shortest
-/// way that parts balls, half-spaces and convex polyhedra; of compounds, the deepest of their parts; of level sets, the deepest
-/// sample.
+/// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
+/// increasing order of the pairs: the shortest way that parts balls, half-spaces and convex
+/// polyhedra; of compounds, the deepest of their parts; of level sets, the deepest sample.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut room = Room::default();
     let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut room)?));
@@ -51,8 +51,8 @@ pub(crate) fn penetration(
     (phi <= 0.0).then_some(-phi)
 }
 
-/// How far apart two solids are along the axis that separates them best [m]; negative if they overlap, infinite or not if they do not.
-/// `None` for those that meet by their samples.
+/// How far apart two solids are along the axis that separates them best [m]; negative if they
+/// overlap, infinite or not if they do not. `None` for those that meet by their samples.
 fn separation(
     solids: [Solid; 2],
     second_from_first: &RigidTransform,

@@ -5,8 +5,8 @@ use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{MOST_POINTS, ManifoldPoint};
 use frangible_geometry::{HalfSpace, Hull};
 
-/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all else is now [m], if it is
-/// so slow that these are all that are near now.
+/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all
+/// else is now [m], if it is so slow that these are all that are near now.
 pub(crate) fn plane_points(
     encounter: &Encounter,
     hull: &Hull,

@@ -9,8 +9,8 @@ use crate::rotation::rotation_by;
 use crate::{Bodies, Frame, Inertia, Pose};
 use glam::DVec3;
 
-/// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps are used up. The
-/// velocities and the angular momenta stay as they are.
+/// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps
+/// are used up. The velocities and the angular momenta stay as they are.
 pub fn push_out(
     bodies: &Bodies,
     poses: &mut [Pose],
@@ -48,8 +48,8 @@ pub fn push_out(
     }
 }
 
-/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns where, and
-/// the push on the first body [kg m].
+/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns
+/// where, and the push on the first body [kg m].
 fn separate(
     bodies: &Bodies,
     poses: &mut [Pose],

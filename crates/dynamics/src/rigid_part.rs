@@ -1,9 +1,10 @@
 //! The rigid part of an island's motion, and the rest.
 //!
-//! Velocities are split into those of one rigid body and what is relative to it. For a free island the rigid body is the one with the
-//! island's momentum and angular momentum; then kinetic energy is the sum of the two parts' [Koenig], and scaling the relative part
-//! changes neither momentum, and no contact that did not approach begins to. For an island that touches a static or kinematic body it
-//! is that body.
+//! Velocities are split into those of one rigid body and what is relative to it. For a free island
+//! the rigid body is the one with the island's momentum and angular momentum; then kinetic energy
+//! is the sum of the two parts' [Koenig], and scaling the relative part changes neither momentum,
+//! and no contact that did not approach begins to. For an island that touches a static or kinematic
+//! body it is that body.
 
 use crate::{Bodies, Pose, Velocity};
 use frangible_geometry::mass_properties::parallel_axis;
@@ -21,8 +22,8 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// The rigid motion with the momentum [kg m/s], and the angular momentum about the world's origin [kg m^2/s], of the
-    /// given bodies.
+    /// The rigid motion with the momentum [kg m/s], and the angular momentum about the world's
+    /// origin [kg m^2/s], of the given bodies.
     pub fn of_momentum(
         bodies: &Bodies,
         poses: &[Pose],
@@ -43,7 +44,8 @@ impl Twist {
         Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
     }
 
-    /// Work of an impulse [N s], with its moment about the world's origin [kg m^2/s], by what moves like this [J].
+    /// Work of an impulse [N s], with its moment about the world's origin [kg m^2/s], by what moves
+    /// like this [J].
     pub fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
         self.linear.dot(impulse) + self.angular.dot(moment - self.origin.cross(impulse))
     }

@@ -1,4 +1,5 @@
-//! Free flight over one time step: the path is exact, and so may the rotation be; else it is second order.
+//! Free flight over one time step: the path is exact, and so may the rotation be; else it is second
+//! order.
 
 use crate::energy_fix::fix_rotational_energy;
 use crate::exact_rotation::rotate_exact;
@@ -6,9 +7,10 @@ use crate::vector::Turn;
 use crate::{Inertia, Pose, Rotation, Velocity};
 use glam::{DQuat, DVec3};
 
-/// Moves a pose over `dt` [s]: the centre by its linear velocity, the orientation by `rotation`. The angular momentum is
-/// an input only, so it is conserved by construction; the energy fix aims at the energy at the start of this very step
-/// [Su09 sec. 2]. What has infinite inertia keeps its orientation here.
+/// Moves a pose over `dt` [s]: the centre by its linear velocity, the orientation by `rotation`.
+/// The angular momentum is an input only, so it is conserved by construction; the energy fix aims
+/// at the energy at the start of this very step [Su09 sec. 2]. What has infinite inertia keeps its
+/// orientation here.
 pub fn advance(
     pose: &Pose,
     velocity: &Velocity,
@@ -39,8 +41,8 @@ pub fn advance(
 }
 
 /// Rotates `orientation` (`world_from_body`) over `dt` [s] without torque, to second order [SSF08]:
-/// `exp(theta) R` with `theta = dt (omega - dt/2 I^-1 (omega x L))`. `angular_momentum` L is in the world frame
-/// [kg m^2/s]. Does not conserve kinetic energy.
+/// `exp(theta) R` with `theta = dt (omega - dt/2 I^-1 (omega x L))`. `angular_momentum` L is in the
+/// world frame [kg m^2/s]. Does not conserve kinetic energy.
 pub fn rotate_second_order(
     orientation: DQuat,
     angular_momentum: DVec3,
@@ -88,8 +90,8 @@ mod tests {
         }
     }
 
-    /// A symmetric top precesses: its axis goes around L at the rate |L|/I1 [Goldstein, Classical Mechanics, sec. 5.7],
-    /// which the second-order rule meets with an error that falls as dt^2.
+    /// A symmetric top precesses: its axis goes around L at the rate |L|/I1 [Goldstein, Classical
+    /// Mechanics, sec. 5.7], which the second-order rule meets with an error that falls as dt^2.
     #[test]
     fn symmetric_top_precesses_at_the_analytic_rate_to_second_order() {
         let inertia = Inertia::new(1.0, DVec3::new(2.0, 2.0, 0.5));

@@ -1,6 +1,7 @@
 //! The numbers of a step, with their sources.
 
-/// Iteration counts of `Method::Paper`, as its authors ran it, and the switches that both methods have.
+/// Iteration counts of `Method::Paper`, as its authors ran it, and the switches that both methods
+/// have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSettings {
     /// Passes over all colliding pairs [GBF03 sec. 4].
@@ -17,11 +18,13 @@ pub struct StepSettings {
     pub shock_level_iterations: u32,
     /// Impulses on one pair in one such sweep.
     pub shock_pair_iterations: u32,
-    /// Sweeps over one level in push-out [GBF03 sec. 8]; the part of the gap that is closed grows from sweep to sweep.
+    /// Sweeps over one level in push-out [GBF03 sec. 8]; the part of the gap that is closed grows
+    /// from sweep to sweep.
     pub push_out_level_iterations: u32,
     /// Moves of one pair in one such sweep.
     pub push_out_pair_iterations: u32,
-    /// Passes in which bodies may break; what is struck after the last of them bears the blow until the next frame.
+    /// Passes in which bodies may break; what is struck after the last of them bears the blow until
+    /// the next frame.
     pub breaking_passes: u32,
     /// How free bodies turn; the paper's way is second order with its energy fix.
     pub rotation: Rotation,
@@ -36,15 +39,18 @@ pub struct StepSettings {
     pub most_substeps: u32,
     /// Speed at which overlaps close at most [m/s].
     pub recovery_speed: f64,
-    /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a centimetre, the sag of two frames.
+    /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a
+    /// centimetre, the sag of two frames.
     pub bank_cap: f64,
-    /// Let islands that stand still sleep; off, all bodies are awake in every frame. Only the frame-rate method does.
+    /// Let islands that stand still sleep; off, all bodies are awake in every frame. Only the
+    /// frame-rate method does.
     pub sleep: bool,
     /// The widest instructions to use. All of them give the same bits.
     pub width: Width,
 }
 
-/// How many numbers are computed at a time in double precision, up to eight in single precision; a machine that has not as many uses what it has.
+/// How many numbers are computed at a time in double precision, up to eight in single precision; a
+/// machine that has not as many uses what it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// One.
@@ -64,7 +70,8 @@ pub enum Rotation {
     Exact,
     /// Second order in the time step [SSF08].
     SecondOrder {
-        /// Turn on to the kinetic energy from before the step [Su09 sec. 2]. The phase stays second order.
+        /// Turn on to the kinetic energy from before the step [Su09 sec. 2]. The phase stays second
+        /// order.
         energy_fix: bool,
     },
 }
@@ -106,11 +113,13 @@ pub struct Frame {
     pub settings: StepSettings,
 }
 
-/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found there, too, as it can be struck.
+/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found
+/// there, too, as it can be struck.
 const LEAST_GRAVITY: f64 = 1.0;
 
-/// Of how far a body falls in one frame from rest, so much is near [1]: some more than that. With nearly twice as much a heap of two layers at rest has a
-/// twelfth more rows, and takes a sixth longer.
+/// Of how far a body falls in one frame from rest, so much is near [1]: some more than that. With
+/// nearly twice as much a heap of two layers at rest has a twelfth more rows, and takes a sixth
+/// longer.
 const FALL: f64 = 1.1;
 
 impl Frame {

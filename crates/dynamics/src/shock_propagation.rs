@@ -1,5 +1,6 @@
-//! Shock propagation: from the ground up, each level is set to rest on what is below it, which then holds still
-//! [GBF03 sec. 7]. Position phase only: its impulses, which are not mutual, never reach a velocity that lasts.
+//! Shock propagation: from the ground up, each level is set to rest on what is below it, which then
+//! holds still [GBF03 sec. 7]. Position phase only: its impulses, which are not mutual, never reach
+//! a velocity that lasts.
 
 use crate::Inertia;
 use crate::contact::Contact;

@@ -1,5 +1,7 @@
-//! Islands that sleep, where the scene lets them: what stands on something that does not move, and has been slow for long enough, stays where it is. It is
-//! still looked whom it may touch; so whatever comes near wakes it before it touches, and whatever goes, as a support that breaks, wakes what it held.
+//! Islands that sleep, where the scene lets them: what stands on something that does not move, and
+//! has been slow for long enough, stays where it is. It is still looked whom it may touch; so
+//! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
+//! wakes what it held.
 
 use crate::ledger::energy;
 use crate::manifold::{Manifold, ManifoldPoint};
@@ -9,8 +11,9 @@ use crate::warm_start::{Carried, Part, WarmStart};
 use crate::{Bodies, BodyId, Frame, Motion, Velocity};
 use glam::DVec3;
 
-/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim together. Heaps fidget below it; on earth what begins to slide passes
-/// it within [`SLOW_FOR`], unless its slope is less than 0.06 degrees too steep. It does not scale with the scene.
+/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim
+/// together. Heaps fidget below it; on earth what begins to slide passes it within [`SLOW_FOR`],
+/// unless its slope is less than 0.06 degrees too steep. It does not scale with the scene.
 const SLOW: f64 = 5e-3;
 
 /// So long all bodies of an island must have been slow [s], as in Box2D.
@@ -19,7 +22,8 @@ const SLOW_FOR: f64 = 0.5;
 /// What decides whether a body sleeps, from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Drowsiness {
-    /// In so many frames, one after the other, it has been slow, and has touched the same others, of which none was driven.
+    /// In so many frames, one after the other, it has been slow, and has touched the same others,
+    /// of which none was driven.
     slow_for: u32,
     /// Those others: see [`Sleep::touching`].
     touching: u64,
@@ -37,7 +41,8 @@ impl Drowsiness {
 pub(crate) struct Sleep {
     /// The manifolds of all islands that sleep.
     pub(crate) manifolds: Vec<usize>,
-    /// Of each body, a number that says with whom it has points that are close, in any order; empty if nothing may sleep.
+    /// Of each body, a number that says with whom it has points that are close, in any order; empty
+    /// if nothing may sleep.
     touching: Vec<u64>,
     /// Whether each is in an island with something that is driven.
     is_stirred: Vec<bool>,
@@ -46,8 +51,9 @@ pub(crate) struct Sleep {
 }
 
 impl Sleep {
-    /// Takes those islands out that sleep in this frame: all of their bodies have been slow for long enough, and touch the same others as they did
-    /// then, of which one at least does not move and carries something.
+    /// Takes those islands out that sleep in this frame: all of their bodies have been slow for
+    /// long enough, and touch the same others as they did then, of which one at least does not move
+    /// and carries something.
     pub(crate) fn take_out(
         bodies: &Bodies,
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
@@ -134,7 +140,8 @@ impl Sleep {
         part
     }
 
-    /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an overlap moves, though it is slow in the end.
+    /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an
+    /// overlap moves, though it is slow in the end.
     pub(crate) fn drowsiness(
         &self,
         bodies: &Bodies,
@@ -153,7 +160,8 @@ impl Sleep {
     }
 }
 
-/// A number for a body, of which sums tell one set of bodies from another: its id through SplitMix64.
+/// A number for a body, of which sums tell one set of bodies from another: its id through
+/// SplitMix64.
 fn scattered(BodyId { index, generation }: BodyId) -> u64 {
     let mut number =
         (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -12,8 +12,8 @@ pub struct Pose {
     pub orientation: DQuat,
 }
 
-/// How a body moves at one time level. Angular momentum is stored and angular velocity derived, so that free flight
-/// conserves angular momentum by construction.
+/// How a body moves at one time level. Angular momentum is stored and angular velocity derived, so
+/// that free flight conserves angular momentum by construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity {
     /// Of the centre of mass, world frame [m/s].
@@ -40,7 +40,8 @@ impl Pose {
 }
 
 impl Velocity {
-    /// Of a body at a density [kg/m^3], from its linear [m/s] and angular velocity [rad/s] in the world frame: `L = I omega`.
+    /// Of a body at a density [kg/m^3], from its linear [m/s] and angular velocity [rad/s] in the
+    /// world frame: `L = I omega`.
     pub fn spinning(
         linear: DVec3,
         angular: DVec3,
@@ -111,7 +112,8 @@ mod tests {
     use super::*;
     use frangible_geometry::ClosedForm;
 
-    /// Angular velocity to angular momentum and back, by the body's axes and by the world's tensors.
+    /// Angular velocity to angular momentum and back, by the body's axes and by the world's
+    /// tensors.
     #[test]
     fn spin_and_tensors_agree() {
         let shape = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.1) }, 0.1);

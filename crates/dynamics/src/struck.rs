@@ -1,5 +1,6 @@
-//! What is struck strikes others in the same frame: billiard balls, skittles, dominoes. Ballistic ways do not tell, so bodies that are struck are taken
-//! to stray from theirs, and whatever they could reach is watched.
+//! What is struck strikes others in the same frame: billiard balls, skittles, dominoes. Ballistic
+//! ways do not tell, so bodies that are struck are taken to stray from theirs, and whatever they
+//! could reach is watched.
 
 mod ways;
 
@@ -14,20 +15,24 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use ways::Ways;
 
-/// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes whom next.
+/// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes
+/// whom next.
 const MOST_STRIKES: usize = 1024;
 
-/// Pairs that meet in a frame only because one of them is struck, and times that it is asked whom a body may strike [1]: what strays furthest comes first.
+/// Pairs that meet in a frame only because one of them is struck, and times that it is asked whom a
+/// body may strike [1]: what strays furthest comes first.
 const MOST_MORE: usize = 128;
 const MOST_LOOKS: usize = 512;
 
-/// How much further a body must stray than was known, to be looked at again [1]: what strikes each other by turns goes on for ever.
+/// How much further a body must stray than was known, to be looked at again [1]: what strikes each
+/// other by turns goes on for ever.
 const CLEARLY: f64 = 2.0;
 
 /// How far a body may stray from its ballistic way because it is struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stray {
-    /// Because of the body that may push it furthest, by its dense index, and because of all others [m].
+    /// Because of the body that may push it furthest, by its dense index, and because of all others
+    /// [m].
     most: (f64, usize),
     otherwise: f64,
 }
@@ -35,7 +40,8 @@ struct Stray {
 impl Stray {
     const NONE: Self = Self { most: (0.0, usize::MAX), otherwise: 0.0 };
 
-    /// As far as it matters to another body, which meets it on their ways if they meet by each other alone [m].
+    /// As far as it matters to another body, which meets it on their ways if they meet by each
+    /// other alone [m].
     fn against(&self, other: usize) -> f64 {
         if self.most.1 == other { self.otherwise } else { self.most.0 }
     }
@@ -154,8 +160,9 @@ struct Struck<'a> {
 }
 
 impl Struck<'_> {
-    /// How far a body may stray that is struck, if the other one of the pair comes so far against it [m]: an impulse at its middle gives no more, or one
-    /// anywhere to any of its points, with what `turning` adds to its answer [1/kg].
+    /// How far a body may stray that is struck, if the other one of the pair comes so far against
+    /// it [m]: an impulse at its middle gives no more, or one anywhere to any of its points, with
+    /// what `turning` adds to its answer [1/kg].
     fn stray(&self, i: usize, by: usize, come: f64, turning: f64) -> f64 {
         let inverse_mass = |i: usize| self.bodies.inertias[i].inverse_mass;
         let answer = inverse_mass(i) + turning;
@@ -197,7 +204,8 @@ impl Struck<'_> {
 #[derive(Default)]
 struct Next {
     strays: BTreeMap<usize, Stray>,
-    /// How far each may stray, as bits, whose order is that of positive numbers, or might when it was not known better.
+    /// How far each may stray, as bits, whose order is that of positive numbers, or might when it
+    /// was not known better.
     order: BinaryHeap<(u64, Reverse<usize>)>,
 }
 
@@ -264,8 +272,9 @@ mod tests {
         (all.iter().map(|pair| [pair.first, pair.second]).collect(), strays)
     }
 
-    /// At 6 m/s the first ball comes 0.2 m far. So far it may push the second one, of the same mass, whose points may come further as it may turn; the
-    /// third one is looked for as far as that, and so on. What meets by itself is no further apart for the two that do.
+    /// At 6 m/s the first ball comes 0.2 m far. So far it may push the second one, of the same
+    /// mass, whose points may come further as it may turn; the third one is looked for as far as
+    /// that, and so on. What meets by itself is no further apart for the two that do.
     #[test]
     fn what_is_struck_may_strike_what_it_could_reach() {
         let (pairs, strays) = straying(&[0.0, 0.25, 0.65, 1.1, 5.0], 6.0);
@@ -287,8 +296,9 @@ mod tests {
         assert_eq!(straying(&[0.0, 0.2, 0.41], 0.02), (vec![[0, 1]], vec![]));
     }
 
-    /// Of more strikes than there is time for nothing is known, and of pairs only as many: as many balls as told lie where the first one comes by, and some
-    /// where the second one might be pushed.
+    /// Of more strikes than there is time for nothing is known, and of pairs only as many: as many
+    /// balls as told lie where the first one comes by, and some where the second one might be
+    /// pushed.
     #[test]
     fn crowds_are_left_alone() {
         let known = |on_way: usize, beside: usize| {

@@ -1,17 +1,21 @@
-//! What an island pays: its relative velocities are scaled down, or stopped and its displacements shortened.
+//! What an island pays: its relative velocities are scaled down, or stopped and its displacements
+//! shortened.
 
 use crate::ledger::{Anchor, Ballistic, Island, energy, work_on};
 use crate::rigid_part::Twist;
 use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
 use glam::DVec3;
 
-/// What need not be found of what displacements change the energy by, relative to that: a micrometre of a metre's fall.
+/// What need not be found of what displacements change the energy by, relative to that: a
+/// micrometre of a metre's fall.
 const CLOSE: f64 = 1e-6;
 
-/// Steps in which the displacements' part is sought, half of them halvings of an interval: 2^-20 of a displacement is no displacement.
+/// Steps in which the displacements' part is sought, half of them halvings of an interval: 2^-20 of
+/// a displacement is no displacement.
 const MOST_STEPS: u32 = 40;
 
-/// Takes `excess` [J] out of an island, and books what its anchor has to do with it. Tells whether displacements had to be shortened.
+/// Takes `excess` [J] out of an island, and books what its anchor has to do with it. Tells whether
+/// displacements had to be shortened.
 pub(crate) fn take_out(
     bodies: &mut Bodies,
     island: &mut Island,
@@ -20,7 +24,8 @@ pub(crate) fn take_out(
     frame: &Frame,
     tally: &mut Tally,
 ) -> bool {
-    // Scale the relative velocities so that the excess is gone, or stop them and shorten the displacements.
+    // Scale the relative velocities so that the excess is gone, or stop them and shorten the
+    // displacements.
     let motion = RelativeMotion::of(bodies, &island.members, island.anchor);
     let shortened = excess > motion.energy;
     if shortened {
@@ -124,7 +129,8 @@ fn rigid_part(
     }
 }
 
-/// Leaves the island its rigid motion only, and as much of its displacements off the flight as its energy allows.
+/// Leaves the island its rigid motion only, and as much of its displacements off the flight as its
+/// energy allows.
 fn shorten(
     bodies: &mut Bodies,
     island: &Island,
@@ -160,7 +166,8 @@ fn shorten(
         total - rigid.work(after.0 - flown.0, after.1 - flown.1)
     };
 
-    // The largest part that the allowance pays for: along a straight line, as potential energy grows, and by halves in turns.
+    // The largest part that the allowance pays for: along a straight line, as potential energy
+    // grows, and by halves in turns.
     let allowed = island.allowance + island.bank;
     let mut energy_at = |part: f64| {
         place(&mut poses, part);

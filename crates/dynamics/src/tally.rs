@@ -1,4 +1,5 @@
-//! What one frame did: momentum from outside, energy by cause, who owes it, and how often the safeguards were needed.
+//! What one frame did: momentum from outside, energy by cause, who owes it, and how often the
+//! safeguards were needed.
 
 use crate::pair::{Approach, Pair, PairImpulse};
 use crate::rigid_part::Twist;
@@ -6,7 +7,8 @@ use crate::{Bodies, BodyId, Motion, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Running sums over one frame. Static and kinematic bodies are the outside; gravity is booked by the step.
+/// Running sums over one frame. Static and kinematic bodies are the outside; gravity is booked by
+/// the step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Sum of the impulses that the outside gave to dynamic bodies [N s].
@@ -104,8 +106,8 @@ pub struct Debt {
     pub point: DVec3,
     /// [J]
     pub energy: f64,
-    /// What all contacts of its lighter body gave between them, if that is known, else 0 [J]: the ground gives, again and again, what holds up a load, and the load
-    /// takes it.
+    /// What all contacts of its lighter body gave between them, if that is known, else 0 [J]: the
+    /// ground gives, again and again, what holds up a load, and the load takes it.
     pub net: f64,
 }
 
@@ -121,8 +123,8 @@ impl Debt {
 }
 
 impl Tally {
-    /// Books an impulse on a pair whose bodies have `velocities` before it acts, at the poses of `bodies`. `cause` is that of its
-    /// normal part.
+    /// Books an impulse on a pair whose bodies have `velocities` before it acts, at the poses of
+    /// `bodies`. `cause` is that of its normal part.
     pub fn book_impulse(
         &mut self,
         bodies: &Bodies,
@@ -150,8 +152,8 @@ impl Tally {
         }
     }
 
-    /// Books what `other`, if it is static or kinematic, gave to `body`, if it is dynamic: an impulse [N s], its moment about the world's
-    /// origin [kg m^2/s], and the work [J].
+    /// Books what `other`, if it is static or kinematic, gave to `body`, if it is dynamic: an
+    /// impulse [N s], its moment about the world's origin [kg m^2/s], and the work [J].
     pub fn book_outside(
         &mut self,
         bodies: &Bodies,
@@ -213,7 +215,8 @@ fn append<T>(list: &mut Vec<T>, mut other: Vec<T>) {
     }
 }
 
-/// The work that a body does by an impulse [N s] with a moment about the world's origin [kg m^2/s]; zero unless it is kinematic [J].
+/// The work that a body does by an impulse [N s] with a moment about the world's origin [kg m^2/s];
+/// zero unless it is kinematic [J].
 pub fn kinematic_work(bodies: &Bodies, i: usize, impulse: DVec3, moment: DVec3) -> f64 {
     match bodies.motions[i] {
         Motion::Kinematic { linear, angular } => {

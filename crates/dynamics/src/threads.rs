@@ -1,8 +1,10 @@
-//! Work on the threads of the pool that this is called in. What comes out is the same, to the bit, on any number of them: each item is
-//! worked on by one thread, and results are put together in the order of the items.
+//! Work on the threads of the pool that this is called in. What comes out is the same, to the bit,
+//! on any number of them: each item is worked on by one thread, and results are put together in the
+//! order of the items.
 //!
-//! The pool sees numbers of items and one kind of call. If it saw the kernels themselves, each would be compiled three times for each place
-//! that shares out its work, and that was two fifths of what there was to compile.
+//! The pool sees numbers of items and one kind of call. If it saw the kernels themselves, each
+//! would be compiled three times for each place that shares out its work, and that was two fifths
+//! of what there was to compile.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,14 +13,16 @@ use std::sync::{Mutex, PoisonError};
 /// Things, pairs or bodies, of which fewer than this are not worth sharing out.
 const FEW: usize = 256;
 
-/// Whether so many things are worth sharing out, and there is anybody to share with: from outside of the pool, the way into it costs more than
-/// most of this work.
+/// Whether so many things are worth sharing out, and there is anybody to share with: from outside
+/// of the pool, the way into it costs more than most of this work.
 pub(crate) fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
-/// Calls something about once for each thread, with numbers up to a count, of which each comes once. A thread begins with a stretch of its own, which is the same one
-/// for as many things the next time, as it may have them in its caches; who is done goes on with what others have not begun.
+/// Calls something about once for each thread, with numbers up to a count, of which each comes
+/// once. A thread begins with a stretch of its own, which is the same one for as many things the
+/// next time, as it may have them in its caches; who is done goes on with what others have not
+/// begun.
 fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) {
     let stretches = rayon::current_num_threads().min(count);
     let end = |stretch: usize| (stretch + 1) * count / stretches;
@@ -37,7 +41,8 @@ fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) 
     (0..stretches).into_par_iter().with_max_len(1).for_each(of_thread);
 }
 
-/// Something that one thread has at a time. A panic goes on in the thread that waits for all of them, and nobody sees what it left behind.
+/// Something that one thread has at a time. A panic goes on in the thread that waits for all of
+/// them, and nobody sees what it left behind.
 fn with<T, R>(locked: &Mutex<T>, call: impl FnOnce(&mut T) -> R) -> R {
     call(&mut locked.lock().unwrap_or_else(PoisonError::into_inner))
 }
@@ -72,7 +77,8 @@ pub(crate) fn for_each_with<T: Send, R>(
     }
 }
 
-/// Does two things at a time, that hold so many things between them, if somebody is there for the second one.
+/// Does two things at a time, that hold so many things between them, if somebody is there for the
+/// second one.
 pub(crate) fn join<A: Send, B: Send>(
     things: usize,
     one: impl FnOnce() -> A + Send,
@@ -146,7 +152,8 @@ mod tests {
                     });
                 });
                 assert_eq!(counts(&times), vec![1; count]);
-                // Within each call, and of these there is one for each thread that has something to do.
+                // Within each call, and of these there is one for each thread that has something to
+                // do.
                 assert_eq!(counts(&within), vec![threads.min(count); count]);
             }
         }

@@ -1,4 +1,5 @@
-//! Vectors and unit quaternions of one body, or of several side by side: what is written for these is the same for either, bit for bit.
+//! Vectors and unit quaternions of one body, or of several side by side: what is written for these
+//! is the same for either, bit for bit.
 
 use crate::lanes::Three;
 use glam::{DQuat, DVec3};
@@ -124,7 +125,8 @@ impl<V: Vector> Turn<V> {
         Self { vector: -self.vector, scalar: self.scalar }
     }
 
-    /// Turns a vector. Written like this its rounding does not lean to one side: a million rotations keep their energy.
+    /// Turns a vector. Written like this its rounding does not lean to one side: a million
+    /// rotations keep their energy.
     #[inline(always)]
     pub(crate) fn turn(self, v: V) -> V {
         let Self { vector: b, scalar: w } = self;
@@ -132,8 +134,8 @@ impl<V: Vector> Turn<V> {
         v * (w * w - b.dot(b)) + b * (v.dot(b) * two) + b.cross(v) * (w * two)
     }
 
-    /// By `|theta|` [rad] about `theta`, of which the square is below 1e-4: by its series, where the next term, |theta|^6/46080 of the
-    /// cosine, is below rounding.
+    /// By `|theta|` [rad] about `theta`, of which the square is below 1e-4: by its series, where
+    /// the next term, |theta|^6/46080 of the cosine, is below rounding.
     #[inline(always)]
     pub(crate) fn by_little(theta: V) -> Self {
         let of = V::Number::of;

@@ -12,7 +12,8 @@ use std::ops::Range;
 /// Pairs that a thread looks up together: some ten microseconds of work.
 const SHARE: usize = 1024;
 
-/// What acted in the last substep of a frame at each contact point, and how each body's island went.
+/// What acted in the last substep of a frame at each contact point, and how each body's island
+/// went.
 #[derive(Clone, Debug, Default)]
 pub struct WarmStart {
     /// Of some pairs each.
@@ -78,7 +79,8 @@ pub struct Carried {
 pub struct PointImpulse {
     /// The part along the normal, not negative [N s]: what presses comes first among the rows.
     pub normal: f32,
-    /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as it is.
+    /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as
+    /// it is.
     pub force: Vec3,
     /// Of rolling and spinning friction, world frame [N m s].
     pub twist: Vec3,
@@ -162,7 +164,8 @@ impl WarmStart {
         self.drowsiness(id).is_asleep()
     }
 
-    /// Of so many pairs, some of them in each part, and of all bodies, whose islands took so many substeps, and which are drowsy if any may sleep.
+    /// Of so many pairs, some of them in each part, and of all bodies, whose islands took so many
+    /// substeps, and which are drowsy if any may sleep.
     pub(crate) fn of_parts(
         bodies: &Bodies,
         (pairs, parts): (usize, Vec<Part>),

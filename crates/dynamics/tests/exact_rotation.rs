@@ -1,5 +1,5 @@
-//! The closed form keeps the energy, meets analytic answers, and stays sane where it degenerates. That it meets a 40-digit reference
-//! is the claim `exact-rotation`.
+//! The closed form keeps the energy, meets analytic answers, and stays sane where it degenerates.
+//! That it meets a 40-digit reference is the claim `exact-rotation`.
 
 mod common;
 
@@ -30,13 +30,15 @@ fn rotate(
         .orientation
 }
 
-/// How much of the relative energy an error of one radian in the orientation can make: |L x omega| / (2 E).
+/// How much of the relative energy an error of one radian in the orientation can make: |L x omega|
+/// / (2 E).
 fn energy_condition(orientation: DQuat, momentum: DVec3, inertia: &Inertia) -> f64 {
     let omega = inertia.angular_velocity(orientation, momentum);
     momentum.cross(omega).length() / inertia.rotational_energy(orientation, momentum)
 }
 
-/// The orientation itself is rounded, which a body of moments 1 : 1e6 magnifies up to a thousand times.
+/// The orientation itself is rounded, which a body of moments 1 : 1e6 magnifies up to a thousand
+/// times.
 #[test]
 fn one_step_keeps_the_energy_of_any_body() {
     for tensors in Tensors::ALL {
@@ -88,7 +90,8 @@ fn steps_compose() {
     }
 }
 
-/// A symmetric top precesses about L at the rate |L| / I1, and spins about its own axis [Goldstein, sec. 5.7].
+/// A symmetric top precesses about L at the rate |L| / I1, and spins about its own axis [Goldstein,
+/// sec. 5.7].
 #[test]
 fn symmetric_tops_precess_at_the_analytic_rate() {
     let mut random = Random::new(3);
@@ -147,7 +150,8 @@ fn steady_spins_are_rotations_about_a_fixed_axis() {
     assert_eq!(rotate_exact(start, DVec3::ONE, &brick, 0.0), start);
 }
 
-/// On and next to the separatrix, and for spins that no frame resolves, the energy stays and nothing overflows.
+/// On and next to the separatrix, and for spins that no frame resolves, the energy stays and
+/// nothing overflows.
 #[test]
 fn separatrices_and_huge_steps_stay_finite_and_keep_the_energy() {
     let mut random = Random::new(5);
@@ -256,12 +260,14 @@ fn thin_box_keeps_energy_and_phase_for_ten_seconds() {
     println!("exact {exact:?}, with the fix {fixed:?}, without {bare:?}");
     assert!(exact.0 < 1e-9 && exact.1.abs() < 1e-12, "{exact:?}");
 
-    // All of them keep L, which is an input; the fix keeps the energy, but not the phase; without it energy grows.
+    // All of them keep L, which is an input; the fix keeps the energy, but not the phase; without
+    // it energy grows.
     assert!(fixed.1.abs() < 1e-9 && fixed.0 > 0.1, "{fixed:?}");
     assert!(bare.2 > 0.1, "{bare:?}");
 }
 
-/// Spin that friction has all but stopped, down to the smallest numbers there are, leaves a unit quaternion.
+/// Spin that friction has all but stopped, down to the smallest numbers there are, leaves a unit
+/// quaternion.
 #[test]
 fn vanishing_spin_keeps_the_orientation_of_unit_length() {
     let start = DQuat::from_xyzw(0.1, -0.4, 0.3, 0.86).normalize();

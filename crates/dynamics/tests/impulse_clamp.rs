@@ -41,7 +41,8 @@ fn on(body: &Toucher, impulse: DVec3, torque_impulse: DVec3) -> Impulse {
     Impulse { angular: at_lever.angular + torque_impulse, ..at_lever }
 }
 
-/// Collides random bodies whose split orientation differs from the non-split one by up to `split` [rad].
+/// Collides random bodies whose split orientation differs from the non-split one by up to `split`
+/// [rad].
 fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, torque: f64) -> Tally {
     let mut random = Random::new(3);
     let mut tally = Tally::default();
@@ -94,7 +95,8 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             "{tensors:?} {partner:?}: {before} becomes {clamped}, {clamp:?}"
         );
 
-        // A scaled impulse leaves the energy exactly as it is; a whole one was harmless; others were not.
+        // A scaled impulse leaves the energy exactly as it is; a whole one was harmless; others
+        // were not.
         match clamp {
             Clamp::Scaled(scale) => {
                 assert!(0.0 < scale && scale < 1.0);
@@ -139,7 +141,8 @@ fn clamped_impulses_never_raise_the_energy_and_unclamped_ones_do() {
                 println!(
                     "  {gained:.3} % gain without the clamp, {scaled:.3} % scaled, {blocked:.3} % blocked"
                 );
-                // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something to do.
+                // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something
+                // to do.
                 assert!(tally.approaching > 50_000);
                 if split > 0.0 && !matches!(tensors, Tensors::Mild) {
                     assert!(

@@ -95,7 +95,8 @@ fn momentum_near_a_principal_axis_is_no_obstacle() {
             let other = random.orientation();
             let offset = random.log_uniform(1e-20, 0.1) * random.direction();
             let momentum_body = DVec3::AXES[case % 3] + offset;
-            // In the body's own frame the offset survives the rounding; in others it is rounded as it would be.
+            // In the body's own frame the offset survives the rounding; in others it is rounded as
+            // it would be.
             let start = if case % 2 == 0 { DQuat::IDENTITY } else { random.orientation() };
             let momentum = start * momentum_body;
             let target = inertia.rotational_energy(other, momentum);
@@ -113,7 +114,8 @@ fn momentum_near_a_principal_axis_is_no_obstacle() {
     }
 }
 
-/// Each step measures its own energy, so errors could add up. They stay at rounding; without the fix they do not.
+/// Each step measures its own energy, so errors could add up. They stay at rounding; without the
+/// fix they do not.
 #[test]
 fn a_thousand_steps_do_not_drift() {
     for tensors in Tensors::ALL {

@@ -1,7 +1,7 @@
 //! Processor time of one break on one core: `cargo bench -p frangible-fracture --bench breaking`.
-//! Prints the rows of `bench/results/breaking.csv`. Fragments are whole bodies, with samples and mass properties; their
-//! surfaces for drawing are not made. The thread's own time is measured, so that programs which run beside count only by what
-//! they take of the caches and of a shared core.
+//! Prints the rows of `bench/results/breaking.csv`. Fragments are whole bodies, with samples and
+//! mass properties; their surfaces for drawing are not made. The thread's own time is measured, so
+//! that programs which run beside count only by what they take of the caches and of a shared core.
 
 #![allow(clippy::expect_used, reason = "a benchmark with wrong parameters ends")]
 

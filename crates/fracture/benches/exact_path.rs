@@ -1,5 +1,6 @@
-//! Processor time that it takes to break a convex body exactly: cells, slivers, mass properties, shapes. As in `breaking`, it is the
-//! thread's own, and what becomes of the pieces is not in it: they are dropped when the clock has stopped.
+//! Processor time that it takes to break a convex body exactly: cells, slivers, mass properties,
+//! shapes. As in `breaking`, it is the thread's own, and what becomes of the pieces is not in it:
+//! they are dropped when the clock has stopped.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot go on stops")]
 

@@ -30,8 +30,8 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The fracture centre on the impact point, the pattern's z axis along the normal, and its box as small as
-    /// encloses the body.
+    /// The fracture centre on the impact point, the pattern's z axis along the normal, and its box
+    /// as small as encloses the body.
     ///
     /// The twist about the normal is free. The pattern's x axis follows the grid axis along which
     /// the body is longest across the normal, so that long pieces of a pattern lie along a long
@@ -46,8 +46,8 @@ impl Placement {
         Self::around(pattern, &impact_grid, &corners_grid)
     }
 
-    /// The same for a body of which only the corners of a box around it are known, in the frame of the impact: the grid
-    /// frame is that one.
+    /// The same for a body of which only the corners of a box around it are known, in the frame of
+    /// the impact: the grid frame is that one.
     pub fn around(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8]) -> Self {
         let point_grid = impact.point_body;
         let z = impact.normal_body.normalize();
@@ -125,7 +125,8 @@ fn longest_axis_across(z: DVec3, points: &[DVec3; 8]) -> DVec3 {
     let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
     let extent = high - low;
 
-    // An axis that is this much longer than an earlier one takes over: round-off must not decide between equal edges.
+    // An axis that is this much longer than an earlier one takes over: round-off must not decide
+    // between equal edges.
     const CLEARLY: f64 = 1.0 + 1e-6;
     let mut longest = DVec3::ZERO;
     let mut length = 0.0;

@@ -19,7 +19,8 @@ pub struct BondStrength {
     pub shear: f64,
 }
 
-/// Convex pieces with a bond at each face that two of them share; all in one frame, that of the body before it broke.
+/// Convex pieces with a bond at each face that two of them share; all in one frame, that of the
+/// body before it broke.
 #[derive(Clone, Debug)]
 pub struct Glued {
     hulls: Vec<Arc<Hull>>,
@@ -251,9 +252,10 @@ impl Glued {
         members.iter().enumerate().map(part).collect()
     }
 
-    /// What the points of one contact carry, spread over the faces of pieces that lie in it: a flat contact has few points, but presses
-    /// everywhere, by so much more towards one side that the middle of its pressure stays where it is. Contacts that are not flat, or
-    /// of fewer than three points, stay as they are.
+    /// What the points of one contact carry, spread over the faces of pieces that lie in it: a flat
+    /// contact has few points, but presses everywhere, by so much more towards one side that the
+    /// middle of its pressure stays where it is. Contacts that are not flat, or of fewer than three
+    /// points, stay as they are.
     pub fn spread(&self, contact: Vec<PointLoad>) -> Vec<PointLoad> {
         let force: DVec3 = contact.iter().map(|load| load.force).sum();
         let Some(normal) = force.try_normalize().filter(|_| contact.len() >= 3) else {
@@ -267,7 +269,8 @@ impl Glued {
             .map(|(load, weight)| weight / total * load.point)
             .sum::<DVec3>();
 
-        // Faces in the plane of the points and in their box. Friction leans the force, and faces lie across their own normals.
+        // Faces in the plane of the points and in their box. Friction leans the force, and faces
+        // lie across their own normals.
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for load in &contact {
             (low, high) = (low.min(load.point), high.max(load.point));
@@ -293,7 +296,8 @@ impl Glued {
             }
         }
 
-        // The share of each face is its area's, and a gradient's that moves the middle to where it was.
+        // The share of each face is its area's, and a gradient's that moves the middle to where it
+        // was.
         let area: f64 = faces.iter().map(|face| face.1).sum();
         if faces.is_empty() || area <= 0.0 {
             return contact;
@@ -354,8 +358,9 @@ impl Prescored {
     }
 }
 
-/// The pieces of a body that is one convex polyhedron or several, in the frame of its grid: each cut along a pattern, that is laid on
-/// the body as for an impact, if there is one. `None` if the body, or a cell of the pattern, is not made of convex polyhedra.
+/// The pieces of a body that is one convex polyhedron or several, in the frame of its grid: each
+/// cut along a pattern, that is laid on the body as for an impact, if there is one. `None` if the
+/// body, or a cell of the pattern, is not made of convex polyhedra.
 pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Prescored> {
     let parts: Vec<Hull> = match &body.geometry {
         Geometry::Compound(compound) => {

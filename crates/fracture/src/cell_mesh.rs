@@ -5,8 +5,8 @@ use frangible_geometry::{Hull, TriMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Vertices of neighbours that are this close, relative to the box, are one: much more than rounding makes of the meeting point
-/// of four cells, much less than any edge that can be seen.
+/// Vertices of neighbours that are this close, relative to the box, are one: much more than
+/// rounding makes of the meeting point of four cells, much less than any edge that can be seen.
 const SAME_VERTEX: f64 = 1e-9;
 
 /// Edges are halved at most so many times.
@@ -22,7 +22,8 @@ pub(crate) struct CellMesh {
 }
 
 impl CellMesh {
-    /// The polyhedron of a region, its faces in fans of triangles. Empty for a region beyond the box.
+    /// The polyhedron of a region, its faces in fans of triangles. Empty for a region beyond the
+    /// box.
     pub(crate) fn planar(regions: &[Region], half_extent: DVec3, cell: usize) -> Self {
         let Some(hull) = regions[cell].hull(half_extent) else { return Self::default() };
         let mut made = Self::default();
@@ -63,8 +64,9 @@ impl CellMesh {
         points.iter().map(&mut number_of).collect()
     }
 
-    /// The same surface, its edges halved until none is longer than `longest_edge`. What becomes of an edge and of a
-    /// triangle depends on their corners only, so that surfaces that fitted still do.
+    /// The same surface, its edges halved until none is longer than `longest_edge`. What becomes of
+    /// an edge and of a triangle depends on their corners only, so that surfaces that fitted still
+    /// do.
     pub(crate) fn refined(mut self, longest_edge: f64) -> Self {
         for _ in 0..MOST_HALVINGS {
             let before = self.mesh.triangles.len();
@@ -101,7 +103,8 @@ impl CellMesh {
     }
 }
 
-/// The triangles that one becomes when some of its sides, counted from its first corner, are halved.
+/// The triangles that one becomes when some of its sides, counted from its first corner, are
+/// halved.
 fn cut_triangle(
     [a, b, c]: [u32; 3],
     middles: [Option<u32>; 3],
@@ -136,7 +139,8 @@ fn compare(a: DVec3, b: DVec3) -> std::cmp::Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-/// The corners of a cell's hull. Where several cells have one within rounding, all take that of the first cell.
+/// The corners of a cell's hull. Where several cells have one within rounding, all take that of the
+/// first cell.
 fn shared_vertices(regions: &[Region], half_extent: DVec3, cell: usize, hull: &Hull) -> Vec<DVec3> {
     let close = SAME_VERTEX * half_extent.max_element();
     let mut hulls: BTreeMap<usize, Option<Hull>> = BTreeMap::new();

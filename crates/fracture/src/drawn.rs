@@ -9,7 +9,8 @@ use std::sync::{Arc, OnceLock};
 mod fit;
 mod parts;
 
-/// Nodes along the longest edge of the box on which the cells' distances are sampled, and the fewest along the shortest: a pane is thin.
+/// Nodes along the longest edge of the box on which the cells' distances are sampled, and the
+/// fewest along the shortest: a pane is thin.
 const NODES: f64 = 64.0;
 const LAYERS: f64 = 2.0;
 
@@ -19,13 +20,15 @@ const MOST_NODES: f64 = 1e6;
 /// Layers of nodes around a cell, so that gradients at its surface are central.
 const MARGIN: f64 = 3.0;
 
-/// A triangle this close to a wall, relative to the box, lies on it: the precision of a file of single-precision numbers.
+/// A triangle this close to a wall, relative to the box, lies on it: the precision of a file of
+/// single-precision numbers.
 const ON_THE_BOX: f64 = 1e-5;
 
 /// Closed meshes, each a cell.
 ///
-/// A point belongs to the cell whose surface it is deepest inside of; if it is inside of none, to the nearest. So the cells tile
-/// the box, and all of space, even where the meshes leave small gaps or overlap a little.
+/// A point belongs to the cell whose surface it is deepest inside of; if it is inside of none, to
+/// the nearest. So the cells tile the box, and all of space, even where the meshes leave small gaps
+/// or overlap a little.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "DrawnRecord", into = "DrawnRecord")]
 pub struct Drawn {
@@ -79,8 +82,9 @@ impl TryFrom<DrawnRecord> for Drawn {
 }
 
 impl Pattern {
-    /// A pattern of closed meshes that fill a box, each a cell: what an artist drew. Each is turned outward. `name` begins the
-    /// sentence about what is wrong, in which places are in the meshes' own units.
+    /// A pattern of closed meshes that fill a box, each a cell: what an artist drew. Each is turned
+    /// outward. `name` begins the sentence about what is wrong, in which places are in the meshes'
+    /// own units.
     ///
     /// # Errors
     /// If a mesh is not closed, or if together they leave a gap in their bounding box, or overlap, by more than a hundredth of
@@ -130,7 +134,8 @@ impl Drawn {
             }
         }
 
-        // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill the box.
+        // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill
+        // the box.
         let extent = high - low;
         let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
         while (extent / spacing).element_product() > MOST_NODES {
@@ -155,8 +160,9 @@ impl Drawn {
         &self.meshes
     }
 
-    /// Signed distance to a cell's mesh. Beyond its samples a lower bound: the cell lies within their box, so that it is as far
-    /// from a point as the box is, and as far as it is from the nearest point of the box.
+    /// Signed distance to a cell's mesh. Beyond its samples a lower bound: the cell lies within
+    /// their box, so that it is as far from a point as the box is, and as far as it is from the
+    /// nearest point of the box.
     fn to_mesh(&self, cell: usize, point: DVec3) -> f64 {
         let field = &self.fields[cell];
         let (low, high) = field.grid().bounds();
@@ -200,9 +206,9 @@ impl Drawn {
         (cell < self.meshes.len()).then_some(cell)
     }
 
-    /// See [`Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling without gaps that is the distance
-    /// to the crack between the two; less deep beside a wall of the box, and far from
-    /// the crack, where only bounds are known.
+    /// See [`Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling
+    /// without gaps that is the distance to the crack between the two; less deep beside a wall of
+    /// the box, and far from the crack, where only bounds are known.
     pub(crate) fn distance(&self, cell: usize, point: DVec3) -> f64 {
         let [first, second] = self.nearest(point);
         let other = if first.1 == cell { second.0 } else { first.0 };

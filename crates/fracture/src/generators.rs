@@ -1,4 +1,5 @@
-//! Patterns from a few numbers [Su09 sec. 4.3]. The same numbers give the same pattern on every machine.
+//! Patterns from a few numbers [Su09 sec. 4.3]. The same numbers give the same pattern on every
+//! machine.
 
 mod bricks;
 mod concrete;

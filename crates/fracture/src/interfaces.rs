@@ -1,4 +1,5 @@
-//! Which pieces of a break touch, where and over what area: what glue holds, and what a crack has laid bare.
+//! Which pieces of a break touch, where and over what area: what glue holds, and what a crack has
+//! laid bare.
 
 mod hulls;
 mod meshes;
@@ -23,13 +24,15 @@ pub struct Interface {
     pub area: f64,
     /// Mean of the contact's points, parent's body frame [m].
     pub centroid: DVec3,
-    /// Unit normal of the contact, from `a` to `b`; the mean over a contact that is not flat. Parent's body frame.
+    /// Unit normal of the contact, from `a` to `b`; the mean over a contact that is not flat.
+    /// Parent's body frame.
     pub normal: DVec3,
 }
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
-/// Convex polyhedra touch where faces of two of them lie in one plane and look at each other: the area is exact.
+/// Convex polyhedra touch where faces of two of them lie in one plane and look at each other: the
+/// area is exact.
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces
 /// between the two make a staircase, whose area is too large by up to the root of 3; the sum of
@@ -40,8 +43,9 @@ pub struct Interface {
 /// voxels across and more are within a few percent on planes; without planes all areas together
 /// are, but flat wedges at the body's surface lose much of theirs.
 ///
-/// All pieces must be of one kind, and those on a lattice of one parent, as [`shatter`](crate::shatter) returns them;
-/// convex polyhedra may be any that do not overlap, each placed in the common frame.
+/// All pieces must be of one kind, and those on a lattice of one parent, as
+/// [`shatter`](crate::shatter) returns them; convex polyhedra may be any that do not overlap, each
+/// placed in the common frame.
 pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
     let hulls: Option<Vec<Hull>> = fragments
         .iter()
@@ -98,7 +102,8 @@ impl Contacts {
         sum.vector += vector;
     }
 
-    /// One for each pair. A contact that closes upon itself has no mean normal; any direction is as good there.
+    /// One for each pair. A contact that closes upon itself has no mean normal; any direction is as
+    /// good there.
     fn into_interfaces(self) -> Vec<Interface> {
         self.of_pair
             .into_iter()

@@ -1,6 +1,8 @@
-//! Fracture patterns and breaking: a pure function of a body, a pattern and an impact [Su09 sec. 4]; and glue between pieces.
+//! Fracture patterns and breaking: a pure function of a body, a pattern and an impact [Su09 sec.
+//! 4]; and glue between pieces.
 //!
-//! Nothing moves here, and there is no list of bodies. Lengths are metres, except in a pattern, which is scaled onto the body.
+//! Nothing moves here, and there is no list of bodies. Lengths are metres, except in a pattern,
+//! which is scaled onto the body.
 
 pub mod align;
 pub mod bonds;

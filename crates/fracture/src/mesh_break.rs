@@ -1,6 +1,8 @@
-//! Breaking a mesh that nobody simulates: on a grid, or by a Boolean library that is handed the pattern's cells.
+//! Breaking a mesh that nobody simulates: on a grid, or by a Boolean library that is handed the
+//! pattern's cells.
 //!
-//! Everything is in the mesh's own frame, which stands for the grid frame and for the body frame of the [`Impact`].
+//! Everything is in the mesh's own frame, which stands for the grid frame and for the body frame of
+//! the [`Impact`].
 
 use crate::align::corners;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, shatter};
@@ -12,14 +14,16 @@ use frangible_geometry::{
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How much larger than the smallest the pattern's box is, relatively: its walls must not lie in the mesh's own faces, whose
-/// triangles are to be told from the cutter's. Far above rounding, far below what can be seen.
+/// How much larger than the smallest the pattern's box is, relatively: its walls must not lie in
+/// the mesh's own faces, whose triangles are to be told from the cutter's. Far above rounding, far
+/// below what can be seen.
 const CLEAR_OF_THE_BOX: f64 = 1e-6;
 
 /// Triangles this close to a plane, relative to their cell, lie in it.
 const SAME_PLANE: f64 = 1e-9;
 
-/// Edges of rough cells' triangles, in units of a mean cell's edge: fine enough that their ripples look smooth.
+/// Edges of rough cells' triangles, in units of a mean cell's edge: fine enough that their ripples
+/// look smooth.
 const ROUGH_EDGE: f64 = 0.125;
 
 /// Layers of voxels around the mesh, so that all gradients at its surface are central.
@@ -28,9 +32,11 @@ const MARGIN: usize = 2;
 /// One cell of a pattern, laid onto a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cutter {
-    /// Closed; what of it is inside of the mesh is crack, because the pattern's box is clear of the mesh.
+    /// Closed; what of it is inside of the mesh is crack, because the pattern's box is clear of the
+    /// mesh.
     pub mesh: TriMesh,
-    /// For each triangle, which face of the cell it is a part of: a plane, or a rough crack towards one neighbour.
+    /// For each triangle, which face of the cell it is a part of: a plane, or a rough crack towards
+    /// one neighbour.
     pub face: Vec<u32>,
 }
 
@@ -138,8 +144,8 @@ fn corner_bits(mesh: &TriMesh, triangle: usize) -> [[u64; 3]; 3] {
     bits
 }
 
-/// Volume of a mesh on a grid [m^3], and its pieces. `voxels` are along the longest side of the bounding box. The pieces' grid
-/// frame and their parent's body frame are the mesh's.
+/// Volume of a mesh on a grid [m^3], and its pieces. `voxels` are along the longest side of the
+/// bounding box. The pieces' grid frame and their parent's body frame are the mesh's.
 ///
 /// The mesh is cleaned first, see [`TriMesh::cleaned`]; its solids may cross.
 ///
@@ -169,8 +175,8 @@ pub fn sampled_body(mesh: &TriMesh, voxels: usize) -> Result<Shape, MeshBreakErr
     Ok(body)
 }
 
-/// The surface of what a mesh encloses, closed and free of crossings: made anew by dual contouring of the level set on a grid of
-/// so many `voxels` along the longest side of the bounding box.
+/// The surface of what a mesh encloses, closed and free of crossings: made anew by dual contouring
+/// of the level set on a grid of so many `voxels` along the longest side of the bounding box.
 ///
 /// # Errors
 /// As for [`break_on_grid`].

@@ -3,8 +3,9 @@
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Value noise in three components [Perlin02]: independent random vectors at the nodes of a lattice, blended between them by a
-/// polynomial of fifth degree, so that it is twice differentiable. Finer octaves are added to a coarse one.
+/// Value noise in three components [Perlin02]: independent random vectors at the nodes of a
+/// lattice, blended between them by a polynomial of fifth degree, so that it is twice
+/// differentiable. Finer octaves are added to a coarse one.
 ///
 /// It keeps the pattern's box: a point of a wall stays in the wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,8 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct Noise {
     /// Edge of the coarsest lattice's cubes, in the pattern's unit.
     pub wavelength: f64,
-    /// Largest change of the displacement from one point to another, relative to the way between them: below 1, so that no
-    /// two points are moved to the same place. The size of the displacement follows from it.
+    /// Largest change of the displacement from one point to another, relative to the way between
+    /// them: below 1, so that no two points are moved to the same place. The size of the
+    /// displacement follows from it.
     pub steepness: f64,
     /// Of the random numbers.
     pub seed: u64,
@@ -22,8 +24,9 @@ pub struct Noise {
 /// Share of the steepness that each octave has, and its wavelength relative to the coarsest.
 const OCTAVES: [(f64, f64); 3] = [(0.5, 1.0), (0.3, 0.5), (0.2, 0.25)];
 
-/// Largest gradient of one component of the noise at wavelength 1, with values in [-1, 1]: half-way between two nodes, where
-/// the blend has slope 15/8, and values that rise by 2 along one axis. By Bessel's inequality no other values have more.
+/// Largest gradient of one component of the noise at wavelength 1, with values in [-1, 1]: half-way
+/// between two nodes, where the blend has slope 15/8, and values that rise by 2 along one axis. By
+/// Bessel's inequality no other values have more.
 const STEEPEST: f64 = 3.75;
 
 /// Largest slope of the window that keeps the walls, see [`Noise::displacement`].
@@ -36,7 +39,8 @@ impl Noise {
         0.5 * finest * self.wavelength
     }
 
-    /// Displacement at a point of the box of `half_extent`; beyond it without the components across the nearest walls.
+    /// Displacement at a point of the box of `half_extent`; beyond it without the components across
+    /// the nearest walls.
     pub fn displacement(&self, point: DVec3, half_extent: DVec3) -> DVec3 {
         let mut sum = DVec3::ZERO;
         let mut amplitudes = 0.0;
@@ -46,7 +50,8 @@ impl Noise {
             amplitudes += amplitude;
             sum += amplitude * blended(point / wavelength, self.seed.wrapping_add(octave));
         }
-        // A window, 1 in the middle and 0 on the walls, holds each component back. Its slope adds to the noise's.
+        // A window, 1 in the middle and 0 on the walls, holds each component back. Its slope adds
+        // to the noise's.
         let place = (point / half_extent).clamp(DVec3::NEG_ONE, DVec3::ONE);
         let window = DVec3::ONE - place * place * place * place;
         let steepness = 1.0 + amplitudes * STEEPEST_WINDOW / half_extent.min_element();
@@ -134,7 +139,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-        /// Two points are never moved apart or together by more than the steepness says, near and far.
+        /// Two points are never moved apart or together by more than the steepness says, near and
+        /// far.
         #[test]
         fn the_steepness_bounds_the_change(
             a in point(), way in point(), exponent in -4..1i32, steepness in 0.1..0.95f64,
@@ -159,8 +165,8 @@ mod tests {
         }
     }
 
-    /// It is no idle bound: among random points the displacement changes by more than a fifth of it, and its size is a
-    /// few hundredths of the wavelength.
+    /// It is no idle bound: among random points the displacement changes by more than a fifth of
+    /// it, and its size is a few hundredths of the wavelength.
     #[test]
     fn the_noise_is_there() {
         let noise = Noise { wavelength: 0.5, steepness: 1.0, seed: 3 };

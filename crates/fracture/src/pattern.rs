@@ -8,9 +8,10 @@ use thiserror::Error;
 
 /// A box broken into cells around one point.
 ///
-/// The *pattern frame* has its origin in the middle of the box; +z is the direction of the collision normal, out of the
-/// broken body and towards the striker; x and y lie across. A break moves, turns and uniformly scales the pattern onto
-/// the body. Lengths are in the pattern's own unit.
+/// The *pattern frame* has its origin in the middle of the box; +z is the direction of the
+/// collision normal, out of the broken body and towards the striker; x and y lie across. A break
+/// moves, turns and uniformly scales the pattern onto the body. Lengths are in the pattern's own
+/// unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pattern {
@@ -49,8 +50,8 @@ pub enum Cells {
     Drawn(Drawn),
 }
 
-/// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because the pattern encloses
-/// what it breaks.
+/// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because
+/// the pattern encloses what it breaks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
@@ -64,7 +65,8 @@ pub struct Region {
 pub struct Cut {
     /// The region lies inside.
     pub half_space: HalfSpace,
-    /// Corners of the face within the pattern's box, counter-clockwise seen from outside of the region.
+    /// Corners of the face within the pattern's box, counter-clockwise seen from outside of the
+    /// region.
     pub face: Vec<DVec3>,
 }
 
@@ -112,8 +114,8 @@ pub enum PatternError {
     },
 }
 
-/// Faces smaller than this part of the box's surface are no faces: four planes that meet in a point leave slivers of
-/// round-off size.
+/// Faces smaller than this part of the box's surface are no faces: four planes that meet in a point
+/// leave slivers of round-off size.
 const SMALLEST_FACE: f64 = 1e-14;
 
 impl Region {
@@ -144,7 +146,8 @@ impl Region {
         self.cuts.iter().try_fold(whole, |hull, cut| hull.clipped(&cut.half_space))
     }
 
-    /// Largest signed distance to any of the cuts, negative inside; the distance to the region in the sense of
+    /// Largest signed distance to any of the cuts, negative inside; the distance to the region in
+    /// the sense of
     /// [Su09 sec. 4.2]: right inside, a lower bound outside. Minus infinity for a region without cuts.
     pub fn distance(&self, point: DVec3) -> f64 {
         self.cuts.iter().map(|cut| cut.half_space.distance(point)).fold(f64::NEG_INFINITY, f64::max)
@@ -203,8 +206,8 @@ impl Pattern {
         self.len() == 0
     }
 
-    /// The cell that holds a point of the pattern frame, inside of the box or beyond: the one with the least distance,
-    /// the first of equals. `None` only without cells.
+    /// The cell that holds a point of the pattern frame, inside of the box or beyond: the one with
+    /// the least distance, the first of equals. `None` only without cells.
     pub fn region_at(&self, point: DVec3) -> Option<usize> {
         match &self.cells {
             Cells::Planar(regions) => nearest_region(regions, point),
@@ -213,8 +216,8 @@ impl Pattern {
         }
     }
 
-    /// Signed distance from a point of the pattern frame to a cell, negative inside: of the right sign, and nowhere
-    /// larger than it is far. The walls of the box bound no cell.
+    /// Signed distance from a point of the pattern frame to a cell, negative inside: of the right
+    /// sign, and nowhere larger than it is far. The walls of the box bound no cell.
     pub fn distance(&self, cell: usize, point: DVec3) -> f64 {
         match &self.cells {
             Cells::Planar(regions) => regions[cell].distance(point),
@@ -223,8 +226,9 @@ impl Pattern {
         }
     }
 
-    /// The closed surface of a cell within the box, without an edge longer than `longest_edge` (infinite: each face as
-    /// large as it is). Cells that meet face to face share the vertices of the face bit for bit, and its triangles.
+    /// The closed surface of a cell within the box, without an edge longer than `longest_edge`
+    /// (infinite: each face as large as it is). Cells that meet face to face share the vertices of
+    /// the face bit for bit, and its triangles.
     pub fn region_mesh(&self, cell: usize, longest_edge: f64) -> TriMesh {
         self.cell_mesh(cell, longest_edge, 1.0).mesh
     }
@@ -279,8 +283,9 @@ impl Pattern {
         (faces + outer) / 3.0
     }
 
-    /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a tiling. Rough cells tile as their
-    /// regions do; the meshes of drawn ones may leave small gaps, which their neighbours fill.
+    /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a
+    /// tiling. Rough cells tile as their regions do; the meshes of drawn ones may leave small gaps,
+    /// which their neighbours fill.
     pub fn tiling_defect(&self) -> f64 {
         let e = self.half_extent;
         let whole = 8.0 * e.x * e.y * e.z;

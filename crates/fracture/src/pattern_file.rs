@@ -15,7 +15,8 @@ const FORMAT: &str = "frangible-pattern";
 /// The version that is written, and the newest that is read.
 const VERSION: u32 = 1;
 
-/// Volumes of the cells in a file may miss the box's by this part of it: digits that a program cut off, no cell.
+/// Volumes of the cells in a file may miss the box's by this part of it: digits that a program cut
+/// off, no cell.
 const MOST_DEFECT: f64 = 1e-6;
 
 /// A file as it is written.
@@ -43,8 +44,8 @@ impl Pattern {
         })
     }
 
-    /// Reads a file that [`Pattern::save`] wrote, or another program: everything is checked. A mesh file (.obj, .ply, .stl, .gltf,
-    /// .glb) is a drawn pattern, see [`Pattern::of_parts`].
+    /// Reads a file that [`Pattern::save`] wrote, or another program: everything is checked. A mesh
+    /// file (.obj, .ply, .stl, .gltf, .glb) is a drawn pattern, see [`Pattern::of_parts`].
     ///
     /// # Errors
     /// If the file cannot be read, is not a pattern, or its cells do not tile its box.
@@ -70,7 +71,8 @@ impl Pattern {
         pattern.map_err(|reason| PatternError::File { path: name, reason })
     }
 
-    /// Checks what no generator gets wrong; the error completes the sentence that begins with the file.
+    /// Checks what no generator gets wrong; the error completes the sentence that begins with the
+    /// file.
     fn check(&self) -> Result<(), String> {
         let e = self.half_extent;
         if !(e.is_finite() && e.min_element() > 0.0) {

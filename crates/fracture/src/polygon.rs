@@ -40,8 +40,8 @@ pub(crate) fn box_half_spaces(low: DVec3, high: DVec3) -> [HalfSpace; 6] {
     ]
 }
 
-/// The part of a half-space's plane inside the box of `half_extent` around the origin, counter-clockwise seen from
-/// outside of the half-space.
+/// The part of a half-space's plane inside the box of `half_extent` around the origin,
+/// counter-clockwise seen from outside of the half-space.
 pub(crate) fn box_section(half_space: &HalfSpace, half_extent: DVec3) -> Vec<DVec3> {
     let (u, v) = half_space.normal.any_orthonormal_pair();
     let v = if u.cross(v).dot(half_space.normal) < 0.0 { -v } else { v };

@@ -84,8 +84,8 @@ impl Rough {
         (cell < self.regions.len()).then_some(cell)
     }
 
-    /// The two regions that are nearest to the place `to` which a point is moved to, and how far they
-    /// are; the first of equals first.
+    /// The two regions that are nearest to the place `to` which a point is moved to, and how far
+    /// they are; the first of equals first.
     pub(crate) fn nearest(&self, point: DVec3, to: DVec3, half_extent: DVec3) -> [(usize, f64); 2] {
         let mut nearest = [(usize::MAX, f64::INFINITY); 2];
         let around = self.samples(half_extent).nearby.around(point);
@@ -159,8 +159,8 @@ impl Rough {
         of_nodes.iter_mut().for_each(|distance| *distance *= part);
     }
 
-    /// See [`crate::Pattern::distance`]. Two points are moved apart by at most 1 + steepness times the way between them, and the
-    /// distance is divided by that.
+    /// See [`crate::Pattern::distance`]. Two points are moved apart by at most 1 + steepness times
+    /// the way between them, and the distance is divided by that.
     pub(crate) fn distance(&self, cell: usize, point: DVec3, half_extent: DVec3) -> f64 {
         let moved = point + self.samples(half_extent).displacement(point, half_extent);
         self.regions[cell].distance(moved) / (1.0 + self.noise.steepness)
@@ -228,7 +228,8 @@ impl Samples {
         along_y(first).lerp(along_y(first + nx * ny), place.z).as_dvec3()
     }
 
-    /// The first node of the lattice's cube around a point of the box, and where in it the point lies.
+    /// The first node of the lattice's cube around a point of the box, and where in it the point
+    /// lies.
     #[inline]
     fn cell(&self, point: DVec3, half_extent: DVec3) -> (usize, Vec3) {
         let [nx, ny, nz] = self.grid.dims;

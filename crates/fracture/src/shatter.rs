@@ -36,11 +36,12 @@ pub struct Fragment {
 /// What the user may choose about a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShatterSettings {
-    /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of three voxels a side
-    /// the middle one is the first whose distance and gradient the samples resolve.
+    /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of
+    /// three voxels a side the middle one is the first whose distance and gradient the samples
+    /// resolve.
     pub smallest_fragment_voxels: f64,
-    /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on a crack is found
-    /// within one voxel of its place.
+    /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on
+    /// a crack is found within one voxel of its place.
     pub sample_spacing_voxels: f64,
     /// The bounds below which a part is no piece, on a grid or without one.
     pub smallest: Smallest,
@@ -56,11 +57,12 @@ impl Default for ShatterSettings {
     }
 }
 
-/// Breaks a body along a pattern that is laid onto the point of impact: one that has a polyhedron exactly, see [`shatter_hull`], if
-/// the pattern is planar; what lies on a grid voxel by voxel. There the fragments share out the parent's voxels, so
-/// that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
-/// are the parent's. Empty for what has neither a polyhedron nor a grid, and for a polyhedron and a pattern of other than planar
-/// cells.
+/// Breaks a body along a pattern that is laid onto the point of impact: one that has a polyhedron
+/// exactly, see [`shatter_hull`], if the pattern is planar; what lies on a grid voxel by voxel.
+/// There the fragments share out the parent's voxels, so that mass, and with
+/// [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
+/// are the parent's. Empty for what has neither a polyhedron nor a grid, and for a polyhedron and a
+/// pattern of other than planar cells.
 pub fn shatter(
     parent: &Shape,
     pattern: &Pattern,
@@ -129,8 +131,8 @@ fn shatter_sampled(
     finish(parent, framed, surfaces, (&components, &pieces))
 }
 
-/// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own inertia keeps the least one
-/// regular.
+/// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own
+/// inertia keeps the least one regular.
 fn frame(solids: Vec<GridSolid>) -> Vec<(GridSolid, BodyFrame)> {
     let framed = |solid: GridSolid| BodyFrame::of(&solid).ok().map(|frame| (solid, frame));
     solids.into_iter().filter_map(framed).collect()

@@ -1,7 +1,8 @@
 //! Breaking a convex polyhedron by planes: exact, without a grid.
 //!
-//! Each cell of a planar pattern cuts its part out of the parent. Fragments are snug: neighbours share the vertices of their crack
-//! bit for bit, and what was the parent's surface keeps its planes. Mass follows from the divergence theorem.
+//! Each cell of a planar pattern cuts its part out of the parent. Fragments are snug: neighbours
+//! share the vertices of their crack bit for bit, and what was the parent's surface keeps its
+//! planes. Mass follows from the divergence theorem.
 
 use crate::interfaces::contacts_of_some;
 use crate::pattern::Region;
@@ -16,20 +17,21 @@ use std::ops::Range;
 /// What has less of the parent's volume than this is round-off, not a piece.
 const NO_VOLUME: f64 = 1e-13;
 
-/// Two pieces may leave out the crack between them if the convex body without it is their union, up to so much of the parent's
-/// volume.
+/// Two pieces may leave out the crack between them if the convex body without it is their union, up
+/// to so much of the parent's volume.
 const SAME_VOLUME: f64 = 1e-12;
 
-/// Vertices of neighbours that are closer than this, relative to the parent's longest side, are one. Cuts in different orders move
-/// them by some 1e-15.
+/// Vertices of neighbours that are closer than this, relative to the parent's longest side, are
+/// one. Cuts in different orders move them by some 1e-15.
 const SAME_VERTEX: f64 = 1e-12;
 
-/// Pieces of which so much of the parent's volume is missing, or is there twice, are none: a rod a thousand times as long as thick
-/// cannot be cut lengthwise again and again in the precision that its length leaves.
+/// Pieces of which so much of the parent's volume is missing, or is there twice, are none: a rod a
+/// thousand times as long as thick cannot be cut lengthwise again and again in the precision that
+/// its length leaves.
 const NOT_FILLED: f64 = 1e-10;
 
-/// Two pieces are not convex together if a vertex of one lies this far, relative to the parent's longest side, beyond a plane of the
-/// other. Volumes tell of those that lie nearer.
+/// Two pieces are not convex together if a vertex of one lies this far, relative to the parent's
+/// longest side, beyond a plane of the other. Volumes tell of those that lie nearer.
 const BEYOND: f64 = 1e-6;
 
 /// Planes or pieces that there are room for at first.
@@ -46,9 +48,10 @@ struct Piece {
     cell: u32,
 }
 
-/// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid onto the point of impact. The
-/// fragments fill the parent, so that mass, and with [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and
-/// kinetic energy, are the parent's up to rounding.
+/// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid
+/// onto the point of impact. The fragments fill the parent, so that mass, and with
+/// [`fragment_velocity`](crate::fragment_velocity) momentum, angular momentum and kinetic energy,
+/// are the parent's up to rounding.
 ///
 /// A piece that is too small joins the neighbour over their largest crack, if the two without it
 /// are convex. Where they are with none, its neighbour absorbs a sliver of less than a
@@ -143,7 +146,8 @@ fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
 
 /// The parent and what cuts it, in its grid frame.
 struct Workshop<'a> {
-    /// Middle and half of the edges of the parent's bounding box, and the radius of the ball around its middle that holds the parent [m].
+    /// Middle and half of the edges of the parent's bounding box, and the radius of the ball around
+    /// its middle that holds the parent [m].
     middle: DVec3,
     half: DVec3,
     radius: f64,
@@ -175,7 +179,8 @@ impl<'a> Workshop<'a> {
 
     /// The part of the parent in a region of the pattern.
     fn cell(&mut self, placement: &Placement, region: &Region, cell: u32) -> Option<Piece> {
-        // Only planes that reach the parent cut it; the deepest first, because the later ones then have less to do.
+        // Only planes that reach the parent cut it; the deepest first, because the later ones then
+        // have less to do.
         self.reaching.clear();
         for cut in &region.cuts {
             let plane = placement.half_space(&cut.half_space);

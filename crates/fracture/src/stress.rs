@@ -1,10 +1,12 @@
-//! What glue between pieces has to bear: rigid pieces joined by springs at the faces that they share, the rigid-body-spring model
-//! [Kaw78].
+//! What glue between pieces has to bear: rigid pieces joined by springs at the faces that they
+//! share, the rigid-body-spring model [Kaw78].
 //!
-//! A bond stretches, shears, bends and twists as a short bar between the centres of its two pieces would: of the face's area A, with the
-//! section's moments of a square of that area. Only the ratios of its stiffnesses matter, so Young's modulus is 1. The displacements x
-//! that balance the loads solve K x = f, by conjugate gradients with the 6 x 6 blocks of the pieces as preconditioner, from the last
-//! solution on. What is not anchored is accelerated by its loads as one body, and inertia balances them (inertia relief).
+//! A bond stretches, shears, bends and twists as a short bar between the centres of its two pieces
+//! would: of the face's area A, with the section's moments of a square of that area. Only the
+//! ratios of its stiffnesses matter, so Young's modulus is 1. The displacements x that balance the
+//! loads solve K x = f, by conjugate gradients with the 6 x 6 blocks of the pieces as
+//! preconditioner, from the last solution on. What is not anchored is accelerated by its loads as
+//! one body, and inertia balances them (inertia relief).
 
 use crate::Interface;
 use frangible_geometry::disjoint_sets::DisjointSets;
@@ -43,7 +45,8 @@ impl RigidPiece {
     }
 }
 
-/// A force [N] and a torque about a piece's centre [N m]; or a displacement [m] and a rotation [rad] of it.
+/// A force [N] and a torque about a piece's centre [N m]; or a displacement [m] and a rotation
+/// [rad] of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
     /// Force, or displacement.
@@ -64,16 +67,19 @@ pub struct Stress {
 /// Shear modulus over Young's: of Poisson's ratio 0.25, which stone and concrete have.
 const SHEAR_MODULUS: f64 = 0.4;
 
-/// Of a square with area 1: its second moment, section modulus, torsion constant and torsional section modulus [YB02, table 10.1].
+/// Of a square with area 1: its second moment, section modulus, torsion constant and torsional
+/// section modulus [YB02, table 10.1].
 const SECOND_MOMENT: f64 = 1.0 / 12.0;
 const SECTION_MODULUS: f64 = 1.0 / 6.0;
 const TORSION_CONSTANT: f64 = 0.1406;
 const TORSION_MODULUS: f64 = 0.208;
 
-/// A bond counts as no shorter than this, in units of its width: pieces' centres may lie side by side.
+/// A bond counts as no shorter than this, in units of its width: pieces' centres may lie side by
+/// side.
 const SHORTEST: f64 = 0.1;
 
-/// The residual, relative to the loads, at which the displacements are good enough: stresses are then right to a per mille.
+/// The residual, relative to the loads, at which the displacements are good enough: stresses are
+/// then right to a per mille.
 const TOLERANCE: f64 = 1e-6;
 
 /// Steps of conjugate gradients for each piece: exact arithmetic needs six.
@@ -144,8 +150,8 @@ impl Spring {
     }
 }
 
-/// The stresses in bonds under loads on their pieces. `displacements` are those of the last solution, or zero, one for each piece, and
-/// become those of this one.
+/// The stresses in bonds under loads on their pieces. `displacements` are those of the last
+/// solution, or zero, one for each piece, and become those of this one.
 pub fn bond_stresses(
     pieces: &[RigidPiece],
     bonds: &[Interface],
@@ -181,7 +187,8 @@ pub fn islands(count: usize, bonds: &[Interface]) -> Vec<Vec<usize>> {
     members
 }
 
-/// Loads with what inertia sets against them: those of each island that is not anchored add up to nothing.
+/// Loads with what inertia sets against them: those of each island that is not anchored add up to
+/// nothing.
 fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec<Wrench> {
     let mut balanced = loads.to_vec();
     for island in islands(pieces.len(), bonds) {
@@ -209,8 +216,9 @@ fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec
     balanced
 }
 
-/// Preconditioned conjugate gradients [She94]. What is left unbalanced is small against the loads as they were before inertia was set
-/// against them: in free fall nothing is left of them but rounding.
+/// Preconditioned conjugate gradients [She94]. What is left unbalanced is small against the loads
+/// as they were before inertia was set against them: in free fall nothing is left of them but
+/// rounding.
 fn solve(
     pieces: &[RigidPiece],
     springs: &[Spring],
@@ -270,7 +278,8 @@ impl Blocks {
         let mut blocks = vec![[[0.0; 6]; 6]; pieces.len()];
         for spring in springs {
             for (piece, lever) in [(spring.a, spring.levers[0]), (spring.b, spring.levers[1])] {
-                // Column by column: what a unit displacement or rotation of the piece alone asks for.
+                // Column by column: what a unit displacement or rotation of the piece alone asks
+                // for.
                 for column in 0..6 {
                     let unit = |from: usize| {
                         if column >= from { axis(column - from) } else { DVec3::ZERO }

@@ -96,8 +96,8 @@ fn the_twist_follows_the_longest_edge() {
     }
 }
 
-/// The authors' code lays the pattern's cells one to one onto the body's, and what lies beyond the pattern vanishes.
-/// At half of our scale that happens; at ours it cannot.
+/// The authors' code lays the pattern's cells one to one onto the body's, and what lies beyond the
+/// pattern vanishes. At half of our scale that happens; at ours it cannot.
 #[test]
 fn a_pattern_that_does_not_enclose_the_body_loses_parts_of_it() {
     let body = common::wall();

@@ -29,7 +29,8 @@ fn glued(hulls: Vec<Hull>, anchored: impl Fn(DVec3) -> bool, tension: f64, shear
     Glued::new(hulls.into(), anchored, BondStrength { tension, shear })
 }
 
-/// A beam of square section out of a wall: sigma = M c / I at the root, by its weight and by a load on its end.
+/// A beam of square section out of a wall: sigma = M c / I at the root, by its weight and by a load
+/// on its end.
 #[test]
 fn a_cantilever_breaks_at_its_root_when_the_formula_says_so() {
     let (count, edge) = (10, 0.2);
@@ -66,7 +67,8 @@ fn a_cantilever_breaks_at_its_root_when_the_formula_says_so() {
     }
 }
 
-/// A hanging chain breaks at its top, where it carries all; standing, it is pressed, and nothing breaks.
+/// A hanging chain breaks at its top, where it carries all; standing, it is pressed, and nothing
+/// breaks.
 #[test]
 fn a_hanging_chain_breaks_at_its_top() {
     let (count, edge) = (8, 0.3);
@@ -88,7 +90,8 @@ fn a_hanging_chain_breaks_at_its_top() {
     assert!(tower.give_way(&[], GRAVITY, DENSITY).broken.is_empty());
 }
 
-/// A free body feels no field, and a push on its end only where it must pass it on: the force falls linearly along the row.
+/// A free body feels no field, and a push on its end only where it must pass it on: the force falls
+/// linearly along the row.
 #[test]
 fn inertia_balances_what_nothing_holds() {
     let (count, edge) = (5, 0.5);
@@ -104,7 +107,8 @@ fn inertia_balances_what_nothing_holds() {
     }
 }
 
-/// A table on four legs that stand fast: each leg carries a quarter; overloaded on one side the top comes off there first.
+/// A table on four legs that stand fast: each leg carries a quarter; overloaded on one side the top
+/// comes off there first.
 #[test]
 fn a_table_stands_on_its_legs() {
     let leg = |x: f64, z: f64| cuboid(DVec3::new(x, 0.0, z), DVec3::new(x + 0.2, 1.0, z + 0.2));

@@ -1,4 +1,5 @@
-//! What a break must keep: every voxel's material, mass, momentum, angular momentum and kinetic energy.
+//! What a break must keep: every voxel's material, mass, momentum, angular momentum and kinetic
+//! energy.
 
 mod common;
 
@@ -32,7 +33,8 @@ fn breaks_keep_everything() {
     assert_eq!(breaks, 120);
 }
 
-/// Fragments are bodies like any other: they break again, and what they were made of is still all there.
+/// Fragments are bodies like any other: they break again, and what they were made of is still all
+/// there.
 #[test]
 fn fragments_break_again() {
     let mut random = common::random(12);
@@ -70,9 +72,9 @@ fn crumbs_keep_everything_too() {
     assert!(crumbs > 20, "the test is about crumbs: {crumbs}");
 }
 
-/// The authors' way to the same fragments: each region is a level set on a grid of its own, interpolated at the parent's
-/// nodes, and a node with `phi <= 0` counts as one full voxel. Along the edges of the regions voxels drop out, so that
-/// mass is not kept.
+/// The authors' way to the same fragments: each region is a level set on a grid of its own,
+/// interpolated at the parent's nodes, and a node with `phi <= 0` counts as one full voxel. Along
+/// the edges of the regions voxels drop out, so that mass is not kept.
 #[test]
 fn interpolated_regions_lose_mass() {
     let body = common::bodies().swap_remove(1).1;

@@ -65,7 +65,8 @@ fn load(text: &str) -> Result<Pattern, String> {
     Pattern::load(&path).map_err(|error| sentence(error.to_string()))
 }
 
-/// Drawn cells answer as the planar ones that they were drawn from, up to what the lattice resolves.
+/// Drawn cells answer as the planar ones that they were drawn from, up to what the lattice
+/// resolves.
 fn check_drawn(cells: usize, seed: u64) {
     let planar = voronoi(cells, seed);
     let meshes = as_meshes(&planar);
@@ -90,8 +91,9 @@ fn check_drawn(cells: usize, seed: u64) {
             assert_eq!(distance < 0.0, cell == holder);
             let exact = 3.0 * planar.distance(cell, point);
             if Some(cell) == other && exact.is_finite() {
-                // Never deeper than the other cells are far: beside a wall, where planes go on and cells end, that is farther than
-                // the planes. Near a crack as deep as that or the wall, whichever is nearer.
+                // Never deeper than the other cells are far: beside a wall, where planes go on and
+                // cells end, that is farther than the planes. Near a crack as deep as that or the
+                // wall, whichever is nearer.
                 let far = to_others(&surfaces, cell, 3.0 * point);
                 let wall = 3.0 * (planar.half_extent - point.abs()).min_element();
                 assert!(distance >= -far - 0.3 * spacing, "{distance} {far}");
@@ -125,7 +127,8 @@ fn drawn_cells_beside_an_oblique_crack() {
     check_drawn(2, 10_066_544_545_919_312_530);
 }
 
-/// A file of one vertex list, or of triangles that share no vertex, holds the same cells; saved, they come back equal.
+/// A file of one vertex list, or of triangles that share no vertex, holds the same cells; saved,
+/// they come back equal.
 #[test]
 fn drawn_cells_come_from_files_and_go_to_files() {
     let meshes =
@@ -260,7 +263,8 @@ fn overlaps_and_holes_are_told_too() {
     assert!(load("v 0 0 0\n").is_err());
 }
 
-/// Gaps of less than a hundredth of the box close, and small overlaps go to one of the two: every point has one cell.
+/// Gaps of less than a hundredth of the box close, and small overlaps go to one of the two: every
+/// point has one cell.
 #[test]
 fn small_misfits_are_repaired() {
     for scale in [0.995, 1.005] {

@@ -50,7 +50,8 @@ fn corner_and_quarter() -> Pattern {
         .unwrap()
 }
 
-/// Mass, momentum and energy are the parent's, each voxel has one owner, and no sample lies half a cell deep in another piece.
+/// Mass, momentum and energy are the parent's, each voxel has one owner, and no sample lies half a
+/// cell deep in another piece.
 fn assert_whole(body: &Shape, fragments: &[Fragment]) {
     assert!(common::defect(body, fragments, &mut common::random(61)) < 1e-10);
     common::assert_voxels_shared_out(body, fragments);

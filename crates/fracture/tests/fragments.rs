@@ -54,8 +54,9 @@ fn level_sets_do_not_overlap_and_leave_no_gap() {
     }
 }
 
-/// At the nodes of a piece the sign is right, and inside of the body the value is the distance to the nearest surface of
-/// parent and cracks: for convex bodies, whose pieces are what their outlines say.
+/// At the nodes of a piece the sign is right, and inside of the body the value is the distance to
+/// the nearest surface of parent and cracks: for convex bodies, whose pieces are what their
+/// outlines say.
 #[test]
 fn inside_the_level_set_is_the_outline() {
     let settings = ShatterSettings { smallest_fragment_voxels: 0.0, ..ShatterSettings::default() };
@@ -95,8 +96,9 @@ fn outline_distance(fragment: &Fragment, point: DVec3) -> f64 {
     outline.cuts.iter().map(|cut| cut.distance(point)).fold(root, f64::max)
 }
 
-/// Nearly all samples are within half a voxel of the level set's surface. The others are sharp tips, which the level set
-/// rounds off: on the exact surface, but for the odd tip of a merged sliver.
+/// Nearly all samples are within half a voxel of the level set's surface. The others are sharp
+/// tips, which the level set rounds off: on the exact surface, but for the odd tip of a merged
+/// sliver.
 #[test]
 fn samples_lie_on_their_fragment_and_in_no_other() {
     let (mut all, mut near, mut off) = (0_usize, 0_usize, 0_usize);
@@ -126,8 +128,8 @@ fn samples_lie_on_their_fragment_and_in_no_other() {
     );
 }
 
-/// No sample of the parent is lost, except where a crack's sample takes its place; none goes to two fragments, except
-/// where it lies on a crack.
+/// No sample of the parent is lost, except where a crack's sample takes its place; none goes to two
+/// fragments, except where it lies on a crack.
 #[test]
 fn the_parents_samples_are_shared_out() {
     for (name, body, fragments) in breaks(&ShatterSettings::default()) {

@@ -77,7 +77,8 @@ fn point_in(pattern: &Pattern, random: &mut impl RngExt) -> DVec3 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(150))]
 
-    /// Volumes add up, exactly one cell holds each point, and each cell is closed and as large as its planes say.
+    /// Volumes add up, exactly one cell holds each point, and each cell is closed and as large as
+    /// its planes say.
     #[test]
     fn planar_patterns_tile_their_box(made in planar(), seed in any::<u64>()) {
         let pattern = made.pattern;
@@ -97,7 +98,8 @@ proptest! {
             prop_assert!(difference.abs() < 1e-9 * scale, "{difference}");
         }
         for shape in pattern.cell_shapes() {
-            // Euler's formula for the polyhedra whose corners are not all of three edges: V - E + F = 2 and 2 E >= 3 V.
+            // Euler's formula for the polyhedra whose corners are not all of three edges: V - E + F
+            // = 2 and 2 E >= 3 V.
             prop_assert!(shape.faces >= 4 && shape.corners <= 2 * shape.faces - 4);
         }
     }
@@ -106,8 +108,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Rough cells have the sign that tells where a point is, distances that no way outruns, closed surfaces that are where
-    /// the distance vanishes, and volumes that add up to the box's.
+    /// Rough cells have the sign that tells where a point is, distances that no way outruns, closed
+    /// surfaces that are where the distance vanishes, and volumes that add up to the box's.
     #[test]
     fn concrete_tiles_its_box(
         cells in 2..12usize, roughness in 0.05..=1.0, grain in 0.5..2.0, half_extent in half_extent(),
@@ -143,7 +145,8 @@ proptest! {
     }
 }
 
-/// Concrete's faces are what sets it apart: they leave the planes behind them by some hundredths of a cell.
+/// Concrete's faces are what sets it apart: they leave the planes behind them by some hundredths of
+/// a cell.
 #[test]
 fn concrete_is_rough() {
     let concrete = Concrete { cells: 8, ..Concrete::default() };
@@ -193,7 +196,8 @@ fn natural_cells_have_six_faces_and_eight_corners_in_the_mean() {
     assert!((25.4..27.6).contains(&corners), "{corners}");
 }
 
-/// A wall of 6 x 4 bricks: every other course has a half brick at both ends, and each brick has a joint beside it and above.
+/// A wall of 6 x 4 bricks: every other course has a half brick at both ends, and each brick has a
+/// joint beside it and above.
 #[test]
 fn bricks_lie_in_running_bond() {
     let half_extent = DVec3::ONE;
@@ -207,7 +211,8 @@ fn bricks_lie_in_running_bond() {
     };
     let pattern = Pattern::bricks(&bricks).unwrap();
     let volumes: Vec<f64> = pattern.cell_shapes().iter().map(|shape| shape.volume).collect();
-    // Bricks of 1/3 x 1/2 with joints of 0.08: 6 bricks and 5 joints, or 5 bricks, 2 halves and 6 joints beside them.
+    // Bricks of 1/3 x 1/2 with joints of 0.08: 6 bricks and 5 joints, or 5 bricks, 2 halves and 6
+    // joints beside them.
     let count = |length: f64, height: f64| {
         volumes.iter().filter(|&&volume| (volume - 2.0 * length * height).abs() < 1e-9).count()
     };

@@ -104,7 +104,8 @@ fn many_pieces_on_a_grid_touch_as_the_exact_ones_do() {
             }
             let sampled = interfaces(&fragments);
 
-            // Large contacts one by one, by their place. Of flat wedges little is left without their planes.
+            // Large contacts one by one, by their place. Of flat wedges little is left without
+            // their planes.
             for contact in exact.iter().filter(|contact| contact.area > 0.04 && !without_planes) {
                 let same = |other: &&Interface| {
                     (other.centroid - contact.centroid).length() < 0.02
@@ -120,7 +121,8 @@ fn many_pieces_on_a_grid_touch_as_the_exact_ones_do() {
     }
 }
 
-/// All of a piece's surface that is not the box's is contact, so the faces of the pieces and the contacts close up.
+/// All of a piece's surface that is not the box's is contact, so the faces of the pieces and the
+/// contacts close up.
 #[test]
 fn exact_contacts_cover_the_cracks_exactly() {
     let parent = grid_box();

@@ -107,7 +107,8 @@ fn contacts_of_cells_are_those_of_convex_pieces() {
     }
 }
 
-/// A cell whose piece falls in two, left and right: each has its own neighbour beyond the same crack.
+/// A cell whose piece falls in two, left and right: each has its own neighbour beyond the same
+/// crack.
 #[test]
 fn a_crack_through_two_prongs_has_a_contact_in_each() {
     let half = DVec3::new(0.1, 0.2, 0.1);

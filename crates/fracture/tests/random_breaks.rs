@@ -1,4 +1,5 @@
-//! A thousand random breaks: every kind of pattern, convex and concave bodies, exact and on grids, fragments of fragments.
+//! A thousand random breaks: every kind of pattern, convex and concave bodies, exact and on grids,
+//! fragments of fragments.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -67,7 +68,8 @@ fn patterns(seed: u64) -> Vec<Pattern> {
     ]
 }
 
-/// How much two pieces may overlap, and half of how wide a gap may be [m]; what is exact is seen through samples in f32.
+/// How much two pieces may overlap, and half of how wide a gap may be [m]; what is exact is seen
+/// through samples in f32.
 fn half_cell(parent: &Shape) -> f64 {
     match &parent.geometry {
         Geometry::Grid(solid) => 0.5 * solid.grid().spacing,
@@ -94,7 +96,8 @@ fn overlap(fragments: &[Fragment], stride: usize) -> f64 {
     deepest
 }
 
-/// At points of the parent, the farthest that one is from all pieces, and the deepest that one is in two [m].
+/// At points of the parent, the farthest that one is from all pieces, and the deepest that one is
+/// in two [m].
 fn gap_and_overlap(
     parent: &Shape,
     fragments: &[Fragment],
@@ -219,7 +222,8 @@ fn a_thousand_random_breaks_keep_what_they_must() {
     assert!(whole <= 20, "{whole} bodies did not break");
 }
 
-/// What the checks are for, they find: a lost piece, one that is moved, one that spins, an open surface.
+/// What the checks are for, they find: a lost piece, one that is moved, one that spins, an open
+/// surface.
 #[test]
 fn the_checks_find_what_is_wrong() {
     let mut random = common::random(42);

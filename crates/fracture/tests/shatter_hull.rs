@@ -78,7 +78,8 @@ fn area(hull: &Hull, inner: bool) -> f64 {
     hull.faces().filter(|face| face.inner == inner).map(|face| of_face(face.vertices)).sum()
 }
 
-/// The largest relative difference between what moves before and after: mass, momentum, angular momentum, kinetic energy.
+/// The largest relative difference between what moves before and after: mass, momentum, angular
+/// momentum, kinetic energy.
 fn defect(parent: &Shape, fragments: &[Fragment]) -> f64 {
     let (velocity, omega) = (DVec3::new(3.0, -2.0, 1.0), DVec3::new(-4.0, 1.0, 5.0));
     let motion = |shape: &Shape, axes: DMat3, center: DVec3| {
@@ -192,7 +193,8 @@ fn a_box_cut_into_octants_is_the_textbook_s() {
     }
 }
 
-/// Where a pattern's centre lies on an edge or a corner, and its planes in the faces: cells that only touch leave nothing.
+/// Where a pattern's centre lies on an edge or a corner, and its planes in the faces: cells that
+/// only touch leave nothing.
 #[test]
 fn cells_that_only_touch_leave_nothing() {
     let half = DVec3::new(0.5, 0.3, 0.2);
@@ -207,7 +209,8 @@ fn cells_that_only_touch_leave_nothing() {
     }
 }
 
-/// A slab with a crack close below its face: the sliver joins what lies behind the crack, and nothing changes.
+/// A slab with a crack close below its face: the sliver joins what lies behind the crack, and
+/// nothing changes.
 #[test]
 fn a_sliver_joins_its_neighbour() {
     let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.3, 0.2) }, 0.1);
@@ -254,8 +257,8 @@ fn a_sliver_that_fits_to_nothing_stays() {
     assert_eq!((fragments.len(), smallest < 0.01 * parent.volume), (5, true));
 }
 
-/// Three generations of a body with a scene's settings.
-/// Of a rod a thousand times as long as thick, cut lengthwise again and again, pieces add up to their parent or there are none.
+/// Three generations of a body with a scene's settings. Of a rod a thousand times as long as thick,
+/// cut lengthwise again and again, pieces add up to their parent or there are none.
 #[test]
 fn what_is_too_thin_to_be_cut_stays_whole() {
     let rod = Shape::convex(Hull::cuboid(DVec3::new(0.005, 5.0, 0.005)), 0.8).unwrap();
@@ -304,7 +307,8 @@ fn fragments_break_again() {
             let mut fragments = shatter(&parent, &pattern, &impact, &EVERY_CRUMB);
             assert!(fragments.len() > 1);
             assert_exact(&parent, &fragments);
-            // What was inner stays so, what was outer too: no surface is lost, and cracks have two sides.
+            // What was inner stays so, what was outer too: no surface is lost, and cracks have two
+            // sides.
             let whole = parent.breaks_as().unwrap();
             let sums = |inner: bool| fragments.iter().map(|f| area(hull(f), inner)).sum::<f64>();
             assert!((sums(false) - area(whole, false)).abs() < 1e-9 * area(whole, false).max(1e-3));
@@ -337,8 +341,8 @@ proptest! {
         }
     }
 
-    /// Without merging, each corner of a crack is a corner of at least two fragments or lies on a face or an edge of another, and
-    /// those that are close are the same, bit for bit.
+    /// Without merging, each corner of a crack is a corner of at least two fragments or lies on a
+    /// face or an edge of another, and those that are close are the same, bit for bit.
     #[test]
     fn neighbours_share_their_vertices(parent in convex(), kind in kind(), place in 0.0..1.0f64, direction in vector(1.0)) {
         let fragments = shatter(&parent, &pattern_of(kind), &blow(&parent, place, direction), &EVERY_CRUMB);
@@ -387,8 +391,8 @@ fn areas(surface: &Surface, inner: bool) -> (f64, f64) {
     sums
 }
 
-/// Surfaces are closed, tagged as the faces are, and laid out flat: inner triangles are as large in the texture as they are, and
-/// equal on both sides of a crack. After a second break as well.
+/// Surfaces are closed, tagged as the faces are, and laid out flat: inner triangles are as large in
+/// the texture as they are, and equal on both sides of a crack. After a second break as well.
 #[test]
 fn surfaces_are_closed_tagged_and_laid_out() {
     let mut random = common::random(31);

@@ -17,7 +17,8 @@ fn strike(wall: &Shape, pattern: &Pattern, place: DVec3) -> Vec<Fragment> {
     shatter(wall, pattern, &impact, &ShatterSettings::default())
 }
 
-/// Where the fragments meet: of a fine lattice on the struck face the point that is nearest to all of them.
+/// Where the fragments meet: of a fine lattice on the struck face the point that is nearest to all
+/// of them.
 fn meeting_point(fragments: &[Fragment], y: f64) -> DVec3 {
     let farthest = |point: &DVec3| {
         let value = |fragment: &Fragment| solid(&fragment.shape).value(*point).abs();
@@ -76,8 +77,8 @@ fn pieces_grow_with_the_distance_from_the_blow() {
     }
 }
 
-/// Wedges keep the exact corners of their cracks, where they meet on both faces of the wall. Two of the twelve do not:
-/// between the nodes their tips fall apart, and the crumbs join a neighbour.
+/// Wedges keep the exact corners of their cracks, where they meet on both faces of the wall. Two of
+/// the twelve do not: between the nodes their tips fall apart, and the crumbs join a neighbour.
 #[test]
 fn fragments_have_sharp_corners() {
     let wall = wall();

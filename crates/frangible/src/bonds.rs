@@ -1,4 +1,5 @@
-//! Bodies of glued pieces: one rigid body until a blow, or what they carry, breaks bonds, and islands of pieces from then on.
+//! Bodies of glued pieces: one rigid body until a blow, or what they carry, breaks bonds, and
+//! islands of pieces from then on.
 
 mod blows;
 mod rehearsal;
@@ -136,8 +137,9 @@ struct Broken {
     borne: f64,
 }
 
-/// Breaks what its own weight and its contacts overstrain, and anchored bodies that are struck. What was anchored and comes free does so
-/// at rest, before the frame's books are opened: the world that it was a part of has no books.
+/// Breaks what its own weight and its contacts overstrain, and anchored bodies that are struck.
+/// What was anchored and comes free does so at rest, before the frame's books are opened: the world
+/// that it was a part of has no books.
 pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
@@ -158,7 +160,8 @@ pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     Freed { fractures, blows }
 }
 
-/// Strikers and what they strike feel what bonds bore before they broke; then what moves freely falls apart.
+/// Strikers and what they strike feel what bonds bore before they broke; then what moves freely
+/// falls apart.
 pub(crate) fn strike_bonds(
     world: &mut World,
     blows: &Blows,
@@ -169,7 +172,8 @@ pub(crate) fn strike_bonds(
     (blows.break_free(world), tally)
 }
 
-/// Notes what the contacts of glued bodies carry, those of each pair together: their load in the next frame.
+/// Notes what the contacts of glued bodies carry, those of each pair together: their load in the
+/// next frame.
 pub(crate) fn note_carried(world: &mut World, forces: &[ContactForce]) {
     // In a frame that is shorter than a blow a contact's force may be a part of one.
     let share = (world.dt / IMPACT_TIME).min(1.0);
@@ -205,8 +209,8 @@ fn field_in_pieces(world: &World, body: usize, frame: &Frame) -> DVec3 {
     world.bodies.shapes[body].body_from_grid.inverse().direction(in_body)
 }
 
-/// Replaces bodies that have lost bonds by the islands that still hold together: where they were, moving as they did. Where one island is
-/// left, nothing but its bonds has changed.
+/// Replaces bodies that have lost bonds by the islands that still hold together: where they were,
+/// moving as they did. Where one island is left, nothing but its bonds has changed.
 fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
     let mut gone = vec![false; world.bodies.len()];
     let mut born: Vec<(NewBody, Label)> = Vec::new();
@@ -247,7 +251,8 @@ fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
     fractures
 }
 
-/// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes one.
+/// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes
+/// one.
 fn island_body(
     world: &World,
     parent: usize,

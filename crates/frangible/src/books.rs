@@ -96,10 +96,12 @@ impl Totals {
     }
 }
 
-/// What gravity gives in one frame of ballistic flight: impulse and angular impulse about the world's origin.
+/// What gravity gives in one frame of ballistic flight: impulse and angular impulse about the
+/// world's origin.
 ///
-/// Called between the position update and the velocity update: with x^{n+1} and the velocity v* that the collisions left,
-/// `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are the exact integral along the parabola.
+/// Called between the position update and the velocity update: with x^{n+1} and the velocity v*
+/// that the collisions left, `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are
+/// the exact integral along the parabola.
 pub(crate) fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
     let mut sums = (DVec3::ZERO, DVec3::ZERO);
     for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
@@ -121,8 +123,8 @@ pub(crate) struct Books {
 }
 
 impl Books {
-    /// Closes a frame that went from `before` to `after` received `gravity` and what `tally` says, and put
-    /// `banked` [J] aside.
+    /// Closes a frame that went from `before` to `after` received `gravity` and what `tally` says,
+    /// and put `banked` [J] aside.
     pub(crate) fn close(
         &mut self,
         before: &Totals,

@@ -25,9 +25,10 @@ struct Break {
     spent: f64,
 }
 
-/// Replaces each struck body by its fragments. What it bore has acted already, on parent and striker alike; its cracks take
-/// their energy from how the two still move against each other, and the fragments move on as the parent would. Returns what
-/// happened, and the new dense index of each old one.
+/// Replaces each struck body by its fragments. What it bore has acted already, on parent and
+/// striker alike; its cracks take their energy from how the two still move against each other, and
+/// the fragments move on as the parent would. Returns what happened, and the new dense index of
+/// each old one.
 pub(crate) fn break_bodies(
     world: &mut World,
     blows: &[Blow],
@@ -80,7 +81,8 @@ pub(crate) fn break_bodies(
     (fractures, new_index)
 }
 
-/// Lays prescored space over a body and cuts it: as finely as the blow has energy for cracks. `None` if that is not at all.
+/// Lays prescored space over a body and cuts it: as finely as the blow has energy for cracks.
+/// `None` if that is not at all.
 fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Option<Break> {
     let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
     let striker = world.bodies.index_of(blow.striker)?;
@@ -124,7 +126,8 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
     None
 }
 
-/// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the smallest size.
+/// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the
+/// smallest size.
 fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragment) -> Label {
     let Break { parent, breaking, pattern, .. } = broken;
     let parent_label = &world.labels[*parent];

@@ -220,7 +220,8 @@ fn build_body(
     Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
 }
 
-/// What convex bodies and flat cracks make is convex, and exact. The paper's method breaks and collides level sets.
+/// What convex bodies and flat cracks make is convex, and exact. The paper's method breaks and
+/// collides level sets.
 fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     let flat = breaking.patterns.iter().all(|pattern| pattern.planar().is_some());
     if method == Method::FrameRate && flat && desc.shape.is_convex() {

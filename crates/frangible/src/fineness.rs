@@ -49,8 +49,9 @@ impl Fineness {
         Self { desc, plain, made: Mutex::default() }
     }
 
-    /// Tries patterns until one makes `wanted` pieces but for a part of `within`; of those that were tried, the one that came nearest.
-    /// `attempt` breaks something, and says how many pieces there are. The same description and the same attempts find the same.
+    /// Tries patterns until one makes `wanted` pieces but for a part of `within`; of those that
+    /// were tried, the one that came nearest. `attempt` breaks something, and says how many pieces
+    /// there are. The same description and the same attempts find the same.
     pub fn search<T>(
         &self,
         wanted: usize,

@@ -101,8 +101,8 @@ impl PatternDesc {
         })
     }
 
-    /// The same with half as many cells; `None` if that is no pattern any more: masonry breaks along its joints, and a file is
-    /// what it is.
+    /// The same with half as many cells; `None` if that is no pattern any more: masonry breaks
+    /// along its joints, and a file is what it is.
     pub(crate) fn coarser(&self) -> Option<Self> {
         let halved = |cells: usize, least: usize| (cells > least).then_some((cells / 2).max(least));
         match self {
@@ -144,8 +144,8 @@ fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     PatternDesc::Bricks(cells.map_or(usual.clone(), |cells| more_bricks(&usual, cells)))
 }
 
-/// The bricks that come nearest to so many cells, or nearly so in better proportions: as many courses
-/// for each column as there are.
+/// The bricks that come nearest to so many cells, or nearly so in better proportions: as many
+/// courses for each column as there are.
 fn more_bricks(bricks: &Bricks, cells: usize) -> Bricks {
     // Twice as many courses for each column are as far off as so many times as many cells.
     const PROPORTIONS: f64 = 0.05;
@@ -197,7 +197,8 @@ pub(crate) fn build_pattern(desc: &PatternDesc, at: &Checker) -> Result<Pattern,
 mod tests {
     use super::*;
 
-    /// Every name makes a pattern with about as many cells as asked for, and itself from JSON with the kind alone.
+    /// Every name makes a pattern with about as many cells as asked for, and itself from JSON with
+    /// the kind alone.
     #[test]
     fn names_make_patterns_of_the_size_that_is_asked_for() {
         for (name, _) in PatternDesc::names() {

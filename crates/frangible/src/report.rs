@@ -48,10 +48,11 @@ pub struct Energy {
     /// That kinematic bodies did in this frame, and what closing overlaps needed: their depth and
     /// `recovery_speed` bound it.
     pub work: f64,
-    /// What the ledger's banks grew by in this frame: energy that was dissipated and may be spent again.
+    /// What the ledger's banks grew by in this frame: energy that was dissipated and may be spent
+    /// again.
     pub banked: f64,
-    /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
-    /// negative, was dissipated.
+    /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
+    /// this frame, or, if negative, was dissipated.
     pub gain: f64,
     /// What E(n+1) - E(n) consists of.
     pub causes: Causes,
@@ -74,7 +75,8 @@ pub struct Causes {
     pub fracture: f64,
     /// What the ledger took out.
     pub balance: f64,
-    /// What is left: flight and rotation, which conserve but for the rule by which bodies turn, and rounding.
+    /// What is left: flight and rotation, which conserve but for the rule by which bodies turn, and
+    /// rounding.
     pub flight: f64,
 }
 
@@ -128,7 +130,8 @@ pub struct Momentum {
 /// Collision and contact impulses of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Impulses {
-    /// Applied to velocities that last; by the frame-rate method, those that act at the end of passes, a number for each point.
+    /// Applied to velocities that last; by the frame-rate method, those that act at the end of
+    /// passes, a number for each point.
     pub applied: u64,
     /// Shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
     pub clamped: u64,
@@ -145,21 +148,23 @@ pub struct Fracture {
     pub body: u64,
     /// Who struck; the body itself if its bonds gave way under what they carried.
     pub striker: u64,
-    /// Where the two first touched on their way through the frame, in the world frame [m]. The fracture is centred on the
-    /// material that was there then.
+    /// Where the two first touched on their way through the frame, in the world frame [m]. The
+    /// fracture is centred on the material that was there then.
     pub point: [f64; 3],
     /// The impulse that would have stopped the blow [N s].
     pub impulse: f64,
     /// The part that the body bore, and that its striker felt, before it broke [N s].
     pub borne: f64,
-    /// What its cracks took from the motion of the two against each other [J]; zero where strength is an impulse.
+    /// What its cracks took from the motion of the two against each other [J]; zero where strength
+    /// is an impulse.
     pub energy: f64,
     /// How many pieces its description asks for, if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wanted: Option<usize>,
     /// What it broke into.
     pub fragments: Vec<u64>,
-    /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the break: round-off.
+    /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the
+    /// break: round-off.
     pub imbalance: Imbalance,
 }
 

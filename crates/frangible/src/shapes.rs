@@ -19,7 +19,8 @@ const DEFAULT_VOXELS: f64 = 64.0;
 /// Voxels between surface samples, unless told otherwise.
 const SAMPLE_VOXELS: f64 = 2.0;
 
-/// Layers of voxels around a solid, so that its surface and the band around it lie inside of the grid.
+/// Layers of voxels around a solid, so that its surface and the band around it lie inside of the
+/// grid.
 const MARGIN: usize = 2;
 
 /// Surface samples along the longest side.
@@ -250,7 +251,8 @@ fn spacing_of_exact(
     check_spacing(resolution.sample_spacing.unwrap_or(0.1 * extent.max_element()), extent, at)
 }
 
-/// Distance between surface samples [m]: what is sampled a thousand times along a side has millions of samples.
+/// Distance between surface samples [m]: what is sampled a thousand times along a side has millions
+/// of samples.
 fn check_spacing(spacing: f64, extent: DVec3, at: &Checker) -> Result<f64, BuildError> {
     let least = extent.max_element() / MOST_SAMPLES_ALONG;
     at.field("resolution.sample_spacing").at_least(

@@ -25,10 +25,12 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-/// Advances a world by one frame: collide and break, move by the scene's method, balance, report (docs/the_step.md). n is
-/// the frame's start. Cannot fail: what goes bad is quarantined and reported.
+/// Advances a world by one frame: collide and break, move by the scene's method, balance, report
+/// (docs/the_step.md). n is the frame's start. Cannot fail: what goes bad is quarantined and
+/// reported.
 pub fn step(world: &mut World) -> StepReport {
-    // Many bodies are shared among the threads of the pool that this is called in, or of the global one; the bits are the same.
+    // Many bodies are shared among the threads of the pool that this is called in, or of the global
+    // one; the bits are the same.
     if world.bodies.len() > FEW && rayon::current_num_threads() > 1 {
         rayon::scope(|_| advance(world))
     } else {
@@ -57,8 +59,8 @@ fn advance(world: &mut World) -> StepReport {
     let (mut broken, bonds_tally) = strike_bonds(world, &blows, &frame);
     clock.lap("strike_bonds");
 
-    // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet their striker in the
-    // frame that made them.
+    // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet
+    // their striker in the frame that made them.
     let moved = match world.method {
         Method::Paper => move_by_newmark(world, &frame, &mut clock),
         Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
@@ -140,10 +142,11 @@ struct Moved {
     before: Before,
 }
 
-/// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with contact [SSF08].
+/// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with
+/// contact [SSF08].
 fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
-    // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n), change v^n, and are
-    // clamped against (x^n, v^n).
+    // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n),
+    // change v^n, and are clamped against (x^n, v^n).
     let mut collisions = Collisions::new(&world.bodies, frame);
     let fractures = collide_and_break(world, &mut collisions, frame, clock);
     let Collisions { predicted, mut tally, .. } = collisions;
@@ -167,8 +170,9 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     bodies.poses = proposed;
     clock.lap("push_out");
 
-    // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against (x^{n+1}, v^{n+1}).
-    // The displacements took angular momentum from the pairs; gravity's share of x^{n+1} is booked before it is restored.
+    // Velocity update, v^n to v^{n+1}: contact seen at (x^{n+2}, v^{n+1}), clamped against
+    // (x^{n+1}, v^{n+1}). The displacements took angular momentum from the pairs; gravity's share
+    // of x^{n+1} is booked before it is restored.
     let gravity = gravity_impulse(bodies, frame);
     displacements.restore_angular_momentum(bodies, &mut tally);
     tally.causes.projection += Totals::of(bodies, frame).energy() - flown;
@@ -264,7 +268,8 @@ fn strike_and_break(
     }
 }
 
-/// Passes over all colliding pairs; what a pass broke is replaced by its fragments before the next one.
+/// Passes over all colliding pairs; what a pass broke is replaced by its fragments before the next
+/// one.
 fn collide_and_break(
     world: &mut World,
     collisions: &mut Collisions,
@@ -310,8 +315,8 @@ fn break_and_book(
     broken
 }
 
-/// Twice as far as bodies fall in one frame from rest [m]: bounds that come this close may belong to resting contacts of the paper's method, which looks
-/// at where they will be.
+/// Twice as far as bodies fall in one frame from rest [m]: bounds that come this close may belong
+/// to resting contacts of the paper's method, which looks at where they will be.
 fn reach(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
 }

@@ -4,8 +4,9 @@ use crate::desc::MaterialDesc;
 use frangible_geometry::Shape;
 use std::f64::consts::PI;
 
-/// A fragment bears this many times the impulse of its parent (a ratio), where strength is given as an impulse: smaller pieces
-/// have fewer flaws for a crack to begin at. The paper's authors double it, too.
+/// A fragment bears this many times the impulse of its parent (a ratio), where strength is given as
+/// an impulse: smaller pieces have fewer flaws for a crack to begin at. The paper's authors double
+/// it, too.
 const GROWTH_PER_BREAK: f64 = 2.0;
 
 /// The strength of a body.
@@ -20,10 +21,11 @@ pub enum Strength {
 impl Strength {
     /// The largest impulse that a body bears in one collision [N s].
     ///
-    /// A material fails where it is set in motion faster than sigma / (rho c), with the speed of sound c = sqrt(E / rho): the
-    /// stress in a plane wave is rho c v. The impulse is that speed times the mass that a wave has reached when it has crossed the
-    /// body where it is thinnest, h: a disc of radius h, or all of a stocky body. So a thin pane takes little from what strikes it, and
-    /// a thick wall much.
+    /// A material fails where it is set in motion faster than sigma / (rho c), with the speed of
+    /// sound c = sqrt(E / rho): the stress in a plane wave is rho c v. The impulse is that speed
+    /// times the mass that a wave has reached when it has crossed the body where it is thinnest, h:
+    /// a disc of radius h, or all of a stocky body. So a thin pane takes little from what strikes
+    /// it, and a thick wall much.
     pub(crate) fn bears(&self, shape: &Shape, density: f64) -> f64 {
         match self {
             Self::Impulse(impulse) => *impulse,
@@ -37,7 +39,8 @@ impl Strength {
         }
     }
 
-    /// That of a fragment: by Weibull's weakest link, stress grows as the power -1/m of the volume [Wei51].
+    /// That of a fragment: by Weibull's weakest link, stress grows as the power -1/m of the volume
+    /// [Wei51].
     pub(crate) fn of_fragment(&self, parent: &Shape, fragment: &Shape) -> Self {
         match *self {
             Self::Impulse(impulse) => Self::Impulse(GROWTH_PER_BREAK * impulse),

@@ -38,7 +38,8 @@ pub struct World {
     pub(crate) kept: KeptPairs,
     /// How fragments overlapped when they were born.
     pub(crate) fits: BirthFits,
-    /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear otherwise [N s].
+    /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear
+    /// otherwise [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
 }
 
@@ -64,8 +65,8 @@ const PIECES_WITHIN: f64 = 0.1;
 /// How a body breaks.
 #[derive(Clone, Debug)]
 pub struct Breaking {
-    /// How space is prescored: first as described, then ever more coarsely, for blows that have not the energy for so many
-    /// cracks.
+    /// How space is prescored: first as described, then ever more coarsely, for blows that have not
+    /// the energy for so many cracks.
     pub patterns: Vec<Arc<Pattern>>,
     /// Into how many pieces, if that is given, and the patterns to choose from.
     pub pieces: Option<(usize, Arc<Fineness>)>,
@@ -139,9 +140,9 @@ impl World {
         &mut self.settings
     }
 
-    /// Gives a dynamic or kinematic body a velocity: `linear` of its centre of mass [m/s] and `angular` [rad/s], world frame. A
-    /// kinematic body keeps it until it gets another. What it changes of energy and momentum is no step's doing, and in no
-    /// report.
+    /// Gives a dynamic or kinematic body a velocity: `linear` of its centre of mass [m/s] and
+    /// `angular` [rad/s], world frame. A kinematic body keeps it until it gets another. What it
+    /// changes of energy and momentum is no step's doing, and in no report.
     ///
     /// # Errors
     /// If the body lives no longer or is static, or a number is out of range.
@@ -175,12 +176,14 @@ impl World {
         Ok(())
     }
 
-    /// Whether a body slept in the last frame, where the scene lets bodies [sleep](crate::SceneDesc::sleep).
+    /// Whether a body slept in the last frame, where the scene lets bodies
+    /// [sleep](crate::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
         self.warm.is_asleep(id)
     }
 
-    /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when asked for.
+    /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when
+    /// asked for.
     pub fn surface(&self, id: BodyId) -> Option<Surface> {
         self.bodies.index_of(id).map(|dense| self.bodies.shapes[dense].surface())
     }
@@ -191,8 +194,9 @@ impl World {
         (totals.kinetic, totals.potential)
     }
 
-    /// For each pair of bodies that overlaps now, how deep [m]: the shortest way that parts balls, half-spaces and convex polyhedra; of
-    /// compounds, the deepest of their parts; of level sets, the deepest sample. Found when asked for.
+    /// For each pair of bodies that overlaps now, how deep [m]: the shortest way that parts balls,
+    /// half-spaces and convex polyhedra; of compounds, the deepest of their parts; of level sets,
+    /// the deepest sample. Found when asked for.
     pub fn penetrations(&self) -> Vec<f64> {
         find_penetrations(&self.bodies).into_iter().map(|(_, depth)| depth).collect()
     }
@@ -218,7 +222,8 @@ impl World {
         }
     }
 
-    /// Removes the bodies whose entry in `gone` is true; returns the new dense index of each old one.
+    /// Removes the bodies whose entry in `gone` is true; returns the new dense index of each old
+    /// one.
     pub(crate) fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {
         let mut dense = 0;
         self.labels.retain(|_| {
@@ -233,7 +238,8 @@ impl World {
         Frame { dt: self.dt, gravity: self.gravity, settings: self.settings }
     }
 
-    /// A fingerprint of ids, poses and velocities, bit by bit: equal states have equal hashes, on every platform.
+    /// A fingerprint of ids, poses and velocities, bit by bit: equal states have equal hashes, on
+    /// every platform.
     pub fn state_hash(&self) -> u64 {
         let mut hash = Fnv1a::default();
         hash.add(self.frame);

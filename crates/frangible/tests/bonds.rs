@@ -72,7 +72,8 @@ fn run(world: &mut World, frames: u32) -> Vec<Fracture> {
 /// sigma = M c / I at the root of a beam of 1.8 m under its own weight [Pa].
 const AT_ROOT: f64 = 2400.0 * 9.81 * 0.04 * 1.8 * 1.8 / 2.0 / (0.008 / 6.0);
 
-/// An anchored beam holds or breaks at its root as the formula says, by its weight and by what lands softly on its end and stays there.
+/// An anchored beam holds or breaks at its root as the formula says, by its weight and by what
+/// lands softly on its end and stays there.
 #[test]
 fn a_cantilever_carries_what_the_formula_says() {
     let mut holds = world([cantilever(1.1 * AT_ROOT)]);
@@ -102,7 +103,8 @@ fn a_cantilever_carries_what_the_formula_says() {
     assert!(0.8 * loaded > AT_ROOT && !run(&mut breaks, 60).is_empty());
 }
 
-/// A brick of glued pieces that falls from low down comes to rest whole; from high up it breaks, and no sum changes by that.
+/// A brick of glued pieces that falls from low down comes to rest whole; from high up it breaks,
+/// and no sum changes by that.
 #[test]
 fn a_fall_breaks_bonds_if_it_is_high() {
     let brick = |height: f64| BodyDesc {

@@ -93,7 +93,8 @@ fn the_causes_add_up_to_the_change_of_the_energy() {
     }
 }
 
-/// A sled slides on ice under a load twenty times its mass: all that carries the load passes through it, in every substep, and slows nothing down.
+/// A sled slides on ice under a load twenty times its mass: all that carries the load passes
+/// through it, in every substep, and slows nothing down.
 #[test]
 fn what_a_sled_carries_does_not_brake_it() {
     let slide = |name: &str, size: [f64; 3], y: f64, density: f64, friction: f64| BodyDesc {

@@ -79,7 +79,8 @@ fn a_thin_pane_slows_the_ball_a_little_and_a_thick_wall_stops_it() {
     assert!(speeds[2] < 0.2 * 20.0, "{speeds:?}");
 }
 
-/// What the ball loses is what the pieces of the wall gain; and what the wall loses is what the pieces of the ball gain.
+/// What the ball loses is what the pieces of the wall gain; and what the wall loses is what the
+/// pieces of the ball gain.
 #[test]
 fn momentum_is_exact_through_a_break_both_ways() {
     for method in [Method::FrameRate, Method::Paper] {

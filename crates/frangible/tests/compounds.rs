@@ -104,7 +104,8 @@ fn eight_glued_cubes_come_to_rest_on_a_face() {
     }
 }
 
-/// Compounds stand on compounds as cubes on cubes do: seams that do not meet carry, and nobody drifts.
+/// Compounds stand on compounds as cubes on cubes do: seams that do not meet carry, and nobody
+/// drifts.
 #[test]
 fn stacks_of_glued_cubes_stand() {
     for method in METHODS {
@@ -129,7 +130,8 @@ fn stacks_of_glued_cubes_stand() {
     }
 }
 
-/// A ball rolls over seams as over one floor, and a box slides over them; a table stands on its legs over a ball that it does not touch.
+/// A ball rolls over seams as over one floor, and a box slides over them; a table stands on its
+/// legs over a ball that it does not touch.
 #[test]
 fn seams_are_smooth_and_hollows_are_empty() {
     let tiles = (0..8).map(|n| part([1.0, 0.5, 2.0], [f64::from(n), -0.25, 0.0])).collect();

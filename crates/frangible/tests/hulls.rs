@@ -59,8 +59,9 @@ fn rocks_fall_into_a_heap() {
     }
 }
 
-/// A cube that is struck by a ball at 60 m/s is not pressed into the thin plate before it, whichever pair acts first: not even by a ball of
-/// twice its weight, which has to give up its motion in many small parts.
+/// A cube that is struck by a ball at 60 m/s is not pressed into the thin plate before it,
+/// whichever pair acts first: not even by a ball of twice its weight, which has to give up its
+/// motion in many small parts.
 #[test]
 fn what_is_struck_is_not_pressed_through_a_thin_plate() {
     let mut random = Pcg64Mcg::seed_from_u64(3);
@@ -107,8 +108,9 @@ fn what_is_struck_is_not_pressed_through_a_thin_plate() {
     }
 }
 
-/// A card that lies with one edge on a thin plate, its other edge some millimetres or centimetres above it, is struck there: that edge, too far up to
-/// touch within the frame by itself, stops at the plate.
+/// A card that lies with one edge on a thin plate, its other edge some millimetres or centimetres
+/// above it, is struck there: that edge, too far up to touch within the frame by itself, stops at
+/// the plate.
 #[test]
 fn a_card_that_is_struck_at_its_edge_is_stopped() {
     const CARD: [f64; 3] = [0.4, 0.01, 0.3];
@@ -166,8 +168,8 @@ fn deepest_below_ground(world: &World) -> f64 {
     depth
 }
 
-/// Whether cubes are polyhedra, with four points on each face, or sampled on grids, with eight, a stack of them stands, upright and
-/// shifted to alternating sides.
+/// Whether cubes are polyhedra, with four points on each face, or sampled on grids, with eight, a
+/// stack of them stands, upright and shifted to alternating sides.
 #[test]
 fn stacks_stand_whatever_their_cubes_are_made_of() {
     for voxels in [None, Some([16; 3])] {
@@ -196,14 +198,16 @@ fn stacks_stand_whatever_their_cubes_are_made_of() {
                 .zip(&start)
                 .map(|(a, b)| a.position.distance(b.position));
             let drift = moved.fold(0.0, f64::max);
-            // Of sampled cubes, round-off decides the way: moved by 1e-14 m at the start, the stack drifts 0.7 to 5 cm.
+            // Of sampled cubes, round-off decides the way: moved by 1e-14 m at the start, the stack
+            // drifts 0.7 to 5 cm.
             let limit = if voxels.is_some() { 0.08 } else { 0.03 };
             assert!(drift < limit, "{voxels:?}, {shift} m aside: {drift} m");
         }
     }
 }
 
-/// Sixty towers of thirty cubes share a budget of passes that is large enough: with a quarter of it they lean by 0.3 m after 4 s, and fall after 10.
+/// Sixty towers of thirty cubes share a budget of passes that is large enough: with a quarter of it
+/// they lean by 0.3 m after 4 s, and fall after 10.
 #[test]
 fn many_towers_stand() {
     const HIGH: u32 = 30;
@@ -226,8 +230,8 @@ fn many_towers_stand() {
     assert!(drift < 0.05, "{drift} m");
 }
 
-/// Rocks with many corners, each by itself, come to rest on the ground: on four of their corners some would rock for ever, over those that
-/// are left out.
+/// Rocks with many corners, each by itself, come to rest on the ground: on four of their corners
+/// some would rock for ever, over those that are left out.
 #[test]
 fn rocks_come_to_rest() {
     let mut random = Pcg64Mcg::seed_from_u64(3);
@@ -304,8 +308,9 @@ fn a_hull_breaks() {
     }
 }
 
-/// A row of bodies with gaps between them, of which the first one is struck: each strikes the next one, and none gets into it, let alone through it.
-/// Ballistic ways do not tell that they would meet.
+/// A row of bodies with gaps between them, of which the first one is struck: each strikes the next
+/// one, and none gets into it, let alone through it. Ballistic ways do not tell that they would
+/// meet.
 #[test]
 fn what_is_struck_strikes_on_in_the_same_frame() {
     const SIZE: f64 = 0.2;

@@ -28,8 +28,8 @@ fn position(world: &World, body: usize) -> DVec3 {
     world.bodies().poses[body].position
 }
 
-/// A body thrown up rises and falls on the parabola, and clamping does not hold it: no total energy is clamped in a
-/// split state [Su09 sec. 3.1].
+/// A body thrown up rises and falls on the parabola, and clamping does not hold it: no total energy
+/// is clamped in a split state [Su09 sec. 3.1].
 #[test]
 fn free_flight_is_ballistic_and_keeps_its_energy() {
     let mut brick = BodyDesc::new(

@@ -1,5 +1,6 @@
-//! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that exist;
-//! docs/references.md has what is cited; docs/conventions.md names what exists; docs/the_step.md names the stages that a step reports.
+//! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that
+//! exist; docs/references.md has what is cited; docs/conventions.md names what exists;
+//! docs/the_step.md names the stages that a step reports.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,5 @@
-//! What is wrong with a scene is said in one sentence; what cannot be broken does not swallow its collision.
+//! What is wrong with a scene is said in one sentence; what cannot be broken does not swallow its
+//! collision.
 
 #![allow(
     clippy::unwrap_used,

@@ -41,8 +41,8 @@ fn asleep(world: &World) -> Vec<bool> {
     world.bodies().ids.iter().map(|&id| world.is_asleep(id)).collect()
 }
 
-/// A stack, and a cube beside it, sleep until a ball falls onto the stack: it wakes all of the stack, and nothing else. What sleeps stays where it is, to the
-/// bit.
+/// A stack, and a cube beside it, sleep until a ball falls onto the stack: it wakes all of the
+/// stack, and nothing else. What sleeps stays where it is, to the bit.
 #[test]
 fn what_stands_still_sleeps_until_it_is_touched() {
     const STACK: usize = 5;
@@ -124,7 +124,8 @@ fn what_gets_a_velocity_wakes() {
     assert!((lost + 0.5 * mass * 0.004 * 0.004).abs() < 1e-2 * mass * 0.004 * 0.004, "{lost} J");
 }
 
-/// What has been slow while its platform tilted has not been at rest: it takes half a second on the platform that has stopped.
+/// What has been slow while its platform tilted has not been at rest: it takes half a second on the
+/// platform that has stopped.
 #[test]
 fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
     let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
@@ -140,7 +141,8 @@ fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
     assert_eq!(run(&mut world, 12).asleep, 1);
 }
 
-/// What glides past a wall where nothing falls, nearer than contacts are looked for, is not stopped by it.
+/// What glides past a wall where nothing falls, nearer than contacts are looked for, is not stopped
+/// by it.
 #[test]
 fn what_glides_past_a_wall_does_not_sleep() {
     let wall = ShapeDesc::Box { size: [9.0, 1.0, 9.0], resolution: Resolution::default() };
@@ -160,7 +162,8 @@ fn the_papers_method_refuses_to_sleep() {
     assert!(error.contains("sleep") && error.contains("paper"), "{error}");
 }
 
-/// What touches nothing that stands still never sleeps: two cubes that drift side by side where nothing falls.
+/// What touches nothing that stands still never sleeps: two cubes that drift side by side where
+/// nothing falls.
 #[test]
 fn what_floats_does_not_sleep() {
     let mut bodies = [cube([0.0, 0.0, 0.0]), cube([0.0, 1.0, 0.0])];

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// A subtree with at most this many triangles is a leaf: about where testing all costs as much as descending.
+/// A subtree with at most this many triangles is a leaf: about where testing all costs as much as
+/// descending.
 const LEAF_TRIANGLES: usize = 4;
 /// Bins of the surface-area heuristic [Wald07]; more change the trees by a per cent.
 const BINS: usize = 16;
@@ -99,8 +100,9 @@ impl Bvh {
         Self::new(&diagonals)
     }
 
-    /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in a leaf that `enters` its box, given
-    /// by the lowest and the highest corner [m], and those of all the nodes above it. What is visited need not enter by itself.
+    /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in
+    /// a leaf that `enters` its box, given by the lowest and the highest corner [m], and those of
+    /// all the nodes above it. What is visited need not enter by itself.
     pub fn visit(
         &self,
         mut enters: impl FnMut(DVec3, DVec3) -> bool,
@@ -226,7 +228,8 @@ fn half_area(low: DVec3, high: DVec3) -> f64 {
     extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
 }
 
-/// Partitions the items of a node in two and returns the size of the first part; `None` if the node is better a leaf.
+/// Partitions the items of a node in two and returns the size of the first part; `None` if the node
+/// is better a leaf.
 fn split(items: &mut [Item]) -> Option<usize> {
     if items.len() <= LEAF_TRIANGLES {
         return None;
@@ -326,8 +329,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Another way to the closest point of a triangle: the plane where its foot lies inside, or else the nearest of
-    /// the edges.
+    /// Another way to the closest point of a triangle: the plane where its foot lies inside, or
+    /// else the nearest of the edges.
     fn reference_distance(point: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
         let to_edge = |from: DVec3, to: DVec3| {
             let way = to - from;

@@ -189,7 +189,8 @@ impl Assembly {
             tolerances.iter().map(|part| part * (high - low).length()).collect();
         let widest = tolerances.last().copied().unwrap_or(0.0);
 
-        // Pair the triangles at their edges; where one ends in the middle of another, divide and again.
+        // Pair the triangles at their edges; where one ends in the middle of another, divide and
+        // again.
         const MOST_DIVISIONS: usize = 3;
         let mut source: Vec<u32> = (0..raw.triangles.len() as u32).collect();
         let mut pairing = Pairing::new(raw.clone(), &tolerances);

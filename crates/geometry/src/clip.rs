@@ -26,8 +26,8 @@ pub(crate) fn distances_over(half_space: &HalfSpace, (low, high): (DVec3, DVec3)
 }
 
 impl Clip {
-    /// Those of the half-spaces whose planes meet a grid's box: the others hold all of it. None if one holds nothing of the
-    /// box from `low` to `high`.
+    /// Those of the half-spaces whose planes meet a grid's box: the others hold all of it. None if
+    /// one holds nothing of the box from `low` to `high`.
     pub(crate) fn new<'a>(
         grid: &Grid,
         half_spaces: impl Iterator<Item = &'a HalfSpace>,
@@ -52,8 +52,8 @@ impl Clip {
         &self.half_spaces
     }
 
-    /// Largest signed distance [m] to any of the planes at a point in lattice units; minus infinity without any. What is above `most`
-    /// [m] need only be known to be so.
+    /// Largest signed distance [m] to any of the planes at a point in lattice units; minus infinity
+    /// without any. What is above `most` [m] need only be known to be so.
     #[inline]
     pub(crate) fn value(&self, lattice: Vec3, most: f32) -> f32 {
         let mut largest = f32::NEG_INFINITY;
@@ -78,7 +78,8 @@ impl Clip {
         farthest
     }
 
-    /// Lowers each distance to the one to this intersection [m], at nodes that follow `start` along x in steps of `spacing`.
+    /// Lowers each distance to the one to this intersection [m], at nodes that follow `start` along
+    /// x in steps of `spacing`.
     pub(crate) fn lower_row(
         &self,
         start: DVec3,
@@ -86,7 +87,8 @@ impl Clip {
         scratch: &mut RowScratch,
         row: &mut [f32],
     ) {
-        // The distance is nowhere below `least`, so that a plane which is not above it at either end is never the farthest.
+        // The distance is nowhere below `least`, so that a plane which is not above it at either
+        // end is never the farthest.
         scratch.ends.clear();
         let last = (row.len() - 1) as f64;
         let mut least = f64::NEG_INFINITY;

@@ -4,7 +4,8 @@ use crate::{HalfSpace, MassProperties};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// A shape whose signed distance, gradient and mass properties are formulas. Centred at the origin of its frame.
+/// A shape whose signed distance, gradient and mass properties are formulas. Centred at the origin
+/// of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClosedForm {
     /// The ground: everything below a plane. Has no volume, so it can only be static.
@@ -29,8 +30,9 @@ pub enum ClosedForm {
 }
 
 impl ClosedForm {
-    /// Signed distance [m], negative inside, and its unit gradient. Where several points of the surface are nearest
-    /// (a sphere's centre, a box's diagonals), the gradient belongs to one of them, always the same.
+    /// Signed distance [m], negative inside, and its unit gradient. Where several points of the
+    /// surface are nearest (a sphere's centre, a box's diagonals), the gradient belongs to one of
+    /// them, always the same.
     pub fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
         match *self {
             Self::HalfSpace(half_space) => (half_space.distance(point), half_space.normal),
@@ -181,7 +183,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(5000))]
 
-        /// Walking against the gradient by the distance ends on the surface, and no way to it is shorter.
+        /// Walking against the gradient by the distance ends on the surface, and no way to it is
+        /// shorter.
         #[test]
         fn the_foot_of_each_point_is_on_the_surface(point in vector(2.0), other in vector(2.0)) {
             for form in forms() {
@@ -236,7 +239,8 @@ mod tests {
         );
     }
 
-    /// The inertia of a solid cut into slabs along y: analytic against a sum over its cross-sections.
+    /// The inertia of a solid cut into slabs along y: analytic against a sum over its
+    /// cross-sections.
     #[test]
     fn moments_are_those_of_the_textbook() {
         let half = DVec3::new(0.5, 0.9, 0.2);
@@ -253,7 +257,8 @@ mod tests {
                 < 1e-15
         );
 
-        // Discs of radius r and thickness dy: pi r^4 / 4 about a diameter, pi r^2 y^2 by the parallel axis.
+        // Discs of radius r and thickness dy: pi r^4 / 4 about a diameter, pi r^2 y^2 by the
+        // parallel axis.
         let (radius, half_height, slabs) = (0.7, 0.4, 20_000);
         let through_discs = |half_height: f64, square_radius: &dyn Fn(f64) -> f64| {
             let dy = 2.0 * half_height / f64::from(slabs);

@@ -6,7 +6,8 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// The closed surface of a formula in its frame; vertices lie on it exactly. Empty for a half-space.
+/// The closed surface of a formula in its frame; vertices lie on it exactly. Empty for a
+/// half-space.
 pub fn closed_form_surface(form: &ClosedForm) -> TriMesh {
     match *form {
         ClosedForm::HalfSpace(_) => TriMesh::default(),

@@ -6,8 +6,8 @@ use crate::mass_properties::parallel_axis;
 use crate::{HalfSpace, Hull, MassProperties, RigidTransform, Surface};
 use glam::{DMat3, DVec3, Vec3};
 
-/// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*: what is between them is inside. Where
-/// they overlap, their mass counts twice.
+/// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*:
+/// what is between them is inside. Where they overlap, their mass counts twice.
 #[derive(Clone, Debug)]
 pub struct Compound {
     parts: Vec<Part>,
@@ -25,14 +25,16 @@ pub struct Part {
     pub glued: Vec<bool>,
 }
 
-/// What is closer than this, relative to the compound's longest side, touches: fragments' corners are rounded on their way from frame
-/// to frame, and decompositions are read from files in single precision.
+/// What is closer than this, relative to the compound's longest side, touches: fragments' corners
+/// are rounded on their way from frame to frame, and decompositions are read from files in single
+/// precision.
 const TOUCHING: f64 = 1e-6;
 
 /// Part of a face that may stay uncovered for it to count as glued.
 const UNCOVERED: f64 = 1e-3;
 
-/// A normal leans this much towards a part that is beside it (sine of the angle) before it counts as one into that part.
+/// A normal leans this much towards a part that is beside it (sine of the angle) before it counts
+/// as one into that part.
 const LEANING: f64 = 0.02;
 
 impl Compound {
@@ -128,9 +130,10 @@ impl Compound {
         inside
     }
 
-    /// Signed distance [m] and its unit gradient: the least over the parts. Outside it is exact. Inside it is negative, and says how
-    /// deep the point lies under those faces of a part around it that are not glued, which is its depth in the compound unless another
-    /// part's face is nearer: exact for a single part, and near the surface.
+    /// Signed distance [m] and its unit gradient: the least over the parts. Outside it is exact.
+    /// Inside it is negative, and says how deep the point lies under those faces of a part around
+    /// it that are not glued, which is its depth in the compound unless another part's face is
+    /// nearer: exact for a single part, and near the surface.
     pub fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
         match self.least(point, f64::INFINITY) {
             Some((_, index)) => self.parts[index].distance_and_gradient(point),
@@ -199,8 +202,9 @@ impl Compound {
         surface
     }
 
-    /// Whether nothing outside can touch a point of a part's surface from where `normal` points to, because another part is beside it
-    /// and reaches further that way: the normal is not one of the compound's there.
+    /// Whether nothing outside can touch a point of a part's surface from where `normal` points to,
+    /// because another part is beside it and reaches further that way: the normal is not one of the
+    /// compound's there.
     pub fn is_covered(&self, part: usize, point: DVec3, normal: DVec3) -> bool {
         let close = self.close();
         let reaches_further = |other: usize| {
@@ -255,14 +259,16 @@ impl Part {
         self.under_outer_faces(point, distance).unwrap_or((distance, gradient))
     }
 
-    /// The distance alone; what is more than `most` [m] may come out smaller, but not less than that.
+    /// The distance alone; what is more than `most` [m] may come out smaller, but not less than
+    /// that.
     fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
         let distance = self.hull.distance_up_to(point, most);
         self.under_outer_faces(point, distance).map_or(distance, |(depth, _)| depth)
     }
 
-    /// The highest plane of a face that is not glued over a point at `distance` [m] from the hull: how deep the point lies under it, as a
-    /// negative height [m], with its normal. `None` for a point that lies outside, and if all faces are glued.
+    /// The highest plane of a face that is not glued over a point at `distance` [m] from the hull:
+    /// how deep the point lies under it, as a negative height [m], with its normal. `None` for a
+    /// point that lies outside, and if all faces are glued.
     fn under_outer_faces(&self, point: DVec3, distance: f64) -> Option<(f64, DVec3)> {
         // On a seam rounding may put it outside of both parts.
         let (low, high) = self.bounds;
@@ -291,8 +297,8 @@ fn polygon_area(corners: &[DVec3], normal: DVec3) -> f64 {
     0.5 * doubled.dot(normal)
 }
 
-/// Area that two convex polygons in one plane share [m^2]: the first, counter-clockwise about `normal`, cut along the sides of the
-/// second, which runs the other way.
+/// Area that two convex polygons in one plane share [m^2]: the first, counter-clockwise about
+/// `normal`, cut along the sides of the second, which runs the other way.
 fn overlap_area(first: &[DVec3], second: &[DVec3], normal: DVec3) -> f64 {
     let mut left = first.to_vec();
     for at in 0..second.len() {

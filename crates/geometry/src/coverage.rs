@@ -4,8 +4,9 @@ use crate::{Grid, LevelSet};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The fraction of each node's voxel that lies inside, from samples: the part of the cube below the plane through the
-/// mean of the distance over the voxel, along its central differences. One value in [0, 1] for each node.
+/// The fraction of each node's voxel that lies inside, from samples: the part of the cube below the
+/// plane through the mean of the distance over the voxel, along its central differences. One value
+/// in [0, 1] for each node.
 pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
     let grid = level_set.grid();
     for_each_voxel(grid, |node| {
@@ -14,7 +15,8 @@ pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
     })
 }
 
-/// [`voxel_coverage`] from an exact signed distance [m] and its gradient: exact up to the curvature within a quarter of a voxel.
+/// [`voxel_coverage`] from an exact signed distance [m] and its gradient: exact up to the curvature
+/// within a quarter of a voxel.
 pub fn exact_coverage(
     grid: &Grid,
     distance_and_gradient: impl Fn(DVec3) -> (f64, DVec3) + Sync,
@@ -55,8 +57,8 @@ fn for_each_voxel(grid: &Grid, fraction: impl Fn([usize; 3]) -> f64 + Sync) -> V
     coverage
 }
 
-/// Mean of the distance over a node's voxel, and spacing times its gradient [m]: central differences, one-sided at the
-/// border of the grid.
+/// Mean of the distance over a node's voxel, and spacing times its gradient [m]: central
+/// differences, one-sided at the border of the grid.
 fn mean_and_steps(level_set: &LevelSet, node: [usize; 3]) -> (f64, DVec3) {
     let grid = level_set.grid();
     let phi = level_set.phi();
@@ -70,7 +72,8 @@ fn mean_and_steps(level_set: &LevelSet, node: [usize; 3]) -> (f64, DVec3) {
         let above = (node[axis] + 1 < grid.dims[axis]).then(|| f64::from(phi[at + strides[axis]]));
         steps[axis] = match (below, above) {
             (Some(below), Some(above)) => {
-                // The mean of a quadratic over a unit interval exceeds its middle by 1/24 of its second difference.
+                // The mean of a quadratic over a unit interval exceeds its middle by 1/24 of its
+                // second difference.
                 mean += (below - 2.0 * here + above) / 24.0;
                 0.5 * (above - below)
             }
@@ -82,10 +85,12 @@ fn mean_and_steps(level_set: &LevelSet, node: [usize; 3]) -> (f64, DVec3) {
     (mean, steps)
 }
 
-/// The fraction of a cube below a plane: of `[-1/2, 1/2]^3` where `value + steps . x < 0`, with `value` the distance at
-/// the cube's middle and `steps` its gradient times the cube's edge [SZ00 sec. 2.1].
+/// The fraction of a cube below a plane: of `[-1/2, 1/2]^3` where `value + steps . x < 0`, with
+/// `value` the distance at the cube's middle and `steps` its gradient times the cube's edge [SZ00
+/// sec. 2.1].
 fn cube_below_plane(value: f64, steps: DVec3) -> f64 {
-    // Distances are f32: a face on the plane is off by a few of its ulps, here in units of the cube.
+    // Distances are f32: a face on the plane is off by a few of its ulps, here in units of the
+    // cube.
     const ON_A_FACE: f64 = 1e-6;
     let steps = steps.abs();
     let sum = steps.element_sum();
@@ -105,10 +110,11 @@ fn cube_below_plane(value: f64, steps: DVec3) -> f64 {
     }
 }
 
-/// The part of the unit cube where `m . x < alpha`, for `0 <= m1 <= m2 <= m3` of sum 1 and `alpha <= 1/2`.
+/// The part of the unit cube where `m . x < alpha`, for `0 <= m1 <= m2 <= m3` of sum 1 and `alpha
+/// <= 1/2`.
 ///
-/// The cubic formulas of [SZ00] with the factor `m1` divided out by hand: each quotient by `m1` is at most 1, so that
-/// nothing happens when it vanishes.
+/// The cubic formulas of [SZ00] with the factor `m1` divided out by hand: each quotient by `m1` is
+/// at most 1, so that nothing happens when it vanishes.
 fn cube_below_half(alpha: f64, m1: f64, m2: f64, m3: f64) -> f64 {
     let cube_over_m1 = |x: f64| if x > 0.0 { x * x * (x / m1) } else { 0.0 };
     if alpha < m1 {
@@ -148,7 +154,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// The derivative of the volume by the offset is the area of the cut: the volume is monotonic, and integrates.
+        /// The derivative of the volume by the offset is the area of the cut: the volume is
+        /// monotonic, and integrates.
         #[test]
         fn plane_cuts_the_cube_as_counting_says(value in -0.9..0.9f64, steps in prop::array::uniform3(-1.0..1.0f64)) {
             let steps = DVec3::from_array(steps);
@@ -192,7 +199,8 @@ mod tests {
         }
     }
 
-    /// Relative errors of volume (signed) and inertia of a solid that is turned and moved against its grid.
+    /// Relative errors of volume (signed) and inertia of a solid that is turned and moved against
+    /// its grid.
     fn errors(
         form: &ClosedForm,
         voxels: usize,
@@ -216,7 +224,8 @@ mod tests {
         [found.volume / exact.volume - 1.0, inertia_error / exact.inertia.x_axis.x]
     }
 
-    /// Over many positions of the solid between the nodes: mean size of both errors, and the spread of the volume.
+    /// Over many positions of the solid between the nodes: mean size of both errors, and the spread
+    /// of the volume.
     fn error_statistics(
         form: &ClosedForm,
         voxels: usize,
@@ -280,7 +289,8 @@ mod tests {
                 .abs_diff_eq(DMat3::ZERO, 1e-12 * exact.inertia.x_axis.x)
         );
 
-        // From a formula a ball is fuller known than from its samples, by the square of the finer step.
+        // From a formula a ball is fuller known than from its samples, by the square of the finer
+        // step.
         let ball = ClosedForm::Sphere { radius: 0.9 };
         let grid = Grid::around_box(DVec3::NEG_ONE, DVec3::ONE, [16; 3], 2);
         let volume = dense_mass_properties(

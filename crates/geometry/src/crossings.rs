@@ -5,13 +5,15 @@ use crate::{Grid, GridSolid, LevelSet};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A grid with one further layer of nodes around it, which are all outside: what touches the border is closed there.
+/// A grid with one further layer of nodes around it, which are all outside: what touches the border
+/// is closed there.
 pub(crate) struct PaddedSigns<'a> {
     pub(crate) grid: Grid,
     level_set: &'a LevelSet,
 }
 
-/// A point on the surface, on the edge from a node to the next one along an axis, and the plane that touches there.
+/// A point on the surface, on the edge from a node to the next one along an axis, and the plane
+/// that touches there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     /// Index of the edge's lower node in the padded grid.
@@ -23,8 +25,8 @@ pub(crate) struct Crossing {
     pub(crate) point: DVec3,
     /// Unit, outward.
     pub(crate) normal: DVec3,
-    /// The piece of the outline that is crossed; none where the samples have a surface that the outline does not know,
-    /// as around merged slivers and at the border of the grid.
+    /// The piece of the outline that is crossed; none where the samples have a surface that the
+    /// outline does not know, as around merged slivers and at the border of the grid.
     pub(crate) piece: Option<usize>,
 }
 
@@ -124,7 +126,8 @@ fn cross(
         return (point, pieces.normal(piece, point), Some(piece));
     }
 
-    // The samples change sign where the outline does not; beyond the border their surface is the face of the voxel.
+    // The samples change sign where the outline does not; beyond the border their surface is the
+    // face of the voxel.
     let fraction = match (signs.phi(from), signs.phi(to)) {
         (Some(low), Some(high)) if high.is_finite() && low.is_finite() => low / (low - high),
         _ => 0.5,
@@ -148,7 +151,8 @@ fn cross(
 
 /// The smallest fraction of the way from `inside` to `outside` at which a piece changes sign.
 ///
-/// A piece that has the inside node on its outer side does not bound the solid here: a sliver from beyond it was merged.
+/// A piece that has the inside node on its outer side does not bound the solid here: a sliver from
+/// beyond it was merged.
 fn first_exit(
     pieces: &OutlinePieces,
     inside: DVec3,

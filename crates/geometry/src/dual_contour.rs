@@ -1,7 +1,9 @@
-//! Dual contouring [JLSW02]: one vertex for each sheet of the surface in a cell, one quad for each crossed edge.
+//! Dual contouring [JLSW02]: one vertex for each sheet of the surface in a cell, one quad for each
+//! crossed edge.
 //!
-//! Two sheets of a cell get two vertices, and where the surface could pass a face in two ways, the way is chosen so that
-//! each edge of the mesh belongs to two quads exactly [SJW07: Schaefer, Ju & Warren 2007, Manifold dual contouring].
+//! Two sheets of a cell get two vertices, and where the surface could pass a face in two ways, the
+//! way is chosen so that each edge of the mesh belongs to two quads exactly [SJW07: Schaefer, Ju &
+//! Warren 2007, Manifold dual contouring].
 
 use crate::crossings::{PaddedSigns, find_crossings};
 use crate::outline_pieces::OutlinePieces;
@@ -89,8 +91,8 @@ impl ActiveCells {
         active
     }
 
-    /// For each cell the faces whose outside corners are kept apart: those that would else be passed twice by one sheet
-    /// of either cell, so that four quads would meet in an edge.
+    /// For each cell the faces whose outside corners are kept apart: those that would else be
+    /// passed twice by one sheet of either cell, so that four quads would meet in an edge.
     fn joined_faces(&self, strides: [usize; 3]) -> Vec<u8> {
         let mut joined = vec![0u8; self.cells.len()];
         for here in 0..self.cells.len() {
@@ -100,7 +102,8 @@ impl ActiveCells {
                 if !is_ambiguous(inside, high) {
                     continue;
                 }
-                // The layer outside of the grid has no ambiguous faces, so that there is a cell behind this one.
+                // The layer outside of the grid has no ambiguous faces, so that there is a cell
+                // behind this one.
                 let there = self.place[cell + strides[axis]] as usize;
                 let twice_there = passes_twice(self.cells[there].1, joined[there], low);
                 if twice_there && passes_twice(inside, joined[here], high) {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// Nodes at `origin + spacing * (i, j, k)`. Each node stands for the cube of edge `spacing` around it, its voxel.
+/// Nodes at `origin + spacing * (i, j, k)`. Each node stands for the cube of edge `spacing` around
+/// it, its voxel.
 ///
 /// A body "on a 150 x 10 x 100 grid" has so many voxels inside its bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,12 +17,14 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid may have so many nodes, 2^28. Sampling a solid takes at most 12 bytes for each at a time (distance, nearest
-    /// triangle and winding number of a mesh; then distance, a copy of it and coverage), 3 GiB in all.
+    /// A grid may have so many nodes, 2^28. Sampling a solid takes at most 12 bytes for each at a
+    /// time (distance, nearest triangle and winding number of a mesh; then distance, a copy of it
+    /// and coverage), 3 GiB in all.
     pub const MOST_NODES: usize = 1 << 28;
 
-    /// The grid whose voxels fill the box from `min` to `max` with `voxels` cells, or as many more as a cube needs,
-    /// and `margin` further layers of voxels outside of each face. The box is centred on the grid.
+    /// The grid whose voxels fill the box from `min` to `max` with `voxels` cells, or as many more
+    /// as a cube needs, and `margin` further layers of voxels outside of each face. The box is
+    /// centred on the grid.
     pub fn around_box(min: DVec3, max: DVec3, voxels: [usize; 3], margin: usize) -> Self {
         let extent = max - min;
         let along = |axis: usize| extent[axis] / voxels[axis] as f64;

@@ -10,13 +10,15 @@ use std::sync::{Arc, OnceLock};
 
 /// A level set, how much of each voxel is material, and what its surface is made of.
 ///
-/// A fragment of planar cells is its parent, clipped: it shares the parent's samples, and its distance is the larger one
-/// of theirs and its planes' [Su09 sec. 4.2], taken where it is asked for. Only what walks over nodes has them sampled.
+/// A fragment of planar cells is its parent, clipped: it shares the parent's samples, and its
+/// distance is the larger one of theirs and its planes' [Su09 sec. 4.2], taken where it is asked
+/// for. Only what walks over nodes has them sampled.
 #[derive(Clone, Debug)]
 pub struct GridSolid {
     /// The part of the lattice around the material.
     grid: Grid,
-    /// Signed distances that this solid is clipped from; outside they may be underestimated after a break [Su09 sec. 4.2].
+    /// Signed distances that this solid is clipped from; outside they may be underestimated after a
+    /// break [Su09 sec. 4.2].
     field: Arc<LevelSet>,
     /// The first node of `grid` on the field's lattice.
     shift: [i64; 3],
@@ -60,16 +62,16 @@ pub enum Root {
 #[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
 pub struct NoMass;
 
-/// At nodes where another fragment's inside would read as this one's: the least distance, in units of the spacing.
-/// Large enough to be seen in f32, too small to move a surface.
+/// At nodes where another fragment's inside would read as this one's: the least distance, in units
+/// of the spacing. Large enough to be seen in f32, too small to move a surface.
 const OUTSIDE: f64 = 1e-3;
 
 impl GridSolid {
     /// Layers of nodes around a fragment's voxels, so that gradients at its surface are central.
     pub const MARGIN: usize = 2;
 
-    /// A formula sampled with `voxels` cells over its bounding box and `margin` further layers around it, see
-    /// [`Grid::around_box`]; 2 layers keep all gradients at the surface central.
+    /// A formula sampled with `voxels` cells over its bounding box and `margin` further layers
+    /// around it, see [`Grid::around_box`]; 2 layers keep all gradients at the surface central.
     ///
     /// # Errors
     /// For a half-space, which no grid can hold.
@@ -124,8 +126,8 @@ impl GridSolid {
         }
     }
 
-    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of the lattice. `portion` is
-    /// the material that is the part's.
+    /// The part of this solid that lies in any of some intersections of half-spaces, on its part of
+    /// the lattice. `portion` is the material that is the part's.
     ///
     /// Its outline knows the first of the intersections: the others are slivers that joined it.
     pub fn clipped(&self, portion: Portion, regions: &[&[HalfSpace]]) -> Self {
@@ -152,8 +154,8 @@ impl GridSolid {
         part
     }
 
-    /// The part of this solid in a cell, too, whose signed distances at the nodes of the part's grid
-    /// are `sampled`.
+    /// The part of this solid in a cell, too, whose signed distances at the nodes of the part's
+    /// grid are `sampled`.
     pub fn intersected(&self, portion: Portion, sampled: impl FnOnce(Grid) -> LevelSet) -> Self {
         let mut part = self.part(portion);
         part.parts.clone_from(&self.parts);
@@ -164,8 +166,8 @@ impl GridSolid {
         part.sampled_as(nodes)
     }
 
-    /// The same solid with its distance sampled at its own nodes. Where this solid's material ends, its inside does: what
-    /// else the planes would hold belongs to others.
+    /// The same solid with its distance sampled at its own nodes. Where this solid's material ends,
+    /// its inside does: what else the planes would hold belongs to others.
     pub fn sampled(self) -> Self {
         let nodes = self.sample_nodes(None);
         self.sampled_as(nodes)
@@ -205,8 +207,8 @@ impl GridSolid {
         }
     }
 
-    /// Adds cracks to the outline, and leaves out those that do not come within a voxel of the nodes in `extent`: they are
-    /// the nearest surface to none of them.
+    /// Adds cracks to the outline, and leaves out those that do not come within a voxel of the
+    /// nodes in `extent`: they are the nearest surface to none of them.
     fn add_cuts(&mut self, new: &[HalfSpace], extent: (DVec3, DVec3)) {
         let h = self.grid.spacing;
         self.outline.cuts.extend(new);
@@ -237,7 +239,8 @@ impl GridSolid {
         self.held.runs()
     }
 
-    /// The same on the grid that they were taken from, and the first node of [`GridSolid::grid`] there: nothing is made.
+    /// The same on the grid that they were taken from, and the first node of [`GridSolid::grid`]
+    /// there: nothing is made.
     pub(crate) fn taken_runs(&self) -> (&[Run], [i64; 3]) {
         self.held.taken()
     }
@@ -252,13 +255,14 @@ impl GridSolid {
         self.material().coverage(&self.grid)
     }
 
-    /// Whether the solid is a convex body, however the grid resolves it; `false` if that is not known.
+    /// Whether the solid is a convex body, however the grid resolves it; `false` if that is not
+    /// known.
     pub fn is_convex(&self) -> bool {
         self.convex
     }
 
-    /// The half-spaces that a fragment is clipped by: it lies in any of these intersections; all of the field if there are
-    /// none.
+    /// The half-spaces that a fragment is clipped by: it lies in any of these intersections; all of
+    /// the field if there are none.
     pub fn parts(&self) -> &[Clip] {
         &self.parts
     }
@@ -268,7 +272,8 @@ impl GridSolid {
         self.held.mass
     }
 
-    /// Signed distance [m] at the nodes of [`GridSolid::grid`]: made when it is first asked for, then kept.
+    /// Signed distance [m] at the nodes of [`GridSolid::grid`]: made when it is first asked for,
+    /// then kept.
     pub fn level_set(&self) -> &LevelSet {
         if self.parts.is_empty() {
             return &self.field;
@@ -276,8 +281,8 @@ impl GridSolid {
         self.nodes.get_or_init(|| Arc::new(self.sample_nodes(None)))
     }
 
-    /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most` [m] need only be known to
-    /// be so.
+    /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most`
+    /// [m] need only be known to be so.
     #[inline]
     pub fn value_at_lattice(&self, lattice: Vec3, most: f32) -> f32 {
         if self.parts.is_empty() {
@@ -290,7 +295,8 @@ impl GridSolid {
         larger(self.field.value_at_lattice(self.on_field(lattice)), clip)
     }
 
-    /// Signed distance [m] to the parts at a point in lattice units, and beyond the grid at least the way to it.
+    /// Signed distance [m] to the parts at a point in lattice units, and beyond the grid at least
+    /// the way to it.
     #[inline]
     fn clip_value(&self, lattice: Vec3) -> f32 {
         let nearer = |nearest: f32, part: &Clip| nearest.min(part.value(lattice, nearest));
@@ -315,9 +321,11 @@ impl GridSolid {
         lattice + Vec3::from_array(self.shift.map(|n| n as f32))
     }
 
-    /// Signed distance [m] and its gradient, not normalised, at a point of [`GridSolid::grid`] in lattice units.
+    /// Signed distance [m] and its gradient, not normalised, at a point of [`GridSolid::grid`] in
+    /// lattice units.
     pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
-        // Beyond its grid a part has lost planes that no node of it sees: there the way to the grid counts at least.
+        // Beyond its grid a part has lost planes that no node of it sees: there the way to the grid
+        // counts at least.
         let beyond = self.beyond(lattice);
         let mut nearest = (f32::INFINITY, Vec3::Y);
         for part in &self.parts {
@@ -347,9 +355,9 @@ impl GridSolid {
         self.value_and_gradient_at_lattice(self.grid.lattice_from_point(point).as_vec3())
     }
 
-    /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s. Own nodes are inside if
-    /// they were inside of the field. Nodes of others are not: of another component of the same region, or of what a
-    /// sliver was cut off from.
+    /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s.
+    /// Own nodes are inside if they were inside of the field. Nodes of others are not: of another
+    /// component of the same region, or of what a sliver was cut off from.
     fn sample_nodes(&self, cell: Option<&LevelSet>) -> LevelSet {
         let [width, rows_y, rows_z] = self.grid.dims;
         let [on_crack, half_cell] = [OUTSIDE, 0.5].map(|part| (part * self.grid.spacing) as f32);
@@ -410,7 +418,8 @@ impl GridSolid {
         Some(&self.field.phi()[first..first + self.grid.dims[0]])
     }
 
-    /// The field's distance at a node of the grid [m]; beyond its lattice the value at the nearest node and the way to it.
+    /// The field's distance at a node of the grid [m]; beyond its lattice the value at the nearest
+    /// node and the way to it.
     #[inline]
     fn field_at(&self, node: [usize; 3]) -> f32 {
         let dims = self.field.grid().dims;
@@ -427,8 +436,8 @@ impl GridSolid {
     }
 }
 
-/// Makes nodes that are others' read as outside: just so on a crack, else by half a cell at least, so that two pieces without a
-/// crack between them meet halfway between their nodes.
+/// Makes nodes that are others' read as outside: just so on a crack, else by half a cell at least,
+/// so that two pieces without a crack between them meet halfway between their nodes.
 fn force_outside(phi: &mut [f32], on_crack: f32, half_cell: f32) {
     for phi in phi {
         if *phi <= -on_crack {

@@ -132,13 +132,15 @@ impl Hull {
         self.net.edges()
     }
 
-    /// What tells where the lists of its faces and edges are, for who asks for memory before it is needed.
+    /// What tells where the lists of its faces and edges are, for who asks for memory before it is
+    /// needed.
     #[inline]
     pub fn net(&self) -> &[impl Sized + use<>] {
         std::slice::from_ref(&*self.net)
     }
 
-    /// The vertices, then the edges around all faces, one face after the other, for who asks for memory before it is needed.
+    /// The vertices, then the edges around all faces, one face after the other, for who asks for
+    /// memory before it is needed.
     #[inline]
     pub fn sides(&self) -> &[u32] {
         self.net.all_sides()
@@ -246,8 +248,9 @@ impl Hull {
         })
     }
 
-    /// The polyhedron of these faces. Vertices that lie between two faces only, on a straight edge, are left out, and so are
-    /// faces that have lost all but two. `None` if what is left is not closed.
+    /// The polyhedron of these faces. Vertices that lie between two faces only, on a straight edge,
+    /// are left out, and so are faces that have lost all but two. `None` if what is left is not
+    /// closed.
     fn from_loops(
         vertices: &[DVec3],
         mut planes: Vec<HalfSpace>,

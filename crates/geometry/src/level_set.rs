@@ -92,8 +92,8 @@ impl LevelSet {
         (lattice - lattice.clamp(Vec3::ZERO, top)).length() * self.grid.spacing as f32
     }
 
-    /// Trilinear signed distance [m] at a point in lattice units; outside of the grid the value at the nearest point
-    /// of the grid plus the way to it.
+    /// Trilinear signed distance [m] at a point in lattice units; outside of the grid the value at
+    /// the nearest point of the grid plus the way to it.
     #[inline]
     pub fn value_at_lattice(&self, lattice: Vec3) -> f32 {
         let (c, [u, v, w]) = self.corners(lattice);
@@ -102,8 +102,8 @@ impl LevelSet {
         lerp(low, high, w) + self.beyond(lattice)
     }
 
-    /// Signed distance [m] and the analytic gradient of the trilinear interpolant, not normalised (clamped to the
-    /// grid), at a point in lattice units.
+    /// Signed distance [m] and the analytic gradient of the trilinear interpolant, not normalised
+    /// (clamped to the grid), at a point in lattice units.
     #[inline]
     pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
         let (c, [u, v, w]) = self.corners(lattice);

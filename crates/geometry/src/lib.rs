@@ -1,7 +1,8 @@
 //! Shapes at rest: no time and no mass in motion.
 //!
-//! Lengths are metres. A *grid frame* is the material frame in which a body's level set was sampled; fragments keep
-//! their parent's. A *body frame* has its origin at the centre of mass and its axes along the principal axes.
+//! Lengths are metres. A *grid frame* is the material frame in which a body's level set was
+//! sampled; fragments keep their parent's. A *body frame* has its origin at the centre of mass and
+//! its axes along the principal axes.
 
 pub mod bvh;
 pub mod cleaning;

@@ -19,14 +19,16 @@ impl MassProperties {
     /// Principal moments [m^5] and the rotation `frame_from_principal`, a proper one: inertia is
     /// `R diag(moments) R^T`.
     ///
-    /// The axes come in the order in which they lie nearest to the frame's own, so a tensor that is diagonal already
-    /// gives no rotation. A moment that is not positive (no volume, or all of it on a line) is returned as it is.
+    /// The axes come in the order in which they lie nearest to the frame's own, so a tensor that is
+    /// diagonal already gives no rotation. A moment that is not positive (no volume, or all of it
+    /// on a line) is returned as it is.
     pub fn principal_axes(&self) -> (DVec3, DQuat) {
         let (moments, axes) = symmetric_eigen(&self.inertia);
         (moments, DQuat::from_mat3(&axes).normalize())
     }
 
-    /// Principal moments [m^5], and the frame of the centre of mass and the principal axes: `body_from_frame`.
+    /// Principal moments [m^5], and the frame of the centre of mass and the principal axes:
+    /// `body_from_frame`.
     ///
     /// # Errors
     /// If the volume or a moment is not positive.
@@ -52,7 +54,8 @@ pub fn inertia_from_second_moments(second: DMat3) -> DMat3 {
     0.5 * (inertia + inertia.transpose())
 }
 
-/// What a mass adds to the inertia tensor about a point at `lever` from its centre: Steiner's parallel-axis term.
+/// What a mass adds to the inertia tensor about a point at `lever` from its centre: Steiner's
+/// parallel-axis term.
 pub fn parallel_axis(mass: f64, lever: DVec3) -> DMat3 {
     mass * (DMat3::from_diagonal(DVec3::splat(lever.length_squared())) - outer(lever, lever))
 }

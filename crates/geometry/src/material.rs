@@ -34,8 +34,8 @@ pub struct Run {
     pub end: u32,
     /// How many of the nodes are inside.
     pub inside: u32,
-    /// Volume of the material and its first and second moments along x, which counts from the middle of the grid; the unit of length
-    /// is the grid's spacing.
+    /// Volume of the material and its first and second moments along x, which counts from the
+    /// middle of the grid; the unit of length is the grid's spacing.
     pub moments: [f64; 3],
 }
 
@@ -45,7 +45,8 @@ impl Run {
         Self { row, start, end: start, inside: 0, moments: [0.0; 3] }
     }
 
-    /// Adds a span of the same row, where the middle of the grid is `middle` nodes along x from the first one.
+    /// Adds a span of the same row, where the middle of the grid is `middle` nodes along x from the
+    /// first one.
     #[inline]
     pub fn add(&mut self, span: &Span, middle: f64) {
         let count = span.end - span.start;
@@ -152,7 +153,8 @@ impl Held {
         }
     }
 
-    /// In order, on the grid that they were taken from, and the first node of the holder's grid there.
+    /// In order, on the grid that they were taken from, and the first node of the holder's grid
+    /// there.
     pub(crate) fn taken(&self) -> (&[Run], [i64; 3]) {
         (&self.taken, self.shift)
     }
@@ -185,7 +187,8 @@ impl Held {
         }
     }
 
-    /// Where most cuts go through each run, on the holder's grid; made when something breaks that is itself a piece.
+    /// Where most cuts go through each run, on the holder's grid; made when something breaks that
+    /// is itself a piece.
     pub(crate) fn cores(&self, grid: &Grid) -> &[RunCore] {
         self.cores.get_or_init(|| {
             let material = self.material();
@@ -220,7 +223,8 @@ impl Held {
     }
 }
 
-/// The spans of all rows of a grid, a row being the nodes along x. Nodes in no span are outside and hold nothing.
+/// The spans of all rows of a grid, a row being the nodes along x. Nodes in no span are outside and
+/// hold nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     spans: Vec<Span>,
@@ -303,7 +307,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// What a part on a grid of its own holds is what its runs held of the whole, moments included.
+        /// What a part on a grid of its own holds is what its runs held of the whole, moments
+        /// included.
         #[test]
         fn runs_of_a_part_are_those_of_its_spans(
             phi in prop::collection::vec(prop::sample::select(vec![-1.0f32, 1.0]), 60),
@@ -337,7 +342,8 @@ mod tests {
             }
         }
 
-        /// Spans hold what the nodes held, each is as long as it can be, and only nodes with something are in one.
+        /// Spans hold what the nodes held, each is as long as it can be, and only nodes with
+        /// something are in one.
         #[test]
         fn spans_are_the_nodes(
             phi in prop::collection::vec(prop::sample::select(vec![-1.0f32, 0.0, 1.0]), 60),

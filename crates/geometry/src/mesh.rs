@@ -13,16 +13,17 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A closed surface, for drawing and for export: in the body frame from [`Shape::surface`](crate::Shape::surface), in the grid
-/// frame from [`polygonize`](crate::polygonize::polygonize).
+/// A closed surface, for drawing and for export: in the body frame from
+/// [`Shape::surface`](crate::Shape::surface), in the grid frame from
+/// [`polygonize`](crate::polygonize::polygonize).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// In the frame of the function that made it [m].
     pub mesh: TriMesh,
     /// For each triangle, whether a crack made it.
     pub interior: Vec<bool>,
-    /// For each corner of each triangle, texture coordinates [m]: of an inner one in its crack's own plane, of an outer one along
-    /// the axes of the grid frame.
+    /// For each corner of each triangle, texture coordinates [m]: of an inner one in its crack's
+    /// own plane, of an outer one along the axes of the grid frame.
     pub coordinates: Vec<[Vec2; 3]>,
 }
 
@@ -45,8 +46,9 @@ impl TriMesh {
 
     /// Volume, centre and inertia enclosed by the surface, by the divergence theorem [Su09 sec. 4.4].
     ///
-    /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is negative if the
-    /// triangles face inward, and zero volume has its centre at the surface's centroid.
+    /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is
+    /// negative if the triangles face inward, and zero volume has its centre at the surface's
+    /// centroid.
     pub fn mass_properties(&self) -> MassProperties {
         let triangles = (0..self.triangles.len()).map(|triangle| self.corners(triangle));
         enclosed_mass(surface_centroid(triangles.clone()), triangles)
@@ -71,8 +73,8 @@ impl TriMesh {
     }
 }
 
-/// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see [`TriMesh::mass_properties`]. Rounding is least
-/// from an origin in their middle.
+/// Volume, centre and inertia enclosed by triangles, by the divergence theorem: see
+/// [`TriMesh::mass_properties`]. Rounding is least from an origin in their middle.
 fn enclosed_mass(origin: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> MassProperties {
     let mut sums = Tetrahedra::default();
     for corners in triangles {
@@ -84,7 +86,8 @@ fn enclosed_mass(origin: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> 
 /// Tetrahedra that are summed up side by side.
 const LANES: usize = 4;
 
-/// Sums over tetrahedra with a corner in the origin, four at a time; each of their six volumes times ...
+/// Sums over tetrahedra with a corner in the origin, four at a time; each of their six volumes
+/// times ...
 #[derive(Default)]
 pub(crate) struct Tetrahedra {
     /// ... one,

@@ -22,7 +22,8 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
-/// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value and the rule.
+/// Why a mesh cannot be used. Each sentence names the mesh (a file, where there is one), the value
+/// and the rule.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// There is nothing at the path.
@@ -151,8 +152,8 @@ impl TriMesh {
         Err(MeshError::TooManyTriangles { mesh: name.to_owned(), triangles })
     }
 
-    /// Refuses a mesh without triangles, with coordinates that are not finite, or with vertices that do not exist.
-    /// `name` begins the sentence.
+    /// Refuses a mesh without triangles, with coordinates that are not finite, or with vertices
+    /// that do not exist. `name` begins the sentence.
     pub fn check(&self, name: &str) -> Result<(), MeshError> {
         let mesh = || name.to_owned();
         for (vertex, &position) in self.positions.iter().enumerate() {

@@ -9,8 +9,9 @@ use crate::{CleanMesh, Grid, LevelSet, TriMesh};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Half of the width, in cells, of the band in which each node is compared with all triangles. Beyond it nodes learn from
-/// their neighbours; the surface, its gradients and the contacts lie within.
+/// Half of the width, in cells, of the band in which each node is compared with all triangles.
+/// Beyond it nodes learn from their neighbours; the surface, its gradients and the contacts lie
+/// within.
 const BAND: f64 = 3.0;
 
 /// Voxels along the longest side beyond which more of them are no advice.

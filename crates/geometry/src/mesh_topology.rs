@@ -41,9 +41,11 @@ impl TriMesh {
         }
     }
 
-    /// Whether each directed edge of the triangles is met by an opposite one, vertices at equal positions being one.
+    /// Whether each directed edge of the triangles is met by an opposite one, vertices at equal
+    /// positions being one.
     pub fn is_watertight(&self) -> bool {
-        // An edge and its opposite differ only in the sign, so that in sorted order they lie side by side.
+        // An edge and its opposite differ only in the sign, so that in sorted order they lie side
+        // by side.
         let first_at = self.first_vertex_at_position();
         let mut edges = Vec::with_capacity(3 * self.triangles.len());
         for triangle in &self.triangles {

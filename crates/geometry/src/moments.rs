@@ -4,11 +4,12 @@ use crate::mass_properties::{inertia_from_second_moments, outer};
 use crate::{Grid, MassProperties, Run};
 use glam::{DMat3, DVec3};
 
-/// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of the points that go in.
+/// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of
+/// the points that go in.
 ///
-/// Additive: the sums over the parts of a partition of the voxels give the sums over the whole, so that mass, momentum,
-/// angular momentum and kinetic energy are equal before and after a break. Sums over full voxels at whole or half places
-/// are exact: a symmetric body's moments are.
+/// Additive: the sums over the parts of a partition of the voxels give the sums over the whole, so
+/// that mass, momentum, angular momentum and kinetic energy are equal before and after a break.
+/// Sums over full voxels at whole or half places are exact: a symmetric body's moments are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VoxelMoments {
     pub(crate) volume: f64,
@@ -25,7 +26,8 @@ impl VoxelMoments {
     pub(crate) const ZERO: Self =
         Self { volume: 0.0, first: DVec3::ZERO, squares: DVec3::ZERO, products: DVec3::ZERO };
 
-    /// Adds voxels along x at some y and z: the sums of their coverage, and of coverage times x and times x^2.
+    /// Adds voxels along x at some y and z: the sums of their coverage, and of coverage times x and
+    /// times x^2.
     #[inline]
     pub(crate) fn add_row(&mut self, [y, z]: [f64; 2], [volume, along, square]: [f64; 3]) {
         let (along_y, along_z) = (volume * y, volume * z);
@@ -43,8 +45,8 @@ impl VoxelMoments {
         self.products += other.products;
     }
 
-    /// Adds neighbouring rows' voxels: the sums as in [`Self::add_row`], and those of coverage times `r`, times `r^2`, and times
-    /// `x r`, where `r` counts from the row at y.
+    /// Adds neighbouring rows' voxels: the sums as in [`Self::add_row`], and those of coverage
+    /// times `r`, times `r^2`, and times `x r`, where `r` counts from the row at y.
     fn add_rows(&mut self, [y, z]: [f64; 2], rows: &RowSums) {
         let RowSums { along: [volume, along, square], across: [first, second, mixed], .. } = *rows;
         let (along_y, along_z) = (volume * y + first, volume * z);
@@ -54,9 +56,9 @@ impl VoxelMoments {
         self.products += DVec3::new(along * y + mixed, along_y * z, along * z);
     }
 
-    /// Mass properties about the centre of mass, in the frame in which the moments' origin is at `origin` [m], of voxels of
-    /// edge `spacing` [m], each with the self-inertia of a cube (h^2/6 on the diagonal per unit mass). Without volume, the
-    /// centre is the origin.
+    /// Mass properties about the centre of mass, in the frame in which the moments' origin is at
+    /// `origin` [m], of voxels of edge `spacing` [m], each with the self-inertia of a cube (h^2/6
+    /// on the diagonal per unit mass). Without volume, the centre is the origin.
     pub(crate) fn mass_properties(&self, origin: DVec3, spacing: f64) -> MassProperties {
         if self.volume <= 0.0 {
             return MassProperties { volume: 0.0, center: origin, inertia: DMat3::ZERO };
@@ -94,7 +96,8 @@ pub struct RunSums {
 impl RunSums {
     /// Of none yet.
     pub fn new(grid: &Grid) -> Self {
-        // Positions count from the middle of the grid: squares of a far origin's coordinates would cancel.
+        // Positions count from the middle of the grid: squares of a far origin's coordinates would
+        // cancel.
         let [_, y, z] = grid.dims.map(|n| 0.5 * (n - 1) as f64);
         Self {
             grid: *grid,

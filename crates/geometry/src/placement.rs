@@ -22,7 +22,8 @@ pub(crate) struct CornerClaim {
     distance: f64,
 }
 
-/// Moves the nearest vertex to each corner: a tip can lie in a cell that has none of its faces on an edge.
+/// Moves the nearest vertex to each corner: a tip can lie in a cell that has none of its faces on
+/// an edge.
 pub(crate) fn settle_corners(vertices: &mut [Vertex], mut claims: Vec<CornerClaim>, spacing: f64) {
     claims.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.vertex.cmp(&b.vertex)));
     let mut settled: Vec<CornerClaim> = Vec::new();
@@ -72,7 +73,8 @@ impl Placement<'_> {
             }
         }
 
-        // Without formulas the samples alone decide; else they decide where on the formulas the point lies.
+        // Without formulas the samples alone decide; else they decide where on the formulas the
+        // point lies.
         let only_formulas = sampled.is_empty();
         let mut point = start;
         if formulas.is_empty() {
@@ -98,8 +100,8 @@ impl Placement<'_> {
         Vertex { position, normal, sharpness: sharpness.clamp(1, 3) as u8, in_outline }
     }
 
-    /// The point nearest to `start`, in cells from the cell's middle, that lies on all formulas, and those that cut it
-    /// off; with the directions in which it is free to move on them.
+    /// The point nearest to `start`, in cells from the cell's middle, that lies on all formulas,
+    /// and those that cut it off; with the directions in which it is free to move on them.
     fn meet_formulas(
         &self,
         sheet: &Sheet,
@@ -107,8 +109,8 @@ impl Placement<'_> {
         start: DVec3,
         formulas: &mut Vec<usize>,
     ) -> (DVec3, DMat3) {
-        // Formulas have an edge from 1 degree on. The tip of a wedge can pass between the nodes, and end some cells
-        // further.
+        // Formulas have an edge from 1 degree on. The tip of a wedge can pass between the nodes,
+        // and end some cells further.
         const TRUNCATION: f64 = 1e-4;
         const REACH: f64 = 2.0;
         const MAX_ROUNDS: usize = 8;
@@ -134,7 +136,8 @@ impl Placement<'_> {
         (point, planes.free_directions(TRUNCATION))
     }
 
-    /// Moves a point along `free` to where the samples have their surface, if that passes through the sheet.
+    /// Moves a point along `free` to where the samples have their surface, if that passes through
+    /// the sheet.
     fn meet_samples(
         &self,
         sheet: &Sheet,
@@ -193,7 +196,8 @@ impl Placement<'_> {
         best.1
     }
 
-    /// The corners of the outline around a vertex: points of the solid where three of its formulas meet.
+    /// The corners of the outline around a vertex: points of the solid where three of its formulas
+    /// meet.
     pub(crate) fn corners_near(
         &self,
         sheet: &Sheet,
@@ -254,8 +258,8 @@ impl Placement<'_> {
         None
     }
 
-    /// The formula that a point of a sheet lies furthest outside of, not one of `known`, and one that bounds the solid
-    /// here.
+    /// The formula that a point of a sheet lies furthest outside of, not one of `known`, and one
+    /// that bounds the solid here.
     fn cut_off_by(&self, sheet: &Sheet, point: DVec3, known: &[usize]) -> Option<usize> {
         let spacing = self.grid.spacing;
         (0..self.pieces.len())
@@ -267,7 +271,8 @@ impl Placement<'_> {
             .map(|(_, piece)| piece)
     }
 
-    /// Whether all inside corners of a cell are inside of a piece; not so where a sliver from beyond it was merged.
+    /// Whether all inside corners of a cell are inside of a piece; not so where a sliver from
+    /// beyond it was merged.
     fn bounds_cell(&self, sheet: &Sheet, piece: usize) -> bool {
         let [i, j, k] = self.grid.coordinates(sheet.cell);
         (0..8).filter(|corner| sheet.inside >> corner & 1 == 1).all(|corner| {

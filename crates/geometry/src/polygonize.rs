@@ -4,11 +4,11 @@ use crate::dual_contour::{DualContour, Quad};
 use crate::{GridSolid, Surface, TriMesh};
 use glam::DVec3;
 
-/// The closed surface of a solid in its grid frame: dual contouring [JLSW02] of the signs at the nodes, with crossings
-/// and normals from the exact outline, so that edges and corners stay sharp.
+/// The closed surface of a solid in its grid frame: dual contouring [JLSW02] of the signs at the
+/// nodes, with crossings and normals from the exact outline, so that edges and corners stay sharp.
 ///
-/// Each directed edge has exactly one opposite. Where two vertices share a corner of the outline, the triangles between
-/// them have no area; they are kept, because they close the surface.
+/// Each directed edge has exactly one opposite. Where two vertices share a corner of the outline,
+/// the triangles between them have no area; they are kept, because they close the surface.
 pub fn polygonize(solid: &GridSolid) -> Surface {
     let contour = DualContour::new(solid);
     let mut triangles = Vec::with_capacity(2 * contour.quads.len());
@@ -66,7 +66,8 @@ fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64)
 fn splits_at_first(contour: &DualContour, quad: &Quad, spacing: f64) -> bool {
     let [a, b, c, d] = quad.vertices.map(|vertex| contour.vertices[vertex as usize].position);
 
-    // Along a sharp edge one diagonal lies on the surface, and the other cuts through, by more than a smooth face bends.
+    // Along a sharp edge one diagonal lies on the surface, and the other cuts through, by more than
+    // a smooth face bends.
     const BEND: f64 = 0.02;
     if quad.piece.is_some() {
         let off_surface =
@@ -276,7 +277,8 @@ mod tests {
         );
     }
 
-    /// A sliver from beyond a cut was merged: the outline's plane passes through the solid, and leaves no dent.
+    /// A sliver from beyond a cut was merged: the outline's plane passes through the solid, and
+    /// leaves no dent.
     #[test]
     fn a_cut_through_a_merged_sliver_is_ignored() {
         let half = DVec3::new(0.5, 0.3, 0.4);
@@ -305,7 +307,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// However the signs lie, each edge has one opposite, and what is enclosed has the outside outside.
+        /// However the signs lie, each edge has one opposite, and what is enclosed has the outside
+        /// outside.
         #[test]
         fn noise_has_a_closed_surface(mut solid in noise([5, 4, 6]), x in -1.0..1.0f64, offset in 0.0..2.0f64) {
             let surface = polygonize(&solid);

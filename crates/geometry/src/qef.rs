@@ -3,8 +3,8 @@
 use crate::symmetric::symmetric_eigen;
 use glam::{DMat3, DVec3};
 
-/// Sum of squared distances to planes, in units of a cell and counted from its middle [JLSW02: Ju, Losasso, Schaefer &
-/// Warren 2002, Dual contouring of Hermite data].
+/// Sum of squared distances to planes, in units of a cell and counted from its middle [JLSW02: Ju,
+/// Losasso, Schaefer & Warren 2002, Dual contouring of Hermite data].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Qef {
     normal_matrix: DMat3,
@@ -25,14 +25,16 @@ impl Qef {
         self.normal_matrix == DMat3::ZERO
     }
 
-    /// The minimiser nearest to `start`, which is within `reach` of the middle along each axis. Directions with less than
-    /// `truncation` of the largest eigenvalue do not count, nor do those that would lead out of reach.
+    /// The minimiser nearest to `start`, which is within `reach` of the middle along each axis.
+    /// Directions with less than `truncation` of the largest eigenvalue do not count, nor do those
+    /// that would lead out of reach.
     pub(crate) fn minimize(&self, start: DVec3, truncation: f64, reach: f64) -> DVec3 {
         self.descend(start, reach, |largest| [0.0, truncation * largest])
     }
 
-    /// The minimiser nearest to `start` along the directions that `free` projects on. Of these the first one counts from
-    /// an angle of 6 degrees between it and the planes on, the other one as an edge that leads across the first.
+    /// The minimiser nearest to `start` along the directions that `free` projects on. Of these the
+    /// first one counts from an angle of 6 degrees between it and the planes on, the other one as
+    /// an edge that leads across the first.
     pub(crate) fn minimize_along(
         &self,
         free: &DMat3,
@@ -64,8 +66,8 @@ impl Qef {
         eigenvalues.to_array().iter().filter(|&&eigenvalue| eigenvalue > least).count()
     }
 
-    /// Newton's step along each eigenvector in turn. The first one's eigenvalue, the largest, and those of the others
-    /// must exceed the two that `least` gives for it.
+    /// Newton's step along each eigenvector in turn. The first one's eigenvalue, the largest, and
+    /// those of the others must exceed the two that `least` gives for it.
     fn descend(&self, start: DVec3, reach: f64, least: impl Fn(f64) -> [f64; 2]) -> DVec3 {
         let (eigenvalues, axes) = symmetric_eigen(&self.normal_matrix);
         let mut order = [0, 1, 2];

@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Maps `point_from` to `point_to` as `rotation * point_from + translation`; named `to_from_from` where it is used.
+/// Maps `point_from` to `point_to` as `rotation * point_from + translation`; named `to_from_from`
+/// where it is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidTransform {
     /// Unit quaternion.

@@ -2,8 +2,8 @@
 
 use crate::{Run, Span};
 
-/// The longest span of a run, and what the others hold together. Most cuts go through it, and then none of
-/// the others is looked at.
+/// The longest span of a run, and what the others hold together. Most cuts go through it, and then
+/// none of the others is looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct RunCore {
     /// Of the run.

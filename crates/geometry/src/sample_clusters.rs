@@ -15,7 +15,8 @@ pub struct SampleCluster {
     pub radius: f32,
 }
 
-/// Samples in one cluster: a ball costs as much to test as a sample, and smaller clusters fit the surface better.
+/// Samples in one cluster: a ball costs as much to test as a sample, and smaller clusters fit the
+/// surface better.
 const CLUSTER: usize = 16;
 
 /// Sorts samples along a space-filling curve [Mor66] and cuts the row into clusters.
@@ -33,7 +34,8 @@ pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
     chunks.map(|(index, chunk)| SampleCluster::around((index * CLUSTER) as u32, chunk)).collect()
 }
 
-/// Lowest and highest corner of the box around some points; infinite and the wrong way round without any.
+/// Lowest and highest corner of the box around some points; infinite and the wrong way round
+/// without any.
 pub(crate) fn bounds_of(points: &[Vec3]) -> (Vec3, Vec3) {
     // Four points at a time fill lanes.
     let (mut lows, mut highs) = ([f32::INFINITY; 12], [f32::NEG_INFINITY; 12]);

@@ -12,8 +12,8 @@ use crate::{
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// Geometry, surface samples and mass properties. The body frame has its origin at the centre of mass and its axes along
-/// the principal axes.
+/// Geometry, surface samples and mass properties. The body frame has its origin at the centre of
+/// mass and its axes along the principal axes.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Where inside and outside are.
@@ -26,7 +26,8 @@ pub struct Shape {
     pub volume: f64,
     /// Principal moments at unit density [m^5].
     pub unit_moments: DVec3,
-    /// What is a convex polyhedron, or breaks as one, as such, in the body frame; `None` for all else.
+    /// What is a convex polyhedron, or breaks as one, as such, in the body frame; `None` for all
+    /// else.
     pub hull: Option<Arc<Hull>>,
     /// What is made of several of them, as such, in the body frame; `None` for all else.
     pub compound: Option<Arc<Compound>>,
@@ -75,8 +76,8 @@ impl BodyFrame {
 }
 
 impl Shape {
-    /// A formula: exact; only a box can break. Samples lie about `sample_spacing` [m] apart. A half-space has no volume, no
-    /// samples and infinite bounds.
+    /// A formula: exact; only a box can break. Samples lie about `sample_spacing` [m] apart. A
+    /// half-space has no volume, no samples and infinite bounds.
     pub fn closed_form(form: ClosedForm, sample_spacing: f64) -> Self {
         // The axes of all of these are principal, and their middle is the centre of mass.
         let (volume, unit_moments) = form.mass_properties().map_or((0.0, DVec3::ZERO), |mass| {
@@ -103,8 +104,9 @@ impl Shape {
         }
     }
 
-    /// A formula that can break, into exact polyhedra: its mass and its hull are those of a polyhedron of its volume, see
-    /// [`Hull::ball`] and [`Hull::cylinder`], so that nothing changes when it does.
+    /// A formula that can break, into exact polyhedra: its mass and its hull are those of a
+    /// polyhedron of its volume, see [`Hull::ball`] and [`Hull::cylinder`], so that nothing changes
+    /// when it does.
     ///
     /// # Errors
     /// For a half-space, which has no volume.
@@ -135,7 +137,8 @@ impl Shape {
         })
     }
 
-    /// A convex polyhedron: exact, also where it breaks. Samples lie about `sample_spacing` [m] apart.
+    /// A convex polyhedron: exact, also where it breaks. Samples lie about `sample_spacing` [m]
+    /// apart.
     ///
     /// # Errors
     /// If it is so thin that its volume or a moment vanishes.
@@ -181,7 +184,8 @@ impl Shape {
         Self { part_of, ..self }
     }
 
-    /// Convex polyhedra that are one body: its mass is the sum of theirs. Samples lie about `sample_spacing` [m] apart.
+    /// Convex polyhedra that are one body: its mass is the sum of theirs. Samples lie about
+    /// `sample_spacing` [m] apart.
     ///
     /// # Errors
     /// If they are so thin that the volume or a moment vanishes, or there are none.
@@ -232,8 +236,9 @@ impl Shape {
         }
     }
 
-    /// Points on the surface in the body frame [m]: what is tested against other bodies' level sets. Those of a formula and of a
-    /// polyhedron are made at the first call: many fragments never need any.
+    /// Points on the surface in the body frame [m]: what is tested against other bodies' level
+    /// sets. Those of a formula and of a polyhedron are made at the first call: many fragments
+    /// never need any.
     pub fn samples(&self) -> &[Vec3] {
         &self.sampled().samples
     }
@@ -255,12 +260,14 @@ impl Shape {
         })
     }
 
-    /// How far apart the samples of a formula or a polyhedron lie [m]; zero for a grid's, which were given.
+    /// How far apart the samples of a formula or a polyhedron lie [m]; zero for a grid's, which
+    /// were given.
     pub fn sample_spacing(&self) -> f64 {
         self.sample_spacing
     }
 
-    /// The polyhedron, in the grid frame, that this breaks as when planes cut it; `None` for what breaks on its grid or not at all.
+    /// The polyhedron, in the grid frame, that this breaks as when planes cut it; `None` for what
+    /// breaks on its grid or not at all.
     pub fn breaks_as(&self) -> Option<&Hull> {
         match &self.geometry {
             Geometry::Hull(hull) => Some(hull),
@@ -325,8 +332,9 @@ fn bounds_in_body(
     let half_voxel = 0.5
         * grid.spacing
         * (rotation.x_axis.abs() + rotation.y_axis.abs() + rotation.z_axis.abs());
-    // The voxels of a run lie on a line, so that its two ends bound them all. With axes turned so that the places rise along x, the
-    // lower one is the start, for all runs. Two runs at a time fill lanes.
+    // The voxels of a run lie on a line, so that its two ends bound them all. With axes turned so
+    // that the places rise along x, the lower one is the start, for all runs. Two runs at a time
+    // fill lanes.
     let steps = rotation * grid.spacing;
     let turns =
         DVec3::from_array(steps.x_axis.to_array().map(|step| if step < 0.0 { -1.0 } else { 1.0 }));
@@ -386,7 +394,8 @@ mod tests {
         )
         .unwrap();
 
-        // Moments are those of the formula in some order, and the corner lies where the formula has it, up to signs.
+        // Moments are those of the formula in some order, and the corner lies where the formula has
+        // it, up to signs.
         let exact = Shape::closed_form(form, 0.1);
         let sorted = |v: DVec3| {
             let mut sorted = v.abs().to_array();

@@ -3,8 +3,8 @@
 //! A cell's corner has the number `x + 2 y + 4 z`, and the edge along axis `a` the number `4 a + p + 2 q`, with `p` and
 //! `q` its place along the next two axes, cyclically. A face is `2 a + side`.
 
-/// Edges along each of a face's own two axes: `edges[0][q]` runs along the first axis at place `q` of the second,
-/// `edges[1][p]` along the second at place `p` of the first.
+/// Edges along each of a face's own two axes: `edges[0][q]` runs along the first axis at place `q`
+/// of the second, `edges[1][p]` along the second at place `p` of the first.
 fn face_edges(face: usize) -> [[usize; 2]; 2] {
     let (axis, side) = (face / 2, face % 2);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -23,17 +23,19 @@ fn is_inside(inside: u8, corner: usize) -> bool {
     inside >> corner & 1 == 1
 }
 
-/// Whether a face's inside corners are two opposite ones, so that the surface can pass it in two ways.
+/// Whether a face's inside corners are two opposite ones, so that the surface can pass it in two
+/// ways.
 pub(crate) fn is_ambiguous(inside: u8, face: usize) -> bool {
     let at = |p, q| is_inside(inside, face_corner(face, p, q));
     at(0, 0) == at(1, 1) && at(0, 1) == at(1, 0) && at(0, 0) != at(1, 0)
 }
 
-/// The number of the sheet that each edge's crossing belongs to, and how many sheets there are. Edges without crossing
-/// have a meaningless number.
+/// The number of the sheet that each edge's crossing belongs to, and how many sheets there are.
+/// Edges without crossing have a meaningless number.
 ///
-/// `inside` has a bit for each corner. An ambiguous face keeps its two inside corners apart, or if its bit in `joined`
-/// is set, its two outside corners. Each sheet is a disc, bounded by one loop over the cell's faces.
+/// `inside` has a bit for each corner. An ambiguous face keeps its two inside corners apart, or if
+/// its bit in `joined` is set, its two outside corners. Each sheet is a disc, bounded by one loop
+/// over the cell's faces.
 pub(crate) fn sheets(inside: u8, joined: u8) -> ([u8; 12], u8) {
     // Crossings on the same face are neighbours, two by two.
     let mut leader: [usize; 12] = std::array::from_fn(|edge| edge);

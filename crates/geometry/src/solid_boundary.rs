@@ -153,8 +153,8 @@ fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near:
     lines
 }
 
-/// How much of a line lies in a convex polygon in the same plane, farther than `border` [m] from its
-/// edges; zero if none.
+/// How much of a line lies in a convex polygon in the same plane, farther than `border` [m] from
+/// its edges; zero if none.
 fn length_within(line: &Line, polygon: &[DVec3], normal: DVec3, border: f64) -> f64 {
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);
     for (from, &corner) in polygon.iter().enumerate() {
@@ -229,8 +229,8 @@ impl Probe<'_> {
         self.surfaces.winding(point + self.normal * (PROBE * self.spacing)) == 0
     }
 
-    /// Collects the parts of a convex polygon that separate, in triangles; returns whether all of it
-    /// does. `lines` may divide it.
+    /// Collects the parts of a convex polygon that separate, in triangles; returns whether all of
+    /// it does. `lines` may divide it.
     fn gather(&self, polygon: &[DVec3], lines: &[Line], pieces: &mut Vec<[DVec3; 3]>) -> bool {
         if polygon.len() < 3 || self.deep.holds(polygon) {
             return polygon.len() < 3;

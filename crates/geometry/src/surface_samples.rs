@@ -5,14 +5,17 @@ use crate::{ClosedForm, Grid, GridSolid, LevelSet};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Points on the surface of a solid in its grid frame [m], about `spacing` [m] apart but not closer than the grid's
-/// nodes: all corners, then points along edges, then on faces.
+/// Points on the surface of a solid in its grid frame [m], about `spacing` [m] apart but not closer
+/// than the grid's nodes: all corners, then points along edges, then on faces.
 pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
-    // Accepted points this close keep others out; what is left between them is then filled with gaps around `spacing`.
+    // Accepted points this close keep others out; what is left between them is then filled with
+    // gaps around `spacing`.
     const CLOSEST: f64 = 0.85;
-    // Corners closer than this, in units of the grid's spacing, are the same corner seen from two cells.
+    // Corners closer than this, in units of the grid's spacing, are the same corner seen from two
+    // cells.
     const SAME_CORNER: f64 = 0.1;
-    // The two sides of a thin plate are both sampled: only points that face the same way keep each other out.
+    // The two sides of a thin plate are both sampled: only points that face the same way keep each
+    // other out.
     const SAME_SIDE: f64 = 0.3;
 
     let grid = solid.grid();
@@ -35,11 +38,12 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
 /// Moves a vertex along the normal onto the surface that it stands for.
 fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> DVec3 {
     const MAX_STEPS: usize = 8;
-    // A distance has slope 1, but on a ridge the slope of its samples vanishes. Down to 1/30 it is believed, below that
-    // Newton's step would leave the cell.
+    // A distance has slope 1, but on a ridge the slope of its samples vanishes. Down to 1/30 it is
+    // believed, below that Newton's step would leave the cell.
     const LEAST_SLOPE_SQUARED: f64 = 1e-3;
     let spacing = level_set.grid().spacing;
-    // Newton's method on the outline, or on the samples where the outline does not know of the surface.
+    // Newton's method on the outline, or on the samples where the outline does not know of the
+    // surface.
     let project = |step: &dyn Fn(DVec3) -> DVec3| {
         let mut point = vertex.position;
         for _ in 0..MAX_STEPS {
@@ -109,8 +113,8 @@ impl Buckets {
     }
 }
 
-/// Points on the surface of a formula in its frame [m], about `spacing` [m] apart, with the corners, edges and rims.
-/// None for a half-space: what lies on it has the samples.
+/// Points on the surface of a formula in its frame [m], about `spacing` [m] apart, with the
+/// corners, edges and rims. None for a half-space: what lies on it has the samples.
 pub fn closed_form_samples(form: &ClosedForm, spacing: f64) -> Vec<Vec3> {
     match *form {
         ClosedForm::HalfSpace(_) => Vec::new(),
@@ -128,7 +132,8 @@ fn steps(length: f64, spacing: f64, least: usize) -> usize {
     ((length / spacing - 1e-9).ceil() as usize).max(least)
 }
 
-/// A spiral of equal areas: each point is as far from its neighbours on the same turn as from the next turn.
+/// A spiral of equal areas: each point is as far from its neighbours on the same turn as from the
+/// next turn.
 fn sphere_samples(radius: f64, spacing: f64) -> Vec<Vec3> {
     let golden_angle = PI * (3.0 - 5.0f64.sqrt());
     let count = steps(4.0 * PI * radius * radius, spacing * spacing, 12);
@@ -188,7 +193,8 @@ fn cylinder_samples(radius: f64, half_height: f64, spacing: f64) -> Vec<Vec3> {
 mod tests {
     use super::*;
 
-    /// Largest distance from points of the surface, found by projecting a fine lattice, to the nearest sample.
+    /// Largest distance from points of the surface, found by projecting a fine lattice, to the
+    /// nearest sample.
     fn largest_gap(form: &ClosedForm, samples: &[Vec3]) -> f64 {
         let (low, high) = form.bounds();
         let n = 20;
@@ -222,7 +228,8 @@ mod tests {
                     assert!(form.distance_and_gradient(sample.as_dvec3()).0.abs() < 1e-7);
                 }
                 if spacing < 1.0 {
-                    // Half of the diagonal of a square of that edge, and a little for the curvature.
+                    // Half of the diagonal of a square of that edge, and a little for the
+                    // curvature.
                     let gap = largest_gap(form, &samples);
                     assert!(gap < 0.85 * spacing, "{form:?} {spacing}: {gap}");
                     for (n, sample) in samples.iter().enumerate() {
@@ -289,7 +296,8 @@ mod tests {
         assert!(largest_gap(&ClosedForm::Box { half }, &samples) < 1.2 * spacing);
     }
 
-    /// A ball known only from its samples, and cut: on the surface, apart, everywhere, and always the same.
+    /// A ball known only from its samples, and cut: on the surface, apart, everywhere, and always
+    /// the same.
     #[test]
     fn sampled_solids_are_covered_on_their_surface() {
         let ball = ClosedForm::Sphere { radius: 0.8 };

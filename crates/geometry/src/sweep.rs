@@ -16,9 +16,10 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    /// Hands the nearest triangle on from node to node, in the order of the fast sweeping method [Zha05], so that each
-    /// node farther than `exact` [m] gets the distance to a triangle that is nearest to one of its neighbours. That is
-    /// the nearest one to the node too, or misses it by much less than a cell.
+    /// Hands the nearest triangle on from node to node, in the order of the fast sweeping method
+    /// [Zha05], so that each node farther than `exact` [m] gets the distance to a triangle that is
+    /// nearest to one of its neighbours. That is the nearest one to the node too, or misses it by
+    /// much less than a cell.
     pub(crate) fn sweep(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], exact: f32) {
         let [nx, ny, nz] = grid.dims;
         for direction in 0..8 {
@@ -40,8 +41,8 @@ impl Nearest {
                         continue;
                     }
 
-                    // Ask the neighbours across the faces, edges and the corner behind the node, one for each set of
-                    // axes along which there is one.
+                    // Ask the neighbours across the faces, edges and the corner behind the node,
+                    // one for each set of axes along which there is one.
                     let present =
                         usize::from(a > 0) + 2 * usize::from(b > 0) + 4 * usize::from(c > 0);
                     for (axes, back) in back.iter().enumerate().skip(1) {

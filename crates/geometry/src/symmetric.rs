@@ -2,11 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
-/// Eigenvalues and eigenvectors (columns of a rotation) of a symmetric matrix, in the order in which the eigenvectors
-/// lie nearest to x, y and z: a diagonal matrix gives no rotation.
+/// Eigenvalues and eigenvectors (columns of a rotation) of a symmetric matrix, in the order in
+/// which the eigenvectors lie nearest to x, y and z: a diagonal matrix gives no rotation.
 ///
-/// Cyclic Jacobi rotations [Golub & Van Loan, Matrix Computations, sec. 8.5] keep small eigenvalues accurate beside
-/// large ones.
+/// Cyclic Jacobi rotations [Golub & Van Loan, Matrix Computations, sec. 8.5] keep small eigenvalues
+/// accurate beside large ones.
 pub(crate) fn symmetric_eigen(matrix: &DMat3) -> (DVec3, DMat3) {
     // They converge quadratically, so a dozen sweeps are more than ever needed.
     const MAX_SWEEPS: usize = 12;
@@ -24,8 +24,8 @@ pub(crate) fn symmetric_eigen(matrix: &DMat3) -> (DVec3, DMat3) {
     (DVec3::new(tensor[0][0], tensor[1][1], tensor[2][2]), DMat3::from_cols_array_2d(&axes))
 }
 
-/// One Jacobi rotation in the plane of axes `p` and `q`, by at most 45 degrees, after which `tensor[p][q]` vanishes.
-/// Columns of `axes` turn along. False if there was nothing to do.
+/// One Jacobi rotation in the plane of axes `p` and `q`, by at most 45 degrees, after which
+/// `tensor[p][q]` vanishes. Columns of `axes` turn along. False if there was nothing to do.
 fn rotate_away(tensor: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize) -> bool {
     let off = tensor[p][q];
     // Relative to both moments, so that a small one is resolved as well as a large one.

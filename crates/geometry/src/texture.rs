@@ -1,12 +1,14 @@
-//! Texture coordinates of surfaces: metres along the surface, so that a texture is as large on a small piece as on a large one.
+//! Texture coordinates of surfaces: metres along the surface, so that a texture is as large on a
+//! small piece as on a large one.
 
 use crate::{Surface, TriMesh};
 use glam::{DVec2, DVec3, Vec2};
 
 impl Surface {
-    /// A surface with texture coordinates. `normals` are those of the surfaces that the triangles lie on: of an inner one its
-    /// crack's. Outer triangles are projected along the coordinate axis that they face, inner ones onto their crack's own plane,
-    /// without stretching, and the same on both of its sides.
+    /// A surface with texture coordinates. `normals` are those of the surfaces that the triangles
+    /// lie on: of an inner one its crack's. Outer triangles are projected along the coordinate axis
+    /// that they face, inner ones onto their crack's own plane, without stretching, and the same on
+    /// both of its sides.
     pub(crate) fn with_coordinates(mesh: TriMesh, interior: Vec<bool>, normals: &[DVec3]) -> Self {
         let lay_out = |triangle: usize| {
             let (u, v) = if interior[triangle] {

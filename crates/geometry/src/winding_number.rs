@@ -1,4 +1,5 @@
-//! Generalised winding numbers [JKS13]: inside and outside also for surfaces with holes and self-intersections.
+//! Generalised winding numbers [JKS13]: inside and outside also for surfaces with holes and
+//! self-intersections.
 
 use crate::bvh::Bvh;
 use crate::mass_properties::outer;
@@ -10,9 +11,11 @@ pub(crate) const INSIDE: f64 = 0.5;
 /// A cluster is seen as one dipole from farther than this many of its radii [BDS18 sec. 4.2].
 const FAR_RADII: f64 = 2.3;
 
-/// How many times a surface winds around a point: 1 inside of a closed surface, 0 outside, between the two near holes.
+/// How many times a surface winds around a point: 1 inside of a closed surface, 0 outside, between
+/// the two near holes.
 ///
-/// The far clusters' series cost up to 0.06 at the worst point that was found on scanned and on modelled meshes, and
+/// The far clusters' series cost up to 0.06 at the worst point that was found on scanned and on
+/// modelled meshes, and
 /// 0.004 on average: far from the half that inside begins at, except across holes, where they shift the boundary by as
 /// much of the hole's width.
 #[derive(Clone, Debug)]
@@ -31,7 +34,8 @@ struct Cluster {
     far_squared: f64,
     /// Sum of the triangles' vector areas [m^2].
     dipole: DVec3,
-    /// Sum of the products (middle - centre) (vector area)^T [m^3]: column j holds the vector areas' component j.
+    /// Sum of the products (middle - centre) (vector area)^T [m^3]: column j holds the vector
+    /// areas' component j.
     quadrupole: DMat3,
 }
 

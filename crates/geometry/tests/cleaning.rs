@@ -388,7 +388,8 @@ fn many_parts_are_each_a_solid() {
     assert_eq!(clean.solid.iter().max(), Some(&499));
 }
 
-/// A closed surface between a flat polygon and the same one at height 1, through all of its corners.
+/// A closed surface between a flat polygon and the same one at height 1, through all of its
+/// corners.
 fn extruded(outline: &[(f64, f64)]) -> TriMesh {
     let n = outline.len() as u32;
     let rows = [0.0, 1.0].map(|z| outline.iter().map(move |&(x, y)| DVec3::new(x, y, z)));

@@ -24,7 +24,8 @@ fn cubelets() -> Vec<Hull> {
     (0..8).map(|n| cuboid(low(n), low(n) + 0.5)).collect()
 }
 
-/// A foot of 3 x 1 x 1 m with a leg of 1 x 2 x 1 m on its end has the moments that the textbook gives for them.
+/// A foot of 3 x 1 x 1 m with a leg of 1 x 2 x 1 m on its end has the moments that the textbook
+/// gives for them.
 #[test]
 fn an_l_of_two_boxes_has_its_textbook_mass() {
     let foot = cuboid(DVec3::ZERO, DVec3::new(3.0, 1.0, 1.0));

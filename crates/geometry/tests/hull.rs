@@ -32,7 +32,8 @@ fn lattice_points() -> impl Strategy<Value = Vec<DVec3>> {
     })
 }
 
-/// Euler's formula, planes that hold all vertices, loops that lie on their planes and turn left, edges between their faces.
+/// Euler's formula, planes that hold all vertices, loops that lie on their planes and turn left,
+/// edges between their faces.
 fn check(hull: &Hull, flat: f64) {
     let (vertices, faces, edges) = (hull.vertices(), hull.faces(), hull.edges());
     assert_eq!(vertices.len() + faces.len(), edges.len() + 2);
@@ -260,8 +261,8 @@ proptest! {
         prop_assert!((volume - 8.0).abs() < 1e-12);
     }
 
-    /// Distance outside against the nearest of all combinations of corners, edges and faces; inside against the planes; and
-    /// the foot is on the surface.
+    /// Distance outside against the nearest of all combinations of corners, edges and faces; inside
+    /// against the planes; and the foot is on the surface.
     #[test]
     fn distances_are_exact(points in points(), samples in prop::collection::vec(vector(2.0), 20)) {
         let Ok(hull) = Hull::of_points(&points) else { return Ok(()) };
@@ -308,7 +309,8 @@ proptest! {
     }
 }
 
-/// Distance from a point to a triangle, by the nearest of its plane's foot, its edges and its corners [m].
+/// Distance from a point to a triangle, by the nearest of its plane's foot, its edges and its
+/// corners [m].
 fn distance_to_triangle(point: DVec3, corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -387,7 +389,8 @@ fn a_hull_on_a_grid_keeps_its_edges() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Parts carved out of a hull are those that a clipper leaves, whether cuts pass by vertices or through them.
+    /// Parts carved out of a hull are those that a clipper leaves, whether cuts pass by vertices or
+    /// through them.
     #[test]
     fn carved_parts_are_the_clipped_ones(
         points in points(), cuts in prop::collection::vec((vector(1.0), -0.2..0.8f64), 1..12), through in 0..3_usize,

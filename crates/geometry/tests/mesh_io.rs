@@ -42,8 +42,9 @@ fn obj_of_quads_is_read() {
     assert_eq!(TestFile::new("CUBE.OBJ", obj_vertices() + &obj_quads()).load(), cube());
 }
 
-/// Colours, normals between the vertices, texture coordinates of one number, a missing material file, groups, lines,
-/// points, bytes that are no UTF-8, Windows line ends, joined lines, and indices counted from the end.
+/// Colours, normals between the vertices, texture coordinates of one number, a missing material
+/// file, groups, lines, points, bytes that are no UTF-8, Windows line ends, joined lines, and
+/// indices counted from the end.
 #[test]
 fn obj_with_everything_around_the_shape_is_read() {
     let mut text =
@@ -272,8 +273,8 @@ fn ply_refusals_name_the_place() {
     );
 }
 
-/// Strips as MeshLab's oldest files have them: the corners of the next triangle are the last two and
-/// a new one, and a negative number begins another strip.
+/// Strips as MeshLab's oldest files have them: the corners of the next triangle are the last two
+/// and a new one, and a negative number begins another strip.
 #[test]
 fn ply_strips_are_read() {
     // Around four sides of the cube, then its top and its bottom.

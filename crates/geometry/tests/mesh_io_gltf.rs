@@ -172,8 +172,8 @@ fn nodes_move_turn_scale_and_mirror() {
     ]);
     let info = load(&document);
 
-    // The first is 2 m long, the second mirrored into x < 0 and then turned by a right angle about z; the last is not
-    // in the scene.
+    // The first is 2 m long, the second mirrored into x < 0 and then turned by a right angle about
+    // z; the last is not in the scene.
     assert_eq!((info.parts, info.triangles), (2, 24));
     assert!(
         (info.volume - 3.0).abs() < 1e-5,

@@ -122,7 +122,8 @@ fn icosphere_has_the_distance_of_a_sphere() {
     }
 }
 
-/// Where spheres overlap their surfaces are buried in the solid: the distance is to the outer parts and the crease.
+/// Where spheres overlap their surfaces are buried in the solid: the distance is to the outer parts
+/// and the crease.
 #[test]
 fn overlapping_spheres_are_one_solid() {
     let (left, right) = (DVec3::new(-0.6, 0.1, 0.0), DVec3::new(0.6, 0.1, 0.0));
@@ -130,7 +131,8 @@ fn overlapping_spheres_are_one_solid() {
     let level_set = level_set(&mesh, [66, 60, 60], 3);
     let spacing = level_set.grid().spacing;
     let expected = |point: DVec3| {
-        // To the crease, a circle of radius 0.8 around the x axis, and to what is left of each sphere.
+        // To the crease, a circle of radius 0.8 around the x axis, and to what is left of each
+        // sphere.
         let across = DVec3::new(0.0, point.y - 0.1, point.z).length();
         let mut distance = DVec3::new(point.x, across - 0.8, 0.0).length();
         for (center, other) in [(left, right), (right, left)] {
@@ -147,7 +149,8 @@ fn overlapping_spheres_are_one_solid() {
         assert!((phi - expected).abs() < 0.15, "{point}: {phi} {expected}");
     }
 
-    // The surfaces inside are there: the triangles alone would put one a tenth of the depth from here.
+    // The surfaces inside are there: the triangles alone would put one a tenth of the depth from
+    // here.
     let point = DVec3::new(0.35, 0.1, 0.0);
     assert!(brute_force_distance(&mesh, point) < 0.06);
     assert!(f64::from(level_set.value(point)) < -0.6);

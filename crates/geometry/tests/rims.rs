@@ -12,8 +12,8 @@ struct RimErrors {
     off_crack: f64,
     /// All vertices to the outside of the cracks.
     beyond_crack: f64,
-    /// Each vertex between interior and other triangles to the samples' zero. Not on blades of less than 30 degrees: they
-    /// are thinner than a cell for several cells.
+    /// Each vertex between interior and other triangles to the samples' zero. Not on blades of less
+    /// than 30 degrees: they are thinner than a cell for several cells.
     off_root: Vec<f64>,
     /// Area of interior triangles that do not lie in one crack, as a part of all.
     bent_area: f64,

@@ -82,7 +82,8 @@ fn half_in_the_plane_of_a_hole() {
     }
 }
 
-/// The sum of angles keeps its whole turns: a thousand sheets seen from behind are five hundred times half a sphere.
+/// The sum of angles keeps its whole turns: a thousand sheets seen from behind are five hundred
+/// times half a sphere.
 #[test]
 fn many_sheets_add_up() {
     let far = 1e6;

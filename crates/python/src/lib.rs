@@ -1,4 +1,5 @@
-//! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi` documents it.
+//! The Python door: `frangible._frangible`, thin over the engine. `python/frangible/_frangible.pyi`
+//! documents it.
 
 mod attributes;
 mod breaking;

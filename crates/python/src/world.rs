@@ -235,8 +235,8 @@ impl World {
         world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
     }
 
-    /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and texture coordinates of their
-    /// corners (t, 3, 2) [m].
+    /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and
+    /// texture coordinates of their corners (t, 3, 2) [m].
     fn surface<'py>(&self, py: Python<'py>, id: u64) -> PyResult<SurfaceArrays<'py>> {
         let mut inner = self.inner()?;
         let Inner { world, pool } = &mut *inner;

@@ -16,7 +16,8 @@ pub(crate) const ARCH: Shot = Shot {
 /// In the arch.
 const STONES: usize = 15;
 
-/// Of the arch, inside and outside [m]. A half ring thinner than 0.11 of its mean radius falls whatever its friction [Hey66].
+/// Of the arch, inside and outside [m]. A half ring thinner than 0.11 of its mean radius falls
+/// whatever its friction [Hey66].
 const RADII: [f64; 2] = [2.0, 2.6];
 
 /// Half of its depth [m].

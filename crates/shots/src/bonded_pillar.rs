@@ -15,7 +15,8 @@ pub(crate) const BONDED_PILLAR: Shot = Shot {
     build: bonded_pillar,
 };
 
-/// Cells in the cube around the pillar, of which it takes a thirty-sixth of the volume and more than that of the cells.
+/// Cells in the cube around the pillar, of which it takes a thirty-sixth of the volume and more
+/// than that of the cells.
 const CELLS: usize = 1500;
 
 /// Of concrete [Pa], across a bond [CEB90]; along it about as much.

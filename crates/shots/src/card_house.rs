@@ -16,7 +16,8 @@ pub(crate) const CARD_HOUSE: Shot = Shot {
 /// As many pairs of cards are in the lowest one.
 const STOREYS: usize = 5;
 
-/// Coulomb's coefficient of paper on paper: under a load a card that leans by an angle needs its tangent.
+/// Coulomb's coefficient of paper on paper: under a load a card that leans by an angle needs its
+/// tangent.
 pub(crate) const FRICTION: f64 = 0.5;
 
 /// Of a card: thickness, height and width [m].

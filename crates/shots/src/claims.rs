@@ -1,6 +1,7 @@
 //! What the paper and we promise, measured: one source for the tests and for `frangible verify`.
 //!
-//! A claim builds its own small scenes, runs them and says what it found. A finding without bounds stands beside the others.
+//! A claim builds its own small scenes, runs them and says what it found. A finding without bounds
+//! stands beside the others.
 
 mod bounce;
 mod carried;

@@ -31,7 +31,8 @@ const BALL_RADIUS: f64 = 0.35;
 /// Of the ball [m/s].
 const SPEED: f64 = 10.0;
 
-/// Cells of all of prescored space, half of which lies beside the cylinder: the struck half has the pieces.
+/// Cells of all of prescored space, half of which lies beside the cylinder: the struck half has the
+/// pieces.
 const CELLS: usize = 110;
 
 fn cylinder(options: &ShotOptions) -> Result<SceneDesc, ShotError> {

@@ -25,7 +25,8 @@ pub(crate) const BUNNY: Shot = Shot {
     build: |options| impact("bunny", Some(BUNNY_VOXELS), 500, options),
 };
 
-/// Of figure 6: along the bunny's length, height and depth; in the order of the file's axes the largest need decides.
+/// Of figure 6: along the bunny's length, height and depth; in the order of the file's axes the
+/// largest need decides.
 const BUNNY_VOXELS: [usize; 3] = [70, 60, 45];
 
 /// The mesh's longest side becomes this long [m], so that one shot suits files in any unit.
@@ -40,10 +41,12 @@ const BALL_RADIUS: f64 = 0.25;
 /// [m/s]
 const SPEED: f64 = 15.0;
 
-/// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly falls.
+/// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly
+/// falls.
 const RUN_UP: f64 = 2.0;
 
-/// What the mesh bears [N s] for each kilogram of it: three times what gravity gives it in a frame, so that it stands.
+/// What the mesh bears [N s] for each kilogram of it: three times what gravity gives it in a frame,
+/// so that it stands.
 const STRENGTH_PER_MASS: f64 = 1.0;
 
 /// What it bears at most [N s]: less than the collision of the ball.

@@ -1,4 +1,5 @@
-//! A nut on a bolt: two threads, given as triangles and sampled as level sets, that turn by sliding down each other.
+//! A nut on a bolt: two threads, given as triangles and sampled as level sets, that turn by sliding
+//! down each other.
 
 use crate::Shot;
 use frangible::{BodyDesc, LookDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
@@ -49,7 +50,8 @@ fn thread(y: f64, angle: f64, clearance: f64) -> f64 {
     RADIUS + DEPTH * libm::cos(TAU * y / PITCH - angle) + clearance
 }
 
-/// A surface around the y axis: `outer` and, if it is hollow, `inner` are its radii [m] at a height and an angle.
+/// A surface around the y axis: `outer` and, if it is hollow, `inner` are its radii [m] at a height
+/// and an angle.
 fn turned(
     height: f64,
     outer: impl Fn(f64, f64) -> f64,

@@ -1,4 +1,5 @@
-//! A table under a load of balls, all of them broken before they fall: nine thousand pieces that fit, and no two alike.
+//! A table under a load of balls, all of them broken before they fall: nine thousand pieces that
+//! fit, and no two alike.
 
 use crate::random::Random;
 use crate::{Shot, ShotError, ShotOptions};
@@ -36,7 +37,8 @@ const BALL_CELLS: usize = 8;
 const REACH: f64 = 0.25;
 const SPACED: f64 = 0.12;
 
-/// Balls beside each other along x and z, and from middle to middle along the axes [m]: they do not touch.
+/// Balls beside each other along x and z, and from middle to middle along the axes [m]: they do not
+/// touch.
 const ABREAST: [usize; 2] = [20, 13];
 const APART: DVec3 = DVec3::new(0.75, 0.72, 0.77);
 

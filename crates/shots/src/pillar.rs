@@ -61,7 +61,8 @@ fn pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     Ok(scene)
 }
 
-/// What the pillar, with its middle in the origin, is made of: pieces that fit snugly, and what they are called.
+/// What the pillar, with its middle in the origin, is made of: pieces that fit snugly, and what
+/// they are called.
 fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     let mut random = Random::new(seed);
 
@@ -85,7 +86,8 @@ fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     }
     blocks.push(above);
 
-    // The rest is cut up, mostly along the pillar, so that it does not stay a column; and it loses corners.
+    // The rest is cut up, mostly along the pillar, so that it does not stay a column; and it loses
+    // corners.
     let count = PIECES - CHIPS - plates.len();
     cut_up(&mut blocks, count, &mut random, |direction| direction * DVec3::new(1.0, 0.5, 1.0));
     let mut chips = Vec::new();
@@ -121,7 +123,8 @@ fn split(hull: &Hull, cut: &HalfSpace) -> Option<[Hull; 2]> {
     Some([inside, outside])
 }
 
-/// Splits always the largest piece, near its middle, until there are `count`. `stretch` shapes a random normal.
+/// Splits always the largest piece, near its middle, until there are `count`. `stretch` shapes a
+/// random normal.
 pub(crate) fn cut_up(
     pieces: &mut Vec<Hull>,
     count: usize,

@@ -1,5 +1,6 @@
-//! Boxes fall into a stack on a plank, and a larger box that falls on the plank's other end throws them off [Su09 fig. 2]: the scene of
-//! the authors' collection that fits the caption, with sizes and masses from there and lower falls.
+//! Boxes fall into a stack on a plank, and a larger box that falls on the plank's other end throws
+//! them off [Su09 fig. 2]: the scene of the authors' collection that fits the caption, with sizes
+//! and masses from there and lower falls.
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
@@ -30,7 +31,8 @@ const LARGE_EDGE: f64 = 2.0;
 /// How far the larger box falls [m]: four seconds, in which the stack comes to rest.
 const DROP: f64 = 70.0;
 
-/// Where the boxes of the stack start, from the middle of the base's upper side [m]: a third of their edge above where they come to rest.
+/// Where the boxes of the stack start, from the middle of the base's upper side [m]: a third of
+/// their edge above where they come to rest.
 const STACK: [[f64; 3]; 7] = [
     [-0.65, 1.3, 0.0],
     [0.65, 1.6, 0.0],

@@ -26,7 +26,8 @@ const SPEED: f64 = 100.0;
 /// From the plate to the wall [m], `ahead` less.
 const ROOM: f64 = 8.0;
 
-/// A plate that is turned flies at a wall in the plane x = 0, `ahead` [m] of where it would else be.
+/// A plate that is turned flies at a wall in the plane x = 0, `ahead` [m] of where it would else
+/// be.
 pub(crate) fn plate(orientation: DQuat, ahead: f64) -> SceneDesc {
     let body = |name: &str, size: [f64; 3]| BodyDesc {
         look: Some(LookDesc::Metal),

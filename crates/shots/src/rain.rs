@@ -68,13 +68,15 @@ const HEAVY: f64 = 2600.0;
 /// Balls beside each other over the table, along its two sides.
 const ABREAST: [usize; 2] = [7, 5];
 
-/// From layer to layer of the rain, and of its balls from each other [m]: they do not touch as they fall.
+/// From layer to layer of the rain, and of its balls from each other [m]: they do not touch as they
+/// fall.
 const APART: f64 = 0.82;
 
 /// What a ball of the rain bears [N s]: less than what it brings when it has fallen half a metre.
 const WEAK: f64 = 25.0;
 
-/// What the table bears [N s]: more than any ball of the rain brings, much less than the larger ball.
+/// What the table bears [N s]: more than any ball of the rain brings, much less than the larger
+/// ball.
 const STRONG: f64 = 2e4;
 
 /// Cells of all of prescored space around a ball of the rain, of which it has about nine.

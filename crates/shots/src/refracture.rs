@@ -17,11 +17,12 @@ pub(crate) const REFRACTURE: Shot = Shot {
     build: refracture,
 };
 
-/// Radius [m] and start of the first ball and the second [m] [Su09 fig. 7]. The second one comes 12 frames after the first, while the large
-/// fragment that it is meant for is still where it was.
+/// Radius [m] and start of the first ball and the second [m] [Su09 fig. 7]. The second one comes 12
+/// frames after the first, while the large fragment that it is meant for is still where it was.
 const BALLS: [(f64, [f64; 3]); 2] = [(0.5, [10.0, -1.0, -2.0]), (0.35, [16.0, 0.7, 1.5])];
 
-/// What the wall bears [N s]: less than a ball that nothing deflects, more than a fragment that falls over.
+/// What the wall bears [N s]: less than a ball that nothing deflects, more than a fragment that
+/// falls over.
 const STRENGTH: f64 = 2e4;
 
 fn refracture(options: &ShotOptions) -> Result<SceneDesc, ShotError> {

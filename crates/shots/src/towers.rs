@@ -1,4 +1,5 @@
-//! Cubes on cubes: a tower, a pyramid, and a load that is a thousand times as heavy as what bears it.
+//! Cubes on cubes: a tower, a pyramid, and a load that is a thousand times as heavy as what bears
+//! it.
 
 use crate::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};

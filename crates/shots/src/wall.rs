@@ -1,4 +1,5 @@
-//! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09 fig. 4].
+//! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09
+//! fig. 4].
 
 use crate::{Shot, ShotError, ShotOptions};
 use frangible::fracture::{Natural, Radial};

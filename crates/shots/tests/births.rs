@@ -1,4 +1,5 @@
-//! Fresh pieces lie still: a body at rest that breaks leaves its pieces at rest, whatever it was and however it was cut.
+//! Fresh pieces lie still: a body at rest that breaks leaves its pieces at rest, whatever it was
+//! and however it was cut.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +17,8 @@ use glam::DVec3;
 /// A piece that is faster pops [m/s].
 const POPS: f64 = 1e-3;
 
-/// A body at rest, and what breaks it: it bears nothing, and what strikes it weighs half a microgram's millionth.
+/// A body at rest, and what breaks it: it bears nothing, and what strikes it weighs half a
+/// microgram's millionth.
 fn struck(shape: ShapeDesc, pattern: PatternDesc, from: DVec3) -> World {
     let feather = ShapeDesc::Sphere { radius: 0.005, resolution: Resolution::default() };
     let mut scene = SceneDesc::new("birth");
@@ -35,8 +37,8 @@ fn struck(shape: ShapeDesc, pattern: PatternDesc, from: DVec3) -> World {
     World::build(&scene).unwrap()
 }
 
-/// Breaks one body; how many pieces there are, and how fast any of them moves in the second after, by its velocity or from frame to
-/// frame [m/s].
+/// Breaks one body; how many pieces there are, and how fast any of them moves in the second after,
+/// by its velocity or from frame to frame [m/s].
 fn births(mut world: World) -> (usize, f64) {
     let (mut pieces, mut fastest): (usize, f64) = (0, 0.0);
     let mut left = 60;

@@ -64,7 +64,8 @@ fn it_stands_alone_for_ten_seconds() {
     assert_eq!(world.labels()[1].bonds.as_ref().unwrap().glued().bonds().len(), bonds);
 }
 
-/// The ball breaks it: momentum and energy pass through the break, no mass is lost, and it comes down.
+/// The ball breaks it: momentum and energy pass through the break, no mass is lost, and it comes
+/// down.
 #[test]
 fn it_falls_when_the_ball_strikes_it() {
     let mut world = World::build(&scene()).unwrap();
@@ -100,7 +101,8 @@ fn weak_bonds_do_not_carry_its_weight() {
     assert!(broke > 0 && pieces(&world).count() > 20, "{} bodies", pieces(&world).count());
 }
 
-/// The same pieces without bonds come apart when the ball only rolls against them; with bonds they do not.
+/// The same pieces without bonds come apart when the ball only rolls against them; with bonds they
+/// do not.
 #[test]
 fn without_bonds_it_spreads() {
     let world = World::build(&alone(1.0)).unwrap();

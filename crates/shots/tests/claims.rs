@@ -70,7 +70,8 @@ fn pillar_spread() {
     holds("pillar-spread");
 }
 
-/// What the claim found at 3000 steps per second, recorded by `examples/pillar_spread.rs`, still bounds what 30 give.
+/// What the claim found at 3000 steps per second, recorded by `examples/pillar_spread.rs`, still
+/// bounds what 30 give.
 #[test]
 fn pillar_spreads_as_recorded() {
     let recorded: Vec<Vec<f64>> = include_str!("../../../bench/results/pillar.csv")

@@ -19,8 +19,9 @@ fn position(world: &World, body: usize) -> DVec3 {
     world.bodies().poses[body].position
 }
 
-/// "a prescored pillar being dropped onto the ground" [Su09 fig. 1]: 94 pieces fill it, thin plates and small shards among them, of
-/// another cut for each seed. How they fall is the claim `pillar-shards`.
+/// "a prescored pillar being dropped onto the ground" [Su09 fig. 1]: 94 pieces fill it, thin plates
+/// and small shards among them, of another cut for each seed. How they fall is the claim
+/// `pillar-shards`.
 #[test]
 fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
     for seed in 0..20 {
@@ -73,8 +74,9 @@ fn figure_1_no_chip_squirts_out_of_the_rubble() {
     }
 }
 
-/// "Collisions and contact behave correctly using our energy clamping. In this example, we drop several boxes to form a stack.
-/// A larger box then disrupts this stack and scatters the objects." [Su09 fig. 2]
+/// "Collisions and contact behave correctly using our energy clamping. In this example, we drop
+/// several boxes to form a stack. A larger box then disrupts this stack and scatters the objects."
+/// [Su09 fig. 2]
 #[test]
 fn figure_2_boxes_form_a_stack_and_a_larger_box_scatters_it() {
     let mut world = world("stack");
@@ -95,7 +97,8 @@ fn figure_2_boxes_form_a_stack_and_a_larger_box_scatters_it() {
     assert!((1..6).all(|i| position(&world, i).y > 0.2), "none sank into the ground");
 }
 
-/// The same on a plank, with both methods: seven boxes form a stack, and the larger one throws each of them off.
+/// The same on a plank, with both methods: seven boxes form a stack, and the larger one throws each
+/// of them off.
 #[test]
 fn figure_2_a_larger_box_on_a_plank_scatters_the_stack_on_its_other_end() {
     for method in [Method::Paper, Method::FrameRate] {
@@ -127,8 +130,8 @@ fn figure_2_a_larger_box_on_a_plank_scatters_the_stack_on_its_other_end() {
     }
 }
 
-/// "A rigid cube sliding down an inclined plane and eventually stopping with friction, where the half sphere represents the
-/// analytic solution." [Su09 fig. 3]
+/// "A rigid cube sliding down an inclined plane and eventually stopping with friction, where the
+/// half sphere represents the analytic solution." [Su09 fig. 3]
 #[test]
 fn figure_3_the_cube_stops_where_the_analytic_solution_does() {
     let mut world = world("incline");

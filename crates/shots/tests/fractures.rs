@@ -18,7 +18,8 @@ fn world(name: &str, options: &ShotOptions) -> World {
     World::build(&Shot::find(name).unwrap().scene(options).unwrap()).unwrap()
 }
 
-/// Steps once and checks what holds in every frame: mass, momentum, energy, and that nobody is lost.
+/// Steps once and checks what holds in every frame: mass, momentum, energy, and that nobody is
+/// lost.
 fn checked(world: &mut World, mass: f64) -> StepReport {
     let report = step(world);
     assert!(report.quarantined.is_empty());
@@ -47,7 +48,8 @@ fn run(world: &mut World, frames: usize) -> Vec<Fracture> {
     (0..frames).flat_map(|_| checked(world, mass).fractures).collect()
 }
 
-/// "A cylinder (level set resolution of 55x105x55) is shattered into 25 pieces by a sphere." [Su09 fig. 5]
+/// "A cylinder (level set resolution of 55x105x55) is shattered into 25 pieces by a sphere." [Su09
+/// fig. 5]
 #[test]
 fn figure_5_a_ball_shatters_the_cylinder_into_25_pieces_or_more() {
     for method in [Method::FrameRate, Method::Paper] {
@@ -63,7 +65,8 @@ fn figure_5_a_ball_shatters_the_cylinder_into_25_pieces_or_more() {
     }
 }
 
-/// "A complex bunny model with a level set resolution of 70x60x45 is shattered into 35 pieces." [Su09 fig. 6]
+/// "A complex bunny model with a level set resolution of 70x60x45 is shattered into 35 pieces."
+/// [Su09 fig. 6]
 #[test]
 fn figure_6_a_ball_shatters_the_bunny_into_35_pieces_or_more() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,8 +82,9 @@ fn figure_6_a_ball_shatters_the_bunny_into_35_pieces_or_more() {
     assert!(spread >= 10, "{spread} pieces flew off");
 }
 
-/// "A wall is fractured in the lower right corner with a sphere, creating large pieces away from the fracture location (left).
-/// Then, a second sphere fractures one of the large fragments (right)." [Su09 fig. 7]
+/// "A wall is fractured in the lower right corner with a sphere, creating large pieces away from
+/// the fracture location (left). Then, a second sphere fractures one of the large fragments
+/// (right)." [Su09 fig. 7]
 #[test]
 fn figure_7_the_second_ball_breaks_a_large_fragment() {
     let mut world = world("refracture", &ShotOptions::default());
@@ -126,8 +130,9 @@ fn figure_7_the_second_ball_breaks_a_large_fragment() {
     assert!(mass_of[&second.body].0 > 5.0 * near, "{} kg", mass_of[&second.body].0);
 }
 
-/// "1000 small spheres are dropped onto a table and then a larger sphere is dropped to fracture the table, resulting in 8992 rigid
-/// body fragments" [Su09 fig. 8]; with 25 and 100, too, as in the paper's text.
+/// "1000 small spheres are dropped onto a table and then a larger sphere is dropped to fracture the
+/// table, resulting in 8992 rigid body fragments" [Su09 fig. 8]; with 25 and 100, too, as in the
+/// paper's text.
 fn rains(name: &str, balls: usize) {
     let mut world = world(name, &ShotOptions::default());
     let shot = Shot::find(name).unwrap();

@@ -1,5 +1,5 @@
-//! The same input gives the same bits: with every width of the solver, on any number of threads, and from one version to the next unless
-//! we say so.
+//! The same input gives the same bits: with every width of the solver, on any number of threads,
+//! and from one version to the next unless we say so.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +16,8 @@ use std::fmt::Write;
 /// Frames of each shot.
 const FRAMES: u32 = 300;
 
-/// Balls, boxes, pieces of boxes, heaps, what breaks on the grid, and as many bodies as threads are worth while for.
+/// Balls, boxes, pieces of boxes, heaps, what breaks on the grid, and as many bodies as threads are
+/// worth while for.
 const SHOTS: [&str; 6] = ["stack", "plank", "wall", "pillar", "cylinder", "bricks"];
 
 /// Of the world after the last frame.
@@ -73,8 +74,8 @@ fn any_number_of_threads_ends_in_the_same_state() {
     }
 }
 
-/// A heap is large enough to be halved, and its halves again, when each has more than 2,048 pairs: threads take a half each, and meet at the
-/// pairs between them.
+/// A heap is large enough to be halved, and its halves again, when each has more than 2,048 pairs:
+/// threads take a half each, and meet at the pairs between them.
 #[test]
 fn a_heap_in_halves_ends_in_the_same_state() {
     let mut heap = scene("pile-spread");

@@ -1,4 +1,5 @@
-//! Figure 4: one pattern breaks the wall around each place where it is struck, and the ball if it is the weaker.
+//! Figure 4: one pattern breaks the wall around each place where it is struck, and the ball if it
+//! is the weaker.
 
 #![allow(
     clippy::unwrap_used,
@@ -33,8 +34,8 @@ fn break_it(world: &mut World) -> Fracture {
     panic!("nothing broke within a second");
 }
 
-/// How many living fragments come within one voxel of a point of the unbroken wall, which stood with its centre in the
-/// origin: the fragments' own grids are still in that frame.
+/// How many living fragments come within one voxel of a point of the unbroken wall, which stood
+/// with its centre in the origin: the fragments' own grids are still in that frame.
 fn fragments_at(world: &World, point: DVec3) -> usize {
     let at = |shape: &frangible::geometry::Shape| match &shape.geometry {
         Geometry::Grid(solid) => f64::from(solid.value(point)) < VOXEL,
@@ -59,8 +60,8 @@ fn the_wall_breaks_around_each_place_it_is_struck() {
         );
         assert!(fracture.fragments.len() >= 12, "{name}: {} pieces", fracture.fragments.len());
 
-        // The wedges meet in the fracture centre. It lies within a voxel of the contact point: more pieces meet there
-        // than at any place further away.
+        // The wedges meet in the fracture centre. It lies within a voxel of the contact point: more
+        // pieces meet there than at any place further away.
         let inward = DVec3::new(-0.5 * VOXEL, 0.0, 0.0);
         let here = fragments_at(&world, struck + inward);
         assert!(here >= 8, "{name}: {here} pieces meet at the contact point");
@@ -185,10 +186,12 @@ fn threads_change_nothing() {
     assert_eq!(hash(1), hash(4));
 }
 
-/// What a ball leaves of a wall of loose bricks goes on standing, as it does with 240 steps a second, after which its bricks are 0.72 to 0.73 m high; where points
-/// are found anew too often it has fallen by then. The ball presses bricks into each other, and parting them lifts the wall: only as fast as there is
-/// energy for it, or the ledger would stop all that moves, frame after frame. By chance it does in some frames: in 29 when this was written, in some
-/// 150 where overlaps close whether that is paid for or not.
+/// What a ball leaves of a wall of loose bricks goes on standing, as it does with 240 steps a
+/// second, after which its bricks are 0.72 to 0.73 m high; where points are found anew too often it
+/// has fallen by then. The ball presses bricks into each other, and parting them lifts the wall:
+/// only as fast as there is energy for it, or the ledger would stop all that moves, frame after
+/// frame. By chance it does in some frames: in 29 when this was written, in some 150 where overlaps
+/// close whether that is paid for or not.
 #[test]
 fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
     let balls = [1.0, 1.003, 1.006, 1.009];

@@ -1,4 +1,5 @@
-//! A pile in Box3D, with the settings it comes with and four substeps, as its manual has it; nothing sleeps.
+//! A pile in Box3D, with the settings it comes with and four substeps, as its manual has it;
+//! nothing sleeps.
 
 use box3d_sys::*;
 use peer_pile::{Body, Engine, Pile, Shape, State};

@@ -9,12 +9,13 @@ const STILL: u32 = 0;
 const MOVING: u32 = 1;
 const LAYERS: u32 = 2;
 
-/// Room for pairs of bodies whose boxes overlap, and for pairs that touch, for each body; a step says if it is too
-/// little.
+/// Room for pairs of bodies whose boxes overlap, and for pairs that touch, for each body; a step
+/// says if it is too little.
 const MOST_PAIRS: u32 = 128;
 const MOST_CONTACTS: u32 = 32;
 
-/// Of what a step needs for itself, constraints above all [B]; of this, what is not used is never touched.
+/// Of what a step needs for itself, constraints above all [B]; of this, what is not used is never
+/// touched.
 const SCRATCH: u32 = 1 << 30;
 
 struct Jolt {

@@ -1,14 +1,16 @@
-//! A pile in PhysX on processors, with the settings it comes with; nothing sleeps, nothing is damped.
+//! A pile in PhysX on processors, with the settings it comes with; nothing sleeps, nothing is
+//! damped.
 
 use peer_pile::{Body, Engine, Pile, Shape, State};
 use physx_sys::*;
 use std::ptr::{null, null_mut};
 
-/// What a step may use instead of the allocator [B]: PhysX wants it aligned to 16, and a multiple of 16 KiB.
+/// What a step may use instead of the allocator [B]: PhysX wants it aligned to 16, and a multiple
+/// of 16 KiB.
 const SCRATCH: usize = 32 << 20;
 
-/// With one of its two solvers: projected Gauss-Seidel, its default, or temporal Gauss-Seidel, which takes position
-/// iterations as small steps.
+/// With one of its two solvers: projected Gauss-Seidel, its default, or temporal Gauss-Seidel,
+/// which takes position iterations as small steps.
 pub struct Physx<const TEMPORAL: bool> {
     scene: *mut PxScene,
     actors: Vec<*mut PxRigidActor>,
@@ -39,7 +41,8 @@ impl Materials {
 
 fn hull(physics: *mut PxPhysics, vertices: &[[f64; 3]]) -> PxConvexMeshGeometry {
     let points: Vec<PxVec3> = vertices.iter().map(|&vertex| vector(vertex)).collect();
-    // SAFETY: parameters are PhysX's own defaults, and the points outlive the call, which copies them.
+    // SAFETY: parameters are PhysX's own defaults, and the points outlive the call, which copies
+    // them.
     unsafe {
         let parameters = PxCookingParams_new(PxPhysics_getTolerancesScale(physics));
         let mut description = PxConvexMeshDesc_new();
@@ -90,7 +93,8 @@ fn insert(
     }
 }
 
-/// Gives a body its only shape, which is there for the simulation, and not for queries that nobody makes.
+/// Gives a body its only shape, which is there for the simulation, and not for queries that nobody
+/// makes.
 ///
 /// # Safety
 /// The pointers are to things that live, and the geometry is one of PhysX's.
@@ -107,7 +111,8 @@ impl<const TEMPORAL: bool> Engine for Physx<TEMPORAL> {
     const NAME: &str = if TEMPORAL { "physx 5.1.3 TGS" } else { "physx 5.1.3 PGS" };
 
     fn build(pile: &Pile) -> Self {
-        // SAFETY: the description is PhysX's own default, and what it points to lives as long as the program.
+        // SAFETY: the description is PhysX's own default, and what it points to lives as long as
+        // the program.
         let (physics, scene) = unsafe {
             let physics = physx_create_physics(physx_create_foundation());
             let mut description = PxSceneDesc_new(PxPhysics_getTolerancesScale(physics));

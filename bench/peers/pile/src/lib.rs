@@ -1,4 +1,5 @@
-//! What the programs beside this one share: the file of a pile that they read, and the times and states that they write.
+//! What the programs beside this one share: the file of a pile that they read, and the times and
+//! states that they write.
 //!
 //! `python/frangible/pile_file.py` writes the file and says what stands in it.
 
@@ -19,7 +20,8 @@ pub enum Shape {
     Ball(f64),
 }
 
-/// A convex body. Its frame has its origin in the centre of mass, and the principal axes of inertia.
+/// A convex body. Its frame has its origin in the centre of mass, and the principal axes of
+/// inertia.
 pub struct Body {
     pub shape: Shape,
     /// Of the centre of mass, world frame [m].
@@ -142,9 +144,10 @@ pub trait Engine {
     fn state(&self, body: usize) -> State;
 }
 
-/// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps it, and writes the
-/// milliseconds of processor time of each step, one on a line, and after each the states of all bodies, little endian, if
-/// they are wanted. Says on stdout who it is, and then by how many KiB its memory grew at most.
+/// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps
+/// it, and writes the milliseconds of processor time of each step, one on a line, and after each
+/// the states of all bodies, little endian, if they are wanted. Says on stdout who it is, and then
+/// by how many KiB its memory grew at most.
 ///
 /// # Errors
 /// If a file cannot be read or written, or an argument is missing.

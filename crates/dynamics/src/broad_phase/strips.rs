@@ -1,5 +1,6 @@
-//! Boxes that overlap: strips across the axis along which they lie furthest apart, and in each of them a sweep along the next one
-//! [Bar92]. Time grows as the number of boxes and of overlaps, in flat piles, tall ones and rows.
+//! Boxes that overlap: strips across the axis along which they lie furthest apart, and in each of
+//! them a sweep along the next one [Bar92]. Time grows as the number of boxes and of overlaps, in
+//! flat piles, tall ones and rows.
 
 use super::Bounds;
 use super::crowd::{most_pairs, thinned};
@@ -7,7 +8,8 @@ use crate::pair::Pair;
 use crate::threads;
 use glam::DVec3;
 
-/// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so that none is missed.
+/// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so
+/// that none is missed.
 #[derive(Clone, Copy, Default)]
 struct Entry {
     /// Lowest and highest, along the axis of the sweep.
@@ -158,7 +160,8 @@ fn sweep_one(entries: &[Entry], at: usize, strip: u32, pairs: &mut Vec<Pair>) {
 }
 
 impl Layout {
-    /// Strips are as wide as the boxes in the mean, so that those come into two each, and no more than there are boxes.
+    /// Strips are as wide as the boxes in the mean, so that those come into two each, and no more
+    /// than there are boxes.
     fn of(bounds: &[Bounds], bounded: &[usize]) -> Self {
         let count = bounded.len().max(1) as f64;
         let boxes = || bounded.iter().map(|&index| &bounds[index]);

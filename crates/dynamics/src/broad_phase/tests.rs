@@ -12,7 +12,8 @@ fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Fram
     with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
 }
 
-/// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and one far away.
+/// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and
+/// one far away.
 fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
     let one = (
         prop::array::uniform3(-1.0..1.0_f64),
@@ -41,7 +42,8 @@ fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
 }
 
 proptest! {
-    /// Every pair of boxes that overlaps is found once; those that do not are apart by rounding at most.
+    /// Every pair of boxes that overlaps is found once; those that do not are apart by rounding at
+    /// most.
     #[test]
     fn strips_find_what_overlaps(boxes in boxes()) {
         let (bounds, moves): (Vec<Bounds>, Vec<bool>) = boxes.into_iter().unzip();
@@ -60,8 +62,9 @@ proptest! {
 }
 
 proptest! {
-    /// Bounds along the way of a polyhedron hold all of its corners wherever it is there, near the origin of its frame or far, and are no larger than that needs; with all
-    /// instructions they are the same.
+    /// Bounds along the way of a polyhedron hold all of its corners wherever it is there, near the
+    /// origin of its frame or far, and are no larger than that needs; with all instructions they
+    /// are the same.
     #[test]
     fn bounds_of_polyhedra_are_tight(
         corners in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 8..40),
@@ -114,7 +117,8 @@ proptest! {
     }
 }
 
-/// Bounds hold what a body is to those that it meets, whatever it breaks as; what has none has none however it moves along.
+/// Bounds hold what a body is to those that it meets, whatever it breaks as; what has none has none
+/// however it moves along.
 #[test]
 fn bounds_hold_all_kinds_of_bodies() {
     let frame = frame();
@@ -177,7 +181,8 @@ fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, position: DVec3)
     });
 }
 
-/// Ground meets what comes down to it, wherever that is; two grounds, and what is taken out of the world, meet nobody.
+/// Ground meets what comes down to it, wherever that is; two grounds, and what is taken out of the
+/// world, meet nobody.
 #[test]
 fn ground_meets_what_is_not_above_it() {
     let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.5 });

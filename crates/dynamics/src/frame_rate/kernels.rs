@@ -295,8 +295,8 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// Gauss-Seidel over the points, there and back, so that no corner comes first. Returns what was
-    /// added to the impulse of each.
+    /// Gauss-Seidel over the points, there and back, so that no corner comes first. Returns what
+    /// was added to the impulse of each.
     #[inline(always)]
     fn sweep_points(
         &mut self,

@@ -8,12 +8,14 @@ use crate::manifold::ManifoldPoint;
 use frangible_geometry::{Hull, RigidTransform};
 use glam::DVec3;
 
-/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at the frame's start or on
-/// their way. Following them to 0.1 % takes more searches of axes, and left overlaps in falling heaps no smaller.
+/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at
+/// the frame's start or on their way. Following them to 0.1 % takes more searches of axes, and left
+/// overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
-/// For two hulls that move this far against each other in the frame, spin included, and only pass, one point does; relative to the smaller hull's size.
-/// It is found anew in each frame; what is slower keeps its points, and needs all of them.
+/// For two hulls that move this far against each other in the frame, spin included, and only pass,
+/// one point does; relative to the smaller hull's size. It is found anew in each frame; what is
+/// slower keeps its points, and needs all of them.
 const PASSING: f64 = 0.3;
 
 /// What is nearer than this, relative to the smaller hull's size, has all of its points.
@@ -38,8 +40,9 @@ struct Instant<'a> {
     lasts: bool,
 }
 
-/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns how far apart all else was at the
-/// frame's start [m], if the points are those that were near then.
+/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns
+/// how far apart all else was at the frame's start [m], if the points are those that were near
+/// then.
 pub(crate) fn hull_points(
     encounter: &Encounter,
     hulls: [&Hull; 2],
@@ -67,10 +70,12 @@ pub(crate) fn hull_points(
 }
 
 impl<'a> Approach<'a> {
-    /// When they meet, with their points in `room`: at the frame's start if they are near then, else when they come near
-    /// (conservative advancement along separating axes [Mir96]). If they pass each other, when an axis that keeps them apart is
-    /// found: their points hold in case that others push them, or only the one nearest to the best face if they are fast, and far
-    /// apart until then. If they are too far apart to be looked for, how far they are at the frame's start, if that is known.
+    /// When they meet, with their points in `room`: at the frame's start if they are near then,
+    /// else when they come near (conservative advancement along separating axes [Mir96]). If they
+    /// pass each other, when an axis that keeps them apart is found: their points hold in case that
+    /// others push them, or only the one nearest to the best face if they are fast, and far apart
+    /// until then. If they are too far apart to be looked for, how far they are at the frame's
+    /// start, if that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
         let Encounter { size, near, reach, search, frame, .. } = *self.encounter;
         let (mut time, enough) = (0.0, NEAR * size);
@@ -122,8 +127,8 @@ impl<'a> Approach<'a> {
         }
     }
 
-    /// No point of the pair closes faster along a normal, in the world frame, from an instant until the frame's end [m/s]; negative
-    /// if all separate.
+    /// No point of the pair closes faster along a normal, in the world frame, from an instant until
+    /// the frame's end [m/s]; negative if all separate.
     fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
         let [first, second] = self.encounter.flights;
         let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;

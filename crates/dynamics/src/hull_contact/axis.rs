@@ -1,4 +1,5 @@
-//! The axis along which two hulls are furthest apart, or overlap least: separating axis test over faces and edges [Gregorius13].
+//! The axis along which two hulls are furthest apart, or overlap least: separating axis test over
+//! faces and edges [Gregorius13].
 
 use super::eight::{IN_BOTH, furthest_edges, furthest_face, mark_within};
 use super::{HullPair, Room};
@@ -91,7 +92,8 @@ pub(crate) struct FaceAxis {
 }
 
 impl FaceAxis {
-    /// Of a face of one of two hulls, by its number, and the vertex of the other one that is lowest there.
+    /// Of a face of one of two hulls, by its number, and the vertex of the other one that is lowest
+    /// there.
     pub(super) fn of_face(pair: &HullPair, side: usize, face: usize, vertex: usize) -> Self {
         let plane = &pair.hulls[side].planes()[face];
         let own_from_other = pair.own_from_other(side);
@@ -135,9 +137,11 @@ pub(crate) struct Ridge {
     pub(super) normals: [DVec3; 2],
 }
 
-/// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the best faces of both.
+/// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the
+/// best faces of both.
 pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
-    // Each hull is below its own face; the other begins at the separation above it. An edge must come into both layers.
+    // Each hull is below its own face; the other begins at the separation above it. An edge must
+    // come into both layers.
     let views = pair.views();
     let Room { marks, ridges, .. } = room;
 
@@ -209,8 +213,8 @@ impl Spot {
 /// Sine of the angle below which edges count as parallel: then a face's normal does as well.
 pub(super) const PARALLEL: f64 = 1e-3;
 
-/// The pair of some edges that are furthest apart, of those that make a face of the Minkowski difference; `None` if all that do are
-/// parallel.
+/// The pair of some edges that are furthest apart, of those that make a face of the Minkowski
+/// difference; `None` if all that do are parallel.
 pub(crate) fn edge_axis(pair: &HullPair, room: &mut Room) -> Option<EdgeAxis> {
     let Room { ridges: [first, second], ridge_columns, .. } = room;
     let [at, other] = with_widest!(pair.width, furthest_edges([first, second], ridge_columns))?;

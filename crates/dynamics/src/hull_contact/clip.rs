@@ -25,8 +25,9 @@ pub(crate) struct Corner {
     beyond: f64,
 }
 
-/// Finds the points of the incident hull's face that lie over a reference face, each with its foot on it. Corners within `close` [m]
-/// of the reference face's sides count as lying on them, so that what is flush keeps its features.
+/// Finds the points of the incident hull's face that lie over a reference face, each with its foot
+/// on it. Corners within `close` [m] of the reference face's sides count as lying on them, so that
+/// what is flush keeps its features.
 pub(crate) fn face_points(
     [reference, incident]: [View; 2],
     axis: &FaceAxis,
@@ -113,8 +114,8 @@ fn incident_polygon(incident: &View, vertex: u32, normal: DVec3, polygon: &mut V
     polygon.extend(face.vertices.iter().zip(face.edges).map(corner));
 }
 
-/// The part of a polygon that is at most `close` [m] beyond a side; sides that go further are cut on it, where they are what
-/// `crossing` says.
+/// The part of a polygon that is at most `close` [m] beyond a side; sides that go further are cut
+/// on it, where they are what `crossing` says.
 fn clip(
     polygon: &[Corner],
     cut: Side,

@@ -1,12 +1,14 @@
-//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7 of the larger hull's size, and over the sine between them for edges:
-//! which of them is the one. How far a face or edges are apart is then measured in double precision.
+//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7
+//! of the larger hull's size, and over the sine between them for edges: which of them is the one.
+//! How far a face or edges are apart is then measured in double precision.
 
 use super::axis::{PARALLEL, Placement, Ridge};
 use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Three};
 use frangible_geometry::{Column, Columns, HalfSpace};
 use glam::{DMat3, DVec3};
 
-/// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of `other` that is lowest there.
+/// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of
+/// `other` that is lowest there.
 pub(super) fn furthest_face<I: Instructions>(
     hull: &Columns,
     other: &Columns,
@@ -118,13 +120,14 @@ pub(super) fn mark_within<I: Instructions>(
 /// Eight ridges: where they begin, along them, and the two normals beside them.
 pub(super) type RidgeColumns = [[Column; 3]; 4];
 
-/// The places of the two ridges, one of each hull, along whose common perpendicular these are furthest apart, of those that make a face of the Minkowski
-/// difference and are not parallel.
+/// The places of the two ridges, one of each hull, along whose common perpendicular these are
+/// furthest apart, of those that make a face of the Minkowski difference and are not parallel.
 pub(super) fn furthest_edges<I: Instructions>(
     [first, second]: [&[Ridge]; 2],
     columns: &mut Vec<RidgeColumns>,
 ) -> Option<[usize; 2]> {
-    // The second ones side by side, from where the first one begins; what the last column has too many of has no length.
+    // The second ones side by side, from where the first one begins; what the last column has too
+    // many of has no length.
     const NONE: Column = Column([0.0; LANES]);
     let origin = first.first()?.ends[0];
     columns.clear();
@@ -152,8 +155,8 @@ pub(super) fn furthest_edges<I: Instructions>(
                 for (block, [other_start, other_along, beside, other_beside]) in
                     columns.iter().enumerate()
                 {
-                    // Arcs of the Gauss map: those between the first edge's normals and between the negated ones of the second must
-                    // cross, else other features are further apart.
+                    // Arcs of the Gauss map: those between the first edge's normals and between the
+                    // negated ones of the second must cross, else other features are further apart.
                     let (other_along, beside, other_beside) =
                         (three_of(other_along), three_of(beside), three_of(other_beside));
                     let (c, d) = (beside.dot(along), other_beside.dot(along));
@@ -190,7 +193,8 @@ fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
     Single::ZERO.above(numbers)
 }
 
-/// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a vector each [m]: to single precision, outwards.
+/// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a
+/// vector each [m]: to single precision, outwards.
 pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DVec3, DVec3) {
     /// Of the largest extent: some times what single precision loses [1].
     const ROUNDING: f64 = 1e-6;
@@ -260,7 +264,8 @@ impl<I: Instructions> Best<I> {
         Self { number: Single::same(f32::NEG_INFINITY), block: Single::ZERO }
     }
 
-    /// Looks at the next eight, which are the `block`th. In which lanes they are the largest so far.
+    /// Looks at the next eight, which are the `block`th. In which lanes they are the largest so
+    /// far.
     #[inline(always)]
     fn look(&mut self, block: usize, numbers: Single<I>) -> Mask {
         let is_better = numbers.above(self.number);

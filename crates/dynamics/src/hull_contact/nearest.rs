@@ -5,8 +5,8 @@ use super::{Feature, HullPair, HullPoint};
 use frangible_geometry::Hull;
 use glam::DVec3;
 
-/// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they touch or overlap, or are more than
-/// `most` [m] apart.
+/// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they
+/// touch or overlap, or are more than `most` [m] apart.
 pub(crate) fn nearest_points(
     pair: &HullPair,
     ridges: &[Vec<Ridge>; 2],
@@ -47,7 +47,8 @@ pub(crate) fn nearest_points(
     Some(HullPoint { normal, ..best })
 }
 
-/// The point of a hull that is nearest to a point, both in its frame; `None` if it is more than `most` [m] away.
+/// The point of a hull that is nearest to a point, both in its frame; `None` if it is more than
+/// `most` [m] away.
 fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
     if hull.planes().iter().any(|plane| plane.distance(point) > most) {
         return None;
@@ -56,7 +57,8 @@ fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
     (distance <= most).then(|| point - distance.max(0.0) * gradient)
 }
 
-/// The nearest points of the lines through two edges; `None` if they are not inside of the edges, or the edges are parallel.
+/// The nearest points of the lines through two edges; `None` if they are not inside of the edges,
+/// or the edges are parallel.
 pub(crate) fn between_edges(first: [DVec3; 2], second: [DVec3; 2]) -> Option<[DVec3; 2]> {
     const PARALLEL: f64 = 1e-3;
     let (along_first, along_second) = (first[1] - first[0], second[1] - second[0]);

@@ -6,11 +6,14 @@ use glam::DVec3;
 /// A flat contact between two hulls needs no more.
 pub(crate) const FEW_POINTS: usize = 4;
 
-/// A later candidate must be better by this to be taken instead of an earlier one, so that equal ones do not take turns.
+/// A later candidate must be better by this to be taken instead of an earlier one, so that equal
+/// ones do not take turns.
 const BETTER: f64 = 1.05;
 
-/// Leaves some of the points, if they are many: a deepest one, the one furthest from it, the one that spans the largest area with these, and
-/// then, up to so many, always the one that is furthest beyond a side of what they span, by the area of the triangle with that side. Depths that differ by less than `close` [m] are equal. `all` is room.
+/// Leaves some of the points, if they are many: a deepest one, the one furthest from it, the one
+/// that spans the largest area with these, and then, up to so many, always the one that is furthest
+/// beyond a side of what they span, by the area of the triangle with that side. Depths that differ
+/// by less than `close` [m] are equal. `all` is room.
 pub(crate) fn reduce(
     points: &mut Vec<HullPoint>,
     all: &mut Vec<HullPoint>,

@@ -118,7 +118,8 @@ fn a_corner_over_a_face_is_as_far_as_it_is() {
     assert!((upper.point(nearest.on[1]) - DVec3::new(0.1, 0.5, -0.2)).length() < 1e-12);
 }
 
-/// Corner to corner no face lies over the other cube: the nearest points are found, and the way between them.
+/// Corner to corner no face lies over the other cube: the nearest points are found, and the way
+/// between them.
 #[test]
 fn corners_that_face_each_other_are_nearest() {
     let cube = Hull::cuboid(DVec3::splat(0.5));
@@ -131,8 +132,9 @@ fn corners_that_face_each_other_are_nearest() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Eight at a time, in every width, the face, the vertex and the depth are those that one after the other finds in double precision: also of balls of 42
-    /// faces, and of hulls far from their frame's origin.
+    /// Eight at a time, in every width, the face, the vertex and the depth are those that one after
+    /// the other finds in double precision: also of balls of 42 faces, and of hulls far from their
+    /// frame's origin.
     #[test]
     fn eight_at_a_time_finds_what_one_by_one_does(
         rock in hull(), shift in vector(1.5), turn in vector(3.0), is_ball in any::<bool>(), is_first in any::<bool>(),
@@ -186,8 +188,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Overlapping hulls have points, each with a name of its own, and moved apart along the normal by their depth they overlap no more. Hulls that are
-    /// apart are at least as far as the gap says.
+    /// Overlapping hulls have points, each with a name of its own, and moved apart along the normal
+    /// by their depth they overlap no more. Hulls that are apart are at least as far as the gap
+    /// says.
     #[test]
     fn the_normal_separates(
         first in hull(), second in hull(), shift in vector(0.8), turn in vector(3.0),
@@ -199,7 +202,8 @@ proptest! {
         prop_assert_eq!(names(&met).len(), met.points.len(), "each has a name of its own");
         for point in &met.points {
             prop_assert!((point.normal.dot(point.on[0] - point.on[1]) - point.gap).abs() < 1e-9);
-            // Beyond an acute corner, what is close to both of its sides is further from the corner.
+            // Beyond an acute corner, what is close to both of its sides is further from the
+            // corner.
             let on_second = first_from_second.inverse().point(point.on[1]);
             prop_assert!(first.distance_and_gradient(point.on[0]).0 < 20.0 * PREFERENCE);
             prop_assert!(second.distance_and_gradient(on_second).0 < 20.0 * PREFERENCE);
@@ -220,7 +224,8 @@ proptest! {
         }
     }
 
-    /// Where the best face of one lies over the other, they meet where edges cross only if they overlap clearly less there.
+    /// Where the best face of one lies over the other, they meet where edges cross only if they
+    /// overlap clearly less there.
     #[test]
     fn deep_overlaps_stay_on_faces(first in hull(), second in hull(), shift in vector(0.4), turn in vector(3.0)) {
         let first_from_second = at(shift, turn);
@@ -241,7 +246,8 @@ proptest! {
             prop_assert!(!is_over || met.gap > (1.0 - DEEP_PREFERENCE) * face, "{} {face}", met.gap);
         }
 
-        // A face that they touched with serves as long as they overlap clearly less along no other axis, or little.
+        // A face that they touched with serves as long as they overlap clearly less along no other
+        // axis, or little.
         if let Some(kept) = pair.on_face_along(met.normal, &mut room) {
             let most = ((PREFERENCE - met.gap) / (1.0 - DEEP_PREFERENCE)).max(SHALLOW);
             prop_assert!(-kept.gap <= most + 1e-9, "{} {}", kept.gap, met.gap);
@@ -259,7 +265,8 @@ proptest! {
         prop_assert!((ab.gap - ba.gap).abs() < 1e-9);
     }
 
-    /// A box on a box keeps its features under small motions, and they are the same whoever is first.
+    /// A box on a box keeps its features under small motions, and they are the same whoever is
+    /// first.
     #[test]
     fn features_persist(
         shift in vector(0.3), turn in -1.0..1.0_f64, depth in -0.01..0.01_f64, nudge in vector(1e-5), tilt in vector(1e-5),
@@ -280,7 +287,8 @@ proptest! {
         prop_assert!((before.normal + start.direction(swapped.normal)).length() < 1e-12);
     }
 
-    /// Of any number of points no more are kept than are wanted, a deepest one among them; and of the corners of a polygon, all.
+    /// Of any number of points no more are kept than are wanted, a deepest one among them; and of
+    /// the corners of a polygon, all.
     #[test]
     fn few_points_are_kept(
         points in prop::collection::vec((vector(0.5), -0.01..0.01_f64), 1..12), most in 4..9_usize, corners in 3..9_u32,
@@ -372,7 +380,8 @@ fn a_fast_brick_that_passes_another_does_not_feel_it() {
     }
 }
 
-/// What passes far away has one point; what could be pushed into the other before anybody looks again has more.
+/// What passes far away has one point; what could be pushed into the other before anybody looks
+/// again has more.
 #[test]
 fn what_passes_at_a_distance_has_one_point() {
     assert_eq!(gaps(&flying(0.3)).len(), 1);
@@ -391,7 +400,8 @@ fn a_fast_brick_that_hits_another_does_feel_it() {
     }
 }
 
-/// A rod that turns into a post within the frame is stopped where it touches, and not where it was near at the start.
+/// A rod that turns into a post within the frame is stopped where it touches, and not where it was
+/// near at the start.
 #[test]
 fn a_rod_that_turns_meets_a_post() {
     let mut bodies = Bodies::default();
@@ -405,7 +415,8 @@ fn a_rod_that_turns_meets_a_post() {
     assert!(gaps.iter().any(|&[_, end]| end < -0.05), "{gaps:?}");
 }
 
-/// A cube flat on the ground has its four corners there; one that falls fast has no others, and one on its edge has two.
+/// A cube flat on the ground has its four corners there; one that falls fast has no others, and one
+/// on its edge has two.
 #[test]
 fn a_cube_meets_the_ground_with_its_lowest_corners() {
     let cube = ClosedForm::Box { half: DVec3::splat(0.5) };

@@ -1,4 +1,5 @@
-//! The same operations on whole registers. Sound because [`available`](super::available) names a set only where the machine has it, and the sizes are equal.
+//! The same operations on whole registers. Sound because [`available`](super::available) names a
+//! set only where the machine has it, and the sizes are equal.
 
 use super::{Instructions, LANES, Numbers, Singles};
 use std::arch::x86_64::*;

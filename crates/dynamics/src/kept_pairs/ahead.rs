@@ -1,4 +1,5 @@
-//! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that their memory is asked for ahead.
+//! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that
+//! their memory is asked for ahead.
 
 use crate::instructions::prefetch;
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
@@ -31,7 +32,8 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Pairs between one that is asked for and one that it then leads to: each takes about as long as memory does.
+/// Pairs between one that is asked for and one that it then leads to: each takes about as long as
+/// memory does.
 const STEP: usize = 2;
 
 /// Pairs that are looked at one after the other.

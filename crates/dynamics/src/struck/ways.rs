@@ -15,7 +15,8 @@ pub(super) struct Ways<'a> {
     ends: &'a [Pose],
     bounds: &'a [Bounds],
     frame: &'a Frame,
-    /// Those that are not wide, strip by strip across an axis, and where each strip begins among them.
+    /// Those that are not wide, strip by strip across an axis, and where each strip begins among
+    /// them.
     ways: Vec<Way>,
     begins: Vec<usize>,
     strips: Strips,

@@ -18,7 +18,8 @@ pub(crate) enum Tensors {
     Physical,
     /// Any moments with ratio up to 1e6.
     Arbitrary,
-    /// Two moments equal to within 1e-12 to 1e-1, the third of the rest down to 1e-6 (rods) or near the sum (plates).
+    /// Two moments equal to within 1e-12 to 1e-1, the third of the rest down to 1e-6 (rods) or near
+    /// the sum (plates).
     NearSymmetric,
 }
 

@@ -3,8 +3,8 @@
 use super::{Drawn, parts::place};
 use glam::DVec3;
 
-/// A gap is small if it is nowhere farther from the cells than this part of the box's longest edge, and an overlap if it is nowhere
-/// deeper: a hundredth, a line that an artist does not see.
+/// A gap is small if it is nowhere farther from the cells than this part of the box's longest edge,
+/// and an overlap if it is nowhere deeper: a hundredth, a line that an artist does not see.
 const SMALL: f64 = 0.01;
 
 /// A node's volume belongs to one of these.
@@ -23,7 +23,8 @@ struct Misfit {
 }
 
 impl Misfit {
-    /// Its middle, or the node of it that is nearest to that, if the middle is somewhere else: a shell's is in what it is around.
+    /// Its middle, or the node of it that is nearest to that, if the middle is somewhere else: a
+    /// shell's is in what it is around.
     fn around(&self, node: impl Fn(usize) -> DVec3) -> DVec3 {
         let middle = self.nodes.iter().map(|&at| node(at)).sum::<DVec3>() / self.nodes.len() as f64;
         let away = |&at: &usize| node(at).distance_squared(middle);
@@ -33,7 +34,8 @@ impl Misfit {
     }
 }
 
-/// Refuses cells that leave a gap, or overlap, where it is not small. The error completes a sentence.
+/// Refuses cells that leave a gap, or overlap, where it is not small. The error completes a
+/// sentence.
 pub(super) fn check(
     drawn: &Drawn,
     (low, high): (DVec3, DVec3),

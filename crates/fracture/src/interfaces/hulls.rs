@@ -6,8 +6,8 @@ use crate::slivers::Contact;
 use frangible_geometry::{HalfSpace, Hull, HullFace};
 use glam::DVec3;
 
-/// Faces this close together, relative to the longest side of all the pieces' bounding boxes, lie in one plane: far above what
-/// clipping and turning round off, far below any gap that is meant.
+/// Faces this close together, relative to the longest side of all the pieces' bounding boxes, lie
+/// in one plane: far above what clipping and turning round off, far below any gap that is meant.
 pub(super) const SAME_PLANE: f64 = 1e-7;
 /// An overlap smaller than this part of the smaller face is where two faces touch along an edge.
 const SMALLEST_OVERLAP: f64 = 1e-9;
@@ -87,8 +87,9 @@ fn separates(plane: &HalfSpace, hull: &Hull, near: f64) -> bool {
     hull.vertices().iter().all(|&vertex| plane.distance(vertex) >= -near)
 }
 
-/// Area [m^2] and centroid [m] of the common part of two convex polygons in the plane with this normal, which is that of the first and
-/// the other way round that of the second; `None` if they touch along an edge at most.
+/// Area [m^2] and centroid [m] of the common part of two convex polygons in the plane with this
+/// normal, which is that of the first and the other way round that of the second; `None` if they
+/// touch along an edge at most.
 pub(super) fn overlap_of_faces(
     polygon_a: &[DVec3],
     polygon_b: &[DVec3],

@@ -1,4 +1,5 @@
-//! Contacts of pieces that were cut out of a mesh: where triangles of their cracks lie on one another.
+//! Contacts of pieces that were cut out of a mesh: where triangles of their cracks lie on one
+//! another.
 
 use super::hulls::{SAME_PLANE, overlap_of_faces};
 use super::{Contacts, Interface};
@@ -25,8 +26,9 @@ struct CrackTriangle {
     high: DVec3,
 }
 
-/// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's frame. Exact: the two sides of a
-/// crack are cut into different triangles, but lie in the same planes.
+/// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's
+/// frame. Exact: the two sides of a crack are cut into different triangles, but lie in the same
+/// planes.
 pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
     let triangles: Vec<CrackTriangle> = pieces
         .iter()

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 /// Two cracks are the two sides of one plane if they agree so far, in units of the spacing.
 const SAME_PLANE: f64 = 1e-6;
-/// A voxel face belongs to a crack plane that passes its centre this closely, in units of the spacing: half a voxel by
-/// construction, and as much again for where a break snaps to the lattice.
+/// A voxel face belongs to a crack plane that passes its centre this closely, in units of the
+/// spacing: half a voxel by construction, and as much again for where a break snaps to the lattice.
 const AT_PLANE: f64 = 1.0;
 /// Edge of the cubes in which a contact away from all shared planes counts as flat [voxels].
 const CUBE: usize = 4;
@@ -50,7 +50,8 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
         }
     });
 
-    // A part on a plane has the plane's normal; what its staircase has across it comes from its rim.
+    // A part on a plane has the plane's normal; what its staircase has across it comes from its
+    // rim.
     for ((a, b, part), sum) in parts {
         let vector = match part {
             Part::OnPlane(plane) => {
@@ -109,12 +110,14 @@ struct Face {
 
 /// The pieces behind the crack planes of each piece.
 ///
-/// Where a crack meets the body's surface at a slant, a wedge thinner than half a voxel has no voxel of its own, and the
-/// staircase stops short. On average it stops half a voxel before the surface. So it goes on by the faces between the last
-/// voxel and the empty one that lies on the other side of the crack, which count by half like all that are half empty.
+/// Where a crack meets the body's surface at a slant, a wedge thinner than half a voxel has no
+/// voxel of its own, and the staircase stops short. On average it stops half a voxel before the
+/// surface. So it goes on by the faces between the last voxel and the empty one that lies on the
+/// other side of the crack, which count by half like all that are half empty.
 struct Rims<'a> {
     solids: &'a [&'a GridSolid],
-    /// For each piece: another one, the plane between the two, whose inside is the first piece's, and its number.
+    /// For each piece: another one, the plane between the two, whose inside is the first piece's,
+    /// and its number.
     behind: Vec<Vec<(u32, HalfSpace, usize)>>,
 }
 
@@ -130,7 +133,8 @@ impl<'a> Rims<'a> {
         Self { solids, behind }
     }
 
-    /// The pieces, and the numbers of the planes, behind which the empty node of a face at the rim lies.
+    /// The pieces, and the numbers of the planes, behind which the empty node of a face at the rim
+    /// lies.
     fn beyond(&self, face: &Face) -> impl Iterator<Item = (u32, usize)> {
         let half = 0.5 * self.solids[0].grid().spacing;
         let empty = face.center + half * face.direction;
@@ -257,8 +261,8 @@ impl Lattice {
         });
     }
 
-    /// Visits each pair of neighbouring voxels that do not belong to the same piece, as a face whose direction is an axis,
-    /// with the two owners in its order.
+    /// Visits each pair of neighbouring voxels that do not belong to the same piece, as a face
+    /// whose direction is an axis, with the two owners in its order.
     fn for_each_pair(&self, mut visit: impl FnMut(Face, [u32; 2])) {
         let [nx, ny, _] = self.grid.dims;
         let half = 0.5 * self.grid.spacing;

@@ -28,7 +28,8 @@ struct Labels {
     material: Vec<f64>,
 }
 
-/// The rows next to a row, which share voxel faces with it: their numbers and how much their nodes' follow on.
+/// The rows next to a row, which share voxel faces with it: their numbers and how much their nodes'
+/// follow on.
 pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize> {
     let [_, rows_y, rows_z] = grid.dims;
     let [j, k] = [row % rows_y, row / rows_y];
@@ -41,8 +42,8 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
     beside.into_iter().flatten()
 }
 
-/// What the regions hold of a convex body, one component for each that holds anything: it is connected, whether or not the grid shows
-/// it. Numbered in the order of their first runs.
+/// What the regions hold of a convex body, one component for each that holds anything: it is
+/// connected, whether or not the grid shows it. Numbered in the order of their first runs.
 pub(crate) fn of_convex(portions_of_regions: Vec<Portion>) -> Components {
     let held =
         portions_of_regions.into_iter().zip(0..).filter(|(portion, _)| !portion.runs.is_empty());
@@ -55,12 +56,13 @@ pub(crate) fn of_convex(portions_of_regions: Vec<Portion>) -> Components {
     components
 }
 
-/// Connects what is inside of the body, shares a region and a voxel face; then gives each voxel on the surface, whose node
-/// lies outside but which holds material, to a component next to it.
+/// Connects what is inside of the body, shares a region and a voxel face; then gives each voxel on
+/// the surface, whose node lies outside but which holds material, to a component next to it.
 ///
 /// Shares of surface voxels are cut into single nodes where it matters whom they touch.
 ///
-/// `convex_slivers`: the regions are convex, and a part of less material [voxels] may be a tip of another.
+/// `convex_slivers`: the regions are convex, and a part of less material [voxels] may be a tip of
+/// another.
 pub(crate) fn connected_components(
     solid: &GridSolid,
     mut shares: Shares,
@@ -227,8 +229,8 @@ fn shares_beside(
 /// A surface voxel: its row and its share.
 type SurfaceVoxel = (usize, usize);
 
-/// Gives surface voxels to components that they touch, first of their own region, then of any; from the body outwards,
-/// one layer at a time. Returns those that touch nothing.
+/// Gives surface voxels to components that they touch, first of their own region, then of any; from
+/// the body outwards, one layer at a time. Returns those that touch nothing.
 fn attach_surface_voxels(
     solid: &GridSolid,
     shares: &Shares,
@@ -271,7 +273,8 @@ fn attach_surface_voxels(
     pending
 }
 
-/// Material without any node inside, too thin for the grid: each connected part becomes a component of its own.
+/// Material without any node inside, too thin for the grid: each connected part becomes a component
+/// of its own.
 fn found_islands(
     solid: &GridSolid,
     shares: &Shares,
@@ -301,8 +304,9 @@ fn found_islands(
 /// How far around a sliver's nodes the rest of its tip is looked for [nodes].
 const TIP: usize = 3;
 
-/// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a straight line through the
-/// solid leads there: the region is convex, so that the line lies within it.
+/// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a
+/// straight line through the solid leads there: the region is convex, so that the line lies within
+/// it.
 fn rejoin_tips(solid: &GridSolid, shares: &Shares, labels: &mut Labels, smallest: f64) {
     let count = labels.region.len();
     let mut sets = DisjointSets::new(count);

@@ -55,7 +55,8 @@ pub(crate) struct Sampler<'a> {
     placed: Vec<DVec3>,
     corners: Vec<DVec3>,
     points: Vec<DVec3>,
-    /// The faces of the last region: which they are, where their points on edges end, and the normal out of the region.
+    /// The faces of the last region: which they are, where their points on edges end, and the
+    /// normal out of the region.
     faces: Vec<(usize, usize, DVec3)>,
     on_edges: Vec<DVec3>,
     /// The edges and corners that one of its faces has brought already.
@@ -90,8 +91,9 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Points of all cracks around a region, whose faces are still those of the pattern: corners, edges, rims, and the faces between
-    /// them. Neighbours follow each other. The two regions on both sides of a face have the same points between its edges.
+    /// Points of all cracks around a region, whose faces are still those of the pattern: corners,
+    /// edges, rims, and the faces between them. Neighbours follow each other. The two regions on
+    /// both sides of a face have the same points between its edges.
     pub(crate) fn sample(
         &mut self,
         planes: &Region,
@@ -158,8 +160,8 @@ fn is_same(a: DVec3, b: DVec3, same: f64) -> bool {
 }
 
 impl Sampler<'_> {
-    /// Samples the face with the corners that are placed last, without its edges. False, and nothing done, if none of it is left
-    /// within the parent's flat pieces.
+    /// Samples the face with the corners that are placed last, without its edges. False, and
+    /// nothing done, if none of it is left within the parent's flat pieces.
     fn sample_face(&mut self, half_space: &HalfSpace, placed: usize) -> bool {
         // What is flat cuts the face exactly, so that its corners are the fragment's corners.
         let (start, clipped) = (self.corners.len(), &mut self.scratch.clipped);
@@ -188,8 +190,8 @@ impl Sampler<'_> {
         true
     }
 
-    /// Points of the face with the last corners on lines along its longest edge, and where these leave the parent; where the rim runs
-    /// along them, lines across find it.
+    /// Points of the face with the last corners on lines along its longest edge, and where these
+    /// leave the parent; where the rim runs along them, lines across find it.
     fn sample_inside(&mut self, first_corner: usize, normal: DVec3) {
         let face = Face::new(&self.corners[first_corner..], normal);
         let Scratch { lines, stretches, .. } = &mut self.scratch;
@@ -236,13 +238,15 @@ impl Sampler<'_> {
         }
     }
 
-    /// Corners and points of a face's edges, and where the edges leave the parent; those that no other face has brought.
+    /// Corners and points of a face's edges, and where the edges leave the parent; those that no
+    /// other face has brought.
     fn sample_edges(&mut self, face: usize) {
         let same = SAME * self.spacing;
         let tolerance = 0.1 * same.max(0.5 * self.spacing);
         let stretches = &mut self.scratch.stretches;
         for [start, end] in sides(&self.corners[self.shared[face].corners.clone()]) {
-            // Points of edges that lie in the parent's surface are off it by round-off, or by a sampled root's interpolation.
+            // Points of edges that lie in the parent's surface are off it by round-off, or by a
+            // sampled root's interpolation.
             let known = self.known_corners.iter().any(|&corner| is_same(corner, start, same));
             if !known && self.parent.distance(start) <= tolerance {
                 self.known_corners.push(start);

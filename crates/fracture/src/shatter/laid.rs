@@ -45,8 +45,8 @@ impl<'a> Laid<'a> {
             nodes.for_each(|i| found(self.cell_at(self.grid.node(i + margin, j, k))));
             return;
         };
-        // The nearest stays that as long as nodes are moved to places that are nearer to the last one
-        // looked at than half of how much farther the second was.
+        // The nearest stays that as long as nodes are moved to places that are nearer to the last
+        // one looked at than half of how much farther the second was.
         let (mut cell, mut last, mut gap) = (0, DVec3::ZERO, f64::NEG_INFINITY);
         for i in nodes {
             let to = moved.place(self.grid.index(i + margin, j, k));

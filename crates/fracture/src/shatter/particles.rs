@@ -84,8 +84,8 @@ impl Collector {
     }
 }
 
-/// Samples of each fragment in its body frame [m]: those of the parent, each given to one fragment, and those of the
-/// cracks, given to the fragments on both sides.
+/// Samples of each fragment in its body frame [m]: those of the parent, each given to one fragment,
+/// and those of the cracks, given to the fragments on both sides.
 pub(crate) fn assign_particles(
     parent: (&Shape, &GridSolid),
     lookup: &Lookup,
@@ -159,7 +159,8 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
 }
 
 impl Sharing<'_> {
-    /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes as a whole.
+    /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes
+    /// as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
         let regions = BodyRegions::new(self.lookup.regions, parent);
         let only_piece = |&number: &usize| match self.lookup.of_regions[number].as_slice() {
@@ -263,8 +264,9 @@ impl Sharing<'_> {
         }
     }
 
-    /// Whether a region's crack is known to be on a piece everywhere, the region being all of that one: the body is whole, so that
-    /// its surface alone bounds the crack, and what joined the piece lies nowhere across.
+    /// Whether a region's crack is known to be on a piece everywhere, the region being all of that
+    /// one: the body is whole, so that its surface alone bounds the crack, and what joined the
+    /// piece lies nowhere across.
     fn is_all_on_surface(&self, parent: &GridSolid, piece: usize, face: CrackFace) -> bool {
         let (solid, _) = &self.lookup.pieces[piece];
         let across = 0.5 * solid.grid().spacing * face.normal;
@@ -280,8 +282,8 @@ impl Sharing<'_> {
         }
     }
 
-    /// Whether a point of a region's crack is on a piece, and the crack is not healed there because a sliver joined from
-    /// across.
+    /// Whether a point of a region's crack is on a piece, and the crack is not healed there because
+    /// a sliver joined from across.
     fn is_on_surface(&self, piece: usize, point: DVec3, normal: DVec3) -> bool {
         let (solid, _) = &self.lookup.pieces[piece];
         let grid = solid.grid();

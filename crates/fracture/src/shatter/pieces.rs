@@ -4,8 +4,8 @@ use super::{components::Components, laid::Laid, regions::NONE, slivers::Pieces};
 use crate::pattern::Region;
 use frangible_geometry::{Grid, GridSolid, HalfSpace, Portion, Run};
 
-/// Which pieces a region's inside belongs to, in ascending order: more than one where the body is not connected within the
-/// region.
+/// Which pieces a region's inside belongs to, in ascending order: more than one where the body is
+/// not connected within the region.
 pub(crate) fn pieces_of_regions(
     regions: usize,
     components: &Components,
@@ -24,8 +24,9 @@ pub(crate) fn pieces_of_regions(
     of_region
 }
 
-/// The parent's level set and the regions', intersected. A piece that is all that its regions hold of the parent is the
-/// parent, clipped; one that is only a part of that has its own distances sampled, so that it ends where it does.
+/// The parent's level set and the regions', intersected. A piece that is all that its regions hold
+/// of the parent is the parent, clipped; one that is only a part of that has its own distances
+/// sampled, so that it ends where it does.
 pub(crate) fn intersect_level_sets(
     parent: &GridSolid,
     regions: &[Region],
@@ -63,8 +64,8 @@ pub(crate) fn intersect_sampled(
     pieces.components.iter().zip(portions).map(solid).collect()
 }
 
-/// The regions that a piece is made of, and whether it has any node inside. A film of surface voxels does not take the region
-/// that it lies in along.
+/// The regions that a piece is made of, and whether it has any node inside. A film of surface
+/// voxels does not take the region that it lies in along.
 fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool) {
     let mut own: Vec<u32> = Vec::new();
     let any_inside = members.iter().any(|&component| components.has_inside[component as usize]);

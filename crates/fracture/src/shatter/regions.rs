@@ -96,7 +96,8 @@ pub(crate) fn share_out_nodes(solid: &GridSolid, laid: &Laid) -> Shares {
 }
 
 impl Shares {
-    /// Adds a row's shares, see [`cut_row`]: none holds parts of two spans, so that it is alike all along.
+    /// Adds a row's shares, see [`cut_row`]: none holds parts of two spans, so that it is alike all
+    /// along.
     fn cut_row(
         &mut self,
         of_grid: (&Grid, &Material),
@@ -107,8 +108,8 @@ impl Shares {
     }
 }
 
-/// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose it is, neighbours being
-/// different regions'. With `by_span` no run holds parts of two spans.
+/// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose
+/// it is, neighbours being different regions'. With `by_span` no run holds parts of two spans.
 fn cut_row(
     (grid, material): (&Grid, &Material),
     row: usize,
@@ -153,7 +154,8 @@ struct Claim {
     region: u32,
 }
 
-/// The intervals of one of their rows, in order: where two begin with the same node, in that of their regions.
+/// The intervals of one of their rows, in order: where two begin with the same node, in that of
+/// their regions.
 fn claim_row(intervals: &[Intervals], row: usize, claims: &mut Vec<Claim>) {
     claims.clear();
     let of_row = intervals.iter().map(|Intervals { region, first, last, .. }| Claim {
@@ -165,7 +167,8 @@ fn claim_row(intervals: &[Intervals], row: usize, claims: &mut Vec<Claim>) {
     claims.sort_by_key(|claim| (claim.low, claim.region));
 }
 
-/// Makes claims that are in order cover each node within the bounds once: the nearest region has it.
+/// Makes claims that are in order cover each node within the bounds once: the nearest region has
+/// it.
 fn settle(
     grid: &Grid,
     [j, k]: [usize; 2],

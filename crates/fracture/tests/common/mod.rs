@@ -116,7 +116,8 @@ pub fn random(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
 }
 
-/// Mass [m^3 at unit density], momentum, angular momentum about the parent's centre of mass, kinetic energy.
+/// Mass [m^3 at unit density], momentum, angular momentum about the parent's centre of mass,
+/// kinetic energy.
 #[derive(Debug)]
 pub struct Motion {
     pub mass: f64,

@@ -1,11 +1,11 @@
 //! Which bonds a frame's blows break.
 //!
 //! An anchored body has infinite mass, so a striker would lose all of its momentum to it in the
-//! solver, although the bonds around the struck piece bear less. So bonds are asked before contact is
-//! solved. Strikers and the glued bodies that they overstrain go through the frame in short steps,
-//! beside the world: a piece that comes free takes its own part of the blow, and the striker meets
-//! what is next with what it has left. The world then takes over which bonds broke, and what they
-//! bore; all else it solves as in any frame.
+//! solver, although the bonds around the struck piece bear less. So bonds are asked before contact
+//! is solved. Strikers and the glued bodies that they overstrain go through the frame in short
+//! steps, beside the world: a piece that comes free takes its own part of the blow, and the striker
+//! meets what is next with what it has left. The world then takes over which bonds broke, and what
+//! they bore; all else it solves as in any frame.
 
 use super::blows::{Blows, Cut, Felt};
 use super::{Broken, IMPACT_TIME, fall_apart, field_in_pieces};

@@ -9,9 +9,9 @@ use glam::DVec3;
 /// Nothing, in lists of indices.
 const NONE: u32 = u32::MAX;
 
-/// Cuts parts out of a hull by planes. A cut that has no vertex on it changes only what it goes through and what lies outside of
-/// it: it is walked around from side to side. The first cut that has one sends the part to a [`Clipper`], which takes care of what
-/// only touches.
+/// Cuts parts out of a hull by planes. A cut that has no vertex on it changes only what it goes
+/// through and what lies outside of it: it is walked around from side to side. The first cut that
+/// has one sends the part to a [`Clipper`], which takes care of what only touches.
 #[derive(Debug)]
 pub struct Carver<'a> {
     hull: &'a Hull,
@@ -20,8 +20,8 @@ pub struct Carver<'a> {
     sides: &'a [Side],
     /// What is left of it.
     part: Part,
-    /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by their numbers, where new ones have
-    /// none.
+    /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by
+    /// their numbers, where new ones have none.
     levels: Vec<f64>,
     heights: Vec<f64>,
     /// The vertices of what was cut out, and its edges, for each of the part's vertices and sides.
@@ -101,8 +101,8 @@ impl<'a> Carver<'a> {
         }
     }
 
-    /// The part inside of all half-spaces, cut by one after the other; `None` if there is none. See [`Clipper::clipped`], which
-    /// cuts out the same.
+    /// The part inside of all half-spaces, cut by one after the other; `None` if there is none. See
+    /// [`Clipper::clipped`], which cuts out the same.
     pub fn part(&mut self, cuts: &[HalfSpace]) -> Option<Hull> {
         self.part.copy_from(&self.whole, self.sides);
         let mut is_whole = true;
@@ -146,7 +146,8 @@ impl<'a> Carver<'a> {
             return Cut::Touching;
         }
 
-        // Forget what is outside, and walk around the section: downhill from the lowest vertex there.
+        // Forget what is outside, and walk around the section: downhill from the lowest vertex
+        // there.
         self.heights.resize(self.part.vertices.len(), 0.0);
         let start = self.part.keep_below(&self.levels, &mut self.heights);
         let before = self.part.vertices.len();
@@ -161,8 +162,8 @@ impl<'a> Carver<'a> {
         Cut::Through
     }
 
-    /// Cuts the faces that the cut goes through, from a side that leaves the inside, and puts the cut's own face in. False if the
-    /// section is not one loop.
+    /// Cuts the faces that the cut goes through, from a side that leaves the inside, and puts the
+    /// cut's own face in. False if the section is not one loop.
     fn walk_around(&mut self, start: u32, cut: &HalfSpace) -> bool {
         let Self { part, heights, .. } = self;
         let (face, first_rim) = (part.faces.len() as u32, part.sides.len() as u32);
@@ -204,7 +205,8 @@ impl<'a> Carver<'a> {
         true
     }
 
-    /// What is left, as a hull of its own. `None` if it has an edge without a length or is not closed.
+    /// What is left, as a hull of its own. `None` if it has an edge without a length or is not
+    /// closed.
     fn finished(&mut self) -> Option<Hull> {
         let Self { part, numbers, edge_of, left, .. } = self;
         numbers.clear();
@@ -296,8 +298,8 @@ impl Part {
         self.faces.clone_from(&other.faces);
     }
 
-    /// Forgets the vertices above a cut, where `levels` are the heights of those that were kept, and puts the heights in the order of
-    /// the vertices' numbers. Returns the lowest above.
+    /// Forgets the vertices above a cut, where `levels` are the heights of those that were kept,
+    /// and puts the heights in the order of the vertices' numbers. Returns the lowest above.
     fn keep_below(&mut self, levels: &[f64], heights: &mut [f64]) -> u32 {
         let (mut least_above, mut lowest) = (f64::INFINITY, NONE);
         let mut count = 0;

@@ -5,11 +5,13 @@ use super::loops::Loops;
 use crate::HalfSpace;
 use glam::DVec3;
 
-/// A vertex this close to a cut, relative to the hull's longest side, lies on it: nothing shorter than what rounding moves is
-/// cut off. Should what lies that close leave no polyhedron, the next one is tried.
+/// A vertex this close to a cut, relative to the hull's longest side, lies on it: nothing shorter
+/// than what rounding moves is cut off. Should what lies that close leave no polyhedron, the next
+/// one is tried.
 pub(super) const ON_THE_CUT: [f64; 3] = [1e-10, 1e-8, 1e-6];
 
-/// Vertices closer than this, relative to the hull's longest side, are one: an edge must have a direction.
+/// Vertices closer than this, relative to the hull's longest side, are one: an edge must have a
+/// direction.
 pub(super) const SAME: f64 = 1e-13;
 
 /// Nothing, in lists of indices.
@@ -69,15 +71,17 @@ struct Crossing {
 }
 
 impl Hull {
-    /// The part inside a half-space; `None` if there is none. What is left of the faces keeps their planes, the new face is an
-    /// inner one, and the two sides of a cut, `cut` and `cut` turned round, share its vertices bit for bit.
+    /// The part inside a half-space; `None` if there is none. What is left of the faces keeps their
+    /// planes, the new face is an inner one, and the two sides of a cut, `cut` and `cut` turned
+    /// round, share its vertices bit for bit.
     pub fn clipped(&self, cut: &HalfSpace) -> Option<Self> {
         Clipper::default().clipped(self, std::slice::from_ref(cut))
     }
 }
 
 impl Clipper {
-    /// The part of a hull inside of all half-spaces, cut by one after the other; `None` if there is none.
+    /// The part of a hull inside of all half-spaces, cut by one after the other; `None` if there is
+    /// none.
     pub fn clipped(&mut self, hull: &Hull, cuts: &[HalfSpace]) -> Option<Hull> {
         self.vertices.clone_from(&hull.vertices);
         self.planes.clone_from(&hull.planes);
@@ -217,7 +221,8 @@ impl Clipper {
         self.add_to_rim(last_on, first_on);
     }
 
-    /// Where two corners in a row lie on the cut, its own face runs the other way; where two faces have the same, there is none.
+    /// Where two corners in a row lie on the cut, its own face runs the other way; where two faces
+    /// have the same, there is none.
     fn add_to_rim(&mut self, from: u32, to: u32) {
         if from == NONE || to == NONE || from == to {
             return;

@@ -1,4 +1,5 @@
-//! A hull's faces and vertices side by side in single precision, for who looks at many of them at a time.
+//! A hull's faces and vertices side by side in single precision, for who looks at many of them at a
+//! time.
 
 use crate::HalfSpace;
 use glam::DVec3;
@@ -15,7 +16,8 @@ pub struct Column(pub [f32; COLUMN]);
 /// The faces and vertices of a hull.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// The mean of the vertices, in the hull's frame [m]: all is relative to it, so that single precision is relative to the hull's size.
+    /// The mean of the vertices, in the hull's frame [m]: all is relative to it, so that single
+    /// precision is relative to the hull's size.
     pub middle: DVec3,
     /// Four for each eight faces, then three for each eight vertices.
     columns: Box<[Column]>,
@@ -24,7 +26,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Normals and offsets [m], of eight faces each; the last eight are filled up with the first one.
+    /// Normals and offsets [m], of eight faces each; the last eight are filled up with the first
+    /// one.
     #[inline]
     pub fn faces(&self) -> &[[Column; 4]] {
         self.columns[..self.of_faces].as_chunks().0
@@ -67,8 +70,8 @@ impl Columns {
     }
 }
 
-/// Room for [`Columns`], which are found when they are first asked for, as for bounds: cutting makes hulls that never become bodies. They tell nothing new, so all are
-/// equal.
+/// Room for [`Columns`], which are found when they are first asked for, as for bounds: cutting
+/// makes hulls that never become bodies. They tell nothing new, so all are equal.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LazyColumns(OnceLock<Columns>);
 
@@ -96,7 +99,8 @@ mod tests {
     use crate::{Hull, RigidTransform};
     use glam::{DQuat, DVec3};
 
-    /// Far from the frame's origin as near it, all faces and vertices are where they are, to single precision.
+    /// Far from the frame's origin as near it, all faces and vertices are where they are, to single
+    /// precision.
     #[test]
     fn columns_hold_faces_and_vertices() {
         let away = RigidTransform::new(DQuat::from_rotation_x(0.3), DVec3::new(1e4, -2e4, 3e3));

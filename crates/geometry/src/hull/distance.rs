@@ -3,12 +3,13 @@
 use super::{Hull, HullFace, sides};
 use glam::DVec3;
 
-/// Closer than this to the surface, relative to the hull's extent, the way to it has no direction that rounding leaves alone.
+/// Closer than this to the surface, relative to the hull's extent, the way to it has no direction
+/// that rounding leaves alone.
 const TOUCHING: f64 = 1e-13;
 
 impl Hull {
-    /// Signed distance [m], negative inside, and its unit gradient. Where several points of the surface are nearest, the
-    /// gradient belongs to one of them, always the same.
+    /// Signed distance [m], negative inside, and its unit gradient. Where several points of the
+    /// surface are nearest, the gradient belongs to one of them, always the same.
     pub fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
         // Inside, and in front of a face, its plane decides.
         let (height, face) = self.highest_face(point);
@@ -17,7 +18,8 @@ impl Hull {
             return (height, normal);
         }
 
-        // Elsewhere the nearest point is on one of the faces that can be seen from here, or on their edges.
+        // Elsewhere the nearest point is on one of the faces that can be seen from here, or on
+        // their edges.
         let foot = self.nearest_outside(point);
         let away = point - foot;
         let distance = away.length();
@@ -25,7 +27,8 @@ impl Hull {
         if distance > TOUCHING * extent { (distance, away / distance) } else { (distance, normal) }
     }
 
-    /// Signed distance [m] alone. What is more than `most` may come out smaller, but not less than that.
+    /// Signed distance [m] alone. What is more than `most` may come out smaller, but not less than
+    /// that.
     pub fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
         let (height, _) = self.highest_face(point);
         if height > most || height <= 0.0 { height } else { self.distance_and_gradient(point).0 }

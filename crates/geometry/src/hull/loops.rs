@@ -102,7 +102,8 @@ impl Loops {
         faces_at
     }
 
-    /// Leaves out vertices with less than three faces and faces with less than three vertices until there are none.
+    /// Leaves out vertices with less than three faces and faces with less than three vertices until
+    /// there are none.
     pub(super) fn straighten(&mut self, count: usize, planes: &mut Vec<HalfSpace>) {
         loop {
             let faces_at = self.faces_at(count);
@@ -125,7 +126,8 @@ impl Loops {
         }
     }
 
-    /// With one vertex for both ends of each side that is shorter than `shortest` [m]; `None` if there is none.
+    /// With one vertex for both ends of each side that is shorter than `shortest` [m]; `None` if
+    /// there is none.
     pub(super) fn collapsed(&self, vertices: &[DVec3], shortest: f64) -> Option<Self> {
         let is_short = |[a, b]: [u32; 2]| {
             vertices[a as usize].distance_squared(vertices[b as usize]) < shortest * shortest
@@ -169,8 +171,8 @@ impl Loops {
         }
     }
 
-    /// The edge along each side of the loops and all edges, in the order of the faces; `None` if a side does not have one that
-    /// runs along it in the opposite direction.
+    /// The edge along each side of the loops and all edges, in the order of the faces; `None` if a
+    /// side does not have one that runs along it in the opposite direction.
     pub(super) fn connected(&self) -> Option<(Vec<u32>, Vec<HullEdge>)> {
         // The sides that begin at each vertex, in lists; where they end, and whose they are.
         let count = self.corners.iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));

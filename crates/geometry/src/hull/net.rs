@@ -4,13 +4,15 @@ use super::HullEdge;
 use super::loops::Loops;
 use std::sync::OnceLock;
 
-/// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break makes thousands of them.
+/// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break
+/// makes thousands of them.
 #[derive(Debug, Default)]
 pub(super) struct Net {
     /// Sides of all faces.
     sides: usize,
-    /// The vertex that each side begins at, face after face and counter-clockwise seen from outside; then each side's edge; then
-    /// where each face's sides end, with [`INNER`] for one that a cut made.
+    /// The vertex that each side begins at, face after face and counter-clockwise seen from
+    /// outside; then each side's edge; then where each face's sides end, with [`INNER`] for one
+    /// that a cut made.
     indices: Vec<u32>,
     /// Each once.
     edges: Vec<HullEdge>,

@@ -1,5 +1,5 @@
-//! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are flat but for the points' rounding
-//! are merged.
+//! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are
+//! flat but for the points' rounding are merged.
 
 use super::loops::Loops;
 use super::{Hull, plane_of, sides};
@@ -8,11 +8,13 @@ use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;
 
-/// Points this close to a common plane, relative to their longest extent, make one face: coordinates that went through single
-/// precision or a text file still give the faces that were meant.
+/// Points this close to a common plane, relative to their longest extent, make one face:
+/// coordinates that went through single precision or a text file still give the faces that were
+/// meant.
 const COPLANAR: f64 = 1e-6;
 
-/// A hull thinner than this, relative to its longest extent, has no inside that can be told from its faces.
+/// A hull thinner than this, relative to its longest extent, has no inside that can be told from
+/// its faces.
 const FLAT: f64 = 1e-5;
 
 /// Why points have no convex hull.
@@ -30,8 +32,8 @@ pub enum HullError {
 }
 
 impl Hull {
-    /// The convex hull of points [m]. Its vertices are some of them, in their order; where a millionth of the points' extent makes
-    /// several faces one, they are moved onto it.
+    /// The convex hull of points [m]. Its vertices are some of them, in their order; where a
+    /// millionth of the points' extent makes several faces one, they are moved onto it.
     ///
     /// # Errors
     /// If the points span no volume.
@@ -57,7 +59,8 @@ impl Hull {
             .ok_or(HullError::Flat)
     }
 
-    /// Moves vertices onto the planes of their faces, so that volumes do not depend on how a face is cut into triangles.
+    /// Moves vertices onto the planes of their faces, so that volumes do not depend on how a face
+    /// is cut into triangles.
     fn flattened(mut self) -> Self {
         // A direction that the planes before have nearly used up would carry the vertex far away.
         const LEAST_FREEDOM: f64 = 0.01;
@@ -168,7 +171,8 @@ impl<'a> Quickhull<'a> {
         outside.iter().copied().max_by(|p, q| height(p).total_cmp(&height(q)).then(q.cmp(p)))
     }
 
-    /// Replaces all triangles that can be seen from `apex`, of which `seen` is one, by a cone to their rim.
+    /// Replaces all triangles that can be seen from `apex`, of which `seen` is one, by a cone to
+    /// their rim.
     fn grow(&mut self, seen: usize, apex: u32) {
         // Walk over what is seen, and collect its rim.
         let mut rim = Vec::new();
@@ -205,7 +209,8 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
             .max_by(|a, b| distance(a).total_cmp(&distance(b)).then(b.cmp(a)))
             .unwrap_or(0)
     };
-    // The two ends along the longest axis, what is furthest from the line through them, and from the plane.
+    // The two ends along the longest axis, what is furthest from the line through them, and from
+    // the plane.
     let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
     let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
     let axis = (high - low).max_position();
@@ -227,8 +232,8 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
     Ok(if height(points[d as usize]) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// The faces that triangles make together: around each, beginning with the largest, all that are within `close` [m] of its
-/// plane. `None` if one of them has a hole.
+/// The faces that triangles make together: around each, beginning with the largest, all that are
+/// within `close` [m] of its plane. `None` if one of them has a hole.
 fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<HalfSpace>, Loops)> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {

@@ -5,7 +5,8 @@ use crate::HalfSpace;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Parts into which a ball's polyhedron divides the edges of an icosahedron. With two there are 42 faces and 80 vertices, all within
+/// Parts into which a ball's polyhedron divides the edges of an icosahedron. With two there are 42
+/// faces and 80 vertices, all within
 /// 4.4 % of the radius from the sphere; with three 92 and 180 within 1.8 %, which doubles what a break and a contact cost.
 const BALL_FREQUENCY: usize = 2;
 
@@ -13,8 +14,9 @@ const BALL_FREQUENCY: usize = 2;
 const CYLINDER_SIDES: u32 = 24;
 
 impl Hull {
-    /// A polyhedron with the volume of a ball around the origin [m], and as much of its symmetry as a polyhedron can have: all
-    /// moments are equal. Its faces are hexagons, and pentagons around the twelve corners of an icosahedron.
+    /// A polyhedron with the volume of a ball around the origin [m], and as much of its symmetry as
+    /// a polyhedron can have: all moments are equal. Its faces are hexagons, and pentagons around
+    /// the twelve corners of an icosahedron.
     pub fn ball(radius: f64) -> Self {
         // Planes that touch the unit sphere at the nodes of a geodesic net.
         let cuts: Vec<HalfSpace> = geodesic_directions()

@@ -3,7 +3,8 @@
 use super::Hull;
 use glam::{DVec3, Vec3};
 
-/// Points on a hull [m], about `spacing` apart: all vertices, then points along edges, then on faces.
+/// Points on a hull [m], about `spacing` apart: all vertices, then points along edges, then on
+/// faces.
 pub fn hull_samples(hull: &Hull, spacing: f64) -> Vec<Vec3> {
     let mut samples = hull.vertices().to_vec();
     for edge in 0..hull.edges().len() {
@@ -18,7 +19,8 @@ pub fn hull_samples(hull: &Hull, spacing: f64) -> Vec<Vec3> {
     samples.into_iter().map(|sample| sample.as_vec3()).collect()
 }
 
-/// The nodes of a square lattice along the longest side of a face that are not closer to its rim than half of a step.
+/// The nodes of a square lattice along the longest side of a face that are not closer to its rim
+/// than half of a step.
 fn sample_face(hull: &Hull, face: usize, spacing: f64, samples: &mut Vec<DVec3>) {
     let face = hull.face(face);
     let corner = |at: usize| hull.vertices()[face.vertices[at % face.vertices.len()] as usize];

@@ -25,9 +25,10 @@ struct Entry {
     one_with: u32,
 }
 
-/// Makes one of vertices on cracks of different hulls that are less than `close` [m] apart: each becomes the one that comes first along a
-/// fixed direction. Neighbours that were cut by the same planes, but one after the other in different orders, differ by rounding,
-/// and then share their vertices bit for bit. Vertices of one hull stay apart.
+/// Makes one of vertices on cracks of different hulls that are less than `close` [m] apart: each
+/// becomes the one that comes first along a fixed direction. Neighbours that were cut by the same
+/// planes, but one after the other in different orders, differ by rounding, and then share their
+/// vertices bit for bit. Vertices of one hull stay apart.
 pub fn weld_hulls(hulls: &mut [Hull], close: f64) {
     let places = places(hulls);
     let mut entries = sorted(&places);
@@ -83,10 +84,11 @@ fn places(hulls: &[Hull]) -> Vec<Place> {
     places
 }
 
-/// In the order of their keys, and of their numbers where those are equal: as many buckets as there are vertices put them nearly in
-/// order.
+/// In the order of their keys, and of their numbers where those are equal: as many buckets as there
+/// are vertices put them nearly in order.
 fn sorted(places: &[Place]) -> Vec<Entry> {
-    // No plane of a pattern or of a box is likely to lie across this, so that few keys are close by chance.
+    // No plane of a pattern or of a box is likely to lie across this, so that few keys are close by
+    // chance.
     let direction = DVec3::new(0.612_9, 0.538_3, 0.578_1);
     let keys: Vec<f64> = places.iter().map(|place| direction.dot(place.position)).collect();
     let low = keys.iter().fold(f64::INFINITY, |low, &key| if key < low { key } else { low });
@@ -95,7 +97,8 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
     let scale = keys.len() as f64 / (high - low).max(f64::MIN_POSITIVE);
     let buckets: Vec<i32> = keys.iter().map(|&key| ((key - low) * scale) as i32).collect();
 
-    // The highest keys have a bucket of their own, and one more entry makes room for where each begins.
+    // The highest keys have a bucket of their own, and one more entry makes room for where each
+    // begins.
     let mut starts = vec![0_u32; keys.len() + 2];
     for &bucket in &buckets {
         starts[bucket as usize + 1] += 1;
@@ -111,7 +114,8 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
         entries[*start as usize] = Entry { key, place, one_with: 0 };
         *start += 1;
     }
-    // Each bucket's start has become its end. Where many vertices crowd, the rest would take long one by one.
+    // Each bucket's start has become its end. Where many vertices crowd, the rest would take long
+    // one by one.
     let mut first = 0;
     for end in starts.into_iter().map(|end| end as usize) {
         let bucket = &mut entries[first..end];

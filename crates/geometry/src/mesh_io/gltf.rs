@@ -93,7 +93,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     Ok(parsed)
 }
 
-/// The document and the bytes of its buffers; the error completes the sentence "it is not a valid glTF file".
+/// The document and the bytes of its buffers; the error completes the sentence "it is not a valid
+/// glTF file".
 fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
     // The library takes the length in the header of a GLB file for at least the header's own.
     let length = file
@@ -104,7 +105,8 @@ fn open(file: &File) -> Result<(Document, Vec<Vec<u8>>), String> {
         return Err(format!("its header says {length} bytes, and it has {}", file.bytes.len()));
     }
 
-    // Of the extensions that a reader is required to know, those about materials and the like do not matter here.
+    // Of the extensions that a reader is required to know, those about materials and the like do
+    // not matter here.
     let Gltf { document, mut blob } =
         Gltf::from_slice_without_validation(file.bytes).map_err(|error| error.to_string())?;
     let mut json = document.into_json();
@@ -165,7 +167,8 @@ fn read_uri(file: &File, uri: &str) -> Result<Vec<u8>, String> {
     read_file(&found).map_err(unreadable)
 }
 
-/// Positions in the node's frame and indices of a primitive; the error completes "node 2, primitive 0".
+/// Positions in the node's frame and indices of a primitive; the error completes "node 2, primitive
+/// 0".
 fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u32>), String> {
     let positions = primitive.get(&Semantic::Positions).ok_or("has no positions")?;
     if (positions.data_type(), positions.dimensions()) != (DataType::F32, Dimensions::Vec3) {

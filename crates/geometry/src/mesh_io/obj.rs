@@ -1,7 +1,8 @@
 //! Wavefront OBJ: the statements `v`, `vt`, `vn`, `f`, `o`, `g` and `usemtl`.
 //!
-//! Read here and not with a library, because a sentence about a bad vertex or index needs the file's own numbers, and
-//! because nothing about normals, colours, texture coordinates and materials should be able to refuse a shape.
+//! Read here and not with a library, because a sentence about a bad vertex or index needs the
+//! file's own numbers, and because nothing about normals, colours, texture coordinates and
+//! materials should be able to refuse a shape.
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, number_of, unit};
 use super::{File, push_polygon};
@@ -135,7 +136,8 @@ impl Lists {
     }
 }
 
-/// The vertex of a face's corner such as `7`, `7/1/3`, `7//3` or, counted back from the last vertex, `-1`.
+/// The vertex of a face's corner such as `7`, `7/1/3`, `7//3` or, counted back from the last
+/// vertex, `-1`.
 fn corner(file: &File, place: &str, word: &str, vertices: usize) -> Result<u32, MeshError> {
     let index: i64 =
         word.split('/').next().and_then(|vertex| vertex.parse().ok()).ok_or_else(|| {

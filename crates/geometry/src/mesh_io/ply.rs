@@ -1,6 +1,7 @@
 //! PLY, text and binary: the elements `vertex`, `face` and `tristrips`.
 //!
-//! A library reads the header. The numbers after it are read here, because its text form knows neither `nan` nor `1.`.
+//! A library reads the header. The numbers after it are read here, because its text form knows
+//! neither `nan` nor `1.`.
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, unit};
 use super::{File, push_polygon, strip};
@@ -32,7 +33,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
         Encoding::BinaryBigEndian => Numbers::BigEndian(body),
     };
 
-    // Read the elements in the order of the header; others than vertices and faces only to get past them.
+    // Read the elements in the order of the header; others than vertices and faces only to get past
+    // them.
     let mut parsed = Parsed::default();
     let mut corners_of_vertices = Vec::new();
     let mut faces = Faces::default();
@@ -318,7 +320,8 @@ enum Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// The values of each property of an element, one for a scalar; `None` where the file breaks off.
+    /// The values of each property of an element, one for a scalar; `None` where the file breaks
+    /// off.
     fn element(&mut self, element: &ElementDef) -> Option<Vec<Vec<f64>>> {
         let mut values = Vec::with_capacity(element.properties.len());
         for property in element.properties.values() {

@@ -1,7 +1,7 @@
 //! STL, binary and text.
 //!
-//! Read here and not with a library: whether a file is binary shows in its length, for many binary files begin with the
-//! word `solid` too; and a text file may hold several solids.
+//! Read here and not with a library: whether a file is binary shows in its length, for many binary
+//! files begin with the word `solid` too; and a text file may hold several solids.
 
 use super::File;
 use super::attributes::Parsed;
@@ -31,7 +31,8 @@ fn binary_triangles(bytes: &[u8]) -> Option<&[u8]> {
     let count: [u8; 4] = bytes.get(HEADER_BYTES..HEADER_BYTES + 4)?.try_into().ok()?;
     let length = (u32::from_le_bytes(count) as usize).checked_mul(TRIANGLE_BYTES)?;
     let triangles = bytes.get(HEADER_BYTES + 4..)?.get(..length)?;
-    // Text has no zeros; the number of a binary file's triangles has some, and as a rule its header.
+    // Text has no zeros; the number of a binary file's triangles has some, and as a rule its
+    // header.
     let has_zeros = bytes[..HEADER_BYTES + 4].contains(&0);
     let is_whole = triangles.len() + HEADER_BYTES + 4 == bytes.len();
     let is_text = bytes.starts_with(b"solid") && !is_whole && !has_zeros;

@@ -7,7 +7,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::path::PathBuf;
 
-/// Faces of a cube as quads over its eight corners, corner `i` at bit 0 of `i` along x, 1 along y, 2 along z.
+/// Faces of a cube as quads over its eight corners, corner `i` at bit 0 of `i` along x, 1 along y,
+/// 2 along z.
 pub(crate) const CUBE_FACES: [[u32; 4]; 6] =
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 

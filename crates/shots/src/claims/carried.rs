@@ -41,8 +41,8 @@ const SPEED: f64 = 2.0;
 /// Of the elevator [m/s^2]: a fifth of gravity, so that the stack stays on it.
 const ACCELERATION: f64 = 2.0;
 
-/// The elevator's velocity at a time [m/s]: up for 4 s, down for 4 s, and back at rest where it began after 8 s; its speed
-/// changes from 0 to 1 s, from 3 to 5 s and from 7 s on.
+/// The elevator's velocity at a time [m/s]: up for 4 s, down for 4 s, and back at rest where it
+/// began after 8 s; its speed changes from 0 to 1 s, from 3 to 5 s and from 7 s on.
 fn elevator_velocity(time: f64) -> f64 {
     let clamped = |velocity: f64| velocity.clamp(-SPEED, SPEED);
     if time < 4.0 {
@@ -131,8 +131,9 @@ fn turntable() -> Result<Vec<Finding>, Obstacle> {
     Ok(findings)
 }
 
-/// A cube on a disk that turns at `share` of the rate at which friction no longer bears the centripetal force: its distance from the
-/// axis [m], and the angle that it is behind [rad], after 10 s.
+/// A cube on a disk that turns at `share` of the rate at which friction no longer bears the
+/// centripetal force: its distance from the axis [m], and the angle that it is behind [rad], after
+/// 10 s.
 fn ride(method: Method, share: f64) -> Result<(f64, f64), BuildError> {
     let friction = 0.5;
     let rate = share * (friction * GRAVITY / SEAT).sqrt();

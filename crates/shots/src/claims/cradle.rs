@@ -18,7 +18,8 @@ const FRAMES: u32 = 30;
 /// Speeds relative to that of what came.
 const FEW_PER_CENT: f64 = 0.04;
 
-/// Of each ball in units of that of those that strike, from the first on; and what became of the momentum and the energy.
+/// Of each ball in units of that of those that strike, from the first on; and what became of the
+/// momentum and the energy.
 struct Struck {
     speeds: Vec<f64>,
     momentum: f64,

@@ -36,7 +36,8 @@ const MOST_GAIN: f64 = 1e-9;
 
 /// What one run did.
 pub(super) struct Run {
-    /// The largest gain of a frame, in units of the energy in play: the largest kinetic energy and the range of the potential energy.
+    /// The largest gain of a frame, in units of the energy in play: the largest kinetic energy and
+    /// the range of the potential energy.
     pub(super) gain: f64,
     /// The largest part of a frame's change of energy that no cause explains, in the same units.
     pub(super) unexplained: f64,

@@ -19,7 +19,8 @@ const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
 /// Heaps over which the largest rise is averaged: what still topples in one of them is chance.
 const SEEDS: u64 = 8;
 
-/// Their mean is no more than this [m]. It is 0.02 mm; where what is jammed was parted by turns along a face and across edges, it was 0.13, and with one stage of impulses between two drifts,
+/// Their mean is no more than this [m]. It is 0.02 mm; where what is jammed was parted by turns
+/// along a face and across edges, it was 0.13, and with one stage of impulses between two drifts,
 /// instead of two, heaps rose by 0.4.
 const MOST_RISE: f64 = 6e-5;
 
@@ -30,7 +31,8 @@ const FALL: f64 = 3.0;
 struct Fallen {
     /// Mean of its pieces [m].
     height: f64,
-    /// The most that it rose by in a frame of the second half of that time, in which nothing but small pieces still bounces [m].
+    /// The most that it rose by in a frame of the second half of that time, in which nothing but
+    /// small pieces still bounces [m].
     rise: f64,
     /// Of all islands in all frames, those whose velocities the ledger scaled down.
     scaled: f64,

@@ -16,8 +16,9 @@ const OUTLINES: [[u8; 9]; 5] = [
     [1, 1, 1, 1, 0, 1, 1, 1, 1],
 ];
 
-/// A heap that falls on the ground, on a spinning plate that rises, and on a spinning bar that comes from the side: cubes to shards
-/// of 100:1, balls, cylinders, and concave bodies; masses 1:1000, friction to 1.5, restitution to 1, spins to 50 rad/s.
+/// A heap that falls on the ground, on a spinning plate that rises, and on a spinning bar that
+/// comes from the side: cubes to shards of 100:1, balls, cylinders, and concave bodies; masses
+/// 1:1000, friction to 1.5, restitution to 1, spins to 50 rad/s.
 pub(super) fn random_scene(seed: u64, method: Method) -> SceneDesc {
     let mut random = Random::new(seed);
     let mut scene = SceneDesc { method, ..SceneDesc::new("random") };
@@ -122,7 +123,8 @@ fn hull(length: f64, random: &mut Random) -> (ShapeDesc, f64) {
     (ShapeDesc::Hull { points, resolution }, a.cross(b).dot(c).abs() / 6.0)
 }
 
-/// An outline of cells of a width [m] as a body of a depth [m]. The walls between two cells of it are left out.
+/// An outline of cells of a width [m] as a body of a depth [m]. The walls between two cells of it
+/// are left out.
 fn prism(outline: &[u8; 9], cell: f64, depth: f64) -> ShapeDesc {
     let filled = |x: i32, y: i32| {
         (0..3).contains(&x) && (0..3).contains(&y) && outline[(3 * y + x) as usize] == 1

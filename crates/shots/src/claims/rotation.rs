@@ -186,8 +186,8 @@ fn flip_period() -> Result<Vec<Finding>, Obstacle> {
     ])
 }
 
-/// 4 K / lambda [s]: 2E and L^2 give lambda^2 and m; K is the integral of 1 / sqrt(1 - m sin^2) over a quarter turn, by the midpoint
-/// rule, which converges exponentially on a period.
+/// 4 K / lambda [s]: 2E and L^2 give lambda^2 and m; K is the integral of 1 / sqrt(1 - m sin^2)
+/// over a quarter turn, by the midpoint rule, which converges exponentially on a period.
 fn period_of_polhode(moments: DVec3, momentum: DVec3) -> f64 {
     let energy_twice = momentum.dot(momentum / moments);
     let momentum_squared = momentum.length_squared();

@@ -48,8 +48,8 @@ fn cone(method: Method, linear: DVec3, angular: DVec3) -> Result<World, BuildErr
     world(method, vec![BodyDesc { friction: 1.0, ..BodyDesc::ground(0.0) }, cone])
 }
 
-/// The rate of steady precession [rad/s]: W in m g l = W (I3 w3 - I1 W cos(tilt)), I1 about the tip. `arm` is l, from the tip to the
-/// centre of mass [m].
+/// The rate of steady precession [rad/s]: W in m g l = W (I3 w3 - I1 W cos(tilt)), I1 about the
+/// tip. `arm` is l, from the tip to the centre of mass [m].
 fn precession_rate(world: &World, arm: f64) -> f64 {
     let (inertia, mass) = (&world.bodies().inertias[1], world.bodies().masses[1]);
     // The cone is flat: its own axis has the largest moment.

@@ -66,8 +66,8 @@ impl Face {
     }
 }
 
-/// The lines along x that divide a convex polygon into strips at most `spacing` wide: both ends of each. Its sides go from each corner
-/// to the next.
+/// The lines along x that divide a convex polygon into strips at most `spacing` wide: both ends of
+/// each. Its sides go from each corner to the next.
 pub(super) fn face_lines(sides: &[[DVec2; 2]], spacing: f64) -> impl Iterator<Item = [DVec2; 2]> {
     let low = sides.iter().fold(f64::INFINITY, |low, [corner, _]| low.min(corner.y));
     let high = sides.iter().fold(f64::NEG_INFINITY, |high, [corner, _]| high.max(corner.y));

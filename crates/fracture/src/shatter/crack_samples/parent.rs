@@ -142,7 +142,8 @@ impl<'a> Parent<'a> {
         stretches.extend(entry.map(|entry| [entry, 1.0]));
     }
 
-    /// Where a line crosses the surface between a fraction of the way that is inside and one that is outside.
+    /// Where a line crosses the surface between a fraction of the way that is inside and one that
+    /// is outside.
     fn bisect(&self, start: DVec3, way: DVec3, [mut inside, mut outside]: [f64; 2]) -> f64 {
         // From the distance between samples to a hundredth of a percent of it.
         const HALVINGS: usize = 13;
@@ -158,7 +159,8 @@ impl<'a> Parent<'a> {
     }
 }
 
-/// The part of a line from `start` along `way` within a ball around the origin, as fractions of the way in [0, 1].
+/// The part of a line from `start` along `way` within a ball around the origin, as fractions of the
+/// way in [0, 1].
 #[inline]
 fn within_ball(start: DVec3, way: DVec3, radius: f64) -> Option<[f64; 2]> {
     let square = way.length_squared();

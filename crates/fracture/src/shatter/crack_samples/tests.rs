@@ -4,7 +4,8 @@ use super::*;
 use crate::{Impact, Pattern, Voronoi};
 use frangible_geometry::{ClosedForm, GridSolid, Shape};
 
-/// What lies on one side of a crack lies on the other: the same points to the bit, between the edges.
+/// What lies on one side of a crack lies on the other: the same points to the bit, between the
+/// edges.
 #[test]
 fn both_sides_of_a_crack_have_the_same_points() {
     let solid =

@@ -15,7 +15,8 @@ pub(super) struct BodyRegions {
 
 impl BodyRegions {
     pub(super) fn new(regions: &[Region], parent: &Shape) -> Self {
-        // What is this far beyond the parent's bounds, relative to their size, is nearest to nothing of it.
+        // What is this far beyond the parent's bounds, relative to their size, is nearest to
+        // nothing of it.
         const BEYOND: f64 = 1e-6;
         let (low, high) = parent.bounds;
         let reaching = Self::within(regions, parent, BEYOND * 0.5 * (high - low).max_element());
@@ -27,7 +28,8 @@ impl BodyRegions {
         }
     }
 
-    /// Those of the regions that are not known to be further than `most` [m] from the parent's bounds.
+    /// Those of the regions that are not known to be further than `most` [m] from the parent's
+    /// bounds.
     fn within(regions: &[Region], parent: &Shape, most: f64) -> Self {
         let (low, high) = parent.bounds;
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -88,7 +90,8 @@ pub(super) struct Neighbourhood<'a> {
     /// Each with where its planes end.
     regions: Vec<(usize, usize)>,
     planes: Vec<(DVec3, f64)>,
-    /// For each of all regions the plane that kept it out of a ball last: it is likely to keep it out of the next one.
+    /// For each of all regions the plane that kept it out of a ball last: it is likely to keep it
+    /// out of the next one.
     keeps_out: Vec<usize>,
 }
 
@@ -139,7 +142,8 @@ impl<'a> Neighbourhood<'a> {
         }
     }
 
-    /// The regions that up to [`POINTS`] points of the ball lie inside of; `None` on a crack, and where there is no point.
+    /// The regions that up to [`POINTS`] points of the ball lie inside of; `None` on a crack, and
+    /// where there is no point.
     pub(super) fn regions_of(&self, points: &[Vec3]) -> [Option<usize>; POINTS] {
         const ON_CRACK: u64 = u64::MAX;
         let mut places = [[0.0; POINTS]; 3];
@@ -149,7 +153,8 @@ impl<'a> Neighbourhood<'a> {
         }
         let [x, y, z] = &places;
 
-        // All points against one plane after the other: no branch depends on a point. The first region that holds one has it.
+        // All points against one plane after the other: no branch depends on a point. The first
+        // region that holds one has it.
         let mut found = [ON_CRACK; POINTS];
         for (n, &(region, end)) in self.regions.iter().enumerate().rev() {
             let first = if n == 0 { 0 } else { self.regions[n - 1].1 };

@@ -6,9 +6,9 @@ use crate::pattern::Region;
 use frangible_geometry::{GridSolid, Portion, RowSums};
 use std::ops::Range;
 
-/// What lies in each region of a convex solid. A region is convex, so along a row of nodes it is one interval: its
-/// end points cost less than its distance at each node. Nodes in no interval, or in several because they lie on a crack up to
-/// round-off, are compared by distance.
+/// What lies in each region of a convex solid. A region is convex, so along a row of nodes it is
+/// one interval: its end points cost less than its distance at each node. Nodes in no interval, or
+/// in several because they lie on a crack up to round-off, are compared by distance.
 pub(crate) fn portions_of_regions(solid: &GridSolid, regions: &[Region]) -> Vec<Portion> {
     let (grid, material) = (solid.grid(), solid.material());
     let ends = RowEnds::of(solid);
@@ -52,8 +52,9 @@ pub(crate) fn portions_of_regions(solid: &GridSolid, regions: &[Region]) -> Vec<
     of_region
 }
 
-/// Cuts some of the rows from j on by their intervals, region by region. False, and nothing done, if these do not cover each node
-/// once and in order, or a row is not one run. `sums` is room for what each region holds of the rows.
+/// Cuts some of the rows from j on by their intervals, region by region. False, and nothing done,
+/// if these do not cover each node once and in order, or a row is not one run. `sums` is room for
+/// what each region holds of the rows.
 fn cut_rows(
     (solid, ends): (&GridSolid, &RowEnds),
     found: &Found,

@@ -14,7 +14,8 @@ pub(super) const TILE: usize = 8;
 
 /// Where the material of each row is.
 pub(super) struct RowEnds {
-    /// First and last node of each row, as numbers along x; the first lies behind the last in a row without material.
+    /// First and last node of each row, as numbers along x; the first lies behind the last in a row
+    /// without material.
     ends: Vec<[f64; 2]>,
     /// Which run a row is, if it is one without a gap.
     run: Vec<u32>,
@@ -97,7 +98,8 @@ struct Crossing {
 enum Side {
     BelowCrossing,
     AboveCrossing,
-    /// All of it or nothing: the plane lies along x, and the crossing's place is how deep inside the row is.
+    /// All of it or nothing: the plane lies along x, and the crossing's place is how deep inside
+    /// the row is.
     Either,
 }
 
@@ -121,7 +123,8 @@ impl LatticePlane {
     }
 }
 
-/// For each tile of rows the regions that reach into it, and those of their planes that pass through it.
+/// For each tile of rows the regions that reach into it, and those of their planes that pass
+/// through it.
 pub(super) struct Tiles {
     /// Tiles along y.
     count_y: usize,
@@ -138,8 +141,8 @@ struct TileRegion {
     crossings: [u32; 2],
 }
 
-/// The nodes of neighbouring rows that lie inside of a region or on its cracks, within the rows' ends: from the first to the last
-/// one, whole numbers; none where the first lies behind the last.
+/// The nodes of neighbouring rows that lie inside of a region or on its cracks, within the rows'
+/// ends: from the first to the last one, whole numbers; none where the first lies behind the last.
 pub(super) struct Intervals {
     pub(super) region: u32,
     pub(super) first: [f64; TILE],
@@ -274,7 +277,8 @@ impl Tiles {
 /// Numbers of this size are whole, so that a sum with it rounds to the nearest whole number.
 const WHOLE: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
-/// The least whole number that is not below `x`, of an `x` from zero to [`WHOLE`] or infinite: in instructions for several at a time.
+/// The least whole number that is not below `x`, of an `x` from zero to [`WHOLE`] or infinite: in
+/// instructions for several at a time.
 #[inline]
 fn ceil(x: f64) -> f64 {
     let nearest = (x + WHOLE) - WHOLE;
