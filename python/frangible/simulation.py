@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from ._frangible import World
+from ._frangible import BuildError, World
 from .recording import ProgressCallback, Recording, check_frames
 from .scene_skins import scene_skins
 from .scenes import Scene, find_scene, readable_scene
@@ -37,6 +37,13 @@ def run(
     found, own_frames, name = find_scene(scene, mesh=mesh, fps=fps, method=method, seed=seed)
     with readable_scene(found) as readable:
         world = World.build(readable, threads)
+        check_bodies(world)
         skins = scene_skins(found, readable, inside)
     rate = float(found.get("frames_per_second", 1.0 / world.dt))
     return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress, skins=skins)
+
+
+def check_bodies(world: World) -> None:
+    """Raise `BuildError` if there is nothing to simulate."""
+    if len(world.ids) == 0:
+        raise BuildError("bodies: [], must have one at least")

@@ -240,6 +240,11 @@ def test_path_value_and_rule(path: str, value: Any, words: list[str]) -> None:
         assert refusal(json.dumps(scene)) == line
 
 
+def test_a_scene_without_bodies_is_refused() -> None:
+    with pytest.raises(frangible.BuildError, match=r"^bodies: \[\], must have one at least$"):
+        frangible.run({"bodies": []}, frames=2)
+
+
 def test_no_scene_at_all() -> None:
     for scene in (3, [], None, "null", "[]"):
         assert refusal(scene).startswith("scene: "), scene

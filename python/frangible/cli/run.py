@@ -18,6 +18,7 @@ from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
+from ..simulation import check_bodies
 from ..stepping import moving_mass
 from ..summary import describe, summarise
 from .options import (
@@ -63,6 +64,7 @@ def _run(options: argparse.Namespace) -> int:
     with readable_scene(scene, options.pose_time) as readable, report_stages(options.quiet) as stage:
         stage("building the world")
         world = _frangible.World.build(readable, options.threads)
+        check_bodies(world)
         skins = scene_skins(scene, readable, options.inside) if outputs else {}
         notes = volume_notes(readable, world.masses)
     for note in notes:
