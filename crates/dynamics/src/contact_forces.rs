@@ -1,4 +1,4 @@
-//! What contacts carried at the end of a frame.
+//! Forces that contacts carried at the end of a frame.
 
 use crate::Bodies;
 use crate::manifold::Manifold;

@@ -32,9 +32,9 @@ use solver_islands::{Bundle, IslandGroups};
 /// Steps in which kinematic bodies turn through a frame.
 const TURNS: u32 = 8;
 
-/// What the substeps did besides moving the bodies.
+/// The effects of the substeps besides the bodies' motion.
 pub struct Solved {
-    /// What static and kinematic bodies contributed, and where energy went.
+    /// The contributions of static and kinematic bodies, and energy by cause.
     pub tally: Tally,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     pub gravity: (DVec3, DVec3),

@@ -1,4 +1,5 @@
-//! What contact points carry from one frame to the next, and who could come to rest.
+//! Impulses that contact points carry from one frame to the next, and each body's substeps and
+//! drowsiness.
 
 use crate::bodies::PerBody;
 use crate::manifold::Manifold;
@@ -77,7 +78,7 @@ pub struct Carried {
 /// What acts at one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointImpulse {
-    /// The part along the normal, not negative [N s]: what presses comes first among the rows.
+    /// The part along the normal, not negative [N s].
     pub normal: f32,
     /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as
     /// it is.

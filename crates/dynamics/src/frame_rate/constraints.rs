@@ -37,7 +37,7 @@ pub(super) struct Constraint {
     pub(super) manifold: usize,
     /// Of both bodies in the solver.
     pub(super) lines: [u32; 2],
-    /// Whether contacts move them, and whether they are kinematic.
+    /// True for bodies that contacts move, and for kinematic ones.
     pub(super) is_movable: [bool; 2],
     pub(super) is_driven: [bool; 2],
     /// World frame, from the first body to the second.

@@ -83,9 +83,9 @@ pub(super) struct ContactBatch<I> {
     pub(super) is_driven: [Mask; 2],
     /// Lanes in which anything acted in the frame.
     pub(super) acted: Mask,
-    /// Whether arms turned with their bodies in the last visit.
+    /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
-    /// Whether anything may come fast enough to bounce.
+    /// True if anything may come fast enough to bounce.
     pub(super) may_bounce: bool,
 }
 

@@ -134,7 +134,7 @@ fn carry<I: Instructions>(
         torque += along.get(lane) * tangent + across.get(lane) * other;
     }
     let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
-    // What bounced acted at all of its points.
+    // An impact acted at all of the points.
     let equal = 1.0 / samples.len() as f64;
     for (sample, impulse) in samples.zip(impulses) {
         let share = if total > 0.0 { impulse / total } else { equal };
@@ -154,7 +154,7 @@ fn carry<I: Instructions>(
 #[derive(Default)]
 struct ActedIsland {
     members: Vec<usize>,
-    /// Whether it touches something that contacts do not move.
+    /// True if it touches a body that contacts do not move.
     is_held: bool,
 }
 

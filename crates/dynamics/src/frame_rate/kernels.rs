@@ -1,4 +1,4 @@
-//! What a substep does to each batch: warm starting, one soft sweep before the drift, one
+//! The visits of a substep to each batch: warm starting, one soft sweep before the drift, one
 //! rigid sweep after it [Cat24].
 
 use super::constraints::MOST_POINTS;
@@ -18,7 +18,7 @@ const SPINS: f32 = 0.2;
 /// two, a wall at rest keeps ten times the motion, for a fifteenth of the time.
 pub(super) const POINT_SWEEPS: u32 = 4;
 
-/// What all batches of a substep need.
+/// Numbers that all batches of a substep share.
 pub(super) struct Substep<I> {
     /// [s]
     pub(super) h: Single<I>,
@@ -30,7 +30,7 @@ pub(super) struct Substep<I> {
     pub(super) recovery_rate: Single<I>,
     /// They close no faster [m/s].
     pub(super) recovery_speed: Single<I>,
-    /// What approaches faster bounces, if its restitution is above zero; negative [m/s].
+    /// A faster approach bounces, if the restitution is above zero; negative [m/s].
     pub(super) bounce_velocity: Single<I>,
 }
 
@@ -237,7 +237,7 @@ impl<I: Instructions> ContactBatch<I> {
                 mass_scale[i] = is_open.select(one, substep.soft.mass);
                 given_up[i] = is_open.select(zero, substep.soft.impulse);
             } else {
-                // What comes to bounce does so in the next substep; contact lets it pass.
+                // An approach that will bounce does so in the next substep; contact lets it pass.
                 let bounce = substep.bounce_velocity;
                 let passes = bounce.above(velocity[i]).and(self.bounces);
                 let half = bounce * Single::same(0.5);
@@ -427,13 +427,13 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// Whether any lane has a kinematic body.
+    /// True if any lane has a kinematic body.
     pub(super) fn has_driven(&self) -> bool {
         self.is_driven[0].or(self.is_driven[1]).any()
     }
 }
 
-/// What part of an impulse does no more than was expected of it.
+/// The part of an impulse that does no more work than was expected of it.
 #[inline(always)]
 pub(super) fn shortened<I: Instructions>(work: Single<I>, expected: Single<I>) -> Single<I> {
     // Of nothing, rounding may expect less.
@@ -441,7 +441,7 @@ pub(super) fn shortened<I: Instructions>(work: Single<I>, expected: Single<I>) -
     work.above(expected).select(expected / work, Single::same(1.0))
 }
 
-/// Whether any of the bodies has turned so far that its arms have to.
+/// True if any of the bodies has turned so far that its arms have to.
 #[inline(always)]
 fn has_turned<I: Instructions>(at: &[LaneDisplacements<I>; 2]) -> bool {
     let squared = at[0].vector.dot(at[0].vector).max(at[1].vector.dot(at[1].vector));

@@ -71,7 +71,7 @@ impl Stamps {
         self.round += 1;
     }
 
-    /// Whether any of these bodies was changed in this round or the last one.
+    /// True if any of these bodies was changed in this round or the last one.
     fn are_recent(&self, ids: &[[u32; LANES]; 2], first_line: usize) -> bool {
         let of = &self.of[first_line..];
         ids.iter().flatten().any(|&id| of[id as usize] + 1 >= self.round)
@@ -100,7 +100,7 @@ impl<I: Instructions> ContactBatch<I> {
         let linear = n.dot(sides.of[1].linear - sides.of[0].linear);
         let apart = n.dot(at[1].translation - at[0].translation);
 
-        // Who meets, when, and how fast then: gravity has kicked for the whole substep already.
+        // Points that meet, when, and how fast then: gravity has kicked for the whole substep.
         let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
         let (mut approach, mut target) = ([zero; MOST_POINTS], [zero; MOST_POINTS]);
         let mut time = [zero; MOST_POINTS];

@@ -7,9 +7,9 @@ use crate::manifold::Manifold;
 use crate::{Bodies, Inertia, Motion};
 use glam::DVec3;
 
-/// Manifolds of a slab: enough to fill the lanes of its colours, few enough for eight threads
-/// to share a pile of a thousand bodies.
-const SLAB: usize = 512;
+/// Manifolds of a slab, and of a bundle of islands: enough to fill the lanes of its colours, few
+/// enough for a core's own cache and for eight threads to share a pile of a thousand bodies.
+pub(super) const SLAB: usize = 512;
 
 /// The lines of a group, and which slab each manifold is of.
 pub(super) struct Slabs {
@@ -50,7 +50,7 @@ impl Slabs {
         movable.iter().enumerate().for_each(|(rank, &i)| lines[i] = slab_of_rank(rank) as u32);
         let first_rank = |slab: usize| (slab * movable.len()).div_ceil(count);
 
-        // What spans more than two slabs is the rest.
+        // A manifold across more than two slabs is of the rest.
         let slab_of = |pair: [usize; 2]| {
             let slabs = pair.into_iter().filter(is_movable).map(|i| lines[i] as usize);
             let (least, most) = slabs.fold((count, 0), |(a, b), slab| (a.min(slab), b.max(slab)));

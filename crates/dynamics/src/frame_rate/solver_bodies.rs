@@ -31,7 +31,7 @@ pub(super) struct SolverBody {
 }
 
 impl SolverBody {
-    /// What no contact moves: the other side of empty lanes.
+    /// A body that no contact moves: the other side of empty lanes.
     const FIXED: Self = Self {
         velocity: Singles::ZERO,
         displacement: Singles([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
@@ -248,7 +248,7 @@ impl SpinningBody {
     }
 }
 
-/// Whether a body's axes of inertia may turn without being felt.
+/// True if a body's axes of inertia may turn without being felt.
 pub(super) fn is_round(inertia: &Inertia) -> bool {
     let moments = inertia.inverse_moments;
     let largest = moments.max_element();

@@ -1,5 +1,6 @@
 //! Islands of bodies that may touch within the frame, and how many substeps each takes.
 
+use super::slabs::SLAB;
 use super::solver_bodies::is_round;
 use crate::islands::root;
 use crate::manifold::{Manifold, ManifoldPoint};
@@ -24,7 +25,8 @@ const LEANING_DEPTH: f64 = 0.03;
 /// of the thinner one's thickness.
 const IMPACT_DEPTH: f64 = 0.2;
 
-/// What is not round turns by no more in a substep [rad]: a top precesses within a thousandth.
+/// Bodies that are not round turn by no more in a substep [rad]: a top precesses within a
+/// thousandth.
 const TURN: f64 = 0.05;
 
 /// Substeps grow at once. What an island needs is forgotten by halves in so long [s], and they
@@ -36,10 +38,6 @@ const SHRINKS_BELOW: f64 = 0.75;
 /// Manifolds times substeps of an island in a frame; larger ones take fewer substeps, but never
 /// fewer than the settings say.
 const MOST_WORK: usize = 1 << 17;
-
-/// Manifolds above which islands are not put into one bundle: what a bundle touches stays in a
-/// core's own cache for all substeps.
-const MOST_BUNDLED: usize = 512;
 
 /// Islands that take as many substeps, and are solved together.
 pub(super) struct Bundle {
@@ -91,9 +89,7 @@ impl IslandGroups {
             let bodies_of = island.iter().flat_map(|&number| manifolds[number].pair.both());
             bodies_of.for_each(|i| substeps[i] = Substeps { count, needed });
             match open.get(&count).map(|&at| &mut bundles[at].members) {
-                Some(members) if members.len() + island.len() <= MOST_BUNDLED => {
-                    members.extend(island)
-                }
+                Some(members) if members.len() + island.len() <= SLAB => members.extend(island),
                 _ => {
                     open.insert(count, bundles.len());
                     bundles.push(Bundle { substeps: count, members: island });
@@ -205,7 +201,7 @@ fn presses(bodies: &Bodies, both: [usize; 2], points: &[ManifoldPoint]) -> f64 {
         };
         let [first, second] = [0, 1].map(inverse_mass);
         let (light, heavy) = (first.max(second), first.min(second));
-        // What does not move presses nobody.
+        // A body that does not move presses nobody.
         let ratio = if heavy > 0.0 { light / heavy } else { 1.0 };
         point.approach * (ratio.sqrt() - 1.0)
     };
