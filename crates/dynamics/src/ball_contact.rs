@@ -1,10 +1,10 @@
 //! Where a ball touches another body within a frame: the other's signed distance from its centre
 //! says, without samples.
 
-use crate::Pose;
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
+use crate::state::Pose;
 use glam::DVec3;
 
 /// Steps along the ball's way through a frame; each goes as far as the distance allows.

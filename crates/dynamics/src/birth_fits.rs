@@ -1,9 +1,10 @@
 //! How fragments fit when they are born: where the samples of their cracks overlap, nothing has
 //! moved, and nothing is to be parted.
 
-use crate::manifold::{ManifoldPoint, Manifolds};
+use crate::bodies::{Bodies, BodyId};
+use crate::manifold::ManifoldPoint;
+use crate::manifold::found::Manifolds;
 use crate::pair::Pair;
-use crate::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
 /// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is

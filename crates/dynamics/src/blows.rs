@@ -1,5 +1,6 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
+use crate::bodies::{Bodies, BodyId};
 use crate::detection::{ContactPoint, NearSamples};
 use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
@@ -9,9 +10,10 @@ use crate::pair::{
     Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed,
 };
 use crate::penetration::penetration;
-use crate::tally::Cause;
+use crate::settings::Frame;
+use crate::state::Pose;
+use crate::tally::{Cause, Tally};
 use crate::warm_start::WarmStart;
-use crate::{Bodies, BodyId, Frame, Pose, Tally};
 use glam::DVec3;
 
 /// A collision that a body does not bear.

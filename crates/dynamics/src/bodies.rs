@@ -1,7 +1,7 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
 use crate::detection::radius;
-use crate::{Inertia, Pose, Velocity};
+use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
 use std::sync::Arc;

@@ -1,15 +1,16 @@
 //! Pairs of bodies whose bounds overlap.
 
-mod crowd;
-mod strips;
+pub(crate) mod crowd;
+pub(crate) mod strips;
 
+use crate::bodies::{Bodies, Motion};
 use crate::detection::{moved, radius};
-use crate::hull_contact::extents;
-use crate::instructions::{Instructions, with_widest};
+use crate::hull_contact::eight::extents;
 use crate::pair::Pair;
-use crate::threads;
-use crate::{Bodies, Frame, Motion, Pose};
-use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, RigidTransform, Shape};
+use crate::settings::Frame;
+use crate::state::Pose;
+use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, Shape};
+use frangible_math::{Instructions, RigidTransform, threads, with_widest};
 use glam::DVec3;
 use std::slice::from_ref;
 use strips::overlapping_bounded;

@@ -6,13 +6,15 @@
 //! sec. 4.2].
 
 use crate::blows::{Blow, blows_of};
+use crate::bodies::{Bodies, BodyId};
 use crate::broad_phase::find_pairs;
 use crate::detection::{NearSamples, Penetration};
 use crate::evolve::{accelerate, evolve, evolve_all};
 use crate::first_contact::first_contact;
 use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
-use crate::tally::Cause;
-use crate::{Bodies, BodyId, Frame, Pose, Tally, Velocity};
+use crate::settings::Frame;
+use crate::state::{Pose, Velocity};
+use crate::tally::{Cause, Tally};
 use std::collections::HashMap;
 
 /// What one pass over all pairs came to.

@@ -4,7 +4,8 @@
 use crate::broad_phase::Bounds;
 use crate::detection::{Placed, second_from_first};
 use crate::encounter::Encounter;
-use crate::hull_contact::{FEW_POINTS, Feature, HullPoint, PREFERENCE, Room, reduce};
+use crate::hull_contact::reduce::FEW_POINTS;
+use crate::hull_contact::{Feature, HullPoint, PREFERENCE, Room, reduce};
 use crate::manifold::{MOST_POINTS, ManifoldPoint, Solid, exact_points};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;

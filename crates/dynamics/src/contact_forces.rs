@@ -1,6 +1,6 @@
 //! Forces that contacts carried at the end of a frame.
 
-use crate::Bodies;
+use crate::bodies::Bodies;
 use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::warm_start::WarmStart;

@@ -1,9 +1,11 @@
 //! Who rests on whom [GBF03 sec. 5, 6].
 
+use crate::bodies::Bodies;
 use crate::detection::overlap;
 use crate::evolve::{accelerate, evolve_all};
 use crate::pair::{Pair, placed};
-use crate::{Bodies, Frame, Pose};
+use crate::settings::Frame;
+use crate::state::Pose;
 
 /// Pairs in contact, by the level of their upper body: lower levels first.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,8 @@
 //! Surface samples of one body inside the level set of another, in both directions [GBF03 sec. 3].
 
-use crate::Pose;
-use frangible_geometry::{Geometry, GridSolid, RigidTransform, Shape};
+use crate::state::Pose;
+use frangible_geometry::{Geometry, GridSolid, Shape};
+use frangible_math::RigidTransform;
 use glam::{DVec3, DVec4, Mat3, Vec3};
 
 /// A sample of one body inside the other.

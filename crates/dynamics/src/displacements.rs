@@ -1,11 +1,12 @@
 //! Displacements against the velocities: what the position update does to angular momentum, and how
 //! it is made up for.
 
+use crate::bodies::Bodies;
 use crate::impulse::apply_impulse;
 use crate::pair::Pair;
 use crate::pair_rotation::turn_pair;
-use crate::tally::Debt;
-use crate::{Bodies, Inertia, Tally};
+use crate::state::Inertia;
+use crate::tally::{Debt, Tally};
 use glam::DVec3;
 use std::collections::BTreeMap;
 

@@ -1,11 +1,12 @@
 //! Two bodies on their ballistic ways through a frame.
 
+use crate::bodies::Bodies;
 use crate::detection::{ContactPoint, Placed};
 use crate::flight::Flight;
 #[cfg(doc)]
 use crate::hull_contact::HullPoint;
 use crate::pair::Pair;
-use crate::{Bodies, Frame};
+use crate::settings::Frame;
 use glam::DVec3;
 
 /// What comes slower than this, in units of what gravity gives in a frame [1], is no
@@ -125,7 +126,9 @@ impl<'a> Encounter<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
+    use crate::bodies::{Contactant, Motion, NewBody};
+    use crate::settings::StepSettings;
+    use crate::state::{Pose, Velocity};
     use frangible_geometry::{ClosedForm, HalfSpace, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -4,7 +4,7 @@
 //! L / 2`. The fix rotates the body about an axis s, normal to L, until KE is right. Along that
 //! circle KE is a cosine of twice the angle, so the angle has a closed form.
 
-use crate::Inertia;
+use crate::state::Inertia;
 use glam::{DQuat, DVec3};
 
 /// What the fix did.

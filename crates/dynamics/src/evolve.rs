@@ -1,10 +1,11 @@
 //! Where bodies get to in one frame at a given velocity.
 
+use crate::bodies::{Bodies, Motion};
 use crate::exact_rotation::rotate_slow_ones;
-use crate::instructions::with_widest;
-use crate::lanes::{Instructions, LANES, Lanes, Lanes3, Numbers};
-use crate::vector::Turn;
-use crate::{Bodies, Frame, Motion, Pose, Rotation, Velocity, rotation, threads};
+use crate::rotation;
+use crate::settings::{Frame, Rotation};
+use crate::state::{Pose, Velocity};
+use frangible_math::{Instructions, LANES, Lanes, Lanes3, Numbers, Turn, threads, with_widest};
 use glam::{DQuat, DVec3};
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09

@@ -6,10 +6,10 @@
 //! constants of the curve are written as sums of terms of one sign, so near-symmetric bodies and
 //! near-steady spins cost no digits.
 
-use crate::Inertia;
-use crate::jacobi::{Series, arithmetic_geometric_mean};
-use crate::lanes::{Instructions, Lanes, Lanes3, Mask};
-use crate::vector::{Number, Turn, Vector};
+use crate::state::Inertia;
+use frangible_math::{
+    Instructions, Lanes, Lanes3, Mask, Number, Series, Turn, Vector, arithmetic_geometric_mean,
+};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 

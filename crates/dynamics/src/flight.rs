@@ -1,8 +1,10 @@
 //! Bodies on their ways through a frame, without contact.
 
+use crate::bodies::{Bodies, Motion};
 use crate::pair::Pair;
 use crate::rotation::rotation_by;
-use crate::{Bodies, Frame, Motion, Pose, Velocity};
+use crate::settings::Frame;
+use crate::state::{Pose, Velocity};
 use glam::DVec3;
 
 /// A body's way from the frame's start: ballistic, its spin taken as constant.

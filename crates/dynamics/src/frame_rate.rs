@@ -15,16 +15,19 @@ mod solver_islands;
 #[cfg(test)]
 mod tests;
 
+use crate::bodies::{Bodies, Motion};
 use crate::evolve::evolve;
-#[cfg(test)]
-use crate::instructions::Scalar;
-#[cfg(not(test))]
-use crate::instructions::with_widest;
-use crate::lanes::Instructions;
 use crate::manifold::Manifold;
+use crate::settings::Frame;
+use crate::tally::Tally;
 use crate::warm_start::{Part, Substeps, WarmStart};
-use crate::{Bodies, Frame, Motion, Tally, threads};
 use finish::{FrameStart, close_islands};
+use frangible_math::Instructions;
+#[cfg(test)]
+use frangible_math::Scalar;
+use frangible_math::threads;
+#[cfg(not(test))]
+use frangible_math::with_widest;
 use glam::DVec3;
 use group::{Group, NOWHERE};
 use solver_islands::{Bundle, IslandGroups};

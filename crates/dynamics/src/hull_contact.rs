@@ -1,24 +1,21 @@
 //! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
 //! edges across edges [Gregorius13].
 
-mod approach;
-mod axis;
-mod clip;
-mod eight;
-mod nearest;
-mod reduce;
+pub(crate) mod approach;
+pub(crate) mod axis;
+pub(crate) mod clip;
+pub(crate) mod eight;
+pub(crate) mod nearest;
+pub(crate) mod reduce;
 
-use crate::instructions::with_widest;
-use crate::settings::Width;
-pub(crate) use approach::hull_points;
 use axis::{EdgeAxis, FaceAxis, Placement, Ridge, View, edge_axis, face_axis, gather_ridges};
 use clip::{Corner, face_points};
-pub(crate) use eight::extents;
 use eight::{RidgeColumns, face_along, inside, lowest_along};
-use frangible_geometry::{Hull, RigidTransform};
+use frangible_geometry::Hull;
+use frangible_math::{RigidTransform, Width, with_widest};
 use glam::DVec3;
 use nearest::{between_edges, nearest_points};
-pub(crate) use reduce::{FEW_POINTS, reduce};
+pub(crate) use reduce::reduce;
 
 /// What meets at a point of two hulls. The same features have the same name whichever hull's face
 /// is the reference.

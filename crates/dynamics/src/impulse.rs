@@ -1,7 +1,8 @@
 //! The impulse between two bodies that touch at a point: Newton's restitution and Coulomb's
 //! friction [GBF03 sec. 5].
 
-use crate::{PairContactant, Velocity};
+use crate::bodies::PairContactant;
+use crate::state::Velocity;
 use glam::{DMat3, DVec3};
 
 /// Where Coulomb's sliding impulse per unit of normal impulse changes the normal velocity by less
@@ -159,7 +160,7 @@ pub fn apply_impulse(velocity: &Velocity, inverse_mass: f64, impulse: &Impulse) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Inertia;
+    use crate::state::Inertia;
     use glam::DQuat;
 
     const UP: DVec3 = DVec3::Y;

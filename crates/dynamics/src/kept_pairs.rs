@@ -5,18 +5,21 @@
 mod ahead;
 mod passing;
 
+use crate::bodies::{Bodies, BodyId};
 use crate::detection::{moved, moved_between, second_from_first};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::hull_contact::{HullPoint, hull_points};
-use crate::manifold::{Found, ManifoldFinder, ManifoldPoint, Manifolds, Solid};
+use crate::hull_contact::HullPoint;
+use crate::hull_contact::approach::hull_points;
+use crate::manifold::found::{Found, Manifolds};
+use crate::manifold::{ManifoldFinder, ManifoldPoint, Solid};
 use crate::pair::{Pair, placed};
 use crate::plane_contact::plane_points;
-use crate::threads;
+use crate::settings::Frame;
+use crate::state::Pose;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, BodyId, Frame, Pose};
 use ahead::{Ahead, Seen};
-use frangible_geometry::RigidTransform;
+use frangible_math::{RigidTransform, threads};
 use glam::DVec3;
 use passing::{NOWHERE, Passing, firsts};
 

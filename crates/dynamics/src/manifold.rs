@@ -2,18 +2,21 @@
 //! start. Balls and convex polyhedra have ways of their own; everything else meets by the samples
 //! of each body in the level set of the other [GBF03 sec. 3].
 
-mod found;
+pub(crate) mod found;
 
 use crate::ball_contact::BallContact;
+use crate::bodies::Bodies;
 use crate::compound_contact::{compound_points, few};
 use crate::detection::{ContactPoint, NearSamples, Penetration, Placed, contact_point, radius};
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::hull_contact::{Room, hull_points};
+use crate::hull_contact::Room;
+use crate::hull_contact::approach::hull_points;
 use crate::pair::Pair;
 use crate::plane_contact::plane_points;
+use crate::settings::Frame;
+use crate::state::Pose;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame, Pose};
 pub(crate) use found::Found;
 pub use found::Manifolds;
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};

@@ -1,10 +1,12 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
+use crate::bodies::{Bodies, BodyId, PairContactant};
 use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
 use crate::pair_rotation::turn_pair;
-use crate::{Bodies, BodyId, Inertia, PairContactant, Pose, Tally, Velocity};
+use crate::state::{Inertia, Pose, Velocity};
+use crate::tally::Tally;
 use glam::{DMat3, DVec3};
 
 /// A pair of bodies, by dense index; the first has the smaller one.

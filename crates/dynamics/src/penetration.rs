@@ -1,14 +1,14 @@
 //! How deep bodies are in each other.
 
+use crate::bodies::Bodies;
 use crate::broad_phase::find_pairs;
 use crate::compound_contact::near_parts;
 use crate::detection::{deepest, radius, second_from_first};
 use crate::hull_contact::{HullPair, Room};
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::{Pair, placed};
-use crate::settings::Width;
-use crate::{Bodies, Pose};
-use frangible_geometry::RigidTransform;
+use crate::state::Pose;
+use frangible_math::{RigidTransform, Width};
 
 /// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
 /// increasing order of the pairs: the shortest way that parts balls, half-spaces and convex
@@ -92,7 +92,8 @@ fn separation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Contactant, Motion, NewBody, Velocity};
+    use crate::bodies::{Contactant, Motion, NewBody};
+    use crate::state::Velocity;
     use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;

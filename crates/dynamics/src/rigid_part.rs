@@ -6,7 +6,8 @@
 //! and no contact that did not approach begins to. For an island that touches a static or kinematic
 //! body it is that body.
 
-use crate::{Bodies, Pose, Velocity};
+use crate::bodies::Bodies;
+use crate::state::{Pose, Velocity};
 use frangible_geometry::mass_properties::parallel_axis;
 use glam::{DMat3, DVec3};
 
@@ -97,7 +98,7 @@ impl Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Contactant, Motion, NewBody};
+    use crate::bodies::{Contactant, Motion, NewBody};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -3,8 +3,9 @@
 
 use crate::energy_fix::fix_rotational_energy;
 use crate::exact_rotation::rotate_exact;
-use crate::vector::Turn;
-use crate::{Inertia, Pose, Rotation, Velocity};
+use crate::settings::Rotation;
+use crate::state::{Inertia, Pose, Velocity};
+use frangible_math::Turn;
 use glam::{DQuat, DVec3};
 
 /// Moves a pose over `dt` [s]: the centre by its linear velocity, the orientation by `rotation`.

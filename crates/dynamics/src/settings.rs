@@ -1,5 +1,7 @@
 //! The numbers of a step, with their sources.
 
+use frangible_math::Width;
+
 /// Iteration counts of `Method::Paper`, as its authors ran it, and the switches that both methods
 /// have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,20 +49,6 @@ pub struct StepSettings {
     pub sleep: bool,
     /// The widest instructions to use. All of them give the same bits.
     pub width: Width,
-}
-
-/// How many numbers are computed at a time in double precision, up to eight in single precision; a
-/// machine that has not as many uses what it has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Width {
-    /// One.
-    Scalar,
-    /// Two.
-    Sse2,
-    /// Four.
-    Avx2,
-    /// Eight.
-    Avx512,
 }
 
 /// The rule by which a free body turns. All of them keep angular momentum.

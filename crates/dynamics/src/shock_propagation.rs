@@ -2,9 +2,9 @@
 //! holds still [GBF03 sec. 7]. Position phase only: its impulses, which are not mutual, never reach
 //! a velocity that lasts.
 
-use crate::Inertia;
 use crate::contact::Contact;
 use crate::contact_graph::ContactGraph;
+use crate::state::Inertia;
 
 /// One sweep from the lowest level to the highest; in the end all bodies can be moved again.
 pub fn propagate_shock(contact: &mut Contact, graph: &ContactGraph) {

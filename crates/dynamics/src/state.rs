@@ -1,6 +1,7 @@
 //! A body's state, split by what changes together.
 
-use frangible_geometry::{RigidTransform, Shape};
+use frangible_geometry::Shape;
+use frangible_math::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Where a body is at one time level.

@@ -4,13 +4,16 @@
 
 mod ways;
 
+use crate::bodies::Bodies;
 use crate::broad_phase::Swept;
 use crate::encounter::Encounter;
 use crate::flight::Flight;
-use crate::manifold::{ManifoldFinder, Manifolds};
+use crate::manifold::ManifoldFinder;
+use crate::manifold::found::Manifolds;
 use crate::pair::Pair;
+use crate::settings::Frame;
+use crate::state::Pose;
 use crate::warm_start::WarmStart;
-use crate::{Bodies, Frame, Pose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use ways::Ways;
@@ -237,9 +240,11 @@ impl Next {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bodies::{Contactant, Motion, NewBody};
     use crate::collisions::predict;
     use crate::manifold::find_manifolds;
-    use crate::{Contactant, Motion, NewBody, StepSettings, Velocity};
+    use crate::settings::StepSettings;
+    use crate::state::Velocity;
     use frangible_geometry::{ClosedForm, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;

@@ -1,9 +1,12 @@
 //! What an island pays: its relative velocities are scaled down, or stopped and its displacements
 //! shortened.
 
+use crate::bodies::{Bodies, BodyId, Motion};
 use crate::ledger::{Anchor, Ballistic, Island, energy, work_on};
 use crate::rigid_part::Twist;
-use crate::{Bodies, BodyId, Frame, Motion, Pose, Tally, Velocity};
+use crate::settings::Frame;
+use crate::state::{Pose, Velocity};
+use crate::tally::Tally;
 use glam::DVec3;
 
 /// What need not be found of what displacements change the energy by, relative to that: a

@@ -1,9 +1,10 @@
 //! What one frame did: momentum from outside, energy by cause, who owes it, and how often the
 //! safeguards were needed.
 
+use crate::bodies::{Bodies, BodyId, Motion};
 use crate::pair::{Approach, Pair, PairImpulse};
 use crate::rigid_part::Twist;
-use crate::{Bodies, BodyId, Motion, Velocity};
+use crate::state::Velocity;
 use glam::DVec3;
 use std::collections::BTreeMap;
 

@@ -1,12 +1,11 @@
 //! Impulses that contact points carry from one frame to the next, and each body's substeps and
 //! drowsiness.
 
-use crate::bodies::PerBody;
+use crate::bodies::{Bodies, BodyId, PerBody};
 use crate::manifold::Manifold;
 use crate::pair::Pair;
 use crate::sleep::Drowsiness;
-use crate::threads;
-use crate::{Bodies, BodyId};
+use frangible_math::threads;
 use glam::Vec3;
 use std::ops::Range;
 

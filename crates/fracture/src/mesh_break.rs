@@ -8,9 +8,9 @@ use crate::align::corners;
 use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, shatter};
 use frangible_geometry::polygonize::polygonize;
 use frangible_geometry::{
-    Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, RigidTransform, Shape, TriMesh,
-    solids_to_level_set,
+    Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, Shape, TriMesh, solids_to_level_set,
 };
+use frangible_math::RigidTransform;
 use glam::DVec3;
 use std::collections::BTreeMap;
 

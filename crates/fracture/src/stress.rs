@@ -9,8 +9,8 @@
 //! one body, and inertia balances them (inertia relief).
 
 use crate::Interface;
-use frangible_geometry::disjoint_sets::DisjointSets;
 use frangible_geometry::mass_properties::parallel_axis;
+use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 
 /// A rigid piece at unit density.

@@ -8,7 +8,8 @@
 )]
 
 use frangible_fracture::{BondStrength, Glued, PointLoad};
-use frangible_geometry::{Hull, RigidTransform};
+use frangible_geometry::Hull;
+use frangible_math::RigidTransform;
 use glam::{DQuat, DVec3};
 
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);

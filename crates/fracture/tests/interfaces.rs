@@ -9,7 +9,8 @@ use frangible_fracture::{
     Fragment, Impact, Interface, Pattern, ShatterSettings, Voronoi, align_pattern, interfaces,
     shatter,
 };
-use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, RigidTransform, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use frangible_math::RigidTransform;
 use glam::{DQuat, DVec3};
 
 const HALF: DVec3 = DVec3::new(0.5, 0.3, 0.4);

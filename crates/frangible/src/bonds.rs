@@ -17,7 +17,8 @@ use frangible_dynamics::pair::Pair;
 use frangible_dynamics::{Frame, Motion, NewBody, Tally};
 use frangible_fracture::bonds::prescore;
 use frangible_fracture::{BondStrength, Fragment, Glued, Impact, PointLoad};
-use frangible_geometry::{Compound, Hull, RigidTransform, Shape};
+use frangible_geometry::{Compound, Hull, Shape};
+use frangible_math::RigidTransform;
 use glam::DVec3;
 use rehearsal::rehearse;
 

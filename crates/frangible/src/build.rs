@@ -22,7 +22,8 @@ use frangible_dynamics::{
     Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity,
 };
 use frangible_fracture::{ShatterSettings, Smallest, generators::MOST_CELLS};
-use frangible_geometry::{Geometry, RigidTransform, Shape};
+use frangible_geometry::{Geometry, Shape};
+use frangible_math::RigidTransform;
 use std::sync::Arc;
 
 impl World {

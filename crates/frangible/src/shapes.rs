@@ -2,13 +2,12 @@
 
 use crate::check::{BuildError, Checker};
 use crate::desc::{PartDesc, Resolution, ShapeDesc};
-use frangible_geometry::mesh_io;
 use frangible_geometry::mesh_to_level_set::solids_to_level_set;
 use frangible_geometry::surface_samples::surface_samples;
 use frangible_geometry::{
-    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, RigidTransform, Shape,
-    TriMesh,
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, TriMesh, mesh_io,
 };
+use frangible_math::RigidTransform;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;

@@ -3,7 +3,8 @@
 use crate::bvh::Bvh;
 use crate::hull::hull_samples;
 use crate::mass_properties::parallel_axis;
-use crate::{HalfSpace, Hull, MassProperties, RigidTransform, Surface};
+use crate::{HalfSpace, Hull, MassProperties, Surface};
+use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
 
 /// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*:

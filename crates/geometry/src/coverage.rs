@@ -142,7 +142,8 @@ mod tests {
     use super::*;
     use crate::material::{Held, Material};
     use crate::moments::VoxelMoments;
-    use crate::{ClosedForm, MassProperties, RigidTransform};
+    use crate::{ClosedForm, MassProperties};
+    use frangible_math::RigidTransform;
     use glam::{DMat3, DQuat};
     use proptest::prelude::*;
 

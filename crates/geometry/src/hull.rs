@@ -14,15 +14,16 @@ mod weld;
 
 pub use carve::Carver;
 pub use clip::Clipper;
-pub use columns::{COLUMN, Column, Columns};
+pub use columns::Columns;
 pub use of_points::HullError;
 pub(crate) use rounded::{DRAWN_SIDES, rounded_surface};
 pub use samples::hull_samples;
 pub use weld::weld_hulls;
 
 use crate::mesh::Tetrahedra;
-use crate::{HalfSpace, MassProperties, RigidTransform, Surface, TriMesh};
+use crate::{HalfSpace, MassProperties, Surface, TriMesh};
 use columns::LazyColumns;
+use frangible_math::RigidTransform;
 use glam::DVec3;
 use loops::Loops;
 use net::Net;

@@ -1,7 +1,7 @@
 //! Volume, centre of mass and inertia at unit density.
 
-use crate::symmetric::symmetric_eigen;
-use crate::{NoMass, RigidTransform};
+use crate::NoMass;
+use frangible_math::{RigidTransform, symmetric_eigen};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Inertial properties at unit density; multiply by a density [kg/m^3] for a body's.

@@ -1,7 +1,7 @@
 //! How the triangles of a mesh hang together.
 
 use crate::TriMesh;
-use crate::disjoint_sets::DisjointSets;
+use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 
 /// What there is to know about a mesh at a glance.

@@ -1,6 +1,6 @@
 //! Quadratic error functions: the point that lies on given planes best.
 
-use crate::symmetric::symmetric_eigen;
+use frangible_math::symmetric_eigen;
 use glam::{DMat3, DVec3};
 
 /// Sum of squared distances to planes, in units of a cell and counted from its middle [JLSW02: Ju,

@@ -6,9 +6,8 @@ use crate::hull::{hull_samples, rounded_surface};
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
-use crate::{
-    ClosedForm, GridSolid, Hull, MassProperties, NoMass, RigidTransform, Surface, TriMesh,
-};
+use crate::{ClosedForm, GridSolid, Hull, MassProperties, NoMass, Surface, TriMesh};
+use frangible_math::RigidTransform;
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 

@@ -7,7 +7,8 @@
     reason = "a test that cannot go on fails"
 )]
 
-use frangible_geometry::{Compound, HalfSpace, Hull, NoMass, RigidTransform, Shape};
+use frangible_geometry::{Compound, HalfSpace, Hull, NoMass, Shape};
+use frangible_math::RigidTransform;
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 

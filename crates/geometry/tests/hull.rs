@@ -9,8 +9,9 @@
 
 use frangible_geometry::{
     Carver, Clipper, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace,
-    MassProperties, RigidTransform, Shape,
+    MassProperties, Shape,
 };
+use frangible_math::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 

@@ -8,7 +8,7 @@
     reason = "a test that cannot go on fails"
 )]
 
-use frangible::dynamics::Width;
+use frangible::math::Width;
 use frangible::{SceneDesc, World, step};
 use frangible_shots::{Shot, ShotOptions};
 use std::fmt::Write;

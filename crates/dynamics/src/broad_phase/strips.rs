@@ -5,7 +5,7 @@
 use super::Bounds;
 use super::crowd::{most_pairs, thinned};
 use crate::pair::Pair;
-use crate::threads;
+use frangible_math::threads;
 use glam::DVec3;
 
 /// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so

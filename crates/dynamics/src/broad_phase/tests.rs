@@ -1,8 +1,9 @@
 use super::*;
-use crate::instructions::Scalar;
-use crate::settings::Width;
-use crate::{Contactant, NewBody, StepSettings, Velocity};
+use crate::bodies::{Contactant, NewBody};
+use crate::settings::StepSettings;
+use crate::state::Velocity;
 use frangible_geometry::HalfSpace;
+use frangible_math::{Scalar, Width};
 use glam::DQuat;
 use proptest::prelude::*;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use super::constraints::{Constraint, MOST_POINTS};
 use super::solver_bodies::{
     LaneDisplacements, LaneVelocities, Lines, displacements, inverse_inertias, velocities,
 };
-use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Symmetric};
+use frangible_math::{Instructions, LANES, Mask, Single, Single3, Symmetric};
 use glam::DVec3;
 
 /// Where the entry of points i and j of the symmetric 4 x 4 matrix K is stored.

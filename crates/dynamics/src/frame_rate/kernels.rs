@@ -4,7 +4,7 @@
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
 use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines};
-use crate::lanes::{Instructions, Mask, Single, Single3, Symmetric};
+use frangible_math::{Instructions, Mask, Single, Single3, Symmetric};
 
 /// Half of the angle [rad] up to which arms do not turn with their bodies within a frame: the
 /// error of a separation is its square then, a micrometre at the end of a metre.

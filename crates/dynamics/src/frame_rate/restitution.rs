@@ -6,7 +6,7 @@ use super::contact_batch::{ContactBatch, ENTRY};
 use super::group::Slab;
 use super::kernels::{POINT_SWEEPS, Sides, Substep, clamp_to_cone, shortened, stopping};
 use super::solver_bodies::{LaneDisplacements, Lines, SolverBodies, SolverBody};
-use crate::lanes::{Instructions, LANES, Mask, Single, Single3};
+use frangible_math::{Instructions, LANES, Mask, Single, Single3};
 
 /// Visits of batches in a substep's impacts: at least, and per batch. A row of 500 touching
 /// balls takes 1,000; what comes later is stopped without bouncing.

@@ -3,8 +3,9 @@
 //! may be solved at a time, and then all odd ones, whichever thread takes which.
 
 use super::group::NOWHERE;
+use crate::bodies::{Bodies, Motion};
 use crate::manifold::Manifold;
-use crate::{Bodies, Inertia, Motion};
+use crate::state::Inertia;
 use glam::DVec3;
 
 /// Manifolds of a slab, and of a bundle of islands: enough to fill the lanes of its colours, few

@@ -1,9 +1,11 @@
 //! Bodies as the substeps see them: two cache lines of single precision each, relative to the
 //! frame's start. Poses and velocities in double precision stay outside of the loop.
 
-use crate::lanes::{Instructions, LANES, Single, Single3, Singles, Symmetric, Three};
+use crate::bodies::{Bodies, Motion};
 use crate::rotation::advance;
-use crate::{Bodies, Inertia, Motion, Pose, Rotation, Velocity};
+use crate::settings::Rotation;
+use crate::state::{Inertia, Pose, Velocity};
+use frangible_math::{Instructions, LANES, Single, Single3, Singles, Symmetric, Three};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::ops::Range;
 
@@ -372,7 +374,7 @@ impl<I: Instructions> LaneDisplacements<I> {
     pub(super) fn retreat(
         &self,
         (lines, ids): (&mut [SolverBody], &[u32; LANES]),
-        lanes: crate::lanes::Mask,
+        lanes: frangible_math::Mask,
         (linear, angular): (Single3<I>, Single3<I>),
         time: Single<I>,
     ) {

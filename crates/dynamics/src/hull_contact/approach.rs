@@ -1,11 +1,13 @@
 //! When two hulls meet on their ways through a frame.
 
-use super::{FEW_POINTS, HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
+use super::{HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
+use crate::hull_contact::reduce::FEW_POINTS;
 
 use crate::encounter::Encounter;
 use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
-use frangible_geometry::{Hull, RigidTransform};
+use frangible_geometry::Hull;
+use frangible_math::RigidTransform;
 use glam::DVec3;
 
 /// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at

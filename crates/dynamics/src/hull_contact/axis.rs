@@ -3,8 +3,8 @@
 
 use super::eight::{IN_BOTH, furthest_edges, furthest_face, mark_within};
 use super::{HullPair, Room};
-use crate::instructions::with_widest;
-use frangible_geometry::{HalfSpace, Hull, RigidTransform};
+use frangible_geometry::{HalfSpace, Hull};
+use frangible_math::{RigidTransform, with_widest};
 use glam::{DMat3, DVec3};
 
 /// Where a frame is in another, ready to be used often.

@@ -3,8 +3,8 @@
 //! How far a face or edges are apart is then measured in double precision.
 
 use super::axis::{PARALLEL, Placement, Ridge};
-use crate::lanes::{Instructions, LANES, Mask, Single, Single3, Three};
-use frangible_geometry::{Column, Columns, HalfSpace};
+use frangible_geometry::{Columns, HalfSpace};
+use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three};
 use glam::{DMat3, DVec3};
 
 /// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of
@@ -118,7 +118,7 @@ pub(super) fn mark_within<I: Instructions>(
 }
 
 /// Eight ridges: where they begin, along them, and the two normals beside them.
-pub(super) type RidgeColumns = [[Column; 3]; 4];
+pub(super) type RidgeColumns = [[Singles; 3]; 4];
 
 /// The places of the two ridges, one of each hull, along whose common perpendicular these are
 /// furthest apart, of those that make a face of the Minkowski difference and are not parallel.
@@ -128,7 +128,7 @@ pub(super) fn furthest_edges<I: Instructions>(
 ) -> Option<[usize; 2]> {
     // The second ones side by side, from where the first one begins; what the last column has too
     // many of has no length.
-    const NONE: Column = Column([0.0; LANES]);
+    const NONE: Singles = Singles([0.0; LANES]);
     let origin = first.first()?.ends[0];
     columns.clear();
     columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 4]);
@@ -297,12 +297,12 @@ impl<I: Instructions> Best<I> {
 
 /// A vector in each lane.
 #[inline(always)]
-fn three<I: Instructions>([x, y, z]: [&Column; 3]) -> Single3<I> {
+fn three<I: Instructions>([x, y, z]: [&Singles; 3]) -> Single3<I> {
     Three { x: Single::of_column(x), y: Single::of_column(y), z: Single::of_column(z) }
 }
 
 #[inline(always)]
-fn three_of<I: Instructions>([x, y, z]: &[Column; 3]) -> Single3<I> {
+fn three_of<I: Instructions>([x, y, z]: &[Singles; 3]) -> Single3<I> {
     three([x, y, z])
 }
 

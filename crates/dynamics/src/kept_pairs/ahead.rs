@@ -1,10 +1,10 @@
 //! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that
 //! their memory is asked for ahead.
 
-use crate::instructions::prefetch;
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
 use crate::pair::Pair;
 use frangible_geometry::{Columns, Hull, Shape};
+use frangible_math::prefetch;
 use std::slice::from_ref;
 
 /// What a body is to those it meets.

@@ -1,9 +1,11 @@
 //! Whom a body may reach that strays from its ballistic way.
 
 use super::Stray;
+use crate::bodies::Bodies;
 use crate::broad_phase::{Bounds, Ground};
-use crate::threads;
-use crate::{Bodies, Frame, Pose};
+use crate::settings::Frame;
+use crate::state::Pose;
+use frangible_math::threads;
 use glam::DVec3;
 
 /// Bodies wider than this, in units of the mean, are few, and looked at one by one [1].

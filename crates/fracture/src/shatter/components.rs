@@ -1,8 +1,8 @@
 //! The connected parts of each region's share of a body [Su09 sec. 4.2].
 
 use super::regions::{NONE, Share, Shares};
-use frangible_geometry::disjoint_sets::DisjointSets;
 use frangible_geometry::{Grid, GridSolid, Portion, Run, Span};
+use frangible_math::DisjointSets;
 use glam::DVec3;
 
 /// The connected parts.

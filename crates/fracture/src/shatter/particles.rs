@@ -11,9 +11,8 @@ use super::{
 use crate::Placement;
 use crate::pattern::Region;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
-use frangible_geometry::{
-    BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, RigidTransform, Shape,
-};
+use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, Shape};
+use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
 use owners::Owners;
 

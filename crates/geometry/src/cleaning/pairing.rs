@@ -2,7 +2,7 @@
 
 use crate::TriMesh;
 use crate::bvh::Bvh;
-use crate::disjoint_sets::DisjointSets;
+use frangible_math::DisjointSets;
 use glam::DVec3;
 
 /// No partner.

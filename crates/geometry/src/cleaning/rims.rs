@@ -2,8 +2,8 @@
 
 use super::pairing::{NONE, Pairing};
 use crate::TriMesh;
-use crate::disjoint_sets::DisjointSets;
 use crate::polygon::triangulate;
+use frangible_math::DisjointSets;
 use glam::DVec3;
 
 /// Triangles that close what is open. Corners are numbered `3 t + k`, and those that `vertices`

@@ -2,16 +2,9 @@
 //! time.
 
 use crate::HalfSpace;
+use frangible_math::{LANES, Singles};
 use glam::DVec3;
 use std::sync::OnceLock;
-
-/// As many numbers as lie side by side.
-pub const COLUMN: usize = 8;
-
-/// One number of each of some faces or vertices.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub struct Column(pub [f32; COLUMN]);
 
 /// The faces and vertices of a hull.
 #[derive(Clone, Debug)]
@@ -20,7 +13,7 @@ pub struct Columns {
     /// precision is relative to the hull's size.
     pub middle: DVec3,
     /// Four for each eight faces, then three for each eight vertices.
-    columns: Box<[Column]>,
+    columns: Box<[Singles]>,
     /// How many of them are of faces.
     of_faces: usize,
 }
@@ -29,41 +22,41 @@ impl Columns {
     /// Normals and offsets [m], of eight faces each; the last eight are filled up with the first
     /// one.
     #[inline]
-    pub fn faces(&self) -> &[[Column; 4]] {
+    pub fn faces(&self) -> &[[Singles; 4]] {
         self.columns[..self.of_faces].as_chunks().0
     }
 
     /// Positions [m], of eight vertices each; the last eight are filled up with the first one.
     #[inline]
-    pub fn vertices(&self) -> &[[Column; 3]] {
+    pub fn vertices(&self) -> &[[Singles; 3]] {
         self.columns[self.of_faces..].as_chunks().0
     }
 
     /// All of them, for who asks for memory before it is needed.
     #[inline]
-    pub fn all(&self) -> &[Column] {
+    pub fn all(&self) -> &[Singles] {
         &self.columns
     }
 
     fn new(vertices: &[DVec3], planes: &[HalfSpace]) -> Self {
         let middle = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
-        let (faces, corners) = (planes.len().div_ceil(COLUMN), vertices.len().div_ceil(COLUMN));
+        let (faces, corners) = (planes.len().div_ceil(LANES), vertices.len().div_ceil(LANES));
         let (of_faces, of_vertices) = (4 * faces, 3 * corners);
-        let mut columns = vec![Column([0.0; COLUMN]); of_faces + of_vertices].into_boxed_slice();
+        let mut columns = vec![Singles::ZERO; of_faces + of_vertices].into_boxed_slice();
         let (for_faces, for_vertices) = columns.split_at_mut(of_faces);
-        for at in 0..faces * COLUMN {
+        for at in 0..faces * LANES {
             let HalfSpace { normal, offset } = *planes.get(at).unwrap_or(&planes[0]);
             let numbers = [normal.x, normal.y, normal.z, offset - normal.dot(middle)];
-            for (column, number) in for_faces[4 * (at / COLUMN)..].iter_mut().zip(numbers) {
-                column.0[at % COLUMN] = number as f32;
+            for (column, number) in for_faces[4 * (at / LANES)..].iter_mut().zip(numbers) {
+                column.0[at % LANES] = number as f32;
             }
         }
-        for at in 0..corners * COLUMN {
+        for at in 0..corners * LANES {
             let lever = *vertices.get(at).unwrap_or(&vertices[0]) - middle;
             for (column, number) in
-                for_vertices[3 * (at / COLUMN)..].iter_mut().zip(lever.to_array())
+                for_vertices[3 * (at / LANES)..].iter_mut().zip(lever.to_array())
             {
-                column.0[at % COLUMN] = number as f32;
+                column.0[at % LANES] = number as f32;
             }
         }
         Self { middle, columns, of_faces }
@@ -96,7 +89,8 @@ impl LazyColumns {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Hull, RigidTransform};
+    use crate::Hull;
+    use frangible_math::RigidTransform;
     use glam::{DQuat, DVec3};
 
     /// Far from the frame's origin as near it, all faces and vertices are where they are, to single

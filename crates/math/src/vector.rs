@@ -2,51 +2,39 @@
 //! is the same for either, bit for bit.
 
 use crate::lanes::Three;
+use crate::number::Number;
 use glam::{DQuat, DVec3};
-use std::ops::{Add, Div, Mul, Neg, Sub};
-
-/// A number, or one in each lane.
-pub(crate) trait Number:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-    fn of(value: f64) -> Self;
-}
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Three numbers.
-pub(crate) trait Vector:
+pub trait Vector:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Self::Number, Output = Self>
     + Neg<Output = Self>
 {
+    /// Of its components.
     type Number: Number;
+    /// The dot product.
     fn dot(self, other: Self) -> Self::Number;
+    /// The cross product.
     fn cross(self, other: Self) -> Self;
     /// Component by component.
     fn times(self, other: Self) -> Self;
     /// Each component less a number.
     fn less(self, number: Self::Number) -> Self;
+    /// Along x, y and z.
     fn components(self) -> [Self::Number; 3];
 }
 
 /// A unit quaternion by its vector and its scalar.
 #[derive(Clone, Copy)]
-pub(crate) struct Turn<V: Vector> {
-    pub(crate) vector: V,
-    pub(crate) scalar: V::Number,
-}
-
-impl Number for f64 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
+pub struct Turn<V: Vector> {
+    /// The axis times the sine of half the angle.
+    pub vector: V,
+    /// The cosine of half the angle.
+    pub scalar: V::Number,
 }
 
 impl Vector for DVec3 {
@@ -110,7 +98,7 @@ impl<N: Number> Vector for Three<N> {
 impl<V: Vector> Turn<V> {
     /// First `other`, then this.
     #[inline(always)]
-    pub(crate) fn after(self, other: Self) -> Self {
+    pub fn after(self, other: Self) -> Self {
         Self {
             vector: other.vector * self.scalar
                 + self.vector * other.scalar
@@ -121,14 +109,14 @@ impl<V: Vector> Turn<V> {
 
     /// The other way.
     #[inline(always)]
-    pub(crate) fn back(self) -> Self {
+    pub fn back(self) -> Self {
         Self { vector: -self.vector, scalar: self.scalar }
     }
 
     /// Turns a vector. Written like this its rounding does not lean to one side: a million
     /// rotations keep their energy.
     #[inline(always)]
-    pub(crate) fn turn(self, v: V) -> V {
+    pub fn turn(self, v: V) -> V {
         let Self { vector: b, scalar: w } = self;
         let two = V::Number::of(2.0);
         v * (w * w - b.dot(b)) + b * (v.dot(b) * two) + b.cross(v) * (w * two)
@@ -137,7 +125,7 @@ impl<V: Vector> Turn<V> {
     /// By `|theta|` [rad] about `theta`, of which the square is below 1e-4: by its series, where
     /// the next term, |theta|^6/46080 of the cosine, is below rounding.
     #[inline(always)]
-    pub(crate) fn by_little(theta: V) -> Self {
+    pub fn by_little(theta: V) -> Self {
         let of = V::Number::of;
         let squared = theta.dot(theta);
         let square = squared * squared;

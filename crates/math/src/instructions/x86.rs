@@ -1,7 +1,7 @@
-//! The same operations on whole registers. Sound because [`available`](super::available) names a
+//! The same operations on whole registers. Sound because [`available`](crate::available) names a
 //! set only where the machine has it, and the sizes are equal.
 
-use super::{Instructions, LANES, Numbers, Singles};
+use crate::instructions::{Instructions, LANES, Numbers, Singles};
 use std::arch::x86_64::*;
 use std::mem::transmute;
 
@@ -63,7 +63,7 @@ macro_rules! instructions {
      $transpose:ident, $singles:ty, $transpose_singles:ident, {$($arithmetic:tt)*}) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub(crate) struct $name;
+        pub struct $name;
 
         impl $name {
             #[inline(always)]

@@ -15,7 +15,7 @@ const FEW: usize = 256;
 
 /// Whether so many things are worth sharing out, and there is anybody to share with: from outside
 /// of the pool, the way into it costs more than most of this work.
-pub(crate) fn is_shared(things: usize) -> bool {
+pub fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
@@ -48,16 +48,12 @@ fn with<T, R>(locked: &Mutex<T>, call: impl FnOnce(&mut T) -> R) -> R {
 }
 
 /// Does something with each item, that hold so many things between them.
-pub(crate) fn for_each<T: Send>(
-    items: &mut [T],
-    things: usize,
-    visit: impl Fn(&mut T) + Send + Sync,
-) {
+pub fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&mut T) + Send + Sync) {
     for_each_with(items, things, || (), |(), item| visit(item));
 }
 
 /// As [`for_each`], with room that is used again from item to item.
-pub(crate) fn for_each_with<T: Send, R>(
+pub fn for_each_with<T: Send, R>(
     items: &mut [T],
     things: usize,
     room: impl Fn() -> R + Send + Sync,
@@ -79,7 +75,7 @@ pub(crate) fn for_each_with<T: Send, R>(
 
 /// Does two things at a time, that hold so many things between them, if somebody is there for the
 /// second one.
-pub(crate) fn join<A: Send, B: Send>(
+pub fn join<A: Send, B: Send>(
     things: usize,
     one: impl FnOnce() -> A + Send,
     other: impl FnOnce() -> B + Send,
@@ -97,7 +93,7 @@ pub fn map<T: Send, R: Send>(
 }
 
 /// As [`map`], with room that is used again for the next items of a thread.
-pub(crate) fn map_with<T: Send, R: Send, O>(
+pub fn map_with<T: Send, R: Send, O>(
     items: Vec<T>,
     things: usize,
     room: impl Fn() -> O + Send + Sync,
@@ -116,7 +112,7 @@ pub(crate) fn map_with<T: Send, R: Send, O>(
 }
 
 /// A list of so many things, each by its number.
-pub(crate) fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+pub fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     if is_shared(count) {
         let of: &(dyn Fn(usize) -> R + Sync) = &of;
         (0..count).into_par_iter().with_min_len(FEW).map(of).collect()

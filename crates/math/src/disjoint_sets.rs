@@ -13,6 +13,7 @@ impl DisjointSets {
     }
 
     /// The root of the set that holds `member`.
+    #[inline]
     pub fn root(&mut self, member: u32) -> u32 {
         let mut at = member;
         while self.parent[at as usize] != at {
@@ -25,6 +26,7 @@ impl DisjointSets {
     }
 
     /// Makes one set of two.
+    #[inline]
     pub fn unite(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b) as usize] = a.min(b);

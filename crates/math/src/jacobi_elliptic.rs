@@ -5,18 +5,19 @@
 /// neither a small rate nor an m near 0 or 1 is a special case. With it the functions are, up to
 /// signs, `sn^2 = (rate t)^2 / series`, `cn^2 = 1 - sn^2` and `dn^2 = 1 - m sn^2`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Series {
+pub struct Series {
     coefficients: [f64; 9],
 }
 
 impl Series {
-    /// Largest |rate t| at which the first term that nine terms omit is below rounding, and six.
-    pub(crate) const REACH: f64 = 0.4;
-    pub(crate) const SHORT_REACH: f64 = 0.15;
+    /// Largest |rate t| at which the first term that nine terms omit is below rounding.
+    pub const REACH: f64 = 0.4;
+    /// The same for six terms.
+    pub const SHORT_REACH: f64 = 0.15;
 
     /// From `rate^2` and `m rate^2`, the latter no more than the former.
     #[inline]
-    pub(crate) fn new(a: f64, b: f64) -> Self {
+    pub fn new(a: f64, b: f64) -> Self {
         // rate^2 ns^2 is Weierstrass's function plus (a + b)/3, with g2 = 20 c2, g3 = 28 c3 and c_k
         // = 3 / ((2k + 1)(k - 3)) sum c_j c_{k-j} [A&S 18.5.2, 18.5.3, 18.9]. Its series converges
         // for
@@ -34,7 +35,7 @@ impl Series {
 
     /// Its sum to so many terms.
     #[inline]
-    pub(crate) fn at<const TERMS: usize>(&self, t_squared: f64) -> f64 {
+    pub fn at<const TERMS: usize>(&self, t_squared: f64) -> f64 {
         let terms = self.coefficients[..TERMS].iter().rev();
         1.0 + t_squared * terms.fold(0.0, |sum, coefficient| sum * t_squared + coefficient)
     }
@@ -42,7 +43,8 @@ impl Series {
 
 /// Arithmetic-geometric mean of a and b, `a >= b > 0`: the quarter period is `K = pi / (2 agm(1,
 /// sqrt(1 - m)))` [A&S 17.6].
-pub(crate) fn arithmetic_geometric_mean(mut a: f64, mut b: f64) -> f64 {
+#[inline]
+pub fn arithmetic_geometric_mean(mut a: f64, mut b: f64) -> f64 {
     while a - b > 1e-8 * a {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }

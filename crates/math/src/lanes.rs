@@ -1,51 +1,52 @@
 //! Several numbers at a time. No lane sees another, so it does not matter how many of them the
 //! machine does at once.
 
-pub(crate) use crate::instructions::{Instructions, Numbers, Singles};
-use crate::vector::Number;
-use frangible_geometry::Column;
+use crate::instructions::{Instructions, LANES, Numbers, Singles};
+use crate::number::Number;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// As many as the widest registers hold.
-pub(crate) const LANES: usize = 8;
-
 /// A number in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes<I>(Numbers, PhantomData<I>);
+pub struct Lanes<I>(Numbers, PhantomData<I>);
 
 /// A number in each lane in single precision: what contact is computed with, and kept in, that has
 /// no sum to keep exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Single<I>(Singles, PhantomData<I>);
+pub struct Single<I>(Singles, PhantomData<I>);
 
 /// A yes or no in each lane: its bits, the first lane's lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Mask(u8);
+pub struct Mask(u8);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Three<N> {
-    pub(crate) x: N,
-    pub(crate) y: N,
-    pub(crate) z: N,
+pub struct Three<N> {
+    /// Along x.
+    pub x: N,
+    /// Along y.
+    pub y: N,
+    /// Along z.
+    pub z: N,
 }
 
-pub(crate) type Lanes3<I> = Three<Lanes<I>>;
-pub(crate) type Single3<I> = Three<Single<I>>;
+/// A vector in each lane, in double precision.
+pub type Lanes3<I> = Three<Lanes<I>>;
+/// A vector in each lane, in single precision.
+pub type Single3<I> = Three<Single<I>>;
 
 /// A symmetric matrix in each lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Symmetric<N> {
+pub struct Symmetric<N> {
     /// On the diagonal.
-    pub(crate) diagonal: Three<N>,
+    pub diagonal: Three<N>,
     /// The entries yz, xz and xy.
-    pub(crate) off: Three<N>,
+    pub off: Three<N>,
 }
 
 /// What a [`Mask`] selects.
-pub(crate) trait Blend: Copy {
+pub trait Blend: Copy {
     /// In each lane whose bit is set `yes`, else `no`.
     fn blend(mask: u8, yes: Self, no: Self) -> Self;
 }
@@ -54,20 +55,24 @@ macro_rules! of_lanes {
     ($name:ident, $memory:ident, $number:ty: $above:ident, $sqrt:ident, $select:ident,
      $($trait:ident $method:ident $operation:ident),*) => {
         impl<I: Instructions> $name<I> {
-            pub(crate) const ZERO: Self = Self($memory::ZERO, PhantomData);
+            /// Zero in each lane.
+            pub const ZERO: Self = Self($memory::ZERO, PhantomData);
 
+            /// The same in each lane.
             #[inline(always)]
-            pub(crate) fn splat(value: f64) -> Self {
+            pub fn splat(value: f64) -> Self {
                 Self($memory([value as $number; LANES]), PhantomData)
             }
 
+            /// The roots.
             #[inline(always)]
-            pub(crate) fn sqrt(self) -> Self {
+            pub fn sqrt(self) -> Self {
                 Self(I::$sqrt(self.0), PhantomData)
             }
 
+            /// Where this is greater than `other`.
             #[inline(always)]
-            pub(crate) fn above(self, other: Self) -> Mask {
+            pub fn above(self, other: Self) -> Mask {
                 Mask(I::$above(self.0, other.0))
             }
         }
@@ -113,7 +118,7 @@ of_lanes!(Single, Singles, f32: above_singles, sqrt_singles, select_singles,
 impl<I: Instructions> Lanes<I> {
     /// Rows become columns.
     #[inline(always)]
-    pub(crate) fn transposed(rows: [Numbers; LANES]) -> [Self; LANES] {
+    pub fn transposed(rows: [Numbers; LANES]) -> [Self; LANES] {
         let columns = I::transpose(rows);
         let mut lanes = [Self::ZERO; LANES];
         for i in 0..LANES {
@@ -124,7 +129,7 @@ impl<I: Instructions> Lanes<I> {
 
     /// See [`Self::transposed`].
     #[inline(always)]
-    pub(crate) fn rows(columns: [Self; LANES]) -> [Numbers; LANES] {
+    pub fn rows(columns: [Self; LANES]) -> [Numbers; LANES] {
         let mut numbers = [Numbers::ZERO; LANES];
         for i in 0..LANES {
             numbers[i] = columns[i].0;
@@ -135,30 +140,32 @@ impl<I: Instructions> Lanes<I> {
 
 impl<I: Instructions> Single<I> {
     /// Of one lane.
-    pub(crate) fn get(&self, lane: usize) -> f64 {
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> f64 {
         f64::from(self.0.0[lane])
     }
 
     /// Of one lane.
-    pub(crate) fn set(&mut self, lane: usize, value: f64) {
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: f64) {
         self.0.0[lane] = value as f32;
     }
 
     /// Eight numbers that lie side by side.
     #[inline(always)]
-    pub(crate) fn of_column(column: &Column) -> Self {
-        Self(Singles(column.0), PhantomData)
+    pub fn of_column(column: &Singles) -> Self {
+        Self(*column, PhantomData)
     }
 
     /// One number in all lanes.
     #[inline(always)]
-    pub(crate) fn same(value: f32) -> Self {
+    pub fn same(value: f32) -> Self {
         Self(Singles([value; LANES]), PhantomData)
     }
 
     /// Of all lanes, by pairs, so that no comparison waits for many others.
     #[inline(always)]
-    pub(crate) fn largest(self) -> f32 {
+    pub fn largest(self) -> f32 {
         let mut largest = self.0.0;
         for half in [4, 2, 1] {
             for lane in 0..half {
@@ -171,13 +178,13 @@ impl<I: Instructions> Single<I> {
 
     /// In the order of the lanes.
     #[inline(always)]
-    pub(crate) fn to_array(self) -> [f32; LANES] {
+    pub fn to_array(self) -> [f32; LANES] {
         self.0.0
     }
 
     /// Rows become columns.
     #[inline(always)]
-    pub(crate) fn transposed(rows: [Singles; LANES]) -> [Self; LANES] {
+    pub fn transposed(rows: [Singles; LANES]) -> [Self; LANES] {
         let columns = I::transpose_singles(rows);
         let mut lanes = [Self::ZERO; LANES];
         for i in 0..LANES {
@@ -188,7 +195,7 @@ impl<I: Instructions> Single<I> {
 
     /// See [`Self::transposed`].
     #[inline(always)]
-    pub(crate) fn rows(columns: [Self; LANES]) -> [Singles; LANES] {
+    pub fn rows(columns: [Self; LANES]) -> [Singles; LANES] {
         let mut singles = [Singles::ZERO; LANES];
         for i in 0..LANES {
             singles[i] = columns[i].0;
@@ -198,52 +205,61 @@ impl<I: Instructions> Single<I> {
 
     /// The larger one; `other` where this is not a number.
     #[inline(always)]
-    pub(crate) fn max(self, other: Self) -> Self {
+    pub fn max(self, other: Self) -> Self {
         Self(I::max_singles(self.0, other.0), PhantomData)
     }
 
     /// The smaller one; `other` where this is not a number.
     #[inline(always)]
-    pub(crate) fn min(self, other: Self) -> Self {
+    pub fn min(self, other: Self) -> Self {
         Self(I::min_singles(self.0, other.0), PhantomData)
     }
 }
 
 impl Mask {
-    pub(crate) const NONE: Self = Self(0);
+    /// No lane.
+    pub const NONE: Self = Self(0);
 
+    /// Whether the lane is in.
     #[inline(always)]
-    pub(crate) fn get(self, lane: usize) -> bool {
+    pub fn get(self, lane: usize) -> bool {
         self.0 >> lane & 1 == 1
     }
 
+    /// Takes the lane in, or out.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: bool) {
+    pub fn set(&mut self, lane: usize, value: bool) {
         self.0 = self.0 & !(1 << lane) | u8::from(value) << lane;
     }
 
+    /// In each lane that is in `yes`, else `no`.
     #[inline(always)]
-    pub(crate) fn select<T: Blend>(self, yes: T, no: T) -> T {
+    pub fn select<T: Blend>(self, yes: T, no: T) -> T {
         T::blend(self.0, yes, no)
     }
 
+    /// The lanes that are in both.
     #[inline(always)]
-    pub(crate) fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
+    /// The lanes that are in one of them, or in both.
     #[inline(always)]
-    pub(crate) fn or(self, other: Self) -> Self {
+    pub fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
+    /// The lanes that are out.
+    #[allow(clippy::should_implement_trait, reason = "it follows `and` and `or` in chains")]
     #[inline(always)]
-    pub(crate) fn not(self) -> Self {
+    pub fn not(self) -> Self {
         Self(!self.0)
     }
 
+    /// Whether any lane is in.
     #[inline(always)]
-    pub(crate) fn any(self) -> bool {
+    pub fn any(self) -> bool {
         self.0 != 0
     }
 }
@@ -259,18 +275,19 @@ impl<N: Blend> Blend for Three<N> {
     }
 }
 
-impl<I: Instructions> Lanes3<I> {}
-
 impl<I: Instructions> Single3<I> {
-    pub(crate) const ZERO: Self = Self { x: Single::ZERO, y: Single::ZERO, z: Single::ZERO };
+    /// Zero in each lane.
+    pub const ZERO: Self = Self { x: Single::ZERO, y: Single::ZERO, z: Single::ZERO };
 
+    /// Of one lane.
     #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> DVec3 {
+    pub fn get(&self, lane: usize) -> DVec3 {
         DVec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
 
+    /// Of one lane.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: DVec3) {
+    pub fn set(&mut self, lane: usize, value: DVec3) {
         self.x.set(lane, value.x);
         self.y.set(lane, value.y);
         self.z.set(lane, value.z);
@@ -278,7 +295,7 @@ impl<I: Instructions> Single3<I> {
 
     /// No longer than `most` in each lane.
     #[inline(always)]
-    pub(crate) fn shortened_to(self, most: Single<I>) -> Self {
+    pub fn shortened_to(self, most: Single<I>) -> Self {
         let squared = self.dot(self);
         let is_over = squared.above(most * most);
         self * is_over.select(most / squared.sqrt(), Single::splat(1.0))
@@ -286,18 +303,21 @@ impl<I: Instructions> Single3<I> {
 }
 
 impl<N: Number> Three<N> {
+    /// The same in each lane.
     #[inline(always)]
-    pub(crate) fn splat(value: DVec3) -> Self {
+    pub fn splat(value: DVec3) -> Self {
         Self { x: N::of(value.x), y: N::of(value.y), z: N::of(value.z) }
     }
 
+    /// The dot products.
     #[inline(always)]
-    pub(crate) fn dot(self, other: Self) -> N {
+    pub fn dot(self, other: Self) -> N {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// The cross products.
     #[inline(always)]
-    pub(crate) fn cross(self, other: Self) -> Self {
+    pub fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
             y: self.z * other.x - self.x * other.z,
@@ -305,8 +325,6 @@ impl<N: Number> Three<N> {
         }
     }
 }
-
-impl<I: Instructions> Symmetric<Lanes<I>> {}
 
 impl<N: Number> Mul<Three<N>> for Symmetric<N> {
     type Output = Three<N>;
