@@ -54,9 +54,9 @@ test-rust: tests/tools/node_modules/.package-lock.json
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	cargo test --workspace --locked --test '*'
 	cargo test --workspace --locked --doc
-	@# All but the solver's, with the Python module, so that features and what is compiled stay the same.
-	cargo test --workspace --locked --lib --exclude frangible-dynamics
-	cargo test --package frangible-dynamics --locked --lib --profile unit
+	@# All but those with kernels, with the Python module, so that features and what is compiled stay the same.
+	cargo test --workspace --locked --lib --exclude frangible-bodies --exclude frangible-dynamics
+	cargo test --package frangible-bodies --package frangible-dynamics --locked --lib --profile unit
 
 test-web: web/node_modules/.package-lock.json
 	cd web && npm test --silent

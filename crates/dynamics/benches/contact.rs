@@ -2,17 +2,16 @@
 //! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close
 //! as those of a pile.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../../bodies/tests/common/mod.rs"]
 mod common;
 
 use common::Random;
+use frangible_bodies::{
+    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity, predict,
+};
 use frangible_dynamics::broad_phase::find_swept_pairs;
-use frangible_dynamics::collisions::predict;
 use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::warm_start::WarmStart;
-use frangible_dynamics::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity,
-};
 use frangible_geometry::{Hull, Shape};
 use glam::DVec3;
 use std::hint::black_box;

@@ -2,9 +2,8 @@
 //! says, without samples.
 
 use crate::encounter::Encounter;
-use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
-use crate::state::Pose;
+use frangible_bodies::{Flight, Pose};
 use glam::DVec3;
 
 /// Steps along the ball's way through a frame; each goes as far as the distance allows.

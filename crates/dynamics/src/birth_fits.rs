@@ -1,10 +1,9 @@
 //! How fragments fit when they are born: where the samples of their cracks overlap, nothing has
 //! moved, and nothing is to be parted.
 
-use crate::bodies::{Bodies, BodyId};
 use crate::manifold::ManifoldPoint;
 use crate::manifold::found::Manifolds;
-use crate::pair::Pair;
+use frangible_bodies::{Bodies, BodyId, Pair};
 use std::collections::BTreeMap;
 
 /// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is

@@ -1,19 +1,14 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
-use crate::bodies::{Bodies, BodyId};
 use crate::detection::{ContactPoint, NearSamples};
 use crate::encounter::Encounter;
 use crate::first_contact::first_contact;
-use crate::flight::Flight;
 use crate::manifold::{ManifoldFinder, ManifoldPoint};
-use crate::pair::{
-    Approach, Pair, PairImpulse, approach_at, deepest_approach, impulse_for, placed,
-};
+use crate::pair::{Approach, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
 use crate::penetration::penetration;
-use crate::settings::Frame;
-use crate::state::Pose;
 use crate::tally::{Cause, Tally};
 use crate::warm_start::WarmStart;
+use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
 use glam::DVec3;
 
 /// A collision that a body does not bear.

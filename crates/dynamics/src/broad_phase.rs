@@ -3,12 +3,9 @@
 pub(crate) mod crowd;
 pub(crate) mod strips;
 
-use crate::bodies::{Bodies, Motion};
-use crate::detection::{moved, radius};
+use crate::detection::moved;
 use crate::hull_contact::eight::extents;
-use crate::pair::Pair;
-use crate::settings::Frame;
-use crate::state::Pose;
+use frangible_bodies::{Bodies, Frame, Motion, Pair, Pose};
 use frangible_geometry::{ClosedForm, Columns, Geometry, Hull, Shape};
 use frangible_math::{Instructions, RigidTransform, threads, with_widest};
 use glam::DVec3;
@@ -61,7 +58,7 @@ impl Bounds {
 
     /// Of a shape at a position, however it is turned.
     fn of_any_turn(shape: &Shape, pose: &Pose) -> Self {
-        let reach = DVec3::splat(radius(shape));
+        let reach = DVec3::splat(shape.radius());
         Self { low: pose.position - reach, high: pose.position + reach }
     }
 

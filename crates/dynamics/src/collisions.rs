@@ -6,15 +6,12 @@
 //! sec. 4.2].
 
 use crate::blows::{Blow, blows_of};
-use crate::bodies::{Bodies, BodyId};
 use crate::broad_phase::find_pairs;
 use crate::detection::{NearSamples, Penetration};
-use crate::evolve::{accelerate, evolve, evolve_all};
 use crate::first_contact::first_contact;
-use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
-use crate::settings::Frame;
-use crate::state::{Pose, Velocity};
+use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::tally::{Cause, Tally};
+use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, predict};
 use std::collections::HashMap;
 
 /// What one pass over all pairs came to.
@@ -191,15 +188,4 @@ impl Collisions {
         let key = (bodies.ids[pair.first], bodies.ids[pair.second]);
         self.seen.insert(key, (self.moves[pair.first], self.moves[pair.second]));
     }
-}
-
-/// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels
-/// [SSF08].
-pub fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
-    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
-    evolve_all(bodies, &bodies.poses, &half, frame)
-}
-
-fn half_fallen(velocity: Velocity, frame: &Frame) -> Velocity {
-    Velocity { linear: velocity.linear + 0.5 * frame.dt * frame.gravity, ..velocity }
 }

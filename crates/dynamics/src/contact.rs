@@ -4,16 +4,15 @@
 //! would penetrate is looked for at the *proposed* poses; normals, levers and velocities are taken
 //! at the *old* ones.
 
-use crate::bodies::{Bodies, PairContactant};
 use crate::contact_graph::{ContactGraph, Level};
 use crate::detection::{NearSamples, Penetration};
 use crate::displacements::{Displacements, Push};
-use crate::evolve::{evolve, evolve_all};
 use crate::ledger::pair_energy;
-use crate::pair::{Approach, Pair, PairImpulse, deepest_approach, impulse_for, placed};
-use crate::settings::Frame;
-use crate::state::{Inertia, Pose, Velocity};
+use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for, placed};
 use crate::tally::{Cause, Tally};
+use frangible_bodies::{
+    Bodies, Frame, Inertia, Pair, PairContactant, Pose, Velocity, evolve, evolve_all,
+};
 use std::collections::HashMap;
 
 /// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the

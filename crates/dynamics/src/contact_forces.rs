@@ -1,9 +1,8 @@
 //! Forces that contacts carried at the end of a frame.
 
-use crate::bodies::Bodies;
 use crate::manifold::Manifold;
-use crate::pair::Pair;
 use crate::warm_start::WarmStart;
+use frangible_bodies::{Bodies, Pair};
 use glam::DVec3;
 
 /// A force at a point of contact.

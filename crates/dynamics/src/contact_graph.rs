@@ -1,11 +1,8 @@
 //! Who rests on whom [GBF03 sec. 5, 6].
 
-use crate::bodies::Bodies;
 use crate::detection::overlap;
-use crate::evolve::{accelerate, evolve_all};
-use crate::pair::{Pair, placed};
-use crate::settings::Frame;
-use crate::state::Pose;
+use crate::pair::placed;
+use frangible_bodies::{Bodies, Frame, Pair, Pose, accelerate, evolve_all};
 
 /// Pairs in contact, by the level of their upper body: lower levels first.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! Surface samples of one body inside the level set of another, in both directions [GBF03 sec. 3].
 
-use crate::state::Pose;
+use frangible_bodies::Pose;
 use frangible_geometry::{Geometry, GridSolid, Shape};
 use frangible_math::RigidTransform;
 use glam::{DVec3, DVec4, Mat3, Vec3};
@@ -61,7 +61,7 @@ impl NearSamples {
     /// it moves little.
     pub fn gather(first: Placed, second: Placed, contour: f32) -> Self {
         let gathered_at = second_from_first(first, second);
-        let margin = MARGIN * radius(first.shape).min(radius(second.shape));
+        let margin = MARGIN * first.shape.radius().min(second.shape.radius());
         let reach = contour + (STEEPEST * margin) as f32;
         let mut near = [Vec::new(), Vec::new()];
         let [of_first, of_second] = &mut near;
@@ -127,7 +127,7 @@ pub fn moved_since(then: &RigidTransform, first: Placed, second: Placed, beyond:
     moved_between(
         then,
         &second_from_first(first, second),
-        [radius(first.shape), radius(second.shape)],
+        [first.shape.radius(), second.shape.radius()],
         beyond,
     )
 }
@@ -185,11 +185,6 @@ pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
 /// Takes the first body's frame to the second's.
 pub fn second_from_first(first: Placed, second: Placed) -> RigidTransform {
     second.pose.world_from_body().inverse().after(&first.pose.world_from_body())
-}
-
-/// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
-pub fn radius(shape: &Shape) -> f64 {
-    shape.bounds.0.abs().max(shape.bounds.1.abs()).length()
 }
 
 /// Calls `visit(sample index, signed distance)` for the samples of `body` where `other`'s signed

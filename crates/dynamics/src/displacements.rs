@@ -1,12 +1,10 @@
 //! Displacements against the velocities: what the position update does to angular momentum, and how
 //! it is made up for.
 
-use crate::bodies::Bodies;
 use crate::impulse::apply_impulse;
-use crate::pair::Pair;
 use crate::pair_rotation::turn_pair;
-use crate::state::Inertia;
 use crate::tally::{Debt, Tally};
+use frangible_bodies::{Bodies, Inertia, Pair};
 use glam::DVec3;
 use std::collections::BTreeMap;
 

@@ -1,12 +1,12 @@
 //! Two bodies on their ballistic ways through a frame.
 
-use crate::bodies::Bodies;
 use crate::detection::{ContactPoint, Placed};
-use crate::flight::Flight;
 #[cfg(doc)]
 use crate::hull_contact::HullPoint;
-use crate::pair::Pair;
-use crate::settings::Frame;
+use frangible_bodies::Bodies;
+use frangible_bodies::Flight;
+use frangible_bodies::Frame;
+use frangible_bodies::Pair;
 use glam::DVec3;
 
 /// What comes slower than this, in units of what gravity gives in a frame [1], is no
@@ -126,9 +126,7 @@ impl<'a> Encounter<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
-    use crate::settings::StepSettings;
-    use crate::state::{Pose, Velocity};
+    use frangible_bodies::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
     use frangible_geometry::{ClosedForm, HalfSpace, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -5,10 +5,9 @@
 //! another and the deepest sample lies beside the line of impact. The first touch on the way there,
 //! looked for along the surface, is the point that the eye sees.
 
-use crate::bodies::Bodies;
 use crate::detection::{ContactPoint, NearSamples, Placed, contact_point, overlap};
-use crate::pair::{Pair, placed};
-use crate::state::Pose;
+use crate::pair::placed;
+use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
 
 /// Parts of the way that are looked at one after the other, so that a body that passes through
@@ -111,8 +110,7 @@ fn distance(body: Placed, point_world: DVec3) -> (f64, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
-    use crate::state::Velocity;
+    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -15,13 +15,13 @@ mod solver_islands;
 #[cfg(test)]
 mod tests;
 
-use crate::bodies::{Bodies, Motion};
-use crate::evolve::evolve;
 use crate::manifold::Manifold;
-use crate::settings::Frame;
 use crate::tally::Tally;
 use crate::warm_start::{Part, Substeps, WarmStart};
 use finish::{FrameStart, close_islands};
+use frangible_bodies::Frame;
+use frangible_bodies::evolve;
+use frangible_bodies::{Bodies, Motion};
 use frangible_math::Instructions;
 #[cfg(test)]
 use frangible_math::Scalar;

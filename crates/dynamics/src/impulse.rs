@@ -1,8 +1,7 @@
 //! The impulse between two bodies that touch at a point: Newton's restitution and Coulomb's
 //! friction [GBF03 sec. 5].
 
-use crate::bodies::PairContactant;
-use crate::state::Velocity;
+use frangible_bodies::{PairContactant, Velocity};
 use glam::{DMat3, DVec3};
 
 /// Where Coulomb's sliding impulse per unit of normal impulse changes the normal velocity by less
@@ -160,7 +159,7 @@ pub fn apply_impulse(velocity: &Velocity, inverse_mass: f64, impulse: &Impulse) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::state::Inertia;
+    use frangible_bodies::Inertia;
     use glam::DQuat;
 
     const UP: DVec3 = DVec3::Y;

@@ -1,7 +1,7 @@
 //! Impulses scaled so that they never raise the kinetic energy of the pair they act on [Su09 sec. 3.2].
 
 use crate::impulse::Impulse;
-use crate::state::{Inertia, Velocity};
+use frangible_bodies::{Inertia, Velocity};
 use glam::{DQuat, DVec3};
 
 /// One body of a pair just before an impulse.

@@ -1,6 +1,6 @@
 //! Islands: bodies that exchanged impulses in a frame, directly or through others.
 
-use crate::bodies::{Bodies, BodyId};
+use frangible_bodies::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
 /// Groups of bodies, united link by link. A living body's node is its dense index; those that are
@@ -108,8 +108,7 @@ pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
-    use crate::state::{Pose, Velocity};
+    use frangible_bodies::{Contactant, Motion, NewBody, Pose, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use std::sync::Arc;
 

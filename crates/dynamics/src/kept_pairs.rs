@@ -5,20 +5,17 @@
 mod ahead;
 mod passing;
 
-use crate::bodies::{Bodies, BodyId};
 use crate::detection::{moved, moved_between, second_from_first};
 use crate::encounter::Encounter;
-use crate::flight::Flight;
 use crate::hull_contact::HullPoint;
 use crate::hull_contact::approach::hull_points;
 use crate::manifold::found::{Found, Manifolds};
 use crate::manifold::{ManifoldFinder, ManifoldPoint, Solid};
-use crate::pair::{Pair, placed};
+use crate::pair::placed;
 use crate::plane_contact::plane_points;
-use crate::settings::Frame;
-use crate::state::Pose;
 use crate::warm_start::WarmStart;
 use ahead::{Ahead, Seen};
+use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
 use frangible_math::{RigidTransform, threads};
 use glam::DVec3;
 use passing::{NOWHERE, Passing, firsts};

@@ -10,15 +10,13 @@
 //! energy is no more than it was by construction. The bank holds a little of what an island
 //! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
-use crate::bodies::{Bodies, BodyId, Motion, PerBody};
-use crate::evolve::accelerate;
 use crate::islands::Islands;
-use crate::pair::Pair;
 use crate::payment::{pay, restrain};
-use crate::settings::Frame;
-use crate::state::{Inertia, Pose, Velocity};
 use crate::take_out::take_out;
 use crate::tally::{Debt, Tally};
+use frangible_bodies::{
+    Bodies, BodyId, Frame, Inertia, Motion, Pair, PerBody, Pose, Velocity, accelerate,
+};
 use frangible_math::threads;
 use glam::DVec3;
 use std::collections::BTreeMap;

@@ -5,20 +5,16 @@
 pub(crate) mod found;
 
 use crate::ball_contact::BallContact;
-use crate::bodies::Bodies;
 use crate::compound_contact::{compound_points, few};
-use crate::detection::{ContactPoint, NearSamples, Penetration, Placed, contact_point, radius};
+use crate::detection::{ContactPoint, NearSamples, Penetration, Placed, contact_point};
 use crate::encounter::Encounter;
-use crate::flight::Flight;
 use crate::hull_contact::Room;
 use crate::hull_contact::approach::hull_points;
-use crate::pair::Pair;
 use crate::plane_contact::plane_points;
-use crate::settings::Frame;
-use crate::state::Pose;
 use crate::warm_start::WarmStart;
 pub(crate) use found::Found;
 pub use found::Manifolds;
+use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
@@ -266,7 +262,7 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
 fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
     let Geometry::ClosedForm(form) = &of.shape.geometry else { return false };
     let grid_from_world = of.pose.world_from_body().after(&of.shape.body_from_grid).inverse();
-    form.distance(grid_from_world.point(other.pose.position)) > radius(other.shape) + reach
+    form.distance(grid_from_world.point(other.pose.position)) > other.shape.radius() + reach
 }
 
 /// Indices of the candidates that are kept: the deepest, those that have carried, and then always

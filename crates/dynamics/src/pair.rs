@@ -1,34 +1,12 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
-use crate::bodies::{Bodies, BodyId, PairContactant};
 use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
 use crate::pair_rotation::turn_pair;
-use crate::state::{Inertia, Pose, Velocity};
 use crate::tally::Tally;
+use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
 use glam::{DMat3, DVec3};
-
-/// A pair of bodies, by dense index; the first has the smaller one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Pair {
-    /// An impulse `j` acts on it.
-    pub first: usize,
-    /// `-j` acts on it.
-    pub second: usize,
-}
-
-impl Pair {
-    /// Its bodies.
-    pub(crate) fn both(self) -> [usize; 2] {
-        [self.first, self.second]
-    }
-
-    /// By which its bodies are known over the frames.
-    pub(crate) fn ids(self, bodies: &Bodies) -> [BodyId; 2] {
-        [bodies.ids[self.first], bodies.ids[self.second]]
-    }
-}
 
 /// Two bodies that approach each other at a point.
 #[derive(Clone, Copy, Debug)]

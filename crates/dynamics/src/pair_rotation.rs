@@ -7,9 +7,8 @@
 //! for it: the relative velocity at their contact stays as it is, and so does the sum of linear
 //! momenta.
 
-use crate::bodies::Bodies;
 use crate::impulse::Impulse;
-use crate::pair::Pair;
+use frangible_bodies::{Bodies, Pair};
 use frangible_geometry::mass_properties::parallel_axis;
 use glam::DVec3;
 

@@ -1,13 +1,12 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative
 //! velocity, before the island has to.
 
-use crate::bodies::{Bodies, Motion};
 use crate::detection::ContactPoint;
 use crate::ledger::Anchor;
-use crate::pair::{Approach, Pair, PairImpulse, approach_at, pair_contact_matrix};
-use crate::settings::Frame;
+use crate::pair::{Approach, PairImpulse, approach_at, pair_contact_matrix};
 use crate::take_out::RelativeMotion;
 use crate::tally::{Debt, Tally, kinematic_work};
+use frangible_bodies::{Bodies, Frame, Motion, Pair};
 use glam::DVec3;
 
 /// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its
@@ -138,9 +137,7 @@ fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{BodyId, Contactant, NewBody};
-    use crate::settings::StepSettings;
-    use crate::state::{Pose, Velocity};
+    use frangible_bodies::{BodyId, Contactant, NewBody, Pose, StepSettings, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -1,13 +1,12 @@
 //! How deep bodies are in each other.
 
-use crate::bodies::Bodies;
 use crate::broad_phase::find_pairs;
 use crate::compound_contact::near_parts;
-use crate::detection::{deepest, radius, second_from_first};
+use crate::detection::{deepest, second_from_first};
 use crate::hull_contact::{HullPair, Room};
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
-use crate::pair::{Pair, placed};
-use crate::state::Pose;
+use crate::pair::placed;
+use frangible_bodies::{Bodies, Pair, Pose};
 use frangible_math::{RigidTransform, Width};
 
 /// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
@@ -37,7 +36,7 @@ pub(crate) fn penetration(
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
             _ => solids[side],
         };
-        let size = radius(first.shape).min(radius(second.shape));
+        let size = first.shape.radius().min(second.shape.radius());
         separation([solid(0), solid(1)], &second_from_first, size, room)
     };
     let least = if compounds.iter().all(Option::is_none) {
@@ -92,8 +91,7 @@ fn separation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
-    use crate::state::Velocity;
+    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
     use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;

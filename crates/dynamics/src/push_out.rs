@@ -1,14 +1,11 @@
 //! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
 
-use crate::bodies::Bodies;
 use crate::contact_graph::ContactGraph;
 use crate::detection::{NearSamples, Penetration, contact_point};
 use crate::displacements::{Displacements, Push};
 use crate::ledger::pair_energy;
-use crate::pair::{Pair, pair_contact_matrix, placed};
-use crate::rotation::rotation_by;
-use crate::settings::Frame;
-use crate::state::{Inertia, Pose};
+use crate::pair::{pair_contact_matrix, placed};
+use frangible_bodies::{Bodies, Frame, Inertia, Pair, Pose, rotation_by};
 use glam::DVec3;
 
 /// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps

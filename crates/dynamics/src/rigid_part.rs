@@ -6,8 +6,7 @@
 //! and no contact that did not approach begins to. For an island that touches a static or kinematic
 //! body it is that body.
 
-use crate::bodies::Bodies;
-use crate::state::{Pose, Velocity};
+use frangible_bodies::{Bodies, Pose, Velocity};
 use frangible_geometry::mass_properties::parallel_axis;
 use glam::{DMat3, DVec3};
 
@@ -98,7 +97,7 @@ impl Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
+    use frangible_bodies::{Contactant, Motion, NewBody};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;

@@ -4,7 +4,7 @@
 
 use crate::contact::Contact;
 use crate::contact_graph::ContactGraph;
-use crate::state::Inertia;
+use frangible_bodies::Inertia;
 
 /// One sweep from the lowest level to the highest; in the end all bodies can be moved again.
 pub fn propagate_shock(contact: &mut Contact, graph: &ContactGraph) {

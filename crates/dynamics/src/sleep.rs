@@ -3,14 +3,11 @@
 //! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
 //! wakes what it held.
 
-use crate::bodies::{Bodies, BodyId, Motion};
 use crate::ledger::energy;
 use crate::manifold::{Manifold, ManifoldPoint};
-use crate::pair::Pair;
-use crate::settings::Frame;
-use crate::state::Velocity;
 use crate::tally::{Cause, Tally};
 use crate::warm_start::{Carried, Part, WarmStart};
+use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair, Velocity};
 use glam::DVec3;
 
 /// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim

@@ -4,16 +4,12 @@
 
 mod ways;
 
-use crate::bodies::Bodies;
 use crate::broad_phase::Swept;
 use crate::encounter::Encounter;
-use crate::flight::Flight;
 use crate::manifold::ManifoldFinder;
 use crate::manifold::found::Manifolds;
-use crate::pair::Pair;
-use crate::settings::Frame;
-use crate::state::Pose;
 use crate::warm_start::WarmStart;
+use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use ways::Ways;
@@ -240,11 +236,8 @@ impl Next {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Contactant, Motion, NewBody};
-    use crate::collisions::predict;
     use crate::manifold::find_manifolds;
-    use crate::settings::StepSettings;
-    use crate::state::Velocity;
+    use frangible_bodies::{Contactant, Motion, NewBody, StepSettings, Velocity, predict};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;

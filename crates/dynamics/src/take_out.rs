@@ -1,12 +1,10 @@
 //! What an island pays: its relative velocities are scaled down, or stopped and its displacements
 //! shortened.
 
-use crate::bodies::{Bodies, BodyId, Motion};
 use crate::ledger::{Anchor, Ballistic, Island, energy, work_on};
 use crate::rigid_part::Twist;
-use crate::settings::Frame;
-use crate::state::{Pose, Velocity};
 use crate::tally::Tally;
+use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
 /// What need not be found of what displacements change the energy by, relative to that: a

@@ -1,10 +1,9 @@
 //! What one frame did: momentum from outside, energy by cause, who owes it, and how often the
 //! safeguards were needed.
 
-use crate::bodies::{Bodies, BodyId, Motion};
-use crate::pair::{Approach, Pair, PairImpulse};
+use crate::pair::{Approach, PairImpulse};
 use crate::rigid_part::Twist;
-use crate::state::Velocity;
+use frangible_bodies::{Bodies, BodyId, Motion, Pair, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
 

@@ -1,10 +1,9 @@
 //! Impulses that contact points carry from one frame to the next, and each body's substeps and
 //! drowsiness.
 
-use crate::bodies::{Bodies, BodyId, PerBody};
 use crate::manifold::Manifold;
-use crate::pair::Pair;
 use crate::sleep::Drowsiness;
+use frangible_bodies::{Bodies, BodyId, Pair, PerBody};
 use frangible_math::threads;
 use glam::Vec3;
 use std::ops::Range;

@@ -1,11 +1,11 @@
 //! Restitution is met, friction stays in Coulomb's cone, and jams do no harm.
 
+#[path = "../../bodies/tests/common/mod.rs"]
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_dynamics::{
-    Impulse, PairContactant, apply_impulse, collision_impulse, contact_matrix,
-};
+use frangible_bodies::PairContactant;
+use frangible_dynamics::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use glam::DVec3;
 
 #[test]

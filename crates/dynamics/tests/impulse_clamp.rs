@@ -1,11 +1,12 @@
 //! A clamped impulse never raises the kinetic energy of the pair in the non-split state [Su09 sec. 3.2].
 
+#[path = "../../bodies/tests/common/mod.rs"]
 mod common;
 
 use common::{Random, Tensors, Toucher};
+use frangible_bodies::{PairContactant, Velocity};
 use frangible_dynamics::{
-    Clamp, ClampSide, Impulse, PairContactant, Velocity, apply_impulse, clamp_impulse,
-    collision_impulse, contact_matrix,
+    Clamp, ClampSide, Impulse, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
 };
 use glam::{DQuat, DVec3};
 

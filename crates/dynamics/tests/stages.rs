@@ -7,15 +7,14 @@
     reason = "a test that cannot go on fails"
 )]
 
+use frangible_bodies::{
+    Bodies, Contactant, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+};
 use frangible_dynamics::collisions::{Collisions, Response};
 use frangible_dynamics::contact_graph::contact_graph;
 use frangible_dynamics::detection::{Placed, deepest};
 use frangible_dynamics::displacements::Displacements;
-use frangible_dynamics::pair::Pair;
 use frangible_dynamics::push_out::push_out;
-use frangible_dynamics::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity,
-};
 use frangible_geometry::{ClosedForm, Shape};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;

@@ -1,7 +1,8 @@
 //! Energy and momentum of all dynamic bodies, and what the outside has to do with their change.
 
 use crate::report::{Causes, Energy, Momentum};
-use frangible_dynamics::{Bodies, Frame, Pose, Tally};
+use frangible_bodies::{Bodies, Frame, Pose};
+use frangible_dynamics::Tally;
 use frangible_math::threads;
 use glam::DVec3;
 use std::ops::Range;

@@ -13,15 +13,15 @@ use crate::quarantine::is_representable;
 use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
 use crate::world::{Breaking, Label};
+use frangible_bodies::{
+    Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
+};
 use frangible_dynamics::birth_fits::BirthFits;
 use frangible_dynamics::kept_pairs::KeptPairs;
 use frangible_dynamics::ledger::Ledger;
-use frangible_dynamics::settings::Rotation;
 use frangible_dynamics::warm_start::WarmStart;
-use frangible_dynamics::{
-    Bodies, Contactant, Inertia, Motion, NewBody, Pose, StepSettings, Velocity,
-};
-use frangible_fracture::{ShatterSettings, Smallest, generators::MOST_CELLS};
+use frangible_fracture::generators::MOST_CELLS;
+use frangible_fracture::{ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};
 use frangible_math::RigidTransform;
 use std::sync::Arc;

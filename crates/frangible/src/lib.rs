@@ -43,8 +43,9 @@ pub use desc::{
     SolverDesc, StrengthDesc,
 };
 pub use fineness::{Fineness, Found};
+pub use frangible_bodies as bodies;
+pub use frangible_bodies::BodyId;
 pub use frangible_dynamics as dynamics;
-pub use frangible_dynamics::BodyId;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
 pub use frangible_math as math;

@@ -6,7 +6,8 @@
 
 use crate::World;
 use crate::report::{Quarantined, id_number};
-use frangible_dynamics::{Bodies, BodyId, Inertia, Pose, Tally, Velocity};
+use frangible_bodies::{Bodies, BodyId, Inertia, Pose, Velocity};
+use frangible_dynamics::Tally;
 use std::collections::BTreeMap;
 
 /// Reciprocals of mass [1/kg] and moments [1/(kg m^2)] that single precision holds, with room for
@@ -179,7 +180,7 @@ mod tests {
     fn only_the_culprit_goes() {
         let mut world = world();
         let mut tally = Tally::default();
-        tally.link(&world.bodies, frangible_dynamics::pair::Pair { first: 1, second: 2 });
+        tally.link(&world.bodies, frangible_bodies::Pair { first: 1, second: 2 });
         let before = Before::of(&world.bodies);
         for i in [1, 2] {
             world.bodies.velocities[i].angular_momentum = DVec3::NAN;

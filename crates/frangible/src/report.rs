@@ -1,6 +1,7 @@
 //! What one frame did, with the books open.
 
-use frangible_dynamics::{BodyId, ledger, tally};
+use frangible_bodies::BodyId;
+use frangible_dynamics::{ledger, tally};
 use serde::Serialize;
 
 /// One frame.

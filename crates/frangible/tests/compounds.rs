@@ -7,10 +7,10 @@
     reason = "a test that cannot go on fails"
 )]
 
-use frangible::dynamics::{Pose, Velocity};
 use frangible::{
     BodyDesc, Method, PartDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
 };
+use frangible_bodies::{Pose, Velocity};
 use glam::{DQuat, DVec3};
 
 const METHODS: [Method; 2] = [Method::FrameRate, Method::Paper];

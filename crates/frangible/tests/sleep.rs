@@ -8,8 +8,9 @@
 )]
 
 use frangible::{
-    BodyDesc, BodyId, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
+    BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
 };
+use frangible_bodies::BodyId;
 use glam::DVec3;
 
 fn cube(position: [f64; 3]) -> BodyDesc {

@@ -75,6 +75,12 @@ impl BodyFrame {
 }
 
 impl Shape {
+    /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
+    #[inline]
+    pub fn radius(&self) -> f64 {
+        self.bounds.0.abs().max(self.bounds.1.abs()).length()
+    }
+
     /// A formula: exact; only a box can break. Samples lie about `sample_spacing` [m] apart. A
     /// half-space has no volume, no samples and infinite bounds.
     pub fn closed_form(form: ClosedForm, sample_spacing: f64) -> Self {

@@ -3,7 +3,7 @@
 use crate::interrupt::interruptible;
 use crate::threads::{Pool, busy};
 use crate::{build_error, convert};
-use frangible::dynamics::Motion;
+use frangible::bodies::Motion;
 use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};

@@ -4,7 +4,7 @@
 //! The deepest overlaps count. When bodies have parted from those, the others get their turn.
 
 use super::Bounds;
-use crate::pair::Pair;
+use frangible_bodies::Pair;
 
 /// Pairs of each body that are looked at in a crowd. Twelve equal balls fit around one.
 const NEAREST: usize = 24;

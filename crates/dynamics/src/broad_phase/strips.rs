@@ -4,7 +4,7 @@
 
 use super::Bounds;
 use super::crowd::{most_pairs, thinned};
-use crate::pair::Pair;
+use frangible_bodies::Pair;
 use frangible_math::threads;
 use glam::DVec3;
 

@@ -1,7 +1,5 @@
 use super::*;
-use crate::bodies::{Contactant, NewBody};
-use crate::settings::StepSettings;
-use crate::state::Velocity;
+use frangible_bodies::{Contactant, NewBody, StepSettings, Velocity};
 use frangible_geometry::HalfSpace;
 use frangible_math::{Scalar, Width};
 use glam::DQuat;
@@ -98,7 +96,7 @@ proptest! {
         prop_assert_eq!(bounds, swept_bounds_with::<Scalar>(&bodies, 0, &end, MARGIN, &frame));
         let bounds = bounds.grown(-0.5 * MARGIN);
 
-        let size = radius(&bodies.shapes[0]);
+        let size = bodies.shapes[0].radius();
         let around = |time: f64| {
             let pose = at(time).world_from_body();
             let of = |corner: &DVec3| Bounds { low: pose.point(*corner), high: pose.point(*corner) };

@@ -1,10 +1,9 @@
 //! Contact constraints: the points of a manifold that share a normal, at most four, with what
 //! they carried in the last frame.
 
-use crate::bodies::{Bodies, Motion, PairContactant};
 use crate::manifold::{Manifold, ManifoldPoint};
-use crate::settings::Frame;
 use crate::warm_start::Carried;
+use frangible_bodies::{Bodies, Frame, Motion, PairContactant};
 use glam::DVec3;
 
 /// Points of a constraint.

@@ -3,14 +3,12 @@
 use super::contact_batch::ContactBatch;
 use super::group::Group;
 use super::{Solved, fall};
-use crate::bodies::{Bodies, Motion};
 use crate::islands::root;
 use crate::ledger::energy;
 use crate::manifold::Manifold;
-use crate::settings::Frame;
-use crate::state::{Inertia, Pose, Velocity};
 use crate::tally::{Cause, Tally};
 use crate::warm_start::{Carried, Part, PointImpulse, Substeps};
+use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Velocity};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
 

@@ -3,9 +3,8 @@
 //! may be solved at a time, and then all odd ones, whichever thread takes which.
 
 use super::group::NOWHERE;
-use crate::bodies::{Bodies, Motion};
 use crate::manifold::Manifold;
-use crate::state::Inertia;
+use frangible_bodies::{Bodies, Inertia, Motion};
 use glam::DVec3;
 
 /// Manifolds of a slab, and of a bundle of islands: enough to fill the lanes of its colours, few

@@ -1,10 +1,7 @@
 //! Bodies as the substeps see them: two cache lines of single precision each, relative to the
 //! frame's start. Poses and velocities in double precision stay outside of the loop.
 
-use crate::bodies::{Bodies, Motion};
-use crate::rotation::advance;
-use crate::settings::Rotation;
-use crate::state::{Inertia, Pose, Velocity};
+use frangible_bodies::{Bodies, Inertia, Motion, Pose, Rotation, Velocity, advance};
 use frangible_math::{Instructions, LANES, Single, Single3, Singles, Symmetric, Three};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::ops::Range;

@@ -2,14 +2,11 @@
 
 use super::slabs::SLAB;
 use super::solver_bodies::is_round;
-use crate::bodies::Bodies;
 use crate::islands::root;
 use crate::manifold::{Manifold, ManifoldPoint};
-use crate::pair::Pair;
-use crate::settings::Frame;
 use crate::sleep::Sleep;
-use crate::state::Inertia;
 use crate::warm_start::{Carried, Substeps, WarmStart};
+use frangible_bodies::{Bodies, Frame, Inertia, Pair};
 use std::collections::BTreeMap;
 
 /// Frequency of contacts, as a part of the substep rate: higher ones vibrate [Cat24].

@@ -4,11 +4,8 @@ use super::group::{Group, NOWHERE};
 use super::slabs::Slabs;
 use super::solver_islands::count;
 use super::*;
-use crate::bodies::{Contactant, NewBody};
 use crate::manifold::find_manifolds;
-use crate::pair::Pair;
-use crate::settings::StepSettings;
-use crate::state::{Pose, Velocity};
+use frangible_bodies::{Contactant, NewBody, Pair, Pose, StepSettings, Velocity};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::DQuat;
 use std::collections::BTreeSet;
@@ -18,7 +15,8 @@ const DT: f64 = 1.0 / 30.0;
 const G: f64 = 9.81;
 
 fn frame(gravity: f64) -> Frame {
-    let settings = StepSettings { rotation: crate::Rotation::Exact, ..StepSettings::default() };
+    let settings =
+        StepSettings { rotation: frangible_bodies::Rotation::Exact, ..StepSettings::default() };
     Frame { dt: DT, gravity: -gravity * DVec3::Y, settings }
 }
 

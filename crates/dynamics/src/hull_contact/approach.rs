@@ -4,8 +4,8 @@ use super::{HullContact, HullPair, HullPoint, PREFERENCE, Room, reduce};
 use crate::hull_contact::reduce::FEW_POINTS;
 
 use crate::encounter::Encounter;
-use crate::flight::Flight;
 use crate::manifold::ManifoldPoint;
+use frangible_bodies::Flight;
 use frangible_geometry::Hull;
 use frangible_math::RigidTransform;
 use glam::DVec3;

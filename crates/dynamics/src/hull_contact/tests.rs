@@ -1,11 +1,9 @@
 use super::*;
-use crate::bodies::{Bodies, Contactant, Motion, NewBody};
-use crate::flight::Flight;
 use crate::manifold::{ManifoldPoint, find_manifolds};
-use crate::pair::Pair;
-use crate::settings::{Frame, StepSettings};
-use crate::state::{Pose, Velocity};
 use crate::warm_start::WarmStart;
+use frangible_bodies::{
+    Bodies, Contactant, Flight, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;

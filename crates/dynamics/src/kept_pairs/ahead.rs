@@ -2,7 +2,7 @@
 //! their memory is asked for ahead.
 
 use crate::manifold::{MOST_EDGE_PAIRS, Solid};
-use crate::pair::Pair;
+use frangible_bodies::Pair;
 use frangible_geometry::{Columns, Hull, Shape};
 use frangible_math::prefetch;
 use std::slice::from_ref;

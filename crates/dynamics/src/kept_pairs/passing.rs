@@ -1,7 +1,7 @@
 //! What is known of pairs from the last frame, while those of this one go by in the same order.
 
 use super::{Kept, KeptPair, KeptPoint};
-use crate::pair::Pair;
+use frangible_bodies::Pair;
 
 /// Of a body that is gone.
 pub(super) const NOWHERE: u32 = u32::MAX;

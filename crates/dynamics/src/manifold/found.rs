@@ -1,7 +1,7 @@
 //! The manifolds of many pairs, in lists that threads fill side by side.
 
 use super::{Manifold, ManifoldPoint};
-use crate::pair::Pair;
+use frangible_bodies::Pair;
 
 /// The manifolds of some pairs, in the order of the pairs, which is increasing.
 #[derive(Clone, Debug, Default, PartialEq)]

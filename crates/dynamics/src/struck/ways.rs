@@ -1,10 +1,8 @@
 //! Whom a body may reach that strays from its ballistic way.
 
 use super::Stray;
-use crate::bodies::Bodies;
 use crate::broad_phase::{Bounds, Ground};
-use crate::settings::Frame;
-use crate::state::Pose;
+use frangible_bodies::{Bodies, Frame, Pose};
 use frangible_math::threads;
 use glam::DVec3;
 

@@ -3,10 +3,11 @@
 use super::{Broken, fall_apart};
 use crate::World;
 use crate::report::{Fracture, id_from_number, id_number};
+use frangible_bodies::{Bodies, BodyId, Frame, Pair};
+use frangible_dynamics::Tally;
 use frangible_dynamics::blows::pass_on;
 use frangible_dynamics::detection::ContactPoint;
-use frangible_dynamics::pair::{Approach, Pair, PairImpulse};
-use frangible_dynamics::{Bodies, BodyId, Frame, Tally};
+use frangible_dynamics::pair::{Approach, PairImpulse};
 use glam::DVec3;
 use std::collections::BTreeSet;
 

@@ -4,7 +4,7 @@ use super::random_scene::random_scene;
 use super::scenes::METHODS;
 use super::{Claim, Finding, Obstacle, largest};
 use crate::{SHOTS, Shot, ShotOptions};
-use frangible::dynamics::{Rotation, StepSettings};
+use frangible::bodies::{Rotation, StepSettings};
 use frangible::{BuildError, Method, SceneDesc, World, step};
 
 /// Two hundred scenes.

@@ -2,7 +2,7 @@
 
 use super::scenes::{METHODS, cuboid, free_world};
 use super::{Claim, Finding, Obstacle, largest};
-use frangible::dynamics::Inertia;
+use frangible::bodies::Inertia;
 use frangible::{BodyDesc, Method, step};
 use glam::{DQuat, DVec3};
 

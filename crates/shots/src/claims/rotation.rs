@@ -2,7 +2,7 @@
 
 use super::{Claim, Finding, Obstacle, largest};
 use crate::random::Random;
-use frangible::dynamics::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
+use frangible::bodies::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;

@@ -1,6 +1,5 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
-use crate::detection::radius;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
@@ -130,7 +129,7 @@ struct Slots {
 
 /// Something for each of some bodies, that are all alive at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PerBody<T>(Vec<Option<(u32, T)>>);
+pub struct PerBody<T>(Vec<Option<(u32, T)>>);
 
 impl<T> Default for PerBody<T> {
     fn default() -> Self {
@@ -139,12 +138,15 @@ impl<T> Default for PerBody<T> {
 }
 
 impl<T: Copy> PerBody<T> {
-    pub(crate) fn get(&self, id: BodyId) -> Option<T> {
+    /// Of a body, if it has one.
+    #[inline]
+    pub fn get(&self, id: BodyId) -> Option<T> {
         let (generation, value) = self.0.get(id.index as usize).copied().flatten()?;
         (generation == id.generation).then_some(value)
     }
 
-    pub(crate) fn insert(&mut self, id: BodyId, value: T) {
+    /// Gives a body one, in the place of the one that it has.
+    pub fn insert(&mut self, id: BodyId, value: T) {
         let slot = id.index as usize;
         if slot >= self.0.len() {
             self.0.resize(slot + 1, None);
@@ -153,7 +155,7 @@ impl<T: Copy> PerBody<T> {
     }
 
     /// In the order of their slots.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (BodyId, T)> {
+    pub fn iter(&self) -> impl Iterator<Item = (BodyId, T)> {
         let entry = |(index, entry): (usize, &Option<(u32, T)>)| {
             entry.map(|(generation, value)| (BodyId { index: index as u32, generation }, value))
         };
@@ -163,16 +165,19 @@ impl<T: Copy> PerBody<T> {
 
 impl Bodies {
     /// Number of living bodies.
+    #[inline]
     pub fn len(&self) -> usize {
         self.ids.len()
     }
 
     /// Whether no body lives.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
 
     /// Dense index of a living body.
+    #[inline]
     pub fn index_of(&self, id: BodyId) -> Option<usize> {
         let slot = id.index as usize;
         let alive = self.slots.generation.get(slot) == Some(&id.generation);
@@ -207,7 +212,7 @@ impl Bodies {
         self.masses.push(mass);
         self.inertias.push(inertia);
         self.densities.push(body.density);
-        self.radii.push(radius(&body.shape));
+        self.radii.push(body.shape.radius());
         self.shapes.push(body.shape);
         self.contactants.push(body.contactant);
         id
@@ -251,6 +256,7 @@ impl Bodies {
 
     /// Velocity of the material point at `lever` from the centre of mass of body `i`, at the given
     /// time levels [m/s].
+    #[inline]
     pub fn point_velocity(
         &self,
         i: usize,
@@ -270,6 +276,7 @@ impl Bodies {
     }
 
     /// Angular velocity of body `i` in the world frame, at the given time levels [rad/s].
+    #[inline]
     pub fn spin(&self, i: usize, pose: &Pose, velocity: &Velocity) -> DVec3 {
         match self.motions[i] {
             Motion::Static => DVec3::ZERO,
@@ -281,6 +288,7 @@ impl Bodies {
     }
 
     /// How the surfaces of a pair meet.
+    #[inline]
     pub fn pair_contactant(&self, a: usize, b: usize) -> PairContactant {
         let (a, b) = (&self.contactants[a], &self.contactants[b]);
         PairContactant {

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Random, Tensors};
-use frangible_dynamics::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
+use frangible_bodies::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
 use glam::{DQuat, DVec3};
 
 /// Frame time of the paper's shots [s].

@@ -1,15 +1,16 @@
 //! Where bodies get to in one frame at a given velocity.
 
 use crate::bodies::{Bodies, Motion};
-use crate::exact_rotation::rotate_slow_ones;
-use crate::rotation;
-use crate::settings::{Frame, Rotation};
+use crate::frame::{Frame, Rotation};
+use crate::free_flight::exact_rotation::rotate_slow_ones;
+use crate::free_flight::rotation;
 use crate::state::{Pose, Velocity};
 use frangible_math::{Instructions, LANES, Lanes, Lanes3, Numbers, Turn, threads, with_widest};
 use glam::{DQuat, DVec3};
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09
 /// sec. 2].
+#[inline]
 pub fn evolve(bodies: &Bodies, i: usize, pose: &Pose, velocity: &Velocity, frame: &Frame) -> Pose {
     match bodies.motions[i] {
         Motion::Static => *pose,
@@ -42,7 +43,7 @@ pub fn evolve_all(
 }
 
 /// [`evolve`] for some bodies.
-pub(crate) fn evolve_these(
+pub fn evolve_these(
     bodies: &Bodies,
     who: &[usize],
     (poses, velocities): (&[Pose], &[Velocity]),
@@ -114,4 +115,17 @@ pub fn accelerate(
             Velocity { linear: velocity.linear + gain, ..*velocity }
         })
         .collect()
+}
+
+/// x^{n+1} at v^{n+1/2}: half of the frame's gravity, which is what the position update feels
+/// [SSF08].
+pub fn predict(bodies: &Bodies, frame: &Frame) -> Vec<Pose> {
+    let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
+    evolve_all(bodies, &bodies.poses, &half, frame)
+}
+
+/// A velocity after half of the frame's gravity.
+#[inline]
+pub fn half_fallen(velocity: Velocity, frame: &Frame) -> Velocity {
+    Velocity { linear: velocity.linear + 0.5 * frame.dt * frame.gravity, ..velocity }
 }

@@ -112,6 +112,7 @@ const FALL: f64 = 1.1;
 
 impl Frame {
     /// What is this near may meet within the frame although it rests now [m].
+    #[inline]
     pub fn sag(&self) -> f64 {
         FALL * 0.5 * self.gravity.length().max(LEAST_GRAVITY) * self.dt * self.dt
     }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Random, Tensors};
-use frangible_dynamics::{
+use frangible_bodies::{
     EnergyFix, Inertia, Pose, Rotation, Velocity, advance, fix_rotational_energy,
     rotate_second_order,
 };

@@ -60,7 +60,7 @@ pub fn rotate_exact(
 /// [`rotate_exact`] does. `direction_world` is that of L, `rates` are those of the principal axes,
 /// relative to the fastest.
 #[inline(always)]
-pub(crate) fn rotate_slowly<V: Vector>(
+fn rotate_slowly<V: Vector>(
     orientation: Turn<V>,
     (direction_world, rates): (V, V),
     angle: V::Number,

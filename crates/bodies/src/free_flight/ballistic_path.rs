@@ -1,40 +1,45 @@
 //! Bodies on their ways through a frame, without contact.
 
 use crate::bodies::{Bodies, Motion};
+use crate::frame::Frame;
+use crate::free_flight::rotation::rotation_by;
 use crate::pair::Pair;
-use crate::rotation::rotation_by;
-use crate::settings::Frame;
 use crate::state::{Pose, Velocity};
 use glam::DVec3;
 
 /// A body's way from the frame's start: ballistic, its spin taken as constant.
 #[derive(Clone, Copy)]
-pub(crate) struct Flight {
-    pub(crate) start: Pose,
+pub struct Flight {
+    /// At the frame's start.
+    pub start: Pose,
     /// Of the centre of mass, at the start [m/s].
-    pub(crate) linear: DVec3,
+    pub linear: DVec3,
     /// [rad/s]
-    pub(crate) angular: DVec3,
+    pub angular: DVec3,
     /// [m/s^2]
-    pub(crate) acceleration: DVec3,
+    pub acceleration: DVec3,
     /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
-    pub(crate) radius: f64,
+    pub radius: f64,
     /// No point of the body turns faster [m/s].
-    pub(crate) spin_speed: f64,
+    pub spin_speed: f64,
 }
 
 impl Flight {
     /// Of both bodies of a pair.
-    pub(crate) fn of_pair(bodies: &Bodies, pair: Pair, frame: &Frame) -> [Self; 2] {
+    #[inline]
+    pub fn of_pair(bodies: &Bodies, pair: Pair, frame: &Frame) -> [Self; 2] {
         [pair.first, pair.second].map(|i| Self::of(bodies, i, frame))
     }
 
-    pub(crate) fn of(bodies: &Bodies, i: usize, frame: &Frame) -> Self {
+    /// Of a body from where it is.
+    #[inline]
+    pub fn of(bodies: &Bodies, i: usize, frame: &Frame) -> Self {
         Self::from(bodies, i, (bodies.poses[i], &bodies.velocities[i]), frame)
     }
 
     /// Of a body that has come to another pose and velocity than that of `bodies`.
-    pub(crate) fn from(
+    #[inline]
+    pub fn from(
         bodies: &Bodies,
         i: usize,
         (start, velocity): (Pose, &Velocity),
@@ -57,7 +62,7 @@ impl Flight {
 
     /// Where the body is after `time` [s].
     #[inline]
-    pub(crate) fn pose(&self, time: f64) -> Pose {
+    pub fn pose(&self, time: f64) -> Pose {
         if time == 0.0 {
             return self.start;
         }
@@ -74,7 +79,7 @@ impl Flight {
 
     /// Velocity of its material at a point of the world [m/s] after `time` [s].
     #[inline]
-    pub(crate) fn velocity(&self, point: DVec3, time: f64) -> DVec3 {
+    pub fn velocity(&self, point: DVec3, time: f64) -> DVec3 {
         let lever = point - self.position(time);
         self.linear + time * self.acceleration + self.angular.cross(lever)
     }

@@ -79,11 +79,13 @@ impl Inertia {
     }
 
     /// Inverse of the inertia tensor in the world frame: `R I0^-1 R^T` [1/(kg m^2)].
+    #[inline]
     pub fn inverse_tensor(&self, orientation: DQuat) -> DMat3 {
         turned(self.inverse_moments, orientation)
     }
 
     /// Inertia tensor in the world frame: `R I0 R^T` [kg m^2]; for finite masses only.
+    #[inline]
     pub fn tensor(&self, orientation: DQuat) -> DMat3 {
         turned(self.inverse_moments.recip(), orientation)
     }
@@ -103,6 +105,7 @@ impl Inertia {
 }
 
 /// `R D R^T` of a diagonal matrix.
+#[inline]
 fn turned(diagonal: DVec3, orientation: DQuat) -> DMat3 {
     let r = DMat3::from_quat(orientation);
     r * DMat3::from_diagonal(diagonal) * r.transpose()

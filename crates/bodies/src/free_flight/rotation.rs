@@ -1,9 +1,9 @@
 //! Free flight over one time step: the path is exact, and so may the rotation be; else it is second
 //! order.
 
-use crate::energy_fix::fix_rotational_energy;
-use crate::exact_rotation::rotate_exact;
-use crate::settings::Rotation;
+use crate::frame::Rotation;
+use crate::free_flight::energy_fix::fix_rotational_energy;
+use crate::free_flight::exact_rotation::rotate_exact;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_math::Turn;
 use glam::{DQuat, DVec3};
@@ -12,6 +12,7 @@ use glam::{DQuat, DVec3};
 /// The angular momentum is an input only, so it is conserved by construction; the energy fix aims
 /// at the energy at the start of this very step [Su09 sec. 2]. What has infinite inertia keeps its
 /// orientation here.
+#[inline]
 pub fn advance(
     pose: &Pose,
     velocity: &Velocity,

@@ -1,7 +1,7 @@
 //! Random bodies, the same in each run.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use frangible_dynamics::{Inertia, Velocity};
+use frangible_bodies::{Inertia, Velocity};
 use glam::{DMat3, DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

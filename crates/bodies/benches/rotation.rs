@@ -1,4 +1,4 @@
-//! Time of one torque-free rotation on one core: `cargo bench -p frangible-dynamics --bench
+//! Time of one torque-free rotation on one core: `cargo bench -p frangible-bodies --bench
 //! rotation`. Prints the rows of `bench/results/rotation.csv`: medians over passes of the mean over
 //! bodies.
 
@@ -6,7 +6,7 @@
 mod common;
 
 use common::Random;
-use frangible_dynamics::{Inertia, Pose, Rotation, Velocity, advance};
+use frangible_bodies::{Inertia, Pose, Rotation, Velocity, advance};
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;

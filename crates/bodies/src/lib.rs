@@ -1,0 +1,18 @@
+//! Bodies and how they fly freely: the store of all bodies of a world, their poses, velocities and
+//! inertia, and where a body that nothing touches gets to in a frame.
+
+mod bodies;
+mod frame;
+mod free_flight;
+mod pair;
+mod state;
+
+pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant, PerBody};
+pub use frame::{Frame, Rotation, StepSettings};
+pub use free_flight::ballistic_path::Flight;
+pub use free_flight::energy_fix::{EnergyFix, fix_rotational_energy};
+pub use free_flight::evolve::{accelerate, evolve, evolve_all, evolve_these, half_fallen, predict};
+pub use free_flight::exact_rotation::rotate_exact;
+pub use free_flight::rotation::{advance, rotate_second_order, rotation_by};
+pub use pair::Pair;
+pub use state::{Inertia, Pose, Velocity};
