@@ -55,8 +55,10 @@ test-rust: tests/tools/node_modules/.package-lock.json
 	cargo test --workspace --locked --test '*'
 	cargo test --workspace --locked --doc
 	@# All but those with kernels, with the Python module, so that features and what is compiled stay the same.
-	cargo test --workspace --locked --lib --exclude frangible-bodies --exclude frangible-dynamics
-	cargo test --package frangible-bodies --package frangible-dynamics --locked --lib --profile unit
+	cargo test --workspace --locked --lib --exclude frangible-bodies --exclude frangible-collision \
+	  --exclude frangible-dynamics
+	cargo test --package frangible-bodies --package frangible-collision --package frangible-dynamics \
+	  --locked --lib --profile unit
 
 test-web: web/node_modules/.package-lock.json
 	cd web && npm test --silent

@@ -1,5 +1,6 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
+use crate::activity::Activity;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
@@ -116,6 +117,8 @@ pub struct Bodies {
     pub radii: Vec<f64>,
     /// Friction, restitution, strength.
     pub contactants: Vec<Contactant>,
+    /// What each did in the last frames.
+    pub activities: Vec<Activity>,
     slots: Slots,
 }
 
@@ -146,6 +149,7 @@ impl<T: Copy> PerBody<T> {
     }
 
     /// Gives a body one, in the place of the one that it has.
+    #[inline]
     pub fn insert(&mut self, id: BodyId, value: T) {
         let slot = id.index as usize;
         if slot >= self.0.len() {
@@ -215,6 +219,7 @@ impl Bodies {
         self.radii.push(body.shape.radius());
         self.shapes.push(body.shape);
         self.contactants.push(body.contactant);
+        self.activities.push(Activity::default());
         id
     }
 
@@ -240,6 +245,7 @@ impl Bodies {
         retain(&mut self.shapes, gone);
         retain(&mut self.radii, gone);
         retain(&mut self.contactants, gone);
+        retain(&mut self.activities, gone);
         for (dense, id) in self.ids.iter().enumerate() {
             self.slots.dense[id.index as usize] = Some(dense as u32);
         }

@@ -1,12 +1,14 @@
 //! Bodies and how they fly freely: the store of all bodies of a world, their poses, velocities and
 //! inertia, and where a body that nothing touches gets to in a frame.
 
+mod activity;
 mod bodies;
 mod frame;
 mod free_flight;
 mod pair;
 mod state;
 
+pub use activity::{Activity, Drowsiness, Substeps};
 pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant, PerBody};
 pub use frame::{Frame, Rotation, StepSettings};
 pub use free_flight::ballistic_path::Flight;

@@ -1,14 +1,12 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
-use crate::detection::{ContactPoint, NearSamples};
-use crate::encounter::Encounter;
-use crate::first_contact::first_contact;
-use crate::manifold::{ManifoldFinder, ManifoldPoint};
-use crate::pair::{Approach, PairImpulse, approach_at, deepest_approach, impulse_for, placed};
-use crate::penetration::penetration;
+use crate::pair::{Approach, PairImpulse, approach_at, deepest_approach, impulse_for};
 use crate::tally::{Cause, Tally};
-use crate::warm_start::WarmStart;
 use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
+use frangible_collision::{
+    ContactPoint, Encounter, ManifoldFinder, ManifoldPoint, NearSamples, WarmStart, first_contact,
+    placed,
+};
 use glam::DVec3;
 
 /// A collision that a body does not bear.
@@ -217,7 +215,7 @@ fn next_touch(
     }
 
     // What turns fast may touch though no point of it approaches now: look at the frame's end.
-    penetration(bodies, pair, predicted, &mut finder.room)?;
+    finder.penetration(bodies, pair, predicted)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, 0.0).find_penetrations(

@@ -6,12 +6,10 @@
 //! sec. 4.2].
 
 use crate::blows::{Blow, blows_of};
-use crate::broad_phase::find_pairs;
-use crate::detection::{NearSamples, Penetration};
-use crate::first_contact::first_contact;
-use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for, placed};
+use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for};
 use crate::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, predict};
+use frangible_collision::{NearSamples, Penetration, find_pairs, first_contact, placed};
 use std::collections::HashMap;
 
 /// What one pass over all pairs came to.

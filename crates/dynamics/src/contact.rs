@@ -5,14 +5,14 @@
 //! at the *old* ones.
 
 use crate::contact_graph::{ContactGraph, Level};
-use crate::detection::{NearSamples, Penetration};
 use crate::displacements::{Displacements, Push};
 use crate::ledger::pair_energy;
-use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for, placed};
+use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for};
 use crate::tally::{Cause, Tally};
 use frangible_bodies::{
     Bodies, Frame, Inertia, Pair, PairContactant, Pose, Velocity, evolve, evolve_all,
 };
+use frangible_collision::{NearSamples, Penetration, placed};
 use std::collections::HashMap;
 
 /// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the

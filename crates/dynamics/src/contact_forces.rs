@@ -1,8 +1,7 @@
 //! Forces that contacts carried at the end of a frame.
 
-use crate::manifold::Manifold;
-use crate::warm_start::WarmStart;
 use frangible_bodies::{Bodies, Pair};
+use frangible_collision::{Manifold, WarmStart};
 use glam::DVec3;
 
 /// A force at a point of contact.

@@ -1,8 +1,7 @@
 //! Who rests on whom [GBF03 sec. 5, 6].
 
-use crate::detection::overlap;
-use crate::pair::placed;
 use frangible_bodies::{Bodies, Frame, Pair, Pose, accelerate, evolve_all};
+use frangible_collision::{overlap, placed};
 
 /// Pairs in contact, by the level of their upper body: lower levels first.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -15,13 +15,15 @@ mod solver_islands;
 #[cfg(test)]
 mod tests;
 
-use crate::manifold::Manifold;
 use crate::tally::Tally;
-use crate::warm_start::{Part, Substeps, WarmStart};
 use finish::{FrameStart, close_islands};
+use frangible_bodies::Activity;
 use frangible_bodies::Frame;
+use frangible_bodies::Substeps;
 use frangible_bodies::evolve;
 use frangible_bodies::{Bodies, Motion};
+use frangible_collision::Manifold;
+use frangible_collision::{Part, WarmStart};
 use frangible_math::Instructions;
 #[cfg(test)]
 use frangible_math::Scalar;
@@ -71,7 +73,7 @@ fn solve_with<I: Instructions>(
 ) -> Solved {
     let start = FrameStart::of(bodies);
     let carried = warm.of_manifolds(bodies, manifolds);
-    let islands = IslandGroups::new(bodies, manifolds, &carried, (warm, frame));
+    let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
 
     let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
     let mut parts: Vec<Part> = Vec::new();
@@ -90,8 +92,12 @@ fn solve_with<I: Instructions>(
     let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.tally);
     fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);
     parts.push(islands.sleep.carried(manifolds, &carried));
-    let drowsiness = islands.sleep.drowsiness(bodies, (warm, frame), &are_asleep);
-    *warm = WarmStart::of_parts(bodies, (manifolds.len(), parts), &islands.substeps, &drowsiness);
+    *warm = WarmStart::of_parts(bodies, manifolds.len(), parts);
+    let drowsiness = islands.sleep.drowsiness(bodies, frame, &are_asleep);
+    for (i, substeps) in islands.substeps.into_iter().enumerate() {
+        let drowsiness = drowsiness.get(i).copied().unwrap_or_default();
+        bodies.activities[i] = Activity { substeps, drowsiness };
+    }
     solved
 }
 

@@ -1,11 +1,12 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
-use crate::detection::{ContactPoint, Penetration, Placed, contact_point};
 use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
 use crate::pair_rotation::turn_pair;
 use crate::tally::Tally;
 use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
+use frangible_collision::placed;
+use frangible_collision::{ContactPoint, Penetration, contact_point};
 use glam::{DMat3, DVec3};
 
 /// Two bodies that approach each other at a point.
@@ -17,12 +18,6 @@ pub struct Approach {
     pub levers: [DVec3; 2],
     /// Velocity of the first body's point less that of the second's [m/s].
     pub relative_velocity: DVec3,
-}
-
-/// The pair's bodies at the given poses.
-pub fn placed<'a>(bodies: &'a Bodies, pair: Pair, poses: &'a [Pose]) -> (Placed<'a>, Placed<'a>) {
-    let at = |i: usize| Placed { shape: &bodies.shapes[i], pose: &poses[i] };
-    (at(pair.first), at(pair.second))
 }
 
 /// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen

@@ -1,12 +1,12 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative
 //! velocity, before the island has to.
 
-use crate::detection::ContactPoint;
 use crate::ledger::Anchor;
 use crate::pair::{Approach, PairImpulse, approach_at, pair_contact_matrix};
 use crate::take_out::RelativeMotion;
 use crate::tally::{Debt, Tally, kinematic_work};
 use frangible_bodies::{Bodies, Frame, Motion, Pair};
+use frangible_collision::ContactPoint;
 use glam::DVec3;
 
 /// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its

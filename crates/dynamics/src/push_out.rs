@@ -1,11 +1,11 @@
 //! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
 
 use crate::contact_graph::ContactGraph;
-use crate::detection::{NearSamples, Penetration, contact_point};
 use crate::displacements::{Displacements, Push};
 use crate::ledger::pair_energy;
-use crate::pair::{pair_contact_matrix, placed};
+use crate::pair::pair_contact_matrix;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Pose, rotation_by};
+use frangible_collision::{NearSamples, Penetration, contact_point, placed};
 use glam::DVec3;
 
 /// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps

@@ -4,10 +4,10 @@
 //! wakes what it held.
 
 use crate::ledger::energy;
-use crate::manifold::{Manifold, ManifoldPoint};
 use crate::tally::{Cause, Tally};
-use crate::warm_start::{Carried, Part, WarmStart};
+use frangible_bodies::Drowsiness;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair, Velocity};
+use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};
 use glam::DVec3;
 
 /// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim
@@ -17,23 +17,6 @@ const SLOW: f64 = 5e-3;
 
 /// So long all bodies of an island must have been slow [s], as in Box2D.
 const SLOW_FOR: f64 = 0.5;
-
-/// What decides whether a body sleeps, from frame to frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Drowsiness {
-    /// In so many frames, one after the other, it has been slow, and has touched the same others,
-    /// of which none was driven.
-    slow_for: u32,
-    /// Those others: see [`Sleep::touching`].
-    touching: u64,
-    is_asleep: bool,
-}
-
-impl Drowsiness {
-    pub(crate) fn is_asleep(&self) -> bool {
-        self.is_asleep
-    }
-}
 
 /// Who sleeps in a frame.
 #[derive(Default)]
@@ -57,7 +40,7 @@ impl Sleep {
         bodies: &Bodies,
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
         islands: &mut Vec<Vec<usize>>,
-        (warm, frame): (&WarmStart, &Frame),
+        frame: &Frame,
     ) -> Self {
         let mut sleep = Self::default();
         if !frame.settings.sleep {
@@ -85,7 +68,7 @@ impl Sleep {
                 return true;
             }
             let is_drowsy = |i: usize| {
-                let Drowsiness { slow_for, touching, .. } = warm.drowsiness(bodies.ids[i]);
+                let Drowsiness { slow_for, touching, .. } = bodies.activities[i].drowsiness;
                 slow_for >= enough && touching == sleep.touching[i] && is_slow(bodies, i)
             };
             let presses = |at: usize| carried[at].iter().any(|carried| carried.force.normal > 0.0);
@@ -144,11 +127,11 @@ impl Sleep {
     pub(crate) fn drowsiness(
         &self,
         bodies: &Bodies,
-        (warm, frame): (&WarmStart, &Frame),
+        frame: &Frame,
         are_asleep: &[bool],
     ) -> Vec<Drowsiness> {
         let of = |(i, &touching): (usize, &u64)| {
-            let before = warm.drowsiness(bodies.ids[i]);
+            let before = bodies.activities[i].drowsiness;
             let way = bodies.poses[i].position.distance(self.starts[i]);
             let is_still = is_slow(bodies, i) && way < SLOW * frame.dt && !self.is_stirred[i];
             let goes_on = is_still && before.touching == touching;

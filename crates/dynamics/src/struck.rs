@@ -4,12 +4,8 @@
 
 mod ways;
 
-use crate::broad_phase::Swept;
-use crate::encounter::Encounter;
-use crate::manifold::ManifoldFinder;
-use crate::manifold::found::Manifolds;
-use crate::warm_start::WarmStart;
 use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
+use frangible_collision::{Encounter, ManifoldFinder, Manifolds, Swept, WarmStart};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use ways::Ways;
@@ -236,8 +232,8 @@ impl Next {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifold::find_manifolds;
     use frangible_bodies::{Contactant, Motion, NewBody, StepSettings, Velocity, predict};
+    use frangible_collision::find_manifolds;
     use frangible_geometry::{ClosedForm, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;

@@ -16,10 +16,8 @@ use crate::world::{Breaking, Label};
 use frangible_bodies::{
     Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
 };
-use frangible_dynamics::birth_fits::BirthFits;
-use frangible_dynamics::kept_pairs::KeptPairs;
+use frangible_collision::{BirthFits, KeptPairs, WarmStart};
 use frangible_dynamics::ledger::Ledger;
-use frangible_dynamics::warm_start::WarmStart;
 use frangible_fracture::generators::MOST_CELLS;
 use frangible_fracture::{ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};

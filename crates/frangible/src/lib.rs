@@ -45,6 +45,7 @@ pub use desc::{
 pub use fineness::{Fineness, Found};
 pub use frangible_bodies as bodies;
 pub use frangible_bodies::BodyId;
+pub use frangible_collision as collision;
 pub use frangible_dynamics as dynamics;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;

@@ -8,12 +8,10 @@ use crate::desc::{LookDesc, Method};
 use crate::fineness::Fineness;
 use crate::report::id_number;
 use crate::strength::Strength;
+use frangible_bodies::Drowsiness;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
-use frangible_dynamics::birth_fits::BirthFits;
-use frangible_dynamics::kept_pairs::KeptPairs;
+use frangible_collision::{BirthFits, KeptPairs, WarmStart, find_penetrations};
 use frangible_dynamics::ledger::Ledger;
-use frangible_dynamics::penetration::find_penetrations;
-use frangible_dynamics::warm_start::WarmStart;
 use frangible_fracture::{Fragment, Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;
@@ -172,14 +170,15 @@ impl World {
                     Velocity::spinning(linear, angular, orientation, shape, density);
             }
         }
-        self.warm.wake(id);
+        self.bodies.activities[dense].drowsiness = Drowsiness::default();
         Ok(())
     }
 
     /// Whether a body slept in the last frame, where the scene lets bodies
     /// [sleep](crate::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
-        self.warm.is_asleep(id)
+        let dense = self.bodies.index_of(id);
+        dense.is_some_and(|dense| self.bodies.activities[dense].drowsiness.is_asleep)
     }
 
     /// The closed surface of a living body in its own frame; `None` if the id is stale. Made when

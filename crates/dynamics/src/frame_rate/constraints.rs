@@ -1,9 +1,8 @@
 //! Contact constraints: the points of a manifold that share a normal, at most four, with what
 //! they carried in the last frame.
 
-use crate::manifold::{Manifold, ManifoldPoint};
-use crate::warm_start::Carried;
 use frangible_bodies::{Bodies, Frame, Motion, PairContactant};
+use frangible_collision::{Carried, Manifold, ManifoldPoint};
 use glam::DVec3;
 
 /// Points of a constraint.

@@ -5,10 +5,9 @@ use super::group::Group;
 use super::{Solved, fall};
 use crate::islands::root;
 use crate::ledger::energy;
-use crate::manifold::Manifold;
 use crate::tally::{Cause, Tally};
-use crate::warm_start::{Carried, Part, PointImpulse, Substeps};
-use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Velocity};
+use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
+use frangible_collision::{Carried, Manifold, Part, PointImpulse};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
 

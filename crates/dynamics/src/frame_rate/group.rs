@@ -7,9 +7,8 @@ use super::restitution::{Stamps, propagate_impacts};
 use super::slabs::Slabs;
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
-use crate::manifold::Manifold;
-use crate::warm_start::Carried;
 use frangible_bodies::{Bodies, Frame};
+use frangible_collision::{Carried, Manifold};
 use frangible_math::{Instructions, LANES, Single, threads};
 
 /// Damping ratio of overlaps that close. With 10 [Cat24] walls keep a motion of 5 cm/s, with

@@ -3,8 +3,8 @@
 //! may be solved at a time, and then all odd ones, whichever thread takes which.
 
 use super::group::NOWHERE;
-use crate::manifold::Manifold;
 use frangible_bodies::{Bodies, Inertia, Motion};
+use frangible_collision::Manifold;
 use glam::DVec3;
 
 /// Manifolds of a slab, and of a bundle of islands: enough to fill the lanes of its colours, few

@@ -3,10 +3,9 @@
 use super::slabs::SLAB;
 use super::solver_bodies::is_round;
 use crate::islands::root;
-use crate::manifold::{Manifold, ManifoldPoint};
 use crate::sleep::Sleep;
-use crate::warm_start::{Carried, Substeps, WarmStart};
-use frangible_bodies::{Bodies, Frame, Inertia, Pair};
+use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
+use frangible_collision::{Carried, Manifold, ManifoldPoint};
 use std::collections::BTreeMap;
 
 /// Frequency of contacts, as a part of the substep rate: higher ones vibrate [Cat24].
@@ -58,11 +57,11 @@ impl IslandGroups {
         bodies: &Bodies,
         manifolds: &[Manifold],
         carried: &[&[Carried]],
-        (warm, frame): (&WarmStart, &Frame),
+        frame: &Frame,
     ) -> Self {
         let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let mut islands = islands(&is_fixed, manifolds);
-        let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, (warm, frame));
+        let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, frame);
 
         let forgets = libm::exp2(-frame.dt / HALF_LIFE) as f32;
         let (mut bundles, mut open): (Vec<Bundle>, BTreeMap<u32, usize>) = Default::default();
@@ -80,7 +79,7 @@ impl IslandGroups {
                 ));
                 for i in manifold.pair.both().into_iter().filter(|&i| !is_fixed[i]) {
                     needed = needed.max(substeps_of_turn(bodies, i, frame));
-                    last = last.max(warm.substeps(bodies.ids[i]));
+                    last = last.max(bodies.activities[i].substeps);
                 }
             }
             let needed = (needed as f32).max(forgets * last.needed);

@@ -4,8 +4,8 @@ use super::group::{Group, NOWHERE};
 use super::slabs::Slabs;
 use super::solver_islands::count;
 use super::*;
-use crate::manifold::find_manifolds;
 use frangible_bodies::{Contactant, NewBody, Pair, Pose, StepSettings, Velocity};
+use frangible_collision::find_manifolds;
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::DQuat;
 use std::collections::BTreeSet;
@@ -197,7 +197,7 @@ fn slabs_and_colours_share_no_body() {
         }
     }
 
-    let carried: Vec<&[crate::warm_start::Carried]> = vec![&[]; manifolds.len()];
+    let carried: Vec<&[frangible_collision::Carried]> = vec![&[]; manifolds.len()];
     let group =
         Group::<Scalar>::new(&bodies, (&manifolds, &carried), (&members, 16), &mut lines, &frame);
     let mut seen = 0;

@@ -1,8 +1,8 @@
 //! Whom a body may reach that strays from its ballistic way.
 
 use super::Stray;
-use crate::broad_phase::{Bounds, Ground};
 use frangible_bodies::{Bodies, Frame, Pose};
+use frangible_collision::{Bounds, Ground};
 use frangible_math::threads;
 use glam::DVec3;
 

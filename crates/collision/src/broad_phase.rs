@@ -1,0 +1,173 @@
+//! Pairs of bodies whose bounds overlap.
+
+pub(crate) mod bounds;
+pub(crate) mod crowd;
+pub(crate) mod sweep_and_prune;
+
+use crate::broad_phase::bounds::Bounds;
+use crate::broad_phase::bounds::Ground;
+use crate::broad_phase::sweep_and_prune::overlapping_bounded;
+use crate::relative_motion::moved;
+use frangible_bodies::{Bodies, Frame, Pair, Pose};
+use frangible_geometry::{Columns, Hull};
+use frangible_math::{Instructions, threads, with_widest};
+use std::slice::from_ref;
+
+/// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of
+/// which at least one is dynamic, in increasing order.
+pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
+    let bounds: Vec<Bounds> = bodies
+        .shapes
+        .iter()
+        .zip(poses)
+        .map(|(shape, pose)| Bounds::of(shape, pose).grown(0.5 * margin))
+        .collect();
+    overlapping_pairs(bodies, &bounds, &[poses], false).0
+}
+
+/// What turns by more than this [rad] within a frame may have any turn in it.
+const LARGE_TURN: f64 = 1.0;
+
+/// Turning by so little within a frame that no point of a body comes further than this [m], in
+/// units of the margin, it is looked at only where it starts.
+const HARDLY: f64 = 0.01;
+
+/// Where bodies come on their ways through a frame.
+pub struct Swept {
+    /// Around the way of each body, enlarged by half of a margin.
+    pub bounds: Vec<Bounds>,
+    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order; of
+    /// crowds, the nearest.
+    pub pairs: Vec<Pair>,
+    /// How many pairs of crowds are not among them.
+    pub left_out: usize,
+}
+
+impl Swept {
+    /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`,
+    /// around the corners of polyhedra.
+    pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
+        let bounds =
+            with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
+        let (pairs, left_out) = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends], true);
+        Self { bounds, pairs, left_out }
+    }
+}
+
+/// The pairs of [`Swept`].
+pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Vec<Pair> {
+    Swept::new(bodies, ends, margin, frame).pairs
+}
+
+fn all_swept_bounds<I: Instructions>(
+    bodies: &Bodies,
+    ends: &[Pose],
+    margin: f64,
+    frame: &Frame,
+) -> Vec<Bounds> {
+    threads::list(bodies.len(), |i| {
+        // The memory of the next ones is asked for meanwhile: what they are, then what that leads
+        // to, and what that does.
+        let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
+        let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
+        later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
+        hull_later(2).into_iter().for_each(|hull| I::prefetch(from_ref(hull)));
+        I::prefetch(hull_later(1).and_then(Hull::known_columns).map_or(&[], Columns::vertices));
+        swept_bounds_with::<I>(bodies, i, &ends[i], margin, frame)
+    })
+}
+
+/// Bodies between one of which memory is asked for and one of which it leads to more, or is needed.
+const AHEAD: usize = 4;
+
+/// Bounds around a body's way, enlarged by half of `margin` [m].
+fn swept_bounds_with<I: Instructions>(
+    bodies: &Bodies,
+    i: usize,
+    end: &Pose,
+    margin: f64,
+    frame: &Frame,
+) -> Bounds {
+    let (shape, start) = (&bodies.shapes[i], &bodies.poses[i]);
+    let turn = bodies.spin(i, start, &bodies.velocities[i]).length() * frame.dt;
+    if turn > LARGE_TURN {
+        let bounds = |pose: &Pose| Bounds::of_any_turn(shape, pose).grown(0.5 * margin);
+        return bounds(start).around(&bounds(end));
+    }
+    let bounds = Bounds::of_solid::<I>(shape, start);
+    let turned = Pose { position: start.position, ..*end };
+    let further = moved(start, &turned, bodies.radii[i]);
+    let (at_end, beyond) = if further <= HARDLY * margin {
+        let way = end.position - start.position;
+        (Bounds { low: bounds.low + way, high: bounds.high + way }, further)
+    } else {
+        // Its points go along arcs, beyond their chords by no more than this where the spin keeps
+        // its axis; of 6,000 boxes that turn freely by half a radian to one, none needs more.
+        let bulge = if turn > 0.0 { 0.125 * turn * turn * bodies.radii[i] } else { 0.0 };
+        (Bounds::of_solid::<I>(shape, end), bulge)
+    };
+    bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
+}
+
+/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of
+/// `poses`; and, if crowds are thinned, how many of them are left out.
+fn overlapping_pairs(
+    bodies: &Bodies,
+    bounds: &[Bounds],
+    poses: &[&[Pose]],
+    thins: bool,
+) -> (Vec<Pair>, usize) {
+    let moves: Vec<bool> = bodies.inertias.iter().map(|inertia| !inertia.is_infinite()).collect();
+    let (mut pairs, left_out) = overlapping_bounded(bounds, &moves, thins);
+
+    // What is boundless meets everything, but for what is above ground.
+    let mut with_boundless = Vec::new();
+    for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
+        let ground = Ground::of(bodies, a, poses);
+        let is_above = |b: usize| ground.as_ref().is_some_and(|ground| ground.is_below(&bounds[b]));
+        for b in (0..bodies.len()).filter(|&b| (moves[a] || moves[b]) && a != b) {
+            let is_second = bounds[b].is_boundless() && b < a;
+            if !is_second && !bounds[b].is_nan() && !is_above(b) {
+                with_boundless.push(Pair { first: a.min(b), second: a.max(b) });
+            }
+        }
+    }
+    pairs.push(with_boundless);
+    (sorted(&pairs, bodies.len()), left_out)
+}
+
+/// Bodies whose pairs a thread sorts together.
+const SORTED: usize = 512;
+
+/// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are
+/// few to each.
+fn sorted(pairs: &[Vec<Pair>], count: usize) -> Vec<Pair> {
+    let mut begin = vec![0; count + 1];
+    pairs.iter().flatten().for_each(|pair| begin[pair.first + 1] += 1);
+    for first in 0..count {
+        begin[first + 1] += begin[first];
+    }
+    let mut next = begin.clone();
+    let mut ordered = vec![Pair { first: 0, second: 0 }; pairs.iter().map(Vec::len).sum()];
+    for pair in pairs.iter().flatten() {
+        ordered[next[pair.first]] = *pair;
+        next[pair.first] += 1;
+    }
+    let mut of_each = Vec::with_capacity(count.div_ceil(SORTED));
+    let mut rest = ordered.as_mut_slice();
+    for first in (0..count).step_by(SORTED) {
+        let begins = &begin[first..=(first + SORTED).min(count)];
+        let (some, others) = rest.split_at_mut(begins[begins.len() - 1] - begins[0]);
+        of_each.push((some, begins));
+        rest = others;
+    }
+    threads::for_each(&mut of_each, count, |(some, begins)| {
+        for ends in begins.windows(2) {
+            some[ends[0] - begins[0]..ends[1] - begins[0]].sort_unstable_by_key(|pair| pair.second);
+        }
+    });
+    ordered
+}
+
+#[cfg(test)]
+mod tests;

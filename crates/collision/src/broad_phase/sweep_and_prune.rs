@@ -1,0 +1,209 @@
+//! Boxes that overlap: strips across the axis along which they lie furthest apart, and in each of
+//! them a sweep along the next one [Bar92]. Time grows as the number of boxes and of overlaps, in
+//! flat piles, tall ones and rows.
+
+use crate::broad_phase::bounds::Bounds;
+use crate::broad_phase::crowd::{most_pairs, thinned};
+use frangible_bodies::Pair;
+use frangible_math::threads;
+use glam::DVec3;
+
+/// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so
+/// that none is missed.
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    /// Lowest and highest, along the axis of the sweep.
+    along: [f32; 2],
+    /// Along the axis that the strips lie across.
+    across: [f32; 2],
+    /// Along the third.
+    third: [f32; 2],
+    index: u32,
+    /// Where the box begins.
+    first_strip: u32,
+    moves: bool,
+}
+
+/// How boxes are distributed.
+struct Layout {
+    /// Of the strips, of the sweep, and the third.
+    axes: [usize; 3],
+    /// Where the first strip begins, along the first axis [m].
+    begin: f64,
+    /// Of a strip [m].
+    width: f64,
+    strips: usize,
+}
+
+/// Lists of pairs, as many as there may be threads.
+const SHARES: usize = 16;
+
+/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in
+/// no order. Boxes that are apart by no more than the rounding of single precision may count as
+/// overlapping. Of crowds, if they are to be thinned, the [deepest](thinned); how many are left out
+/// comes with them.
+pub(crate) fn overlapping_bounded(
+    bounds: &[Bounds],
+    moves: &[bool],
+    thins: bool,
+) -> (Vec<Vec<Pair>>, usize) {
+    let is_bounded =
+        |&index: &usize| bounds[index].low.is_finite() && bounds[index].high.is_finite();
+    let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
+    let layout = Layout::of(bounds, &bounded);
+
+    // By where they begin along the sweep; the index tells equal ones apart.
+    let sweep = layout.axes[1];
+    let key = |&index: &usize| {
+        u64::from(ascending(round_down(bounds[index].low[sweep]))) << 32 | index as u64
+    };
+    let mut order: Vec<u64> = bounded.iter().map(key).collect();
+    order.sort_unstable();
+
+    // Into each strip that they come into, in that order.
+    let placed = threads::list(order.len(), |at| {
+        let index = order[at] as u32;
+        let bounds = &bounds[index as usize];
+        let [first, last] = layout.strips_of(bounds);
+        (first, last, layout.entry(bounds, index, first as u32, moves[index as usize]))
+    });
+    let mut begin = vec![0; layout.strips + 1];
+    for &(first, last, _) in &placed {
+        begin[first..=last].iter_mut().for_each(|count| *count += 1);
+    }
+    let mut total = 0;
+    for begin in &mut begin {
+        total += std::mem::replace(begin, total);
+    }
+    let mut next = begin.clone();
+    let mut entries = vec![Entry::default(); total];
+    for (first, last, entry) in placed {
+        for next in &mut next[first..=last] {
+            entries[*next] = entry;
+            *next += 1;
+        }
+    }
+
+    let strips: Vec<usize> = (0..layout.strips).collect();
+    let shares: Vec<&[usize]> = strips.chunks(layout.strips.div_ceil(SHARES)).collect();
+    let most = if thins { most_pairs(bounded.len()) } else { usize::MAX };
+    let pairs = threads::map(shares, bounded.len(), |strips| {
+        let mut pairs = Vec::new();
+        for &strip in strips {
+            sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, most, &mut pairs);
+        }
+        pairs
+    });
+    if pairs.iter().map(Vec::len).sum::<usize>() <= most {
+        return (pairs, 0);
+    }
+    drop(pairs);
+    let (pairs, left_out) = thinned(bounds, |take| {
+        let mut of_one = Vec::new();
+        for strip in 0..layout.strips {
+            let entries = &entries[begin[strip]..begin[strip + 1]];
+            for at in 0..entries.len() {
+                of_one.clear();
+                sweep_one(entries, at, strip as u32, &mut of_one);
+                of_one.iter().for_each(|&pair| take(pair));
+            }
+        }
+    });
+    (vec![pairs], left_out)
+}
+
+/// The pairs that overlap and whose later one begins in this strip; no more once there are more
+/// than `most`.
+fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>) {
+    // Which ones overlap nobody can foresee: all are noted, and those that do not are written over.
+    let mut with = vec![0; entries.len()];
+    for (at, a) in entries.iter().enumerate() {
+        let mut count = 0;
+        for b in &entries[at + 1..] {
+            if b.along[0] > a.along[1] {
+                break;
+            }
+            let overlaps = (b.across[0] <= a.across[1])
+                & (a.across[0] <= b.across[1])
+                & (b.third[0] <= a.third[1])
+                & (a.third[0] <= b.third[1]);
+            let is_here = (a.first_strip == strip) | (b.first_strip == strip);
+            with[count] = b.index;
+            count += usize::from(overlaps & is_here & (a.moves | b.moves));
+        }
+        if pairs.len() > most {
+            return;
+        }
+        pairs.extend(with[..count].iter().map(|&other| {
+            let (first, second) = (a.index.min(other) as usize, a.index.max(other) as usize);
+            Pair { first, second }
+        }));
+    }
+}
+
+/// Those of one box with later ones.
+fn sweep_one(entries: &[Entry], at: usize, strip: u32, pairs: &mut Vec<Pair>) {
+    let a = &entries[at];
+    let later = entries[at + 1..].iter().take_while(|b| b.along[0] <= a.along[1]);
+    let meets = |b: &&Entry| {
+        b.across[0] <= a.across[1]
+            && a.across[0] <= b.across[1]
+            && b.third[0] <= a.third[1]
+            && a.third[0] <= b.third[1]
+            && (a.first_strip == strip || b.first_strip == strip)
+            && (a.moves || b.moves)
+    };
+    pairs.extend(later.filter(meets).map(|b| {
+        let (first, second) = (a.index.min(b.index) as usize, a.index.max(b.index) as usize);
+        Pair { first, second }
+    }));
+}
+
+impl Layout {
+    /// Strips are as wide as the boxes in the mean, so that those come into two each, and no more
+    /// than there are boxes.
+    fn of(bounds: &[Bounds], bounded: &[usize]) -> Self {
+        let count = bounded.len().max(1) as f64;
+        let boxes = || bounded.iter().map(|&index| &bounds[index]);
+        let sum = |of: &dyn Fn(&Bounds) -> DVec3| boxes().map(of).sum::<DVec3>() / count;
+        let middle = |bounds: &Bounds| 0.5 * (bounds.low + bounds.high);
+        let mean = sum(&middle);
+        let spread = sum(&|bounds| (middle(bounds) - mean).abs());
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| spread[b].total_cmp(&spread[a]).then(a.cmp(&b)));
+
+        let low = boxes().fold(DVec3::INFINITY, |low, bounds| low.min(bounds.low))[axes[0]];
+        let high = boxes().fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.high))[axes[0]];
+        let size = sum(&|bounds| bounds.high - bounds.low)[axes[0]];
+        let width = size.max((high - low) / count);
+        let strips = if width > 0.0 { ((high - low) / width).ceil().max(1.0) as usize } else { 1 };
+        Self { axes, begin: low, width, strips }
+    }
+
+    /// The first and the last strip that a box comes into.
+    fn strips_of(&self, bounds: &Bounds) -> [usize; 2] {
+        // What is not a number is the first.
+        let axis = self.axes[0];
+        let strip = |x: f64| (((x - self.begin) / self.width) as usize).min(self.strips - 1);
+        [strip(bounds.low[axis]), strip(bounds.high[axis])]
+    }
+
+    fn entry(&self, bounds: &Bounds, index: u32, first_strip: u32, moves: bool) -> Entry {
+        let range = |axis: usize| [round_down(bounds.low[axis]), -round_down(-bounds.high[axis])];
+        let [across, along, third] = self.axes;
+        let (along, across, third) = (range(along), range(across), range(third));
+        Entry { along, across, third, index, first_strip, moves }
+    }
+}
+
+/// The largest number of single precision that is not above.
+fn round_down(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { near.next_down() } else { near }
+}
+
+/// A number whose order is that of the floats, both zeros being one.
+fn ascending(x: f32) -> u32 {
+    let bits = (x + 0.0).to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}

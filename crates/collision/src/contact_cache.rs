@@ -1,0 +1,276 @@
+//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against
+//! each other since its points were found keeps them, and what was further apart than it can have
+//! come since is still apart.
+
+pub(crate) mod kept;
+pub(crate) mod lookup;
+pub(crate) mod prefetch;
+
+use crate::contact_cache::kept::Kept;
+use crate::contact_cache::kept::KeptPair;
+use crate::contact_cache::kept::KeptPoint;
+use crate::contact_cache::lookup::{NOWHERE, Passing, firsts};
+use crate::contact_cache::prefetch::{Ahead, Seen};
+use crate::manifold::list::{Found, Manifolds};
+use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::finder::ManifoldFinder;
+use crate::narrow_phase::hull_hull::approach::hull_points;
+use crate::narrow_phase::hull_hull::hull_point::HullPoint;
+use crate::narrow_phase::hull_plane::plane_points;
+use crate::narrow_phase::solid::Solid;
+use crate::relative_motion::{moved, moved_between, placed, second_from_first};
+use crate::warm_start::WarmStart;
+use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
+use frangible_math::threads;
+
+/// Relative motion up to which a pair keeps its points, in units of the smaller body's radius:
+/// what lies on an edge sticks out over it by as much before it tips.
+const STEADY: f64 = 0.03;
+
+/// Overlap, in the same units, with which a pair's points are found anew in the next frame: what
+/// jams goes on to part only along an axis that is the best one now.
+const DEEP: f64 = 0.1;
+
+/// How much further than the reach points are looked for, relative to it, so that they can be kept
+/// while it varies.
+const MARGIN: f64 = 0.2;
+
+/// The pairs of the last frame, in the order of their bodies' births.
+#[derive(Clone, Debug, Default)]
+pub struct KeptPairs {
+    /// Of all bodies of the last frame.
+    ways: Vec<Way>,
+    /// One after the other.
+    kept: Vec<Kept>,
+    /// Room.
+    last: Vec<Kept>,
+    finders: Vec<ManifoldFinder>,
+    found: Manifolds,
+}
+
+/// Pairs that go to a thread together: a tenth of a millisecond of work.
+const SHARE: usize = 1024;
+
+/// How far a body has come.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    id: BodyId,
+    pose: Pose,
+    /// No point of it has moved further since it was first seen, all frames together [m].
+    length: f64,
+}
+
+impl KeptPairs {
+    /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which
+    /// is increasing. Points that are in `warm` carried in the last frame.
+    pub fn find_manifolds(
+        &mut self,
+        bodies: &Bodies,
+        pairs: &[Pair],
+        warm: &WarmStart,
+        frame: &Frame,
+    ) -> &mut Manifolds {
+        let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
+        let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
+        let places = self.go_on(bodies, &flights);
+        let count = pairs.len().div_ceil(SHARE);
+        std::mem::swap(&mut self.last, &mut self.kept);
+        self.kept.resize_with(count, Kept::default);
+        self.finders.resize_with(count, ManifoldFinder::default);
+        self.found.parts.resize_with(count, Found::default);
+
+        // Each thread takes some pairs that follow each other.
+        let Self { ways, kept, last, finders, found } = self;
+        let firsts = firsts(last, &places);
+        let passing = Passing::new(last, &places, &firsts);
+        let rooms = kept.iter_mut().zip(finders).zip(&mut found.parts);
+        let mut shares: Vec<(Share, &[Pair])> = rooms
+            .zip(pairs.chunks(SHARE))
+            .map(|(((kept, finder), found), pairs)| {
+                (Share { ways, seen: &seen, kept, finder, found }, pairs)
+            })
+            .collect();
+        let find = |(share, pairs): &mut (Share, &[Pair])| {
+            share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
+        };
+        threads::for_each(&mut shares, pairs.len(), find);
+        &mut self.found
+    }
+
+    /// Follows all bodies to where they are now. Returns where those of the last frame are among
+    /// them.
+    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
+        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
+        let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
+        let place = |last: &Way| {
+            let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
+            ways[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
+            i as u32
+        };
+        let places = self.ways.iter().map(place).collect();
+        self.ways = ways;
+        places
+    }
+}
+
+/// What is known of a pair from the last frame, and from when on its ways count if that still
+/// holds.
+struct Look<'a> {
+    pair: Pair,
+    known: Option<(&'a KeptPair, &'a [KeptPoint])>,
+    since: Option<f64>,
+}
+
+/// Some pairs that follow each other, and room for what is found.
+struct Share<'a> {
+    ways: &'a [Way],
+    seen: &'a [Seen<'a>],
+    kept: &'a mut Kept,
+    finder: &'a mut ManifoldFinder,
+    found: &'a mut Found,
+}
+
+impl Share<'_> {
+    fn find_manifolds(
+        &mut self,
+        pairs: &[Pair],
+        mut passing: Passing,
+        (bodies, flights): (&Bodies, &[Flight]),
+        warm: &WarmStart,
+        frame: &Frame,
+    ) {
+        self.kept.pairs.clear();
+        self.kept.points.clear();
+        self.found.clear();
+        passing.go_to(pairs[0]);
+
+        // What holds, and what is to be looked at anew.
+        let (mut looks, mut anew) = (Vec::with_capacity(pairs.len()), Vec::new());
+        let encounter = |pair: Pair| {
+            Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
+        };
+        for &pair in pairs {
+            let encounter = encounter(pair);
+            if encounter.is_out_of_reach() {
+                continue;
+            }
+            let known = passing.find(pair);
+            let since = known.and_then(|(kept, points)| self.still_holds(kept, points, &encounter));
+            if since.is_none() {
+                anew.push(pair);
+            }
+            looks.push(Look { pair, known, since });
+        }
+
+        let mut ahead = Ahead::new(self.seen, &anew);
+        for Look { pair, known, since } in looks {
+            if let Some((kept, points)) = known
+                && let Some(since) = since
+            {
+                if !points.is_empty() {
+                    let encounter = encounter(pair);
+                    self.kept.points.extend_from_slice(points);
+                    let within_reach =
+                        points.iter().filter_map(|point| point.within_reach(&encounter));
+                    self.found.add(pair, within_reach);
+                }
+                self.keep(KeptPair { since, ..*kept }, pair);
+                continue;
+            }
+            ahead.go_on();
+            let encounter = encounter(pair);
+            if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
+                let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
+                self.find_anew(Encounter { last_normal, ..encounter }, solids);
+                continue;
+            }
+            let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
+            if let Some(manifold) = self.finder.of_encounter(&encounter, has_carried) {
+                self.found.add(pair, manifold.points.iter().copied());
+            }
+        }
+    }
+
+    /// How far the ways of a pair are together [m].
+    fn ways_of(&self, pair: Pair) -> f64 {
+        self.ways[pair.first].length + self.ways[pair.second].length
+    }
+
+    /// If the points of a pair are still its points, and nothing else has come within reach: from
+    /// when on its ways count.
+    #[inline]
+    fn still_holds(
+        &self,
+        kept: &KeptPair,
+        points: &[KeptPoint],
+        encounter: &Encounter,
+    ) -> Option<f64> {
+        let steady = STEADY * encounter.size;
+        let steady = if points.is_empty() { f64::INFINITY } else { steady };
+        let most = steady.min(kept.beyond - encounter.reach);
+        let ways = self.ways_of(encounter.pair);
+        if ways - kept.since <= most {
+            return Some(kept.since);
+        }
+        if most < 0.0 {
+            return None;
+        }
+        // What moves together hardly moves against each other.
+        let Encounter { bodies, pair, flights, .. } = *encounter;
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let now = second_from_first(first, second);
+        let radii = [flights[0].radius, flights[1].radius];
+        let moved = moved_between(&kept.found_at, &now, radii, 0.0);
+        (moved <= most).then_some(ways - moved)
+    }
+
+    /// Keeps a pair, whose points are the last ones.
+    fn keep(&mut self, kept: KeptPair, pair: Pair) {
+        let bodies = [pair.first as u32, pair.second as u32];
+        self.kept.pairs.push(KeptPair { bodies, end: self.kept.points.len() as u32, ..kept });
+    }
+
+    /// Looks where a pair touches, and keeps it for the next frame.
+    fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
+        let Encounter { bodies, pair, reach, size, .. } = encounter;
+        encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
+        let ManifoldFinder { room, points } = &mut *self.finder;
+        points.clear();
+        let beyond = match solids {
+            [Solid::Hull(first), Solid::Hull(second)] => {
+                hull_points(&encounter, [first, second], room, points)
+            }
+            [Solid::Ground(ground), Solid::Hull(hull)] => {
+                plane_points(&encounter, hull, false, ground, room, points)
+            }
+            _ => None,
+        };
+        let begin = self.kept.points.len();
+        let normal_of = |seen: &HullPoint| match solids[0] {
+            Solid::Ground(ground) => -ground.normal,
+            _ => seen.normal,
+        };
+        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| {
+            KeptPoint {
+                anchors: [point.anchor_first, point.anchor_second],
+                normal: normal_of(seen),
+                sample: point.sample,
+            }
+        }));
+
+        // What will meet later will do so elsewhere; what jams is looked at again.
+        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
+        let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
+            let kept = &self.kept.points[begin..];
+            let within_reach = kept.iter().filter_map(|point| point.within_reach(&encounter));
+            self.found.add(pair, within_reach);
+            beyond
+        } else {
+            self.found.add(pair, points.iter().copied());
+            f64::NEG_INFINITY
+        };
+        let (first, second) = placed(bodies, pair, &bodies.poses);
+        let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
+        self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
+    }
+}

@@ -1,0 +1,79 @@
+//! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that
+//! their memory is asked for ahead.
+
+use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
+use frangible_bodies::Pair;
+use frangible_geometry::{Columns, Hull, Shape};
+use frangible_math::prefetch;
+use std::slice::from_ref;
+
+/// What a body is to those it meets.
+pub(super) struct Seen<'a> {
+    solid: Solid<'a>,
+    /// Of a polyhedron.
+    edges: usize,
+}
+
+impl<'a> Seen<'a> {
+    pub(super) fn of(shape: &'a Shape) -> Self {
+        let solid = Solid::of(shape);
+        let edges = if let Solid::Hull(hull) = solid { hull.edges().len() } else { 0 };
+        Self { solid, edges }
+    }
+
+    /// Two whose points may last for some frames: polyhedra, or one on the ground.
+    pub(super) fn lasting([first, second]: [&Self; 2]) -> Option<[Solid<'a>; 2]> {
+        let lasts = match (first.solid, second.solid) {
+            (Solid::Hull(_), Solid::Hull(_)) => first.edges * second.edges <= MOST_EDGE_PAIRS,
+            (Solid::Ground(_), Solid::Hull(_)) => true,
+            _ => false,
+        };
+        lasts.then_some([first.solid, second.solid])
+    }
+}
+
+/// Pairs between one that is asked for and one that it then leads to: each takes about as long as
+/// memory does.
+const STEP: usize = 2;
+
+/// Pairs that are looked at one after the other.
+pub(super) struct Ahead<'a> {
+    seen: &'a [Seen<'a>],
+    pairs: &'a [Pair],
+    /// The next one that is asked for.
+    next: usize,
+}
+
+impl<'a> Ahead<'a> {
+    pub(super) fn new(seen: &'a [Seen<'a>], pairs: &'a [Pair]) -> Self {
+        let mut ahead = Self { seen, pairs, next: 0 };
+        (0..3 * STEP).for_each(|_| ahead.go_on());
+        ahead
+    }
+
+    /// Asks for one more pair: its hulls, then what they refer to, and what that does.
+    #[inline]
+    pub(super) fn go_on(&mut self) {
+        let Self { seen, pairs, next } = *self;
+        let hulls = |back: usize| -> [Option<&Hull>; 2] {
+            let pair = next.checked_sub(back).and_then(|at| pairs.get(at));
+            let hull =
+                |i: usize| if let Solid::Hull(hull) = seen[i].solid { Some(hull) } else { None };
+            pair.map_or([None; 2], |pair| [hull(pair.first), hull(pair.second)])
+        };
+        for hull in hulls(0).into_iter().flatten() {
+            prefetch(from_ref(hull));
+        }
+        for hull in hulls(STEP).into_iter().flatten() {
+            prefetch(hull.vertices());
+            prefetch(hull.planes());
+            prefetch(hull.net());
+            prefetch(hull.known_columns().map_or(&[], Columns::all));
+        }
+        for hull in hulls(2 * STEP).into_iter().flatten() {
+            prefetch(hull.edges());
+            prefetch(hull.sides());
+        }
+        self.next += 1;
+    }
+}

@@ -1,0 +1,11 @@
+//! Where pairs touch, a file for each pair of shapes.
+
+pub(crate) mod compound;
+pub(crate) mod convex_pairs;
+pub(crate) mod encounter;
+pub(crate) mod finder;
+pub(crate) mod hull_hull;
+pub(crate) mod hull_plane;
+pub(crate) mod samples;
+pub(crate) mod solid;
+pub(crate) mod sphere;

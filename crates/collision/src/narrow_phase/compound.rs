@@ -1,0 +1,161 @@
+//! Where a compound of convex polyhedra touches another body: part by part, without what glued
+//! parts hide of each other.
+
+use crate::broad_phase::bounds::Bounds;
+use crate::manifold::{MOST_POINTS, ManifoldPoint};
+use crate::narrow_phase::convex_pairs::exact_points;
+use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
+use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
+use crate::narrow_phase::hull_hull::reduction::FEW_POINTS;
+use crate::narrow_phase::hull_hull::reduction::reduce;
+use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::solid::Solid;
+use crate::relative_motion::{Placed, second_from_first};
+use frangible_geometry::{Compound, HalfSpace, Shape};
+use glam::DVec3;
+
+/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs
+/// four points however many parts it goes over.
+const FLAT: f64 = 0.9998;
+
+/// Gaps of one flat contact differ by less, relative to the smaller body's size.
+const LEVEL: f64 = 5e-3;
+
+/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their
+/// samples.
+pub(crate) fn compound_points(
+    encounter: &Encounter,
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) -> bool {
+    let Encounter { bodies, pair, .. } = *encounter;
+    let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
+    let compounds = [shapes[0].compound.as_deref(), shapes[1].compound.as_deref()];
+    let meets_by_samples = |side: usize| {
+        compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_))
+    };
+    if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {
+        return false;
+    }
+
+    let (mut all, mut of_parts) = (Vec::new(), Vec::new());
+    for parts in near_parts(encounter.placed(), compounds, encounter.reach) {
+        let solid = |side: usize| match (compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
+            _ => Solid::of(shapes[side]),
+        };
+        of_parts.clear();
+        if !exact_points(encounter, [solid(0), solid(1)], room, &mut of_parts) {
+            return false;
+        }
+        for point in &of_parts {
+            let is_inner = |side: usize| {
+                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
+                    return false;
+                };
+                let at = if side == 0 { point.anchor_first } else { point.anchor_second };
+                let outward = if side == 0 { -point.normal } else { point.normal };
+                let body_from_world = encounter.flights[side].start.world_from_body().inverse();
+                compound.is_covered(part, at, body_from_world.direction(outward))
+            };
+            if !is_inner(0) && !is_inner(1) {
+                all.push(ManifoldPoint { sample: sample_of(point.sample, parts), ..*point });
+            }
+        }
+    }
+    points.extend(few(encounter, &all, room));
+    true
+}
+
+/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each
+/// other.
+pub(crate) fn near_parts(
+    placed: [Placed; 2],
+    compounds: [Option<&Compound>; 2],
+    reach: f64,
+) -> Vec<[Option<usize>; 2]> {
+    let of_second = bounds_of(placed[1].shape);
+    let second_from_first = second_from_first(placed[0], placed[1]);
+    let near = |compound: &Compound, of: Bounds| {
+        let Bounds { low, high } = of.grown(reach);
+        compound.parts_near(low, high)
+    };
+    match compounds {
+        [Some(first), Some(second)] => {
+            let of_second = of_second.seen_from(&second_from_first.inverse());
+            let with_second = |a: usize| {
+                let (low, high) = first.parts()[a].bounds;
+                let of_part = Bounds { low, high }.seen_from(&second_from_first);
+                near(second, of_part).into_iter().map(move |b| [Some(a), Some(b)])
+            };
+            near(first, of_second).into_iter().flat_map(with_second).collect()
+        }
+        [Some(compound), None] | [None, Some(compound)] => {
+            let is_first = compounds[0].is_some();
+            let (other, compound_from_other) = if is_first {
+                (placed[1].shape, second_from_first.inverse())
+            } else {
+                (placed[0].shape, second_from_first)
+            };
+            let parts = if let Solid::Ground(ground) = Solid::of(other) {
+                let normal = compound_from_other.direction(ground.normal);
+                let offset = ground.offset + normal.dot(compound_from_other.translation) + reach;
+                compound.parts_in(&HalfSpace { normal, offset })
+            } else {
+                near(compound, bounds_of(other).seen_from(&compound_from_other))
+            };
+            parts
+                .into_iter()
+                .map(|part| if is_first { [Some(part), None] } else { [None, Some(part)] })
+                .collect()
+        }
+        [None, None] => Vec::new(),
+    }
+}
+
+/// In the body frame.
+fn bounds_of(shape: &Shape) -> Bounds {
+    let (low, high) = shape.bounds;
+    Bounds { low, high }
+}
+
+/// What a point is known by: which parts, and which of their features.
+fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bool, u64) {
+    let [first, second] = parts.map(|part| part.unwrap_or_default() as u64 & 0xffff);
+    (of_first, feature | first << 48 | second << 32)
+}
+
+/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the
+/// ground, would have.
+pub(crate) fn few(
+    encounter: &Encounter,
+    points: &[ManifoldPoint],
+    room: &mut Room,
+) -> Vec<ManifoldPoint> {
+    let (size, [first, second]) = (encounter.size, encounter.flights);
+    let is_ground = |body: Placed| matches!(Solid::of(body.shape), Solid::Ground(_));
+    let most = if encounter.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };
+    let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let on = point.on_surfaces_at([&first.start, &second.start]);
+        let gap = (on[0] - on[1]).dot(point.normal);
+        let feature = Feature::VertexOfFirst(index as u32);
+        let candidate = HullPoint { on, normal: point.normal, gap, feature };
+        let same = |flat: &&mut (DVec3, f64, Vec<HullPoint>)| {
+            flat.0.dot(point.normal) > FLAT && (flat.1 - gap).abs() <= LEVEL * size
+        };
+        match flats.iter_mut().find(same) {
+            Some(flat) => flat.2.push(candidate),
+            None => flats.push((point.normal, gap, vec![candidate])),
+        }
+    }
+    for (normal, _, candidates) in &mut flats {
+        reduce(candidates, &mut room.spare, most, (*normal, PREFERENCE * size));
+    }
+    let index = |point: HullPoint| match point.feature {
+        Feature::VertexOfFirst(index) => Some(index as usize),
+        Feature::VertexOfSecond(_) | Feature::Edges(..) => None,
+    };
+    flats.into_iter().flat_map(|flat| flat.2).filter_map(index).map(|index| points[index]).collect()
+}

@@ -1,0 +1,14 @@
+//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
+//! edges across edges [Gregorius13].
+
+pub(crate) mod approach;
+pub(crate) mod closest_points;
+pub(crate) mod contact;
+pub(crate) mod face_clipping;
+pub(crate) mod feature_scan;
+pub(crate) mod hull_pair;
+pub(crate) mod hull_point;
+pub(crate) mod placement;
+pub(crate) mod reduction;
+pub(crate) mod room;
+pub(crate) mod separating_axis;

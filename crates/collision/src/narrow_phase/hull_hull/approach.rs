@@ -1,0 +1,188 @@
+//! When two hulls meet on their ways through a frame.
+
+use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
+use crate::narrow_phase::hull_hull::hull_point::{HullContact, HullPoint};
+use crate::narrow_phase::hull_hull::reduction::FEW_POINTS;
+use crate::narrow_phase::hull_hull::reduction::reduce;
+use crate::narrow_phase::hull_hull::room::Room;
+
+use crate::manifold::ManifoldPoint;
+use crate::narrow_phase::encounter::Encounter;
+use frangible_bodies::Flight;
+use frangible_geometry::Hull;
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at
+/// the frame's start or on their way. Following them to 0.1 % takes more searches of axes, and left
+/// overlaps in falling heaps no smaller.
+const NEAR: f64 = 0.02;
+
+/// For two hulls that move this far against each other in the frame, spin included, and only pass,
+/// one point does; relative to the smaller hull's size. It is found anew in each frame; what is
+/// slower keeps its points, and needs all of them.
+const PASSING: f64 = 0.3;
+
+/// What is nearer than this, relative to the smaller hull's size, has all of its points.
+const STALE: f64 = 0.12;
+
+/// Steps along the way to the first touch.
+const MOST_STEPS: u32 = 32;
+
+/// Two hulls on their ballistic ways through a frame.
+struct Approach<'a> {
+    encounter: &'a Encounter<'a>,
+    hulls: [&'a Hull; 2],
+}
+
+/// An instant of it.
+struct Instant<'a> {
+    time: f64,
+    world_from_first: RigidTransform,
+    pair: HullPair<'a>,
+    contact: HullContact,
+    /// Whether its points are all that are near at the frame's start.
+    lasts: bool,
+}
+
+/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns
+/// how far apart all else was at the frame's start [m], if the points are those that were near
+/// then.
+pub(crate) fn hull_points(
+    encounter: &Encounter,
+    hulls: [&Hull; 2],
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) -> Option<f64> {
+    room.points.clear();
+    let approach = Approach { encounter, hulls };
+    let instant = match approach.meeting(room) {
+        Ok(instant) => instant,
+        Err(apart) => {
+            room.points.clear();
+            return apart;
+        }
+    };
+    room.points.retain(|point| approach.can_touch(&instant, point));
+    reduce(
+        &mut room.points,
+        &mut room.spare,
+        FEW_POINTS,
+        (instant.contact.normal, PREFERENCE * encounter.size),
+    );
+    points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
+    instant.lasts.then_some(encounter.search)
+}
+
+impl<'a> Approach<'a> {
+    /// When they meet, with their points in `room`: at the frame's start if they are near then,
+    /// else when they come near (conservative advancement along separating axes [Mir96]). If they
+    /// pass each other, when an axis that keeps them apart is found: their points hold in case that
+    /// others push them, or only the one nearest to the best face if they are fast, and far apart
+    /// until then. If they are too far apart to be looked for, how far they are at the frame's
+    /// start, if that is known.
+    fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
+        let Encounter { size, near, reach, search, frame, .. } = *self.encounter;
+        let (mut time, enough) = (0.0, NEAR * size);
+        let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach - near > PASSING * size);
+        loop {
+            // Faces say how far they may go, until they no longer do.
+            let poses =
+                [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
+            let [world_from_first, world_from_second] =
+                [poses[0].world_from_body(), poses[1].world_from_body()];
+            let first_from_second = world_from_first.inverse().after(&world_from_second);
+            let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
+            let at_start = |apart: f64| (time == 0.0).then_some(apart);
+            if time == 0.0
+                && let Some(contact) =
+                    self.encounter.last_normal.and_then(|last| pair.on_face_along(last, room))
+                && contact.gap <= enough
+            {
+                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
+            }
+            let axes = pair.face_axes(search).map_err(at_start)?;
+            let mut apart = pair.apart_by(&axes);
+            let is_far = apart.gap > enough;
+            if !is_far {
+                apart = pair.contact(&axes, search, room).ok_or_else(|| at_start(search))?;
+            }
+
+            // On to where the gap cannot have closed before.
+            let next =
+                time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
+            steps_left -= 1;
+            let is_passing = !(time..=frame.dt).contains(&next);
+            is_far_at_start &= time > 0.0 || apart.gap > STALE * size;
+            if is_passing && is_far_at_start && apart.gap > STALE * size {
+                // What others push that far is looked at again before it can meet anything.
+                pair.over_face(&axes, apart, room);
+                let instant =
+                    Instant { time, world_from_first, pair, contact: apart, lasts: false };
+                if room.points.iter().all(|point| self.can_touch(&instant, point)) {
+                    return Ok(instant);
+                }
+            }
+            if apart.gap <= enough || is_passing || steps_left == 0 {
+                let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
+                let contact = contact.ok_or_else(|| at_start(search))?;
+                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
+            }
+            time = next;
+        }
+    }
+
+    /// No point of the pair closes faster along a normal, in the world frame, from an instant until
+    /// the frame's end [m/s]; negative if all separate.
+    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
+        let [first, second] = self.encounter.flights;
+        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
+        // What falls with the other one does not fall towards it.
+        let falling = (second.acceleration - first.acceleration).dot(normal);
+        let most = (time * falling).max(self.encounter.frame.dt * falling);
+        (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
+    }
+
+    /// Whether a point can touch within the frame, and comes from outside.
+    fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
+        if point.gap > self.encounter.search {
+            return false;
+        }
+        if instant.time == 0.0 {
+            return true;
+        }
+        let [on_first, on_second] = [
+            self.encounter.flights[0].start.world_from_body().point(point.on[0]),
+            self.encounter.flights[1].start.world_from_body().point(instant.on_second(point)),
+        ];
+        let normal = instant.world_from_first.direction(point.normal);
+        (on_first - on_second).dot(normal) >= point.gap.min(0.0)
+    }
+
+    fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
+        let [on_first, on_second] = [
+            instant.world_from_first.point(point.on[0]),
+            instant.world_from_first.point(point.on[1]),
+        ];
+        let normal = instant.world_from_first.direction(point.normal);
+        let [first, second] = self.encounter.flights;
+        let velocity =
+            first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
+        ManifoldPoint {
+            anchor_first: point.on[0],
+            rounding: [0.0; 2],
+            anchor_second: instant.on_second(point),
+            normal,
+            sample: point.feature.sample(self.hulls[1].edges().len()),
+            approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
+            gap: point.gap,
+        }
+    }
+}
+
+impl Instant<'_> {
+    /// Where a point is on the second hull, in that one's frame [m].
+    fn on_second(&self, point: &HullPoint) -> DVec3 {
+        self.pair.second_from_first.point(point.on[1])
+    }
+}

@@ -1,0 +1,247 @@
+//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
+//! edges across edges [Gregorius13].
+
+use crate::narrow_phase::hull_hull::closest_points::{between_edges, nearest_points};
+use crate::narrow_phase::hull_hull::face_clipping::face_points;
+use crate::narrow_phase::hull_hull::feature_scan::{face_along, inside, lowest_along};
+use crate::narrow_phase::hull_hull::hull_pair::HullPair;
+use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
+use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::separating_axis::{
+    EdgeAxis, FaceAxis, edge_axis, face_axis, gather_ridges,
+};
+use frangible_math::with_widest;
+use glam::DVec3;
+
+/// Where two hulls overlap, by so much of that edges must overlap less than the face that they lie
+/// on [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one
+/// pair of edges, about which it turns, it would never come to rest.
+const DEEP_PREFERENCE: f64 = 0.3;
+
+/// Cosine of the angle by which a face may have turned since it was found.
+const SAME_FACE: f64 = 0.99;
+
+/// Overlap, relative to the size of the smaller hull, up to which the face that they touched with
+/// goes on to serve, even if an axis may separate them better: so shallow, they part along any.
+const SHALLOW: f64 = 1e-2;
+
+impl HullPair<'_> {
+    /// The faces of each hull that the other is furthest away from; if that is more than `most`
+    /// [m], how far they are apart at least.
+    pub(crate) fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
+        let of_first = face_axis(self, 0);
+        if of_first.separation > most {
+            return Err(of_first.separation);
+        }
+        let of_second = face_axis(self, 1);
+        if of_second.separation > most {
+            return Err(of_second.separation);
+        }
+        Ok([of_first, of_second])
+    }
+
+    /// The better one of two hulls' faces.
+    pub(crate) fn apart_by(&self, [of_first, of_second]: &[FaceAxis; 2]) -> HullContact {
+        let [first, second] = self.hulls;
+        if of_second.separation > of_first.separation {
+            let normal = self.first_from_second.direction(second.planes()[of_second.face].normal);
+            HullContact { normal, gap: of_second.separation }
+        } else {
+            HullContact { normal: -first.planes()[of_first.face].normal, gap: of_first.separation }
+        }
+    }
+
+    /// Signed distance along the axis that separates them best [m]; infinite if that is more than
+    /// `most` [m].
+    pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
+        let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
+        let contact = self.contact(&axes, most, room);
+        contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
+    }
+
+    /// How the two meet on the face whose normal is nearly this one, given as in
+    /// [`HullPoint::normal`], if there is one and they overlap little, or no axis separates them
+    /// clearly better. So what keeps its face is spared the search for it.
+    pub(crate) fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
+        // The face of each that looks most along it, and the better of the two.
+        let along = |side: usize, direction: DVec3| {
+            let hull = self.hulls[side];
+            let face = with_widest!(self.width, face_along(hull.columns(), direction));
+            (face, hull.planes()[face].normal.dot(direction))
+        };
+        let (of_first, of_second) =
+            (along(0, -normal), along(1, self.second_from_first.direction(normal)));
+        let is_of_first = of_first.1 >= of_second.1;
+        let (face, cosine) = if is_of_first { of_first } else { of_second };
+        if cosine < SAME_FACE {
+            return None;
+        }
+        let side = usize::from(!is_of_first);
+        let up = self.own_from_other(1 - side).direction(self.hulls[side].planes()[face].normal);
+        let vertex = with_widest!(self.width, lowest_along(self.hulls[1 - side].columns(), up));
+        let axis = FaceAxis::of_face(self, side, face, vertex);
+        self.face_points(&[axis, axis], is_of_first, room);
+        let normal = room.points.first()?.normal;
+        // With its deepest point over the face: beside it they may be apart, and about to meet
+        // elsewhere.
+        let is_deepest = |point: &HullPoint| point.gap <= axis.separation + self.close;
+        let is_shallow = axis.separation <= 0.0
+            && axis.separation >= -SHALLOW * self.size
+            && room.points.iter().any(is_deepest);
+        let holds = is_shallow
+            || self.is_least((axis.separation, self.clearly(axis.separation)), &room.points);
+        holds.then_some(HullContact { normal, gap: axis.separation })
+    }
+
+    /// How the two meet, given the best face of each, with their points in `room`; `None` if they
+    /// are more than `most` [m] apart.
+    pub(crate) fn contact(
+        &self,
+        axes: &[FaceAxis; 2],
+        most: f64,
+        room: &mut Room,
+    ) -> Option<HullContact> {
+        // The first one's face, unless the second's is clearly better. A face that does not lie
+        // over the other hull is none.
+        let face = axes[0].separation.max(axes[1].separation);
+        let prefer_first = axes[1].separation <= axes[0].separation + self.close;
+        let mut is_preferred = true;
+        self.face_points(axes, prefer_first, room);
+        if room.points.is_empty() {
+            is_preferred = false;
+            self.face_points(axes, !prefer_first, room);
+        }
+        if is_preferred
+            && let Some(point) = room.points.first()
+            && self.is_least((face, self.close), &room.points)
+        {
+            return Some(HullContact { normal: point.normal, gap: face });
+        }
+
+        // Edges, if they are better than faces, and clearly better than one that lies over the
+        // other hull.
+        let within = self.furthest(axes, most, &room.points);
+        gather_ridges(self, axes, within, room);
+        let of_edges = edge_axis(self, room);
+        let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
+        let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
+        if gap > most {
+            return None;
+        }
+        let on_edges = of_edges.and_then(|axis| self.on_edges(&axis));
+        if let Some(point) = on_edges
+            && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
+        {
+            // What is over a face meets it when they turn about the edges; where these cross, there
+            // is one point.
+            room.points
+                .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
+            room.points.push(point);
+            return Some(HullContact { normal: point.normal, gap });
+        }
+        if let Some(point) = room.points.first() {
+            let of_other = axes[0].separation.min(axes[1].separation);
+            return Some(HullContact {
+                normal: point.normal,
+                gap: if is_preferred || gap > 0.0 { gap } else { gap.min(of_other + self.close) },
+            });
+        }
+
+        // What is nearest, or the edges if they overlap.
+        let point = if gap > 0.0 { nearest_points(self, &room.ridges, within) } else { on_edges }?;
+        room.points.push(point);
+        let gap = if gap > 0.0 { point.gap } else { gap };
+        (gap <= most).then_some(HullContact { normal: point.normal, gap })
+    }
+
+    /// Puts the point of the one hull that is nearest to the best face of the other into `room`.
+    pub(crate) fn over_face(&self, axes: &[FaceAxis; 2], apart: HullContact, room: &mut Room) {
+        let [first, second] = self.views();
+        let HullContact { normal, gap } = apart;
+        let (on, feature) = if axes[1].separation > axes[0].separation {
+            let vertex = axes[1].vertex;
+            let point = first.vertex(vertex);
+            ([point, point - gap * normal], Feature::VertexOfFirst(vertex as u32))
+        } else {
+            let vertex = axes[0].vertex;
+            let point = second.vertex(vertex);
+            ([point + gap * normal, point], Feature::VertexOfSecond(vertex as u32))
+        };
+        room.points.clear();
+        room.points.push(HullPoint { on, normal, gap, feature });
+    }
+
+    /// Puts the points of one hull's face into `room`.
+    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, room: &mut Room) {
+        let [a, b] = self.views();
+        if of_first {
+            face_points([a, b], &axes[0], true, self.close, room);
+        } else {
+            face_points([b, a], &axes[1], false, self.close, room);
+        }
+    }
+
+    /// Whether points over a face show that no axis separates the hulls clearly better than the
+    /// faces, which do by `face`, that is by more than `clearly` [m].
+    fn is_least(&self, (face, clearly): (f64, f64), points: &[HullPoint]) -> bool {
+        // Nothing is further apart than two of its points.
+        if face >= -self.close {
+            return points.iter().any(|point| point.gap <= face + clearly);
+        }
+        // What overlaps by less than the width of a ball that is inside of both overlaps by no less
+        // along any axis.
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for point in points.iter().filter(|point| point.gap <= 0.0) {
+            sum += 0.5 * (point.on[0] + point.on[1]);
+            count += 1.0;
+        }
+        if count == 0.0 {
+            return false;
+        }
+        let center = sum / count;
+        let centers = [center, self.second_from_first.point(center)];
+        let inside = |side: usize| {
+            with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]))
+        };
+        -2.0 * inside(0).min(inside(1)) <= face + clearly
+    }
+
+    /// By how much two hulls must be further apart along another axis, to leave a face on which
+    /// they are so far apart [m].
+    fn clearly(&self, separation: f64) -> f64 {
+        self.close + DEEP_PREFERENCE * (-separation).max(0.0)
+    }
+
+    /// A distance that edges must come within if they are nearest, or overlap less than the faces
+    /// do [m].
+    fn furthest(&self, axes: &[FaceAxis; 2], most: f64, points: &[HullPoint]) -> f64 {
+        let [of_first, of_second] = axes;
+        let [first, second] = self.hulls;
+        let least = points.iter().map(|point| point.gap).reduce(f64::min).unwrap_or_else(|| {
+            if of_first.separation >= of_second.separation {
+                let vertex = second.vertices()[of_first.vertex];
+                first.distance_and_gradient(self.first_from_second.point(vertex)).0
+            } else {
+                let vertex = first.vertices()[of_second.vertex];
+                second.distance_and_gradient(self.second_from_first.point(vertex)).0
+            }
+        });
+        least.min(most).max(-of_first.separation.max(of_second.separation)) + self.close
+    }
+
+    /// The point where the edges of an axis cross, if they do.
+    fn on_edges(&self, axis: &EdgeAxis) -> Option<HullPoint> {
+        let [a, b] = self.views();
+        let on = between_edges(a.ends(axis.edges[0]), b.ends(axis.edges[1]))?;
+        let [edge_a, edge_b] = axis.edges.map(|edge| edge as u32);
+        Some(HullPoint {
+            on,
+            normal: axis.normal,
+            gap: axis.separation,
+            feature: Feature::Edges(edge_a, edge_b),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,314 @@
+//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7
+//! of the larger hull's size, and over the sine between them for edges: which of them is the one.
+//! How far a face or edges are apart is then measured in double precision.
+
+use crate::narrow_phase::hull_hull::placement::{Placement, Ridge};
+use crate::narrow_phase::hull_hull::room::RidgeColumns;
+use frangible_geometry::{Columns, HalfSpace};
+use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three};
+use glam::{DMat3, DVec3};
+
+/// Sine of the angle below which edges count as parallel: then a face's normal does as well.
+const PARALLEL: f64 = 1e-3;
+
+/// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of
+/// `other` that is lowest there.
+pub(crate) fn furthest_face<I: Instructions>(
+    hull: &Columns,
+    other: &Columns,
+    hull_from_other: &Placement,
+    other_from_hull: &Placement,
+) -> [usize; 2] {
+    let between = hull_from_other.point(other.middle) - hull.middle;
+    let mut found = [0; 2];
+    I::run(
+        #[inline(always)]
+        || {
+            let DMat3 { x_axis, y_axis, z_axis } = other_from_hull.matrix;
+            let (x_axis, y_axis, z_axis) =
+                (Single3::<I>::splat(x_axis), Single3::splat(y_axis), Single3::splat(z_axis));
+            let between = Single3::splat(between);
+            let (mut best, mut of_best) = (Best::none(), Single3::ZERO);
+            for (block, [x, y, z, offset]) in hull.faces().iter().enumerate() {
+                let normal = three([x, y, z]);
+                let up = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
+                let height = lowest_over(other, up);
+                let apart = height + between.dot(normal) - Single::of_column(offset);
+                of_best = best.look(block, apart).select(up, of_best);
+            }
+            let lane = best.lane();
+            let Three { x, y, z } = of_best;
+            let up = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
+            found = [best.at(), lowest_vertex::<I>(other, up)];
+        },
+    );
+    found
+}
+
+/// The face of `hull` whose normal looks most along a direction, the first of equals.
+pub(crate) fn face_along<I: Instructions>(hull: &Columns, direction: DVec3) -> usize {
+    let mut found = 0;
+    I::run(
+        #[inline(always)]
+        || {
+            let (direction, mut best) = (Single3::<I>::splat(direction), Best::none());
+            for (block, [x, y, z, _]) in hull.faces().iter().enumerate() {
+                let _ = best.look(block, three([x, y, z]).dot(direction));
+            }
+            found = best.at();
+        },
+    );
+    found
+}
+
+/// The vertex of `hull` that is lowest along a direction, the first of equals.
+pub(crate) fn lowest_along<I: Instructions>(hull: &Columns, up: DVec3) -> usize {
+    let DVec3 { x, y, z } = up;
+    let mut lowest = 0;
+    I::run(
+        #[inline(always)]
+        || lowest = lowest_vertex::<I>(hull, [x as f32, y as f32, z as f32]),
+    );
+    lowest
+}
+
+/// How far inside of a hull a point is, outside negative [m].
+pub(crate) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
+    let lever = point - hull.middle;
+    let mut highest = f32::NEG_INFINITY;
+    I::run(
+        #[inline(always)]
+        || {
+            let lever = Single3::<I>::splat(lever);
+            let mut heights = Single::same(f32::NEG_INFINITY);
+            for [x, y, z, offset] in hull.faces() {
+                heights = heights.max(three([x, y, z]).dot(lever) - Single::of_column(offset));
+            }
+            highest = heights.largest();
+        },
+    );
+    f64::from(-highest)
+}
+
+/// The bits of [`mark_within`] of what is in both of two half-spaces.
+pub(crate) const IN_BOTH: u8 = 3;
+
+/// Which of two half-spaces each vertex of `hull` is in, a bit for each.
+pub(crate) fn mark_within<I: Instructions>(
+    hull: &Columns,
+    spaces: &[HalfSpace; 2],
+    marks: &mut Vec<u8>,
+) {
+    let depth = |space: &HalfSpace| space.offset - space.normal.dot(hull.middle);
+    let depths = [depth(&spaces[0]), depth(&spaces[1])];
+    marks.resize(LANES * hull.vertices().len(), 0);
+    I::run(
+        #[inline(always)]
+        || {
+            let normals = [Single3::<I>::splat(spaces[0].normal), Single3::splat(spaces[1].normal)];
+            let depths = [Single::splat(depths[0]), Single::splat(depths[1])];
+            for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
+                let lever = three([x, y, z]);
+                let out_of_first = lever.dot(normals[0]).above(depths[0]);
+                let out_of_second = lever.dot(normals[1]).above(depths[1]);
+                for lane in 0..LANES {
+                    let marks = &mut marks[LANES * block + lane];
+                    *marks =
+                        u8::from(!out_of_first.get(lane)) | u8::from(!out_of_second.get(lane)) << 1;
+                }
+            }
+        },
+    );
+}
+
+/// The places of the two ridges, one of each hull, along whose common perpendicular these are
+/// furthest apart, of those that make a face of the Minkowski difference and are not parallel.
+pub(crate) fn furthest_edges<I: Instructions>(
+    [first, second]: [&[Ridge]; 2],
+    columns: &mut Vec<RidgeColumns>,
+) -> Option<[usize; 2]> {
+    // The second ones side by side, from where the first one begins; what the last column has too
+    // many of has no length.
+    const NONE: Singles = Singles([0.0; LANES]);
+    let origin = first.first()?.ends[0];
+    columns.clear();
+    columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 4]);
+    for (at, ridge) in second.iter().enumerate() {
+        let lines = [ridge.ends[0] - origin, ridge.along, ridge.normals[0], ridge.normals[1]];
+        for (columns, line) in columns[at / LANES].iter_mut().zip(lines) {
+            for (column, number) in columns.iter_mut().zip(line.to_array()) {
+                column.0[at % LANES] = number as f32;
+            }
+        }
+    }
+
+    let mut found = None;
+    I::run(
+        #[inline(always)]
+        || {
+            let parallel = Single::<I>::splat(PARALLEL * PARALLEL);
+            let (mut best, mut of_first) = (Best::none(), Single::<I>::ZERO);
+            for (at, ridge) in first.iter().enumerate() {
+                let (along, start) =
+                    (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
+                let normals = [Single3::splat(ridge.normals[0]), Single3::splat(ridge.normals[1])];
+                let squared_length = along.dot(along);
+                for (block, [other_start, other_along, beside, other_beside]) in
+                    columns.iter().enumerate()
+                {
+                    // Arcs of the Gauss map: those between the first edge's normals and between the
+                    // negated ones of the second must cross, else other features are further apart.
+                    let (other_along, beside, other_beside) =
+                        (three_of(other_along), three_of(beside), three_of(other_beside));
+                    let (c, d) = (beside.dot(along), other_beside.dot(along));
+                    let (u, v) = (-normals[0].dot(other_along), -normals[1].dot(other_along));
+                    let cross = negative(c * d).and(negative(u * v)).and(negative(-(c * v)));
+                    if !cross.any() {
+                        continue;
+                    }
+                    let across = along.cross(other_along);
+                    let squared = across.dot(across);
+                    let lengths = squared_length * other_along.dot(other_along);
+                    // Outward of the second hull is between the normals of its edge.
+                    let outward = across.dot(beside + other_beside);
+                    let apart = across.dot(start - three_of(other_start))
+                        * (Single::same(1.0) / squared.sqrt());
+                    let apart = negative(outward).select(-apart, apart);
+                    let counts = cross.and(squared.above(parallel * lengths));
+                    let apart = counts.select(apart, Single::same(f32::NEG_INFINITY));
+                    of_first = best.look(block, apart).select(Single::same(at as f32), of_first);
+                }
+            }
+            let lane = best.lane();
+            if best.number.to_array()[lane] > f32::NEG_INFINITY {
+                found = Some([of_first.to_array()[lane] as usize, best.at()]);
+            }
+        },
+    );
+    found
+}
+
+/// Where numbers are negative.
+#[inline(always)]
+fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
+    Single::ZERO.above(numbers)
+}
+
+/// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a
+/// vector each [m]: to single precision, outwards.
+pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DVec3, DVec3) {
+    /// Of the largest extent: some times what single precision loses [1].
+    const ROUNDING: f64 = 1e-6;
+    let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
+    I::run(
+        #[inline(always)]
+        || {
+            let axes = along.map(Single3::<I>::splat);
+            let mut most = [Single::same(f32::NEG_INFINITY); 6];
+            for [x, y, z] in hull.vertices() {
+                let vertex = three([x, y, z]);
+                for (axis, along) in axes.into_iter().enumerate() {
+                    let height = vertex.dot(along);
+                    most[axis] = most[axis].max(height);
+                    most[axis + 3] = most[axis + 3].max(-height);
+                }
+            }
+            let [x, y, z, less_x, less_y, less_z] = most.map(|most| f64::from(most.largest()));
+            (low, high) = (-DVec3::new(less_x, less_y, less_z), DVec3::new(x, y, z));
+        },
+    );
+    let (middle, rounding) =
+        (along.map(|along| along.dot(hull.middle)), ROUNDING * (high - low).max_element());
+    (DVec3::from_array(middle) + low - rounding, DVec3::from_array(middle) + high + rounding)
+}
+
+/// How low a hull goes along eight directions, from its middle [m].
+#[inline(always)]
+fn lowest_over<I: Instructions>(hull: &Columns, up: Single3<I>) -> Single<I> {
+    let mut lowest = Single::same(f32::INFINITY);
+    for [x, y, z] in hull.vertices() {
+        let mut heights = [Single::ZERO; LANES];
+        for lane in 0..LANES {
+            heights[lane] = same([x.0[lane], y.0[lane], z.0[lane]]).dot(up);
+        }
+        // By pairs, so that no comparison waits for many others.
+        for half in [4, 2, 1] {
+            for lane in 0..half {
+                heights[lane] = heights[lane].min(heights[lane + half]);
+            }
+        }
+        lowest = lowest.min(heights[0]);
+    }
+    lowest
+}
+
+#[inline(always)]
+fn lowest_vertex<I: Instructions>(hull: &Columns, [x, y, z]: [f32; 3]) -> usize {
+    let down = same::<I>([-x, -y, -z]);
+    let mut best = Best::none();
+    for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
+        let _ = best.look(block, three([x, y, z]).dot(down));
+    }
+    best.at()
+}
+
+/// The largest of some numbers, lane by lane as long as there are more of them.
+struct Best<I> {
+    number: Single<I>,
+    /// In which eight it was found, the first of equals.
+    block: Single<I>,
+}
+
+impl<I: Instructions> Best<I> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self { number: Single::same(f32::NEG_INFINITY), block: Single::ZERO }
+    }
+
+    /// Looks at the next eight, which are the `block`th. In which lanes they are the largest so
+    /// far.
+    #[inline(always)]
+    fn look(&mut self, block: usize, numbers: Single<I>) -> Mask {
+        let is_better = numbers.above(self.number);
+        self.number = is_better.select(numbers, self.number);
+        self.block = is_better.select(Single::same(block as f32), self.block);
+        is_better
+    }
+
+    /// The first lane of those with the largest number and the first block.
+    #[inline(always)]
+    fn lane(&self) -> usize {
+        let (numbers, best) = (self.number.to_array(), self.number.largest());
+        let (blocks, mut found) = (self.block.to_array(), (f32::INFINITY, 0));
+        for lane in 0..LANES {
+            if numbers[lane] == best && blocks[lane] < found.0 {
+                found = (blocks[lane], lane);
+            }
+        }
+        found.1
+    }
+
+    /// Its place among all.
+    #[inline(always)]
+    fn at(&self) -> usize {
+        let lane = self.lane();
+        LANES * self.block.to_array()[lane] as usize + lane
+    }
+}
+
+/// A vector in each lane.
+#[inline(always)]
+fn three<I: Instructions>([x, y, z]: [&Singles; 3]) -> Single3<I> {
+    Three { x: Single::of_column(x), y: Single::of_column(y), z: Single::of_column(z) }
+}
+
+#[inline(always)]
+fn three_of<I: Instructions>([x, y, z]: &[Singles; 3]) -> Single3<I> {
+    three([x, y, z])
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+fn same<I: Instructions>([x, y, z]: [f32; 3]) -> Single3<I> {
+    Three { x: Single::same(x), y: Single::same(y), z: Single::same(z) }
+}

@@ -1,0 +1,87 @@
+//! Hulls in the frame in which two of them meet.
+
+use frangible_geometry::{HalfSpace, Hull};
+use frangible_math::RigidTransform;
+use glam::{DMat3, DVec3};
+
+/// Where a frame is in another, ready to be used often.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    pub(crate) matrix: DMat3,
+    pub(crate) shift: DVec3,
+}
+
+impl Placement {
+    pub(crate) fn new(to_from_from: &RigidTransform) -> Self {
+        Self { matrix: to_from_from.matrix(), shift: to_from_from.translation }
+    }
+
+    pub(crate) fn inverse(&self) -> Self {
+        let matrix = self.matrix.transpose();
+        Self { matrix, shift: -(matrix * self.shift) }
+    }
+
+    #[inline]
+    pub(crate) fn point(&self, point: DVec3) -> DVec3 {
+        self.matrix * point + self.shift
+    }
+
+    #[inline]
+    pub(crate) fn direction(&self, direction: DVec3) -> DVec3 {
+        self.matrix * direction
+    }
+
+    #[inline]
+    pub(crate) fn plane(&self, plane: HalfSpace) -> HalfSpace {
+        let normal = self.matrix * plane.normal;
+        HalfSpace { normal, offset: plane.offset + normal.dot(self.shift) }
+    }
+}
+
+/// A hull seen from the frame in which two of them meet.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) hull: &'a Hull,
+    /// `None` in its own frame.
+    pub(crate) here_from_hull: Option<&'a Placement>,
+}
+
+impl View<'_> {
+    #[inline]
+    pub(crate) fn vertex(&self, vertex: usize) -> DVec3 {
+        let point = self.hull.vertices()[vertex];
+        self.here_from_hull.map_or(point, |placement| placement.point(point))
+    }
+
+    #[inline]
+    pub(crate) fn plane(&self, face: usize) -> HalfSpace {
+        let plane = self.hull.planes()[face];
+        self.here_from_hull.map_or(plane, |placement| placement.plane(plane))
+    }
+
+    #[inline]
+    pub(crate) fn direction(&self, direction: DVec3) -> DVec3 {
+        self.here_from_hull.map_or(direction, |placement| placement.direction(direction))
+    }
+
+    /// The ends of an edge [m].
+    #[inline]
+    pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
+        let [start, end] = self.hull.edges()[edge].vertices;
+        [self.vertex(start as usize), self.vertex(end as usize)]
+    }
+
+    /// A direction in the hull's own frame.
+    pub(crate) fn into_hull(self, direction: DVec3) -> DVec3 {
+        self.here_from_hull.map_or(direction, |placement| placement.matrix.transpose() * direction)
+    }
+}
+
+/// An edge and the normals beside it, in the frame in which two hulls meet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ridge {
+    pub(crate) edge: usize,
+    pub(crate) ends: [DVec3; 2],
+    pub(crate) along: DVec3,
+    pub(crate) normals: [DVec3; 2],
+}

@@ -1,0 +1,153 @@
+//! The axis along which two hulls are furthest apart, or overlap least: separating axis test over
+//! faces and edges [Gregorius13].
+
+use crate::narrow_phase::hull_hull::feature_scan::{
+    IN_BOTH, furthest_edges, furthest_face, mark_within,
+};
+use crate::narrow_phase::hull_hull::hull_pair::HullPair;
+use crate::narrow_phase::hull_hull::placement::Ridge;
+use crate::narrow_phase::hull_hull::room::Room;
+use frangible_geometry::HalfSpace;
+use frangible_math::with_widest;
+use glam::DVec3;
+
+/// A face whose normal separates two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceAxis {
+    /// Of the hull that has the face.
+    pub(crate) face: usize,
+    /// The vertex of the other hull that is deepest below the face.
+    pub(crate) vertex: usize,
+    /// How far that is above the face's plane [m].
+    pub(crate) separation: f64,
+}
+
+impl FaceAxis {
+    /// Of a face of one of two hulls, by its number, and the vertex of the other one that is lowest
+    /// there.
+    pub(crate) fn of_face(pair: &HullPair, side: usize, face: usize, vertex: usize) -> Self {
+        let plane = &pair.hulls[side].planes()[face];
+        let own_from_other = pair.own_from_other(side);
+        let height =
+            plane.normal.dot(own_from_other.direction(pair.hulls[1 - side].vertices()[vertex]));
+        Self {
+            face,
+            vertex,
+            separation: height + plane.normal.dot(own_from_other.shift) - plane.offset,
+        }
+    }
+}
+
+/// The face of one of two hulls, by its number, that the other is furthest away from.
+pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
+    let (hull, other) = (pair.hulls[side].columns(), pair.hulls[1 - side].columns());
+    let (own_from_other, other_from_own) =
+        (pair.own_from_other(side), pair.own_from_other(1 - side));
+    let [face, vertex] =
+        with_widest!(pair.width, furthest_face(hull, other, own_from_other, other_from_own));
+    FaceAxis::of_face(pair, side, face, vertex)
+}
+
+/// A pair of edges whose common perpendicular separates two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeAxis {
+    /// Of the first hull and of the second.
+    pub(crate) edges: [usize; 2],
+    /// Unit, from the second hull to the first.
+    pub(crate) normal: DVec3,
+    /// Along the normal [m].
+    pub(crate) separation: f64,
+}
+
+/// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the
+/// best faces of both.
+pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
+    // Each hull is below its own face; the other begins at the separation above it. An edge must
+    // come into both layers.
+    let views = pair.views();
+    let Room { marks, ridges, .. } = room;
+
+    // What is of interest is in a box.
+    let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
+    for side in [1, 0] {
+        let (hull, view, other) = (pair.hulls[side], &views[side], 1 - side);
+        let face = hull.planes()[axes[side].face];
+        let face_of_other =
+            pair.own_from_other(side).plane(pair.hulls[other].planes()[axes[other].face]);
+        let layers = [
+            HalfSpace {
+                normal: -face.normal,
+                offset: within - axes[side].separation - face.offset,
+            },
+            HalfSpace { offset: face_of_other.offset + within, ..face_of_other },
+        ];
+        with_widest!(pair.width, mark_within(hull.columns(), &layers, marks));
+        let spot = |vertex: u32| {
+            let above = face_of_other.distance(hull.vertices()[vertex as usize]) - within;
+            Spot { point: view.vertex(vertex as usize), above }
+        };
+
+        let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let ridges = &mut ridges[side];
+        ridges.clear();
+        for (index, edge) in hull.edges().iter().enumerate() {
+            let [first, second] = edge.vertices;
+            if (marks[first as usize] | marks[second as usize]) != IN_BOTH {
+                continue;
+            }
+            let (a, b) = (spot(first), spot(second));
+            let (start, end) = (a.point, b.point);
+            if start.min(end).cmpgt(bounds.1).any() || start.max(end).cmplt(bounds.0).any() {
+                continue;
+            }
+            // The part of it that is not too high above the other's face.
+            let low = [a.lowered_to(&b), b.lowered_to(&a)];
+            around = (around.0.min(low[0]).min(low[1]), around.1.max(low[0]).max(low[1]));
+            let normal = |face: u32| view.direction(hull.planes()[face as usize].normal);
+            let normals = [normal(edge.faces[0]), normal(edge.faces[1])];
+            ridges.push(Ridge { edge: index, ends: [start, end], along: end - start, normals });
+        }
+        bounds = (around.0 - within, around.1 + within);
+    }
+}
+
+/// A vertex and where it is between the best faces of two hulls.
+#[derive(Clone, Copy, Debug)]
+struct Spot {
+    /// In the frame in which they meet [m].
+    point: DVec3,
+    /// How much higher above the other hull's face than it may be [m].
+    above: f64,
+}
+
+impl Spot {
+    /// It, or the point on the way to another one that is not too high.
+    fn lowered_to(&self, other: &Self) -> DVec3 {
+        // Both may be too high by rounding.
+        if self.above > 0.0 && other.above < self.above {
+            self.point.lerp(other.point, self.above / (self.above - other.above))
+        } else {
+            self.point
+        }
+    }
+}
+
+/// The pair of some edges that are furthest apart, of those that make a face of the Minkowski
+/// difference; `None` if all that do are parallel.
+pub(crate) fn edge_axis(pair: &HullPair, room: &mut Room) -> Option<EdgeAxis> {
+    let Room { ridges: [first, second], ridge_columns, .. } = room;
+    let [at, other] = with_widest!(pair.width, furthest_edges([first, second], ridge_columns))?;
+    EdgeAxis::of(&first[at], &second[other])
+}
+
+impl EdgeAxis {
+    /// Across two edges.
+    fn of(first: &Ridge, second: &Ridge) -> Option<Self> {
+        let across = first.along.cross(second.along).try_normalize()?;
+        // Outward of the second hull is between the normals of its edge.
+        let outward = second.normals[0] + second.normals[1];
+        let normal = if across.dot(outward) < 0.0 { -across } else { across };
+        let separation = normal.dot(first.ends[0] - second.ends[0]);
+        Some(Self { edges: [first.edge, second.edge], normal, separation })
+    }
+}

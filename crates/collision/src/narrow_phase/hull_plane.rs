@@ -1,0 +1,97 @@
+//! Where a convex polyhedron touches a half-space within a frame: its vertices say.
+
+use crate::manifold::{MOST_POINTS, ManifoldPoint};
+use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
+use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
+use crate::narrow_phase::hull_hull::reduction::reduce;
+use crate::narrow_phase::hull_hull::room::Room;
+use frangible_geometry::{HalfSpace, Hull};
+
+/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all
+/// else is now [m], if it is so slow that these are all that are near now.
+pub(crate) fn plane_points(
+    encounter: &Encounter,
+    hull: &Hull,
+    hull_is_first: bool,
+    half_space: HalfSpace,
+    room: &mut Room,
+    points: &mut Vec<ManifoldPoint>,
+) -> Option<f64> {
+    let [first, second] = encounter.flights;
+    let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
+
+    // The plane in the body's frame, now and at the frame's end.
+    let plane_at = |time: f64| {
+        let body_from_world = flight.pose(time).world_from_body().inverse();
+        let body_from_ground = body_from_world.after(&flight_ground.pose(time).world_from_body());
+        let normal = body_from_ground.direction(half_space.normal);
+        HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
+    };
+    let Encounter { near, reach, search, frame, .. } = *encounter;
+    let now = plane_at(0.0);
+    let is_slow = reach - near <= frame.sag();
+    let beyond = is_slow.then_some(search);
+    room.points.clear();
+    if -now.offset > flight.radius + search {
+        return beyond;
+    }
+    let mut then = None;
+    let world_from_body = flight.start.world_from_body();
+    let outward = world_from_body.direction(now.normal);
+    let closing = |point: &HullPoint| {
+        let at = world_from_body.point(point.on[0]);
+        (flight_ground.velocity(at, 0.0) - flight.velocity(at, 0.0)).dot(outward)
+    };
+
+    // What comes near now or later.
+    for (number, &vertex) in hull.vertices().iter().enumerate() {
+        let gap = now.distance(vertex);
+        if gap > search {
+            continue;
+        }
+        let on = [vertex, vertex - gap * now.normal];
+        let point = HullPoint {
+            on,
+            normal: now.normal,
+            gap,
+            feature: Feature::VertexOfFirst(number as u32),
+        };
+        let comes_near = is_slow
+            || gap <= near
+            || gap <= frame.dt * closing(&point) + near
+            || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= near;
+        if comes_near {
+            room.points.push(point);
+        }
+    }
+
+    let ground_from_body = flight_ground.start.world_from_body().inverse().after(&world_from_body);
+    let manifold_point = |point: &HullPoint| {
+        let on_ground = ground_from_body.point(point.on[1]);
+        let (normal, anchor_first, anchor_second) = if hull_is_first {
+            (outward, point.on[0], on_ground)
+        } else {
+            (-outward, on_ground, point.on[0])
+        };
+        let (_, vertex) = point.feature.sample(0);
+        ManifoldPoint {
+            anchor_first,
+            anchor_second,
+            rounding: [0.0; 2],
+            normal,
+            sample: (hull_is_first, vertex),
+            approach: encounter.surface_speed(normal, closing(point), point.gap),
+            gap: point.gap,
+        }
+    };
+    // What rests on a few of many corners would rock over the others.
+    reduce(
+        &mut room.points,
+        &mut room.spare,
+        MOST_POINTS,
+        (now.normal, PREFERENCE * flight.radius),
+    );
+    points.extend(room.points.iter().map(manifold_point));
+    beyond
+}

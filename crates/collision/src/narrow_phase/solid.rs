@@ -1,0 +1,46 @@
+//! What a body is to those that it meets.
+
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use glam::DVec3;
+
+/// What a body, or a part of one, is to those it meets.
+#[derive(Clone, Copy)]
+pub(crate) enum Solid<'a> {
+    /// Of this radius [m].
+    Ball(f64),
+    /// In the body frame.
+    Hull(&'a Hull),
+    /// In the body frame.
+    Ground(HalfSpace),
+    /// Anything else.
+    Other(&'a Shape),
+}
+
+impl<'a> Solid<'a> {
+    #[inline]
+    pub(crate) fn of(shape: &'a Shape) -> Self {
+        match (&shape.geometry, &shape.hull) {
+            (Geometry::ClosedForm(ClosedForm::Sphere { radius }), _) => Self::Ball(*radius),
+            (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => {
+                Self::Ground(*half_space)
+            }
+            (_, Some(hull)) => Self::Hull(hull),
+            _ => Self::Other(shape),
+        }
+    }
+
+    /// Signed distance [m] and its unit gradient at a point in the body frame [m].
+    pub(crate) fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
+        match self {
+            Self::Ball(radius) => {
+                (point_body.length() - radius, point_body.try_normalize().unwrap_or(DVec3::Y))
+            }
+            Self::Hull(hull) => hull.distance_and_gradient(point_body),
+            Self::Ground(half_space) => (half_space.distance(point_body), half_space.normal),
+            Self::Other(shape) => shape.distance_and_gradient(point_body),
+        }
+    }
+}
+
+/// Pairs of edges of two hulls, above which samples are found faster than separating axes.
+pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;

@@ -1,0 +1,142 @@
+//! Where a ball touches another body within a frame: the other's signed distance from its centre
+//! says, without samples.
+
+use crate::manifold::ManifoldPoint;
+use crate::narrow_phase::encounter::Encounter;
+use frangible_bodies::{Flight, Pose};
+use glam::DVec3;
+
+/// Steps along the ball's way through a frame; each goes as far as the distance allows.
+const MOST_STEPS: u32 = 32;
+
+/// What counts as touching, relative to the ball's radius.
+const TOUCH: f64 = 1e-4;
+
+/// Part of the distance that a step goes: a sampled distance can change a little faster than the
+/// way.
+const CAUTION: f64 = 0.9;
+
+/// On a way that is shorter than this, relative to the ball's radius, the normal hardly turns.
+const SHORT: f64 = 0.02;
+
+/// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of
+/// what it does in all.
+const HALVINGS: u32 = 10;
+
+/// A ball and what it may touch.
+pub(crate) struct BallContact<'a> {
+    pub(crate) encounter: &'a Encounter<'a>,
+    pub(crate) ball_is_first: bool,
+    /// [m]
+    pub(crate) radius: f64,
+    /// Of the other body, or of a part of it: signed distance [m] and unit gradient, in the body
+    /// frame.
+    pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
+}
+
+impl BallContact<'_> {
+    /// The ball's point of contact: where the two first touch on their ballistic ways through the
+    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not.
+    /// Along that normal what only passes does not touch.
+    pub(crate) fn point(&self) -> Option<ManifoldPoint> {
+        let start = self.gap(0.0);
+        if start.phi > self.encounter.reach {
+            return None;
+        }
+        let gap = self.first_touch(start);
+
+        // The ball's centre, and the material point of the other that it touches or will touch.
+        let on_ball = gap.pose_ball.position - self.radius * gap.outward;
+        let on_other = on_ball - gap.phi * gap.outward;
+        let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
+        // Along that normal, where the two are now.
+        let other_now = start.pose_other.world_from_body().point(anchor_other);
+        let now = (start.pose_ball.position - other_now).dot(gap.outward) - self.radius;
+        let closing = -self.parting(&gap);
+        let (normal, anchor_first, anchor_second, rounding) = if self.ball_is_first {
+            (gap.outward, DVec3::ZERO, anchor_other, [self.radius, 0.0])
+        } else {
+            (-gap.outward, anchor_other, DVec3::ZERO, [0.0, self.radius])
+        };
+        let sample = (self.ball_is_first, u32::MAX.into());
+        let approach = closing.max(0.0);
+        Some(ManifoldPoint {
+            anchor_first,
+            anchor_second,
+            rounding,
+            normal,
+            sample,
+            approach,
+            gap: now,
+        })
+    }
+
+    fn ball_and_other(&self) -> [&Flight; 2] {
+        let [first, second] = self.encounter.flights;
+        if self.ball_is_first { [first, second] } else { [second, first] }
+    }
+
+    /// The two at an instant of the frame, on their ballistic ways.
+    fn gap(&self, time: f64) -> Gap {
+        let [pose_ball, pose_other] = self.ball_and_other().map(|flight| flight.pose(time));
+        let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
+        let (distance, gradient) = (self.surface)(center_other);
+        let outward = pose_other.orientation * gradient;
+        Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
+    }
+
+    /// The instant of the first touch within the frame, after `start`, or that at which they are
+    /// nearest.
+    fn first_touch(&self, start: Gap) -> Gap {
+        let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
+        let mut gap = start;
+        for _ in 0..MOST_STEPS {
+            if gap.phi <= TOUCH * self.radius {
+                return gap;
+            }
+            let time = gap.time + CAUTION * gap.phi / most_speed;
+            let parts = self.parting(&gap) >= 0.0;
+            if time > dt || parts {
+                break;
+            }
+            gap = self.gap(time);
+        }
+        self.nearest(gap)
+    }
+
+    /// The instant from one on at which they begin to part, by bisection, or the frame's end.
+    fn nearest(&self, from: Gap) -> Gap {
+        let way = self.encounter.most_speed * (self.encounter.frame.dt - from.time);
+        if self.parting(&from) >= 0.0 || way < SHORT * self.radius {
+            return from;
+        }
+        let (mut before, mut after) = (from, self.gap(self.encounter.frame.dt));
+        if self.parting(&after) < 0.0 {
+            return after;
+        }
+        for _ in 0..HALVINGS {
+            let middle = self.gap(0.5 * (before.time + after.time));
+            if self.parting(&middle) < 0.0 { before = middle } else { after = middle }
+        }
+        after
+    }
+
+    /// Speed at which the gap opens [m/s].
+    fn parting(&self, gap: &Gap) -> f64 {
+        let [ball, other] = self.ball_and_other();
+        let on_ball = gap.pose_ball.position - self.radius * gap.outward;
+        gap.outward.dot(ball.velocity(on_ball, gap.time) - other.velocity(on_ball, gap.time))
+    }
+}
+
+/// A ball and another body at an instant of the frame.
+#[derive(Clone, Copy)]
+struct Gap {
+    time: f64,
+    pose_ball: Pose,
+    pose_other: Pose,
+    /// Between the surfaces [m].
+    phi: f64,
+    /// Unit, world frame, from the other body to the ball.
+    outward: DVec3,
+}

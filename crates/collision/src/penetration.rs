@@ -1,0 +1,176 @@
+//! How deep bodies are in each other.
+
+use crate::broad_phase::find_pairs;
+use crate::narrow_phase::compound::near_parts;
+use crate::narrow_phase::hull_hull::hull_pair::HullPair;
+use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::samples::deepest;
+use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
+use crate::relative_motion::{placed, second_from_first};
+use frangible_bodies::{Bodies, Pair, Pose};
+use frangible_math::{RigidTransform, Width};
+
+/// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
+/// increasing order of the pairs: the shortest way that parts balls, half-spaces and convex
+/// polyhedra; of compounds, the deepest of their parts; of level sets, the deepest sample.
+pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
+    let mut room = Room::default();
+    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut room)?));
+    find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
+}
+
+/// The same for one pair with its bodies at the given poses; `None` if it does not overlap.
+pub(crate) fn penetration(
+    bodies: &Bodies,
+    pair: Pair,
+    poses: &[Pose],
+    room: &mut Room,
+) -> Option<f64> {
+    let (first, second) = placed(bodies, pair, poses);
+    let second_from_first = second_from_first(first, second);
+    let solids = [Solid::of(first.shape), Solid::of(second.shape)];
+    let compounds = [first, second].map(|body| body.shape.compound.as_deref());
+
+    // Part by part, where there are some.
+    let mut depth_of = |parts: [Option<usize>; 2]| {
+        let solid = |side: usize| match (compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
+            _ => solids[side],
+        };
+        let size = first.shape.radius().min(second.shape.radius());
+        separation([solid(0), solid(1)], &second_from_first, size, room)
+    };
+    let least = if compounds.iter().all(Option::is_none) {
+        depth_of([None; 2])
+    } else {
+        let of_parts = near_parts([first, second], compounds, 0.0).into_iter().map(depth_of);
+        of_parts.reduce(|a, b| Some(a?.min(b?))).unwrap_or(Some(f64::INFINITY))
+    };
+    // What has no features has samples.
+    let phi = least.or_else(|| deepest(first, second).map(f64::from))?;
+    (phi <= 0.0).then_some(-phi)
+}
+
+/// How far apart two solids are along the axis that separates them best [m]; negative if they
+/// overlap, infinite or not if they do not. `None` for those that meet by their samples.
+fn separation(
+    solids: [Solid; 2],
+    second_from_first: &RigidTransform,
+    size: f64,
+    room: &mut Room,
+) -> Option<f64> {
+    let first_from_second = second_from_first.inverse();
+    match solids {
+        [Solid::Ball(radius), other] => {
+            Some(other.distance_and_gradient(second_from_first.translation).0 - radius)
+        }
+        [other, Solid::Ball(radius)] => {
+            Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
+        }
+        [Solid::Hull(a), Solid::Hull(b)]
+            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
+        {
+            Some(
+                HullPair::new([a, b], &first_from_second, size, Width::Avx512)
+                    .separation(0.0, room),
+            )
+        }
+        [Solid::Hull(hull), Solid::Ground(ground)] => {
+            let heights =
+                hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));
+            Some(heights.fold(f64::INFINITY, f64::min))
+        }
+        [Solid::Ground(ground), Solid::Hull(hull)] => {
+            let heights =
+                hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
+            Some(heights.fold(f64::INFINITY, f64::min))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
+    use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
+    use glam::{DQuat, DVec3};
+    use std::sync::Arc;
+
+    /// The depth of a pair of shapes, the second one at a place, turned about y.
+    fn depth(first: Shape, second: Shape, position: DVec3, turn: f64) -> Option<f64> {
+        let mut bodies = Bodies::default();
+        for (shape, position, turn) in [(first, DVec3::ZERO, 0.0), (second, position, turn)] {
+            bodies.spawn(NewBody {
+                shape: Arc::new(shape),
+                density: 1.0,
+                motion: Motion::Dynamic,
+                pose: Pose { position, orientation: DQuat::from_rotation_y(turn) },
+                velocity: Velocity::default(),
+                contactant: Contactant::new(0.0, 0.0),
+            });
+        }
+        find_penetrations(&bodies).first().map(|&(_, depth)| depth)
+    }
+
+    fn ball() -> Shape {
+        Shape::closed_form(ClosedForm::Sphere { radius: 0.5 }, 0.1)
+    }
+
+    fn cube() -> Shape {
+        Shape::closed_form(ClosedForm::Box { half: DVec3::splat(0.5) }, 0.1)
+    }
+
+    fn ground() -> Shape {
+        Shape::closed_form(
+            ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: -0.45 }),
+            0.1,
+        )
+    }
+
+    /// Three cubes side by side along z.
+    fn row() -> Shape {
+        let half = DVec3::splat(0.5);
+        let cube = |k: i32| {
+            Hull::cuboid(half)
+                .transformed(&RigidTransform::new(DQuat::IDENTITY, f64::from(k) * DVec3::Z))
+        };
+        Shape::compound(Compound::new((-1..=1).map(cube).collect()), 0.1).unwrap()
+    }
+
+    #[test]
+    fn what_overlaps_is_as_deep_as_it_is() {
+        let beside = DVec3::new(0.98, 0.1, 0.2);
+        for (first, second, at, turn, expected) in [
+            (cube(), cube(), beside, 0.0, Some(0.02)),
+            (cube(), cube(), beside + 0.03 * DVec3::X, 0.0, None),
+            // A corner's edge in a face.
+            (
+                cube(),
+                cube(),
+                DVec3::new(1.17, 0.0, 0.0),
+                0.25 * std::f64::consts::PI,
+                Some(0.5_f64.sqrt() - 0.67),
+            ),
+            (ball(), cube(), DVec3::new(1.3, 0.1, 0.2), 0.3, None),
+            (ball(), cube(), beside, 0.0, Some(0.02)),
+            (cube(), ball(), beside, 0.0, Some(0.02)),
+            (ball(), ball(), DVec3::new(0.0, 0.9, 0.0), 0.0, Some(0.1)),
+            (ground(), cube(), DVec3::Y * 0.01, 0.4, Some(0.04)),
+            (cube(), ground(), DVec3::Y * 0.01, 0.4, Some(0.06)),
+            (ball(), ground(), DVec3::Y * 0.01, 0.4, Some(0.06)),
+            (row(), cube(), DVec3::new(0.95, 0.2, 0.7), 0.0, Some(0.05)),
+            (cube(), row(), DVec3::new(0.95, 0.2, 0.7), 0.0, Some(0.05)),
+            (row(), row(), DVec3::new(0.93, 0.2, 0.1), 0.0, Some(0.07)),
+            (row(), ground(), DVec3::ZERO, 0.0, Some(0.05)),
+            (row(), ball(), DVec3::new(0.97, 0.0, 0.9), 0.0, Some(0.03)),
+        ] {
+            match (depth(first, second, at, turn), expected) {
+                (Some(depth), Some(expected)) => {
+                    assert!((depth - expected).abs() < 1e-12, "{depth} {expected}")
+                }
+                (found, expected) => assert_eq!(found, expected),
+            }
+        }
+    }
+}
