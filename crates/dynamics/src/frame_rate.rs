@@ -5,31 +5,27 @@
 
 mod constraints;
 mod contact_batch;
+pub(crate) mod contact_forces;
 mod finish;
 mod group;
 mod kernels;
 mod restitution;
 mod slabs;
+mod sleep;
 mod solver_bodies;
 mod solver_islands;
 #[cfg(test)]
 mod tests;
 
-use crate::tally::Tally;
+use crate::energy::tally::Tally;
 use finish::{FrameStart, close_islands};
-use frangible_bodies::Activity;
-use frangible_bodies::Frame;
-use frangible_bodies::Substeps;
-use frangible_bodies::evolve;
-use frangible_bodies::{Bodies, Motion};
-use frangible_collision::Manifold;
-use frangible_collision::{Part, WarmStart};
-use frangible_math::Instructions;
+use frangible_bodies::{Activity, Bodies, Frame, Motion, Substeps, evolve};
+use frangible_collision::{Manifold, Part, WarmStart};
 #[cfg(test)]
 use frangible_math::Scalar;
-use frangible_math::threads;
 #[cfg(not(test))]
 use frangible_math::with_widest;
+use frangible_math::{Instructions, threads};
 use glam::DVec3;
 use group::{Group, NOWHERE};
 use solver_islands::{Bundle, IslandGroups};

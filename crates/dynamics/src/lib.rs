@@ -1,31 +1,28 @@
-//! Rigid bodies in motion that never gain energy.
+//! Rigid bodies in motion that never gain energy: what contact does to them.
 //!
 //! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
 //! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a
 //! [`Tally`].
 
-pub mod blows;
-pub mod collisions;
-pub mod contact;
-pub mod contact_forces;
-pub mod contact_graph;
-pub mod displacements;
-pub mod frame_rate;
-pub mod impulse;
-pub mod impulse_clamp;
-mod islands;
-pub mod ledger;
-pub mod pair;
-pub mod pair_rotation;
-pub mod payment;
-pub mod push_out;
-pub mod rigid_part;
-pub mod shock_propagation;
-mod sleep;
-pub mod struck;
-mod take_out;
-pub mod tally;
+mod energy;
+mod frame_rate;
+mod impacts;
+mod impulse;
+mod paper;
 
-pub use impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
-pub use impulse_clamp::{Clamp, ClampSide, clamp_impulse};
-pub use tally::Tally;
+pub use energy::ledger::{Balance, Ballistic, Ledger, Opening};
+pub use energy::payment::{energy_at, pay_at};
+pub use energy::tally::{Cause, Causes, Tally};
+pub use frame_rate::contact_forces::{ContactForce, contact_forces};
+pub use frame_rate::{Solved, solve};
+pub use impacts::blows::{Blow, Coming, coming, pass_on, strike};
+pub use impacts::struck::note_struck;
+pub use impulse::collision_impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
+pub use impulse::energy_clamp::{Clamp, ClampSide, clamp_impulse};
+pub use impulse::pair_impulse::{Approach, PairImpulse};
+pub use paper::collisions::{Collisions, Response};
+pub use paper::contact::{Contact, Phase};
+pub use paper::contact_graph::contact_graph;
+pub use paper::displacements::Displacements;
+pub use paper::push_out::push_out;
+pub use paper::shock_propagation::propagate_shock;

@@ -11,10 +11,7 @@ use frangible_bodies::{
     Bodies, Contactant, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
 };
 use frangible_collision::{Placed, deepest};
-use frangible_dynamics::collisions::{Collisions, Response};
-use frangible_dynamics::contact_graph::contact_graph;
-use frangible_dynamics::displacements::Displacements;
-use frangible_dynamics::push_out::push_out;
+use frangible_dynamics::{Collisions, Displacements, Response, contact_graph, push_out};
 use frangible_geometry::{ClosedForm, Shape};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;

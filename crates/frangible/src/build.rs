@@ -17,7 +17,7 @@ use frangible_bodies::{
     Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
 };
 use frangible_collision::{BirthFits, KeptPairs, WarmStart};
-use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::Ledger;
 use frangible_fracture::generators::MOST_CELLS;
 use frangible_fracture::{ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};

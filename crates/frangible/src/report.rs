@@ -1,7 +1,7 @@
 //! What one frame did, with the books open.
 
 use frangible_bodies::BodyId;
-use frangible_dynamics::{ledger, tally};
+use frangible_dynamics as dynamics;
 use serde::Serialize;
 
 /// One frame.
@@ -83,8 +83,8 @@ pub struct Causes {
 
 impl Causes {
     /// What the stages booked, and the rest of a frame's change of energy [J].
-    pub(crate) fn of(booked: &tally::Causes, change: f64) -> Self {
-        let tally::Causes { work, collision, contact, friction, projection, fracture, balance } =
+    pub(crate) fn of(booked: &dynamics::Causes, change: f64) -> Self {
+        let dynamics::Causes { work, collision, contact, friction, projection, fracture, balance } =
             *booked;
         let flight = change - booked.sum();
         Self { work, collision, contact, friction, projection, fracture, balance, flight }
@@ -106,9 +106,9 @@ pub struct Balance {
     pub removed: f64,
 }
 
-impl From<ledger::Balance> for Balance {
-    fn from(balance: ledger::Balance) -> Self {
-        let ledger::Balance { islands, paid, scaled, shortened, removed } = balance;
+impl From<dynamics::Balance> for Balance {
+    fn from(balance: dynamics::Balance) -> Self {
+        let dynamics::Balance { islands, paid, scaled, shortened, removed } = balance;
         Self { islands, paid, scaled, shortened, removed }
     }
 }

@@ -9,17 +9,10 @@ use crate::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use frangible_bodies::{Frame, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
-use frangible_dynamics::Tally;
-use frangible_dynamics::blows::{Blow, strike};
-use frangible_dynamics::collisions::{Collisions, Response};
-use frangible_dynamics::contact::{Contact, Phase};
-use frangible_dynamics::contact_forces::contact_forces;
-use frangible_dynamics::contact_graph::contact_graph;
-use frangible_dynamics::frame_rate::{Solved, solve};
-use frangible_dynamics::ledger::{Ballistic, Opening};
-use frangible_dynamics::push_out::push_out;
-use frangible_dynamics::shock_propagation::propagate_shock;
-use frangible_dynamics::struck::note_struck;
+use frangible_dynamics::{
+    Ballistic, Blow, Collisions, Contact, Opening, Phase, Response, Solved, Tally, contact_forces,
+    contact_graph, note_struck, propagate_shock, push_out, solve, strike,
+};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::time::Instant;

@@ -8,10 +8,11 @@ use crate::desc::{LookDesc, Method};
 use crate::fineness::Fineness;
 use crate::report::id_number;
 use crate::strength::Strength;
-use frangible_bodies::Drowsiness;
-use frangible_bodies::{Bodies, BodyId, Frame, Motion, NewBody, StepSettings, Velocity};
+use frangible_bodies::{
+    Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
+};
 use frangible_collision::{BirthFits, KeptPairs, WarmStart, find_penetrations};
-use frangible_dynamics::ledger::Ledger;
+use frangible_dynamics::Ledger;
 use frangible_fracture::{Fragment, Pattern, ShatterSettings};
 use frangible_geometry::Surface;
 use glam::DVec3;

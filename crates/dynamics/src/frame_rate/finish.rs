@@ -3,9 +3,9 @@
 use super::contact_batch::ContactBatch;
 use super::group::Group;
 use super::{Solved, fall};
-use crate::islands::root;
-use crate::ledger::energy;
-use crate::tally::{Cause, Tally};
+use crate::energy::islands::root;
+use crate::energy::ledger::energy;
+use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
 use frangible_collision::{Carried, Manifold, Part, PointImpulse};
 use frangible_math::{Instructions, LANES};

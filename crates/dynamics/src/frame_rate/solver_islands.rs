@@ -2,8 +2,8 @@
 
 use super::slabs::SLAB;
 use super::solver_bodies::is_round;
-use crate::islands::root;
-use crate::sleep::Sleep;
+use crate::energy::islands::root;
+use crate::frame_rate::sleep::Sleep;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
 use frangible_collision::{Carried, Manifold, ManifoldPoint};
 use std::collections::BTreeMap;

@@ -5,9 +5,7 @@ use crate::World;
 use crate::report::{Fracture, id_from_number, id_number};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair};
 use frangible_collision::ContactPoint;
-use frangible_dynamics::Tally;
-use frangible_dynamics::blows::pass_on;
-use frangible_dynamics::pair::{Approach, PairImpulse};
+use frangible_dynamics::{Approach, PairImpulse, Tally, pass_on};
 use glam::DVec3;
 use std::collections::BTreeSet;
 

@@ -1,9 +1,9 @@
 //! Displacements against the velocities: what the position update does to angular momentum, and how
 //! it is made up for.
 
-use crate::impulse::apply_impulse;
-use crate::pair_rotation::turn_pair;
-use crate::tally::{Debt, Tally};
+use crate::energy::tally::{Debt, Tally};
+use crate::impulse::collision_impulse::apply_impulse;
+use crate::impulse::pair_turn::turn_pair;
 use frangible_bodies::{Bodies, Inertia, Pair};
 use glam::DVec3;
 use std::collections::BTreeMap;

@@ -1,9 +1,9 @@
 //! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
 
-use crate::contact_graph::ContactGraph;
-use crate::displacements::{Displacements, Push};
-use crate::ledger::pair_energy;
-use crate::pair::pair_contact_matrix;
+use crate::energy::ledger::pair_energy;
+use crate::impulse::pair_impulse::pair_contact_matrix;
+use crate::paper::contact_graph::ContactGraph;
+use crate::paper::displacements::{Displacements, Push};
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Pose, rotation_by};
 use frangible_collision::{NearSamples, Penetration, contact_point, placed};
 use glam::DVec3;

@@ -12,19 +12,19 @@ use glam::{DMat3, DVec3};
 
 /// A rigid motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Twist {
+pub(crate) struct Twist {
     /// World frame [m].
-    pub origin: DVec3,
+    pub(crate) origin: DVec3,
     /// Of the origin [m/s].
-    pub linear: DVec3,
+    pub(crate) linear: DVec3,
     /// [rad/s]
-    pub angular: DVec3,
+    pub(crate) angular: DVec3,
 }
 
 impl Twist {
     /// The rigid motion with the momentum [kg m/s], and the angular momentum about the world's
     /// origin [kg m^2/s], of the given bodies.
-    pub fn of_momentum(
+    pub(crate) fn of_momentum(
         bodies: &Bodies,
         poses: &[Pose],
         members: &[usize],
@@ -46,19 +46,19 @@ impl Twist {
 
     /// Work of an impulse [N s], with its moment about the world's origin [kg m^2/s], by what moves
     /// like this [J].
-    pub fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
+    pub(crate) fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
         self.linear.dot(impulse) + self.angular.dot(moment - self.origin.cross(impulse))
     }
 
     /// What a body would have if it moved along.
-    pub fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
+    pub(crate) fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
         let linear = self.linear + self.angular.cross(poses[i].position - self.origin);
         let tensor = bodies.inertias[i].tensor(poses[i].orientation);
         Velocity { linear, angular_momentum: tensor * self.angular }
     }
 
     /// Kinetic energy of the bodies relative to this motion [J].
-    pub fn relative_energy(
+    pub(crate) fn relative_energy(
         &self,
         bodies: &Bodies,
         poses: &[Pose],
@@ -76,7 +76,7 @@ impl Twist {
     }
 
     /// Scales the velocities of the bodies relative to this motion.
-    pub fn scale_relative(
+    pub(crate) fn scale_relative(
         &self,
         bodies: &Bodies,
         poses: &[Pose],

@@ -1,7 +1,9 @@
 //! Blows: what a body does not bear [Su09 sec. 4.2].
 
-use crate::pair::{Approach, PairImpulse, approach_at, deepest_approach, impulse_for};
-use crate::tally::{Cause, Tally};
+use crate::energy::tally::{Cause, Tally};
+use crate::impulse::pair_impulse::{
+    Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
+};
 use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
 use frangible_collision::{
     ContactPoint, Encounter, ManifoldFinder, ManifoldPoint, NearSamples, WarmStart, first_contact,

@@ -5,9 +5,9 @@
 //! Clamping"]. A blow above a body's strength is reported, for the engine to break the body [Su09
 //! sec. 4.2].
 
-use crate::blows::{Blow, blows_of};
-use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for};
-use crate::tally::{Cause, Tally};
+use crate::energy::tally::{Cause, Tally};
+use crate::impacts::blows::{Blow, blows_of};
+use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, predict};
 use frangible_collision::{NearSamples, Penetration, find_pairs, first_contact, placed};
 use std::collections::HashMap;

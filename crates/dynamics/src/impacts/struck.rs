@@ -4,11 +4,11 @@
 
 mod ways;
 
+use crate::impacts::struck::ways::Ways;
 use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
 use frangible_collision::{Encounter, ManifoldFinder, Manifolds, Swept, WarmStart};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
-use ways::Ways;
 
 /// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes
 /// whom next.

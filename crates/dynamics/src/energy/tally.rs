@@ -1,8 +1,8 @@
 //! What one frame did: momentum from outside, energy by cause, who owes it, and how often the
 //! safeguards were needed.
 
-use crate::pair::{Approach, PairImpulse};
-use crate::rigid_part::Twist;
+use crate::energy::rigid_part::Twist;
+use crate::impulse::pair_impulse::{Approach, PairImpulse};
 use frangible_bodies::{Bodies, BodyId, Motion, Pair, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -217,7 +217,7 @@ fn append<T>(list: &mut Vec<T>, mut other: Vec<T>) {
 
 /// The work that a body does by an impulse [N s] with a moment about the world's origin [kg m^2/s];
 /// zero unless it is kinematic [J].
-pub fn kinematic_work(bodies: &Bodies, i: usize, impulse: DVec3, moment: DVec3) -> f64 {
+pub(crate) fn kinematic_work(bodies: &Bodies, i: usize, impulse: DVec3, moment: DVec3) -> f64 {
     match bodies.motions[i] {
         Motion::Kinematic { linear, angular } => {
             Twist { origin: bodies.poses[i].position, linear, angular }.work(impulse, moment)

@@ -3,10 +3,9 @@
 //! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
 //! wakes what it held.
 
-use crate::ledger::energy;
-use crate::tally::{Cause, Tally};
-use frangible_bodies::Drowsiness;
-use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair, Velocity};
+use crate::energy::ledger::energy;
+use crate::energy::tally::{Cause, Tally};
+use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity};
 use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};
 use glam::DVec3;
 

@@ -4,11 +4,11 @@
 //! would penetrate is looked for at the *proposed* poses; normals, levers and velocities are taken
 //! at the *old* ones.
 
-use crate::contact_graph::{ContactGraph, Level};
-use crate::displacements::{Displacements, Push};
-use crate::ledger::pair_energy;
-use crate::pair::{Approach, PairImpulse, deepest_approach, impulse_for};
-use crate::tally::{Cause, Tally};
+use crate::energy::ledger::pair_energy;
+use crate::energy::tally::{Cause, Tally};
+use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
+use crate::paper::contact_graph::{ContactGraph, Level};
+use crate::paper::displacements::{Displacements, Push};
 use frangible_bodies::{
     Bodies, Frame, Inertia, Pair, PairContactant, Pose, Velocity, evolve, evolve_all,
 };

@@ -1,10 +1,10 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative
 //! velocity, before the island has to.
 
-use crate::ledger::Anchor;
-use crate::pair::{Approach, PairImpulse, approach_at, pair_contact_matrix};
-use crate::take_out::RelativeMotion;
-use crate::tally::{Debt, Tally, kinematic_work};
+use crate::energy::ledger::Anchor;
+use crate::energy::take_out::RelativeMotion;
+use crate::energy::tally::{Debt, Tally, kinematic_work};
+use crate::impulse::pair_impulse::{Approach, PairImpulse, approach_at, pair_contact_matrix};
 use frangible_bodies::{Bodies, Frame, Motion, Pair};
 use frangible_collision::ContactPoint;
 use glam::DVec3;

@@ -1,12 +1,13 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
-use crate::impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
-use crate::impulse_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
-use crate::pair_rotation::turn_pair;
-use crate::tally::Tally;
+use crate::energy::tally::Tally;
+use crate::impulse::collision_impulse::{
+    Impulse, apply_impulse, collision_impulse, contact_matrix,
+};
+use crate::impulse::energy_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
+use crate::impulse::pair_turn::turn_pair;
 use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
-use frangible_collision::placed;
-use frangible_collision::{ContactPoint, Penetration, contact_point};
+use frangible_collision::{ContactPoint, Penetration, contact_point, placed};
 use glam::{DMat3, DVec3};
 
 /// Two bodies that approach each other at a point.
@@ -22,7 +23,7 @@ pub struct Approach {
 
 /// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen
 /// at `poses` and `velocities`. Uses the penetrations up.
-pub fn deepest_approach(
+pub(crate) fn deepest_approach(
     bodies: &Bodies,
     pair: Pair,
     penetrations: &mut Vec<Penetration>,
@@ -66,7 +67,7 @@ pub(crate) fn approach_at(
 
 /// The impulse on the first body that stops the approach with the pair's restitution, inside
 /// Coulomb's cone. `inertias` may hold bodies still that could move.
-pub fn impulse_for(
+pub(crate) fn impulse_for(
     pair: Pair,
     approach: &Approach,
     poses: &[Pose],
@@ -79,7 +80,7 @@ pub fn impulse_for(
 }
 
 /// Change of the relative velocity per impulse at the contact [1/kg].
-pub fn pair_contact_matrix(
+pub(crate) fn pair_contact_matrix(
     pair: Pair,
     levers: [DVec3; 2],
     poses: &[Pose],

@@ -10,10 +10,10 @@
 //! energy is no more than it was by construction. The bank holds a little of what an island
 //! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
-use crate::islands::Islands;
-use crate::payment::{pay, restrain};
-use crate::take_out::take_out;
-use crate::tally::{Debt, Tally};
+use crate::energy::islands::Islands;
+use crate::energy::payment::{pay, restrain};
+use crate::energy::take_out::take_out;
+use crate::energy::tally::{Debt, Tally};
 use frangible_bodies::{
     Bodies, BodyId, Frame, Inertia, Motion, Pair, PerBody, Pose, Velocity, accelerate,
 };

@@ -7,14 +7,14 @@
 //! for it: the relative velocity at their contact stays as it is, and so does the sum of linear
 //! momenta.
 
-use crate::impulse::Impulse;
+use crate::impulse::collision_impulse::Impulse;
 use frangible_bodies::{Bodies, Pair};
 use frangible_geometry::mass_properties::parallel_axis;
 use glam::DVec3;
 
 /// The impulses that add `angular_momentum` [kg m^2/s] to a pair of dynamic bodies at the poses of
 /// `bodies`, by turning it rigidly; one for each body, with opposite linear parts.
-pub fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impulse; 2] {
+pub(crate) fn turn_pair(bodies: &Bodies, pair: Pair, angular_momentum: DVec3) -> [Impulse; 2] {
     // Inertia of the two about their common centre of mass.
     let [first, second] = [pair.first, pair.second];
     let [tensor_first, tensor_second] =

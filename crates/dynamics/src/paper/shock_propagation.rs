@@ -2,8 +2,8 @@
 //! holds still [GBF03 sec. 7]. Position phase only: its impulses, which are not mutual, never reach
 //! a velocity that lasts.
 
-use crate::contact::Contact;
-use crate::contact_graph::ContactGraph;
+use crate::paper::contact::Contact;
+use crate::paper::contact_graph::ContactGraph;
 use frangible_bodies::Inertia;
 
 /// One sweep from the lowest level to the highest; in the end all bodies can be moved again.

@@ -1,6 +1,6 @@
 //! Impulses scaled so that they never raise the kinetic energy of the pair they act on [Su09 sec. 3.2].
 
-use crate::impulse::Impulse;
+use crate::impulse::collision_impulse::Impulse;
 use frangible_bodies::{Inertia, Velocity};
 use glam::{DQuat, DVec3};
 
@@ -74,7 +74,7 @@ pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
 }
 
 /// What both impulses in full add to the same energy [J].
-pub fn energy_given(a: &ClampSide, b: &ClampSide) -> f64 {
+pub(crate) fn energy_given(a: &ClampSide, b: &ClampSide) -> f64 {
     let (slope, curvature) = pair_energy_change(a, b);
     slope + 0.5 * curvature
 }

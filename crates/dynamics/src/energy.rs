@@ -1,0 +1,8 @@
+//! Where energy comes from and goes, and that no island gains any.
+
+pub(crate) mod islands;
+pub(crate) mod ledger;
+pub(crate) mod payment;
+pub(crate) mod rigid_part;
+pub(crate) mod take_out;
+pub(crate) mod tally;

@@ -1,0 +1,8 @@
+//! The paper's method [Su09] on that of [GBF03], stage by stage.
+
+pub(crate) mod collisions;
+pub(crate) mod contact;
+pub(crate) mod contact_graph;
+pub(crate) mod displacements;
+pub(crate) mod push_out;
+pub(crate) mod shock_propagation;
