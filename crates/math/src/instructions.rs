@@ -1,6 +1,14 @@
 //! The instruction sets that [`Lanes`](crate::lanes::Lanes) are computed with. All of them add,
 //! multiply, divide and take roots as IEEE 754 says, and none contracts, so all give the same bits.
 
+#[cfg(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128")))]
+mod registers;
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+pub(crate) mod scalar;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[allow(unsafe_code, reason = "registers are the memory of lanes, seen as another type")]
+#[allow(unused_unsafe, reason = "operations on registers are safe there")]
+pub(crate) mod simd128;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "the compiler does not turn these loops into vectors by itself")]
 pub(crate) mod x86;
@@ -75,92 +83,14 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
     fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
     /// Asks for what will be needed soon; changes nothing.
     fn prefetch<T>(soon: &[T]);
-    /// Runs a kernel with these instructions. Only for what [`available`](crate::available) has named: the machine
-    /// must have them.
+    /// Runs a kernel with these instructions. Only for what
+    /// [`with_widest`](crate::with_widest) has chosen: the machine must have them.
     fn run(kernel: impl FnOnce());
 }
 
-/// One lane after the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scalar;
-
-macro_rules! one_by_one {
-    ($type:ident: $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $above:ident $select:ident) => {
-        one_by_one!($type: $add +, $sub -, $mul *, $div /);
-
-        #[inline(always)]
-        fn $sqrt(a: $type) -> $type {
-            $type(each(|lane| a.0[lane].sqrt()))
-        }
-
-        #[inline(always)]
-        fn $above(a: $type, b: $type) -> u8 {
-            (0..LANES).fold(0, |mask, lane| mask | u8::from(a.0[lane] > b.0[lane]) << lane)
-        }
-
-        #[inline(always)]
-        fn $select(mask: u8, yes: $type, no: $type) -> $type {
-            $type(each(|lane| if mask >> lane & 1 == 1 { yes.0[lane] } else { no.0[lane] }))
-        }
-    };
-    ($type:ident: $($method:ident $operator:tt),*) => { $(
-        #[inline(always)]
-        fn $method(a: $type, b: $type) -> $type {
-            $type(each(|lane| a.0[lane] $operator b.0[lane]))
-        }
-    )* };
-}
-
-impl Instructions for Scalar {
-    one_by_one!(Numbers: add sub mul div sqrt above select);
-    one_by_one!(Singles: add_singles sub_singles mul_singles div_singles sqrt_singles above_singles select_singles);
-
-    #[inline(always)]
-    fn min_singles(a: Singles, b: Singles) -> Singles {
-        Singles(each(|lane| if a.0[lane] < b.0[lane] { a.0[lane] } else { b.0[lane] }))
-    }
-
-    #[inline(always)]
-    fn max_singles(a: Singles, b: Singles) -> Singles {
-        Singles(each(|lane| if a.0[lane] > b.0[lane] { a.0[lane] } else { b.0[lane] }))
-    }
-
-    #[inline(always)]
-    fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES] {
-        let mut columns = [Numbers::ZERO; LANES];
-        for (i, row) in rows.iter().enumerate() {
-            for (column, number) in columns.iter_mut().zip(row.0) {
-                column.0[i] = number;
-            }
-        }
-        columns
-    }
-
-    #[inline(always)]
-    fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES] {
-        let mut columns = [Singles::ZERO; LANES];
-        for (i, row) in rows.iter().enumerate() {
-            for (column, number) in columns.iter_mut().zip(row.0) {
-                column.0[i] = number;
-            }
-        }
-        columns
-    }
-
-    #[inline(always)]
-    fn prefetch<T>(_: &[T]) {}
-
-    #[inline(always)]
-    fn run(kernel: impl FnOnce()) {
-        kernel();
-    }
-}
-
-#[inline(always)]
-fn each<T: Copy + Default>(value: impl Fn(usize) -> T) -> [T; LANES] {
-    let mut all = [T::default(); LANES];
-    for lane in 0..LANES {
-        all[lane] = value(lane);
-    }
-    all
+/// Runs a kernel as a function of its own: where it is part of its callers LLVM takes minutes.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(never)]
+fn on_its_own(kernel: impl FnOnce()) {
+    kernel();
 }

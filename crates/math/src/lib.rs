@@ -1,7 +1,7 @@
 //! Arithmetic that every other crate of the engine stands on: lanes and the instruction sets that
 //! they are computed with, vectors and unit quaternions over them, loops over threads that give the
 //! same bits on any number of them, rigid transforms, symmetric eigenproblems, Jacobi's elliptic
-//! functions and disjoint sets. All `unsafe` of the engine is in `instructions/x86.rs`.
+//! functions and disjoint sets. All `unsafe` of the engine is in `instructions/`.
 
 mod disjoint_sets;
 mod instructions;
@@ -16,12 +16,18 @@ mod width;
 
 pub use disjoint_sets::DisjointSets;
 #[cfg(target_arch = "x86_64")]
+pub use instructions::scalar::Scalar;
+#[cfg(target_arch = "x86_64")]
 pub use instructions::x86::{Avx2, Avx512, Sse2};
-pub use instructions::{Instructions, LANES, Numbers, Scalar, Singles};
+pub use instructions::{Instructions, LANES, Numbers, Singles};
 pub use jacobi_elliptic::{Series, arithmetic_geometric_mean};
 pub use lanes::{Blend, Lanes, Lanes3, Mask, Single, Single3, Symmetric, Three};
 pub use number::Number;
 pub use rigid_transform::RigidTransform;
 pub use symmetric_eigen::symmetric_eigen;
 pub use vector::{Turn, Vector};
-pub use width::{Width, available, prefetch};
+#[cfg(not(target_arch = "x86_64"))]
+pub use width::Only;
+#[cfg(target_arch = "x86_64")]
+pub use width::available;
+pub use width::{Width, prefetch};

@@ -6,7 +6,8 @@ use crate::instructions::Instructions;
 use crate::instructions::x86::Sse2;
 
 /// How many numbers are computed at a time in double precision, up to eight in single precision; a
-/// machine that has not as many uses what it has.
+/// machine that has not as many uses what it has. Elsewhere than on x86-64 it is known when the
+/// engine is compiled, and nothing follows from what is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// One.
@@ -29,43 +30,45 @@ pub fn prefetch<T>(soon: &[T]) {
 }
 
 /// The widest that the machine has, or the one that is asked for if that is narrower.
+#[cfg(target_arch = "x86_64")]
 pub fn available(asked: Width) -> Width {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let has_avx512 = is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl");
-        let widest = match (has_avx512, is_x86_feature_detected!("avx2")) {
-            (true, _) => Width::Avx512,
-            (false, true) => Width::Avx2,
-            (false, false) => Width::Sse2,
-        };
-        asked.min(widest)
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        let _ = asked;
-        Width::Scalar
-    }
+    let has_avx512 = is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl");
+    let widest = match (has_avx512, is_x86_feature_detected!("avx2")) {
+        (true, _) => Width::Avx512,
+        (false, true) => Width::Avx2,
+        (false, false) => Width::Sse2,
+    };
+    asked.min(widest)
 }
 
-/// Calls a function of some instructions with the widest that there are, up to a width.
+/// The instructions that are known when the engine is compiled.
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+pub type Only = crate::instructions::simd128::Simd128;
+/// The instructions that are known when the engine is compiled.
+#[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
+pub type Only = crate::instructions::scalar::Scalar;
+
+/// Calls a function of some instructions: on x86-64 with the widest that the machine has, up to a
+/// width, elsewhere with those of `Only`.
 #[macro_export]
 macro_rules! with_widest {
     ($asked:expr, $function:ident($($argument:expr),*)) => {{
         #[cfg(target_arch = "x86_64")]
-        use $crate::{Avx2, Avx512, Sse2};
-        use $crate::{Scalar, Width, available};
-        match available($asked) {
-            Width::Scalar => $function::<Scalar>($($argument),*),
-            #[cfg(target_arch = "x86_64")]
-            Width::Sse2 => $function::<Sse2>($($argument),*),
-            #[cfg(target_arch = "x86_64")]
-            Width::Avx2 => $function::<Avx2>($($argument),*),
-            #[cfg(target_arch = "x86_64")]
-            Width::Avx512 => $function::<Avx512>($($argument),*),
-            #[cfg(not(target_arch = "x86_64"))]
-            Width::Sse2 | Width::Avx2 | Width::Avx512 => $function::<Scalar>($($argument),*),
+        {
+            use $crate::{Avx2, Avx512, Scalar, Sse2, Width, available};
+            match available($asked) {
+                Width::Scalar => $function::<Scalar>($($argument),*),
+                Width::Sse2 => $function::<Sse2>($($argument),*),
+                Width::Avx2 => $function::<Avx2>($($argument),*),
+                Width::Avx512 => $function::<Avx512>($($argument),*),
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            let _ = $asked;
+            $function::<$crate::Only>($($argument),*)
         }
     }};
 }
@@ -73,9 +76,10 @@ macro_rules! with_widest {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instructions::scalar::Scalar;
     #[cfg(target_arch = "x86_64")]
     use crate::instructions::x86::{Avx2, Avx512};
-    use crate::instructions::{Instructions, LANES, Numbers, Scalar, Singles};
+    use crate::instructions::{Instructions, LANES, Numbers, Singles};
 
     /// Rows become columns, and arithmetic has the same bits, in every width that this machine has.
     #[test]
