@@ -18,7 +18,7 @@ PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frang
 PLAYER := python/frangible/player.html
 PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src -type f)
 
-.PHONY: help build demo verify claims soak explore test test-rust test-python test-web test-blender clean
+.PHONY: help build demo verify claims soak explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -67,6 +67,19 @@ test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/mypy
 	$(BIN)/stubtest frangible._frangible
 	$(BIN)/pytest
+
+# Takes minutes to compile, so `make test` leaves it out.
+test-wasm: ## Check that WebAssembly, with vectors and without, ends in the same states as this machine
+	@test -d "$$(rustc --print target-libdir --target wasm32-unknown-unknown)" || { echo \
+	  "Rust cannot compile for WebAssembly here: run rustup target add wasm32-unknown-unknown"; exit 1; }
+	$(call same_bits_in_wasm,+simd128)
+	$(call same_bits_in_wasm,-simd128)
+
+define same_bits_in_wasm
+CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS=-Ctarget-feature=$(1) \
+	  cargo build --locked --package frangible-wasm --target wasm32-unknown-unknown --profile wasm
+node crates/wasm/tests/same_bits.mjs target/wasm32-unknown-unknown/wasm/frangible_wasm.wasm crates/shots/tests/same_bits.txt
+endef
 
 test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
 	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py

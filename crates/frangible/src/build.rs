@@ -56,6 +56,7 @@ impl World {
             kept: KeptPairs::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),
+            clock: None,
         };
         let mut library = ShapeLibrary::default();
         let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();

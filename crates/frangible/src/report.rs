@@ -33,7 +33,7 @@ pub struct StepReport {
     /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     /// books.
     pub quarantined: Vec<Quarantined>,
-    /// Wall-clock time of each stage [ms], in order.
+    /// Time of each stage [ms], in order, by the clock that [`crate::World::set_clock`] was given.
     pub stages: Vec<(&'static str, f64)>,
 }
 

@@ -15,7 +15,6 @@ use frangible_dynamics::{
 };
 use glam::DVec3;
 use std::collections::BTreeSet;
-use std::time::Instant;
 
 /// Advances a world by one frame: collide and break, move by the scene's method, balance, report
 /// (docs/the_step.md). n is the frame's start. Cannot fail: what goes bad is quarantined and
@@ -36,7 +35,7 @@ const FEW: usize = 256;
 /// [`step`] on this thread, and on those of its pool if it has one.
 fn advance(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
-    let mut clock = StageClock::new();
+    let mut clock = StageClock::new(world.clock);
 
     // Bonds give way to what they carry.
     let Freed { fractures: mut freed, blows } = free_overloaded(world, &frame);
@@ -313,21 +312,24 @@ fn reach(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
 }
 
-/// Wall-clock time of each stage; a stage that runs several times has one sum.
+/// Time of each stage by the caller's clock; a stage that runs several times has one sum.
 struct StageClock {
-    last: Instant,
+    /// The caller's, if there is one [s].
+    now: Option<fn() -> f64>,
+    last: f64,
     laps: Vec<(&'static str, f64)>,
 }
 
 impl StageClock {
-    fn new() -> Self {
-        Self { last: Instant::now(), laps: Vec::new() }
+    fn new(now: Option<fn() -> f64>) -> Self {
+        Self { now, last: now.map_or(0.0, |now| now()), laps: Vec::new() }
     }
 
     /// Books the time since the last lap [ms] to a stage.
     fn lap(&mut self, stage: &'static str) {
-        let spent = 1e3 * self.last.elapsed().as_secs_f64();
-        self.last = Instant::now();
+        let now = self.now.map_or(0.0, |now| now());
+        let spent = 1e3 * (now - self.last);
+        self.last = now;
         match self.laps.iter_mut().find(|lap| lap.0 == stage) {
             Some(lap) => lap.1 += spent,
             None => self.laps.push((stage, spent)),

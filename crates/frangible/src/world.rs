@@ -40,6 +40,8 @@ pub struct World {
     /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear
     /// otherwise [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
+    /// The caller's [s], for the report.
+    pub(crate) clock: Option<fn() -> f64>,
 }
 
 /// What the engine knows of a body and dynamics need not.
@@ -137,6 +139,12 @@ impl World {
     /// Iteration counts and switches of the method; for experiments and negative controls.
     pub fn settings_mut(&mut self) -> &mut StepSettings {
         &mut self.settings
+    }
+
+    /// Lets reports say how long each stage took, by a clock of the caller's that counts seconds.
+    /// The engine has none of its own; until it is given one all stages take 0 ms.
+    pub fn set_clock(&mut self, seconds: fn() -> f64) {
+        self.clock = Some(seconds);
     }
 
     /// Gives a dynamic or kinematic body a velocity: `linear` of its centre of mass [m/s] and

@@ -12,6 +12,7 @@ use frangible::{
     BodyDesc, BreakingDesc, Method, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,
     World, step,
 };
+use std::cell::Cell;
 
 /// A ball breaks a slab on a turning plate, over the ground: all causes have something to do.
 fn scene(method: Method) -> SceneDesc {
@@ -118,4 +119,19 @@ fn what_a_sled_carries_does_not_brake_it() {
         let speed = world.bodies().velocities[body].linear.x;
         assert!((speed - 5.0).abs() < 1e-6, "{speed} m/s");
     }
+}
+
+/// The engine has no clock: where there is none, as on WebAssembly, a step must not ask for one.
+#[test]
+fn stages_take_the_time_of_the_callers_clock() {
+    let mut scene = SceneDesc::new("empty");
+    scene.bodies.push(BodyDesc::ground(0.0));
+    let mut world = World::build(&scene).unwrap();
+    assert!(step(&mut world).stages.iter().all(|&(_, milliseconds)| milliseconds == 0.0));
+
+    // Each look at this clock takes a second.
+    thread_local!(static LOOKS: Cell<f64> = const { Cell::new(0.0) });
+    world.set_clock(|| LOOKS.replace(LOOKS.get() + 1.0));
+    let stages = step(&mut world).stages;
+    assert!(stages.len() > 5 && stages.iter().all(|&(_, milliseconds)| milliseconds >= 1e3));
 }

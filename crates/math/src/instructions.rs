@@ -89,7 +89,6 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
 }
 
 /// Runs a kernel as a function of its own: where it is part of its callers LLVM takes minutes.
-#[cfg(not(target_arch = "x86_64"))]
 #[inline(never)]
 fn on_its_own(kernel: impl FnOnce()) {
     kernel();

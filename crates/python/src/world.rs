@@ -9,7 +9,8 @@ use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::{Mutex, MutexGuard, OnceLock, TryLockError};
+use std::time::Instant;
 
 /// Vertices [m], triangles, and whether a crack made each.
 type SurfaceArrays<'py> = (
@@ -53,9 +54,16 @@ impl World {
         let mut pool = Pool::new(threads);
         let here = pool.here()?;
         let build = move || here.install(|| frangible::World::build(&scene));
-        let world = interruptible(py, build)?.map_err(build_error)?;
+        let mut world = interruptible(py, build)?.map_err(build_error)?;
+        world.set_clock(seconds);
         Ok(Self(Mutex::new(Inner { world, pool })))
     }
+}
+
+/// Since it was asked first [s].
+fn seconds() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
 /// A scene of plain data, or of JSON.

@@ -159,6 +159,7 @@ impl Stage {
             kept: Default::default(),
             fits: Default::default(),
             spared: Vec::new(),
+            clock: None,
         };
         let bodies = &world.bodies;
         let mut origins = BTreeMap::new();

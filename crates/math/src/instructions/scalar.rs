@@ -1,6 +1,6 @@
 //! The same operations without vectors: what the others must agree with.
 
-use crate::instructions::{Instructions, LANES, Numbers, Singles};
+use crate::instructions::{Instructions, LANES, Numbers, Singles, on_its_own};
 
 /// One lane after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl Instructions for Scalar {
 
     #[inline(always)]
     fn run(kernel: impl FnOnce()) {
-        kernel();
+        on_its_own(kernel);
     }
 }
 

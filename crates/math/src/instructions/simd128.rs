@@ -2,7 +2,7 @@
 //! gives is not the same on every machine.
 
 use crate::instructions::registers::arithmetic;
-use crate::instructions::{Instructions, LANES, Numbers, Singles};
+use crate::instructions::{Instructions, LANES, Numbers, Singles, on_its_own};
 use std::arch::wasm32::*;
 use std::mem::transmute;
 
@@ -88,11 +88,6 @@ impl Instructions for Simd128 {
 
     #[inline(always)]
     fn run(kernel: impl FnOnce()) {
-        // A kernel for itself: with all of them in their callers LLVM takes minutes.
-        #[inline(never)]
-        fn with(kernel: impl FnOnce()) {
-            kernel();
-        }
-        with(kernel);
+        on_its_own(kernel);
     }
 }
