@@ -1,9 +1,6 @@
 //! Laying a pattern onto a body, so that it breaks around the point of impact [Su09 sec. 4.1].
 
-use crate::{
-    Pattern,
-    pattern::{Cut, Region},
-};
+use crate::pattern::{Cut, Pattern, Region};
 use frangible_geometry::{HalfSpace, Shape};
 use glam::{DMat3, DVec3};
 

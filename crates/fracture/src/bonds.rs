@@ -1,9 +1,13 @@
 //! Pieces that are glued together, and when the glue gives way.
 
-use crate::align::align_pattern;
+use crate::align::{Impact, align_pattern};
+use crate::interfaces::Interface;
+use crate::pattern::Pattern;
+use crate::shatter::{Fragment, ShatterSettings};
 use crate::shatter_hull::cut_hull;
+use crate::slivers::Smallest;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
-use crate::{Fragment, Impact, Interface, Pattern, ShatterSettings, Smallest, interfaces, polygon};
+use crate::{interfaces, polygon};
 use frangible_geometry::mass_properties::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, Shape};
 use frangible_math::RigidTransform;

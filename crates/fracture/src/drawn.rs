@@ -1,13 +1,15 @@
 //! Cells that somebody drew: closed meshes that fill a box.
 
-use crate::{Pattern, PatternError, cell_mesh::CellMesh, nearby::Nearby, pattern::Cells};
+use crate::cell_mesh::CellMesh;
+use crate::nearby::Nearby;
+use crate::pattern::{Cells, Pattern, PatternError};
 use frangible_geometry::{Grid, LevelSet, TriMesh, mesh_to_level_set};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
-mod fit;
-mod parts;
+pub(crate) mod fit;
+pub(crate) mod parts;
 
 /// Nodes along the longest edge of the box on which the cells' distances are sampled, and the
 /// fewest along the shortest: a pane is thin.

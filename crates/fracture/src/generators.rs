@@ -1,13 +1,13 @@
 //! Patterns from a few numbers [Su09 sec. 4.3]. The same numbers give the same pattern on every
 //! machine.
 
-mod bricks;
-mod concrete;
-mod natural;
-mod radial;
-mod slices;
-mod splinters;
-mod voronoi;
+pub(crate) mod bricks;
+pub(crate) mod concrete;
+pub(crate) mod natural;
+pub(crate) mod radial;
+pub(crate) mod slices;
+pub(crate) mod splinters;
+pub(crate) mod voronoi;
 
 pub use bricks::Bricks;
 pub use concrete::Concrete;
@@ -17,7 +17,7 @@ pub use slices::Slices;
 pub use splinters::Splinters;
 pub use voronoi::Voronoi;
 
-use crate::PatternError;
+use crate::pattern::PatternError;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;

@@ -1,14 +1,13 @@
 //! Which pieces of a break touch, where and over what area: what glue holds, and what a crack has
 //! laid bare.
 
-mod hulls;
-mod meshes;
-mod voxels;
+pub(crate) mod hulls;
+pub(crate) mod meshes;
+pub(crate) mod voxels;
 
-pub(crate) use hulls::contacts_of_some;
 pub use meshes::{CutPiece, mesh_interfaces};
 
-use crate::Fragment;
+use crate::shatter::Fragment;
 use frangible_geometry::{Geometry, Hull};
 use glam::DVec3;
 use std::collections::BTreeMap;

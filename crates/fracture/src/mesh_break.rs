@@ -4,8 +4,10 @@
 //! Everything is in the mesh's own frame, which stands for the grid frame and for the body frame of
 //! the [`Impact`].
 
-use crate::align::corners;
-use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, shatter};
+use crate::align::{Impact, Placement, corners};
+use crate::pattern::Pattern;
+use crate::shatter;
+use crate::shatter::{Fragment, ShatterSettings};
 use frangible_geometry::polygonize::polygonize;
 use frangible_geometry::{
     Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, Shape, TriMesh, solids_to_level_set,

@@ -1,10 +1,7 @@
 //! A pattern in one file: JSON with a name and a version.
 
-use crate::{
-    Pattern, PatternError,
-    pattern::{Cells, Region},
-    rough::Rough,
-};
+use crate::pattern::{Cells, Pattern, PatternError, Region};
+use crate::rough::Rough;
 use frangible_geometry::{TriMesh, mesh_io, read_file};
 use serde::Serialize;
 use std::path::Path;

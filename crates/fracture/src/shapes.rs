@@ -1,12 +1,9 @@
 //! What the cells of a pattern look like: faces, corners and sizes.
 
-use crate::{
-    Pattern,
-    cell_mesh::CellMesh,
-    drawn::Drawn,
-    pattern::{Cells, Region},
-    rough::Rough,
-};
+use crate::cell_mesh::CellMesh;
+use crate::drawn::Drawn;
+use crate::pattern::{Cells, Pattern, Region};
+use crate::rough::Rough;
 use glam::DVec3;
 
 /// One cell, as a polyhedron within the pattern's box.

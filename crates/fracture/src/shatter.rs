@@ -6,16 +6,18 @@
 //! - *Solid*: the level set, coverage and outline of a piece, without samples, mass or frame.
 //! - *Fragment*: the finished piece, a solid with its samples, mass properties and body frame.
 
-mod components;
-mod crack_samples;
-mod laid;
-mod particles;
-mod pieces;
-mod regions;
-mod slivers;
+pub(crate) mod components;
+pub(crate) mod crack_samples;
+pub(crate) mod laid;
+pub(crate) mod particles;
+pub(crate) mod pieces;
+pub(crate) mod regions;
+pub(crate) mod slivers;
 
-use crate::pattern::Region;
-use crate::{Impact, Pattern, Placement, Smallest, shatter_hull};
+use crate::align::{Impact, Placement};
+use crate::pattern::{Pattern, Region};
+use crate::shatter_hull;
+use crate::slivers::Smallest;
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Shape};
 use frangible_math::RigidTransform;

@@ -4,10 +4,12 @@
 //! share the vertices of their crack bit for bit, and what was the parent's surface keeps its
 //! planes. Mass follows from the divergence theorem.
 
-use crate::interfaces::contacts_of_some;
-use crate::pattern::Region;
-use crate::slivers::Groups;
-use crate::{Fragment, Impact, Pattern, Placement, ShatterSettings, Smallest, polygon};
+use crate::align::{Impact, Placement};
+use crate::interfaces::hulls::contacts_of_some;
+use crate::pattern::{Pattern, Region};
+use crate::polygon;
+use crate::shatter::{Fragment, ShatterSettings};
+use crate::slivers::{Groups, Smallest};
 use frangible_geometry::hull::weld_hulls;
 use frangible_geometry::mass_properties::parallel_axis;
 use frangible_geometry::{Carver, HalfSpace, Hull, HullFace, MassProperties, Shape};

@@ -8,7 +8,7 @@
 //! preconditioner, from the last solution on. What is not anchored is accelerated by its loads as
 //! one body, and inertia balances them (inertia relief).
 
-use crate::Interface;
+use crate::interfaces::Interface;
 use frangible_geometry::mass_properties::parallel_axis;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};

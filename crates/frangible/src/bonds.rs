@@ -1,16 +1,16 @@
 //! Bodies of glued pieces: one rigid body until a blow, or what they carry, breaks bonds, and
 //! islands of pieces from then on.
 
-mod blows;
-mod rehearsal;
+pub(crate) mod blows;
+pub(crate) mod rehearsal;
 
-use crate::World;
 use crate::break_bodies::{fragment_body, imbalance};
 use crate::check::{BuildError, Checker};
-use crate::desc::{BodyDesc, BondsDesc, MotionDesc};
+use crate::desc::breaking::BondsDesc;
+use crate::desc::{BodyDesc, MotionDesc};
 use crate::patterns::build_pattern;
 use crate::report::{Fracture, Imbalance, id_number};
-use crate::world::Label;
+use crate::world::{Label, World};
 use blows::Blows;
 use frangible_bodies::{Frame, Motion, NewBody, Pair};
 use frangible_dynamics::{ContactForce, Tally};

@@ -1,18 +1,16 @@
 //! From a description to a world: everything is checked here, so that nothing can fail later.
 
-use crate::World;
 use crate::bonds::{Bonds, build_bonds};
 use crate::books::Books;
 use crate::check::{BuildError, Checker};
-use crate::desc::{
-    BodyDesc, BreakingDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc, StrengthDesc,
-};
+use crate::desc::breaking::{BreakingDesc, StrengthDesc};
+use crate::desc::{BodyDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc};
 use crate::fineness::Fineness;
 use crate::patterns::build_pattern;
 use crate::quarantine::is_representable;
 use crate::shapes::{Make, ShapeLibrary};
 use crate::strength::Strength;
-use crate::world::{Breaking, Label};
+use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
 };

@@ -1,6 +1,6 @@
 //! A scene as plain data: described first, then checked and built by [`crate::World::build`].
 
-mod breaking;
+pub(crate) mod breaking;
 pub(crate) mod read;
 
 pub use breaking::{

@@ -4,7 +4,7 @@
 //! miss the body make none. So the number of cells is searched for, and where steps between numbers
 //! of cells are too long, or the cells are given, the pattern is magnified.
 
-use crate::desc::PatternDesc;
+use crate::desc::breaking::PatternDesc;
 use frangible_fracture::{Pattern, generators::MOST_CELLS};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};

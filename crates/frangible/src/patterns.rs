@@ -1,7 +1,7 @@
 //! Patterns by description, by name and from files.
 
 use crate::check::{BuildError, Checker, nearest};
-use crate::desc::{PatternDesc, PatternFile};
+use crate::desc::breaking::{PatternDesc, PatternFile};
 use frangible_fracture::generators::MOST_CELLS;
 use frangible_fracture::{Bricks, Concrete, Natural, Pattern, Radial, Slices, Splinters, Voronoi};
 

@@ -4,8 +4,8 @@
 //! so that nothing bad enters the solver; and before the frame's energy is balanced, so that
 //! nothing bad leaves it.
 
-use crate::World;
 use crate::report::{Quarantined, id_number};
+use crate::world::World;
 use frangible_bodies::{Bodies, BodyId, Inertia, Pose, Velocity};
 use frangible_dynamics::Tally;
 use std::collections::BTreeMap;

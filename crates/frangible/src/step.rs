@@ -1,12 +1,12 @@
 //! One frame.
 
-use crate::World;
 use crate::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::books::{Totals, gravity_impulse};
 use crate::break_bodies::break_bodies;
 use crate::desc::Method;
 use crate::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
+use crate::world::World;
 use frangible_bodies::{Frame, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
 use frangible_dynamics::{

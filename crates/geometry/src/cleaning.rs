@@ -1,14 +1,14 @@
 //! Any triangles made into closed surfaces that bound solids: what every use of a mesh begins with.
 
-mod junctions;
-mod meeting;
-mod pairing;
-mod rims;
-mod shells;
-mod thicken;
+pub(crate) mod junctions;
+pub(crate) mod meeting;
+pub(crate) mod pairing;
+pub(crate) mod rims;
+pub(crate) mod shells;
+pub(crate) mod thicken;
 
-use crate::mesh_check::short;
-use crate::{MeshError, TriMesh};
+use crate::mesh::TriMesh;
+use crate::mesh_check::{MeshError, short};
 use glam::DVec3;
 use junctions::split_at_junctions;
 pub use meeting::Meeting;

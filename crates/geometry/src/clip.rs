@@ -1,6 +1,7 @@
 //! Intersections of half-spaces, asked for distances many times.
 
-use crate::{Grid, HalfSpace};
+use crate::grid::Grid;
+use crate::half_space::HalfSpace;
 use glam::{DVec3, Vec3};
 
 /// An intersection of half-spaces on a grid.

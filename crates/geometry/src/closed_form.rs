@@ -1,6 +1,7 @@
 //! Plane, sphere, box and cylinder in closed form: bodies, and the oracles of the tests.
 
-use crate::{HalfSpace, MassProperties};
+use crate::half_space::HalfSpace;
+use crate::mass_properties::MassProperties;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 

@@ -1,7 +1,8 @@
 //! Triangles on closed forms, for drawing.
 
-use crate::hull::DRAWN_SIDES;
-use crate::{ClosedForm, TriMesh};
+use crate::closed_form::ClosedForm;
+use crate::hull::rounded::DRAWN_SIDES;
+use crate::mesh::TriMesh;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

@@ -1,9 +1,11 @@
 //! Convex polyhedra that are one body.
 
 use crate::bvh::Bvh;
-use crate::hull::hull_samples;
-use crate::mass_properties::parallel_axis;
-use crate::{HalfSpace, Hull, MassProperties, Surface};
+use crate::half_space::HalfSpace;
+use crate::hull::Hull;
+use crate::hull::samples::hull_samples;
+use crate::mass_properties::{MassProperties, parallel_axis};
+use crate::mesh::Surface;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
 

@@ -1,6 +1,7 @@
 //! How much of each voxel is material.
 
-use crate::{Grid, LevelSet};
+use crate::grid::Grid;
+use crate::level_set::LevelSet;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -140,9 +141,10 @@ fn sorted(v: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::closed_form::ClosedForm;
+    use crate::mass_properties::MassProperties;
     use crate::material::{Held, Material};
     use crate::moments::VoxelMoments;
-    use crate::{ClosedForm, MassProperties};
     use frangible_math::RigidTransform;
     use glam::{DMat3, DQuat};
     use proptest::prelude::*;

@@ -1,7 +1,9 @@
 //! Where the edges of a grid cross a solid's surface.
 
+use crate::grid::Grid;
+use crate::grid_solid::GridSolid;
+use crate::level_set::LevelSet;
 use crate::outline_pieces::OutlinePieces;
-use crate::{Grid, GridSolid, LevelSet};
 use glam::DVec3;
 use rayon::prelude::*;
 

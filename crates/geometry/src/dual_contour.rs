@@ -6,10 +6,11 @@
 //! Warren 2007, Manifold dual contouring].
 
 use crate::crossings::{PaddedSigns, find_crossings};
+use crate::grid::Grid;
+use crate::grid_solid::GridSolid;
 use crate::outline_pieces::OutlinePieces;
 use crate::placement::{CornerClaim, Placement, settle_corners};
 use crate::sheets::{is_ambiguous, passes_twice, sheets};
-use crate::{Grid, GridSolid};
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -1,10 +1,16 @@
 //! A solid on a grid: what can break.
 
-use crate::clip::{RowScratch, distances_over, larger};
+use crate::clip::{Clip, RowScratch, distances_over, larger};
+use crate::closed_form::ClosedForm;
+use crate::coverage;
+use crate::grid::Grid;
+use crate::half_space::HalfSpace;
+use crate::hull::Hull;
+use crate::level_set::LevelSet;
+use crate::mass_properties::MassProperties;
 use crate::material::{Held, Material, Run};
-use crate::{
-    Clip, ClosedForm, Grid, HalfSpace, Hull, LevelSet, MassProperties, Portion, RunCore, coverage,
-};
+use crate::moments::Portion;
+use crate::run_core::RunCore;
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 

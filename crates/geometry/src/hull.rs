@@ -1,27 +1,27 @@
 //! Convex polyhedra in double precision: exact, and cut exactly.
 
-mod carve;
-mod clip;
-mod columns;
-mod distance;
-mod loops;
-mod net;
-mod of_points;
-mod round;
-mod rounded;
-mod samples;
-mod weld;
+pub(crate) mod carve;
+pub(crate) mod clip;
+pub(crate) mod columns;
+pub(crate) mod distance;
+pub(crate) mod loops;
+pub(crate) mod net;
+pub(crate) mod of_points;
+pub(crate) mod round;
+pub(crate) mod rounded;
+pub(crate) mod samples;
+pub(crate) mod weld;
 
 pub use carve::Carver;
 pub use clip::Clipper;
 pub use columns::Columns;
 pub use of_points::HullError;
-pub(crate) use rounded::{DRAWN_SIDES, rounded_surface};
 pub use samples::hull_samples;
 pub use weld::weld_hulls;
 
-use crate::mesh::Tetrahedra;
-use crate::{HalfSpace, MassProperties, Surface, TriMesh};
+use crate::half_space::HalfSpace;
+use crate::mass_properties::MassProperties;
+use crate::mesh::{Surface, Tetrahedra, TriMesh};
 use columns::LazyColumns;
 use frangible_math::RigidTransform;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Signed distance sampled on a grid: negative inside.
 
-use crate::Grid;
+use crate::grid::Grid;
 use glam::{DVec3, Vec3};
 
 /// Signed distance [m] at each node of a grid, trilinear between nodes.

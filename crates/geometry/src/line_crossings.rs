@@ -4,8 +4,8 @@
 //! A line that meets an edge or a vertex is moved aside by less than any number, first along y and
 //! by far less along z [EM90]: it passes through exactly one of two triangles that share an edge.
 
-use crate::Grid;
 use crate::bvh::Bvh;
+use crate::grid::Grid;
 use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};

@@ -1,6 +1,6 @@
 //! Volume, centre of mass and inertia at unit density.
 
-use crate::NoMass;
+use crate::grid_solid::NoMass;
 use frangible_math::{RigidTransform, symmetric_eigen};
 use glam::{DMat3, DQuat, DVec3};
 

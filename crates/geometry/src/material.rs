@@ -1,6 +1,10 @@
 //! What of a grid's voxels is material, row by row in runs.
 
-use crate::{Grid, LevelSet, MassProperties, Portion, RunCore, RunSums};
+use crate::grid::Grid;
+use crate::level_set::LevelSet;
+use crate::mass_properties::MassProperties;
+use crate::moments::{Portion, RunSums};
+use crate::run_core::RunCore;
 use std::sync::{Arc, OnceLock};
 
 /// Consecutive nodes of a row whose voxels are filled alike.

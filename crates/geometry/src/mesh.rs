@@ -1,7 +1,6 @@
 //! Triangle meshes.
 
-use crate::MassProperties;
-use crate::mass_properties::{inertia_from_second_moments, outer};
+use crate::mass_properties::{MassProperties, inertia_from_second_moments, outer};
 use glam::{DMat3, DVec3, Vec2};
 
 /// Indexed triangles, counter-clockwise seen from outside.

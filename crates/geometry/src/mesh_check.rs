@@ -1,6 +1,6 @@
 //! What a mesh must satisfy, and the sentences for one that does not.
 
-use crate::TriMesh;
+use crate::mesh::TriMesh;
 use glam::DVec3;
 
 /// The file endings that [`crate::mesh_io::load`] reads.

@@ -1,13 +1,15 @@
 //! Mesh files.
 
-mod attributes;
-mod gltf;
-mod obj;
-mod ply;
-mod stl;
+pub(crate) mod attributes;
+pub(crate) mod gltf;
+pub(crate) mod obj;
+pub(crate) mod ply;
+pub(crate) mod stl;
 
+use crate::mesh::TriMesh;
+use crate::mesh_check::MeshError;
 use crate::polygon::triangulate;
-use crate::{MeshError, TriMesh, read_file};
+use crate::read_file;
 use attributes::Parsed;
 pub use attributes::{CornerAttributes, FaceAttributes, MeshAttributes};
 use std::io::ErrorKind;

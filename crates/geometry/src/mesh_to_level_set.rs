@@ -1,11 +1,14 @@
 //! Triangle mesh to level set: the exact distance to the boundary between inside and outside.
 
 use crate::bvh::{Bvh, closest_point_on_triangle};
+use crate::cleaning::CleanMesh;
+use crate::grid::Grid;
+use crate::level_set::LevelSet;
 use crate::line_crossings::LineCrossings;
+use crate::mesh::TriMesh;
 use crate::mesh_check::{MeshError, short};
 use crate::solid_boundary::{Deep, boundary_triangles};
 use crate::sweep::{Nearest, UNKNOWN};
-use crate::{CleanMesh, Grid, LevelSet, TriMesh};
 use glam::DVec3;
 use rayon::prelude::*;
 

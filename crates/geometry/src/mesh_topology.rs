@@ -1,6 +1,6 @@
 //! How the triangles of a mesh hang together.
 
-use crate::TriMesh;
+use crate::mesh::TriMesh;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 

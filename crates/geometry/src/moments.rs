@@ -1,7 +1,8 @@
 //! The sums over a solid's material, and over parts of it.
 
-use crate::mass_properties::{inertia_from_second_moments, outer};
-use crate::{Grid, MassProperties, Run};
+use crate::grid::Grid;
+use crate::mass_properties::{MassProperties, inertia_from_second_moments, outer};
+use crate::material::Run;
 use glam::{DMat3, DVec3};
 
 /// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of

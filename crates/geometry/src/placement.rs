@@ -1,8 +1,8 @@
 //! Where in its cell a sheet of a dual contour has its vertex.
 
-use crate::Grid;
 use crate::crossings::Crossing;
 use crate::dual_contour::{Sheet, Vertex};
+use crate::grid::Grid;
 use crate::outline_pieces::OutlinePieces;
 use crate::qef::Qef;
 use glam::{DMat3, DVec3};

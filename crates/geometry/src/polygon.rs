@@ -169,7 +169,7 @@ impl Ord for Side {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TriMesh;
+    use crate::mesh::TriMesh;
 
     fn filled(points: &[(f64, f64)]) -> TriMesh {
         let positions: Vec<DVec3> =

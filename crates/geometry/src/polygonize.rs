@@ -1,7 +1,8 @@
 //! Surfaces of solids on grids, as triangles.
 
 use crate::dual_contour::{DualContour, Quad};
-use crate::{GridSolid, Surface, TriMesh};
+use crate::grid_solid::GridSolid;
+use crate::mesh::{Surface, TriMesh};
 use glam::DVec3;
 
 /// The closed surface of a solid in its grid frame: dual contouring [JLSW02] of the signs at the
@@ -91,7 +92,11 @@ fn splits_at_first(contour: &DualContour, quad: &Quad, spacing: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ClosedForm, Grid, HalfSpace, LevelSet, Outline, Root};
+    use crate::closed_form::ClosedForm;
+    use crate::grid::Grid;
+    use crate::grid_solid::{Outline, Root};
+    use crate::half_space::HalfSpace;
+    use crate::level_set::LevelSet;
     use glam::DQuat;
     use proptest::prelude::*;
     use std::collections::BTreeSet;

@@ -1,12 +1,17 @@
 //! What a body is made of: immutable, shared by all bodies that look alike.
 
+use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;
-use crate::hull::{hull_samples, rounded_surface};
+use crate::grid_solid::{GridSolid, NoMass};
+use crate::hull::Hull;
+use crate::hull::rounded::rounded_surface;
+use crate::hull::samples::hull_samples;
+use crate::mass_properties::MassProperties;
+use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
-use crate::{ClosedForm, GridSolid, Hull, MassProperties, NoMass, Surface, TriMesh};
 use frangible_math::RigidTransform;
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -375,7 +380,9 @@ fn bounds_in_body(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Grid, HalfSpace, LevelSet};
+    use crate::grid::Grid;
+    use crate::half_space::HalfSpace;
+    use crate::level_set::LevelSet;
     use glam::DQuat;
 
     #[test]

@@ -3,7 +3,7 @@
 //! Where parts of a mesh overlap, pieces of its surface have the inside on both sides: they bound
 //! nothing, and a distance to them would put false surfaces into a solid.
 
-use crate::Grid;
+use crate::grid::Grid;
 use crate::line_crossings::LineCrossings;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,7 +1,10 @@
 //! Points on surfaces: what is tested against other bodies' level sets.
 
+use crate::closed_form::ClosedForm;
 use crate::dual_contour::{DualContour, Vertex};
-use crate::{ClosedForm, Grid, GridSolid, LevelSet};
+use crate::grid::Grid;
+use crate::grid_solid::GridSolid;
+use crate::level_set::LevelSet;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
 //! Distances far from a surface, by fast sweeping.
 
-use crate::Grid;
 use crate::bvh::closest_point_on_triangle;
+use crate::grid::Grid;
 use glam::DVec3;
 
 /// No triangle is known yet.

@@ -1,7 +1,7 @@
 //! Texture coordinates of surfaces: metres along the surface, so that a texture is as large on a
 //! small piece as on a large one.
 
-use crate::{Surface, TriMesh};
+use crate::mesh::{Surface, TriMesh};
 use glam::{DVec2, DVec3, Vec2};
 
 impl Surface {

@@ -1,7 +1,7 @@
 //! Masonry.
 
 use super::{MOST_CELLS, deviation, require, require_box};
-use crate::{Pattern, PatternError, pattern::Region};
+use crate::pattern::{Pattern, PatternError, Region};
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;

@@ -1,7 +1,10 @@
 //! Concrete: cells with rough faces.
 
-use super::{Voronoi, require};
-use crate::{Pattern, PatternError, noise::Noise, pattern::Cells, rough::Rough};
+use super::require;
+use crate::generators::voronoi::Voronoi;
+use crate::noise::Noise;
+use crate::pattern::{Cells, Pattern, PatternError};
+use crate::rough::Rough;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

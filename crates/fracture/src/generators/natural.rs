@@ -1,7 +1,7 @@
 //! Natural rubble.
 
 use super::{deviation, direction, require, require_box, require_count};
-use crate::{Pattern, PatternError, pattern::Region};
+use crate::pattern::{Pattern, PatternError, Region};
 use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

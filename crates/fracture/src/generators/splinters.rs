@@ -1,7 +1,7 @@
 //! Wood.
 
 use super::{deviation, require, require_box, require_count, voronoi::voronoi_regions};
-use crate::{Pattern, PatternError, pattern::Region};
+use crate::pattern::{Pattern, PatternError, Region};
 use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;

@@ -1,13 +1,11 @@
 //! Points on the faces that a break uncovers, and on their rims.
 
-mod face;
-mod parent;
+pub(crate) mod face;
+pub(crate) mod parent;
 
-use crate::{
-    Placement,
-    pattern::{Cut, Region},
-    polygon,
-};
+use crate::align::Placement;
+use crate::pattern::{Cut, Region};
+use crate::polygon;
 use face::{Face, Lines, face_lines, sides};
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};

@@ -1,7 +1,9 @@
 //! A pattern of cells of any form, laid onto the nodes of a body once for all of its pieces
 //! [Su09 sec. 4.2].
 
-use crate::{Pattern, Placement, pattern::Cells, rough::Moved};
+use crate::align::Placement;
+use crate::pattern::{Cells, Pattern};
+use crate::rough::Moved;
 use frangible_geometry::{Grid, GridSolid, LevelSet};
 use glam::DVec3;
 use std::ops::Range;

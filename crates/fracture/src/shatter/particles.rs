@@ -1,15 +1,14 @@
 //! Which fragment each surface sample goes to [Su09 sec. 4.2 "Surface Particles"].
 
-mod body_regions;
-mod owners;
+pub(crate) mod body_regions;
+pub(crate) mod owners;
 
-use super::{
-    ShatterSettings,
-    crack_samples::{CrackFace, Parent, Sampler},
-    laid::Laid,
-};
-use crate::Placement;
+use super::ShatterSettings;
+use super::crack_samples::{CrackFace, Sampler};
+use super::laid::Laid;
+use crate::align::Placement;
 use crate::pattern::Region;
+use crate::shatter::crack_samples::parent::Parent;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, Shape};
 use frangible_math::RigidTransform;

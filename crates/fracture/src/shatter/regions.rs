@@ -1,7 +1,7 @@
 //! Which region of the pattern each node lies in, row by row in spans.
 
-mod convex;
-mod intervals;
+pub(crate) mod convex;
+pub(crate) mod intervals;
 
 use super::laid::Laid;
 use crate::pattern::{Region, nearest_region};

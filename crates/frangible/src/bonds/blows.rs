@@ -1,8 +1,8 @@
 //! Effects of a frame's blows on glued bodies.
 
 use super::{Broken, fall_apart};
-use crate::World;
 use crate::report::{Fracture, id_from_number, id_number};
+use crate::world::World;
 use frangible_bodies::{Bodies, BodyId, Frame, Pair};
 use frangible_collision::ContactPoint;
 use frangible_dynamics::{Approach, PairImpulse, Tally, pass_on};

@@ -9,10 +9,9 @@
 
 use super::blows::{Blows, Cut, Felt};
 use super::{Broken, IMPACT_TIME, fall_apart, field_in_pieces};
-use crate::World;
 use crate::books::Books;
 use crate::report::id_from_number;
-use crate::world::Label;
+use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, NewBody, Pair, accelerate, predict};
 use frangible_collision::find_swept_pairs;
 use frangible_dynamics::{Coming, Tally, coming, pass_on};

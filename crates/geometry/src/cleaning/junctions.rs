@@ -1,8 +1,8 @@
 //! Edges that end in the middle of another triangle's edge.
 
 use super::pairing::Pairing;
-use crate::TriMesh;
 use crate::bvh::Bvh;
+use crate::mesh::TriMesh;
 use crate::polygon::triangulate;
 use glam::DVec3;
 

@@ -1,9 +1,8 @@
 //! Which surfaces of clean solids meet.
 
 use super::CleanMesh;
-use crate::WindingNumber;
 use crate::bvh::Bvh;
-use crate::winding_number::INSIDE;
+use crate::winding_number::{INSIDE, WindingNumber};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! Which triangles meet at which edges.
 
-use crate::TriMesh;
 use crate::bvh::Bvh;
+use crate::mesh::TriMesh;
 use frangible_math::DisjointSets;
 use glam::DVec3;
 

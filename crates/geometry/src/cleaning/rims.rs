@@ -1,7 +1,7 @@
 //! Holes, closed by triangles between the vertices of their rims.
 
 use super::pairing::{NONE, Pairing};
-use crate::TriMesh;
+use crate::mesh::TriMesh;
 use crate::polygon::triangulate;
 use frangible_math::DisjointSets;
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Closed surfaces, and which of them bound one solid.
 
-use crate::WindingNumber;
 use crate::bvh::Bvh;
+use crate::winding_number::WindingNumber;
 use glam::DVec3;
 
 /// Places at which a shell is compared with another one.

@@ -2,7 +2,8 @@
 
 use super::pairing::NONE;
 use super::{Assembly, CRACK, Part, WELDED};
-use crate::{MeshError, TriMesh};
+use crate::mesh::TriMesh;
+use crate::mesh_check::MeshError;
 use glam::DVec3;
 use std::collections::BTreeMap;
 

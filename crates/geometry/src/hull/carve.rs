@@ -3,7 +3,7 @@
 use super::clip::{Clipper, ON_THE_CUT, SAME};
 use super::net::{HalfEdges, NetBuilder, Side};
 use super::{Hull, HullEdge};
-use crate::HalfSpace;
+use crate::half_space::HalfSpace;
 use glam::DVec3;
 
 /// Nothing, in lists of indices.

@@ -2,7 +2,7 @@
 
 use super::Hull;
 use super::loops::Loops;
-use crate::HalfSpace;
+use crate::half_space::HalfSpace;
 use glam::DVec3;
 
 /// A vertex this close to a cut, relative to the hull's longest side, lies on it: nothing shorter

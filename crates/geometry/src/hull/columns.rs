@@ -1,7 +1,7 @@
 //! A hull's faces and vertices side by side in single precision, for who looks at many of them at a
 //! time.
 
-use crate::HalfSpace;
+use crate::half_space::HalfSpace;
 use frangible_math::{LANES, Singles};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -89,7 +89,7 @@ impl LazyColumns {
 
 #[cfg(test)]
 mod tests {
-    use crate::Hull;
+    use crate::hull::Hull;
     use frangible_math::RigidTransform;
     use glam::{DQuat, DVec3};
 

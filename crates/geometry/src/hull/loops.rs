@@ -1,7 +1,7 @@
 //! Faces as loops of vertices, in one list.
 
 use super::{HullEdge, net::Net, sides};
-use crate::HalfSpace;
+use crate::half_space::HalfSpace;
 use glam::DVec3;
 use std::ops::Range;
 

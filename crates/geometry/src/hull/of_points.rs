@@ -3,7 +3,7 @@
 
 use super::loops::Loops;
 use super::{Hull, plane_of, sides};
-use crate::HalfSpace;
+use crate::half_space::HalfSpace;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;

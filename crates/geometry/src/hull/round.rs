@@ -1,7 +1,10 @@
 //! Round bodies as polyhedra of the same volume, so that they can be broken exactly.
 
-use super::{Clipper, Hull, loops::Loops, net::Net};
-use crate::HalfSpace;
+use super::Hull;
+use super::loops::Loops;
+use super::net::Net;
+use crate::half_space::HalfSpace;
+use crate::hull::clip::Clipper;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

@@ -1,8 +1,14 @@
 //! The surface of a part of a ball or a cylinder: round where the body was, flat along its cracks.
 
-use super::{Clipper, Hull, loops::Loops, net::Net, plane_of, round::prism};
+use super::loops::Loops;
+use super::net::Net;
+use super::round::prism;
+use super::{Hull, plane_of};
+use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::closed_form_surface;
-use crate::{ClosedForm, HalfSpace, Surface};
+use crate::half_space::HalfSpace;
+use crate::hull::clip::Clipper;
+use crate::mesh::Surface;
 use glam::DVec3;
 
 /// Sides of a cylinder, as the whole one is drawn.

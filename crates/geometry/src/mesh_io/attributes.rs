@@ -1,6 +1,6 @@
 //! Attributes of a mesh file's triangles: materials, coordinates, colours, normals, names.
 
-use crate::TriMesh;
+use crate::mesh::TriMesh;
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::BTreeMap;
 

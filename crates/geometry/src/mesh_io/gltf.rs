@@ -1,10 +1,12 @@
 //! glTF and GLB: the triangles of the default scene, where its nodes put them.
 
-mod attributes;
+pub(crate) mod attributes;
 
 use super::attributes::{FaceAttributes, Parsed, number_of};
 use super::{File, strip};
-use crate::{MeshError, TriMesh, read_file};
+use crate::mesh::TriMesh;
+use crate::mesh_check::MeshError;
+use crate::read_file;
 use base64::Engine;
 use glam::{DMat4, DVec3};
 use gltf::accessor::{DataType, Dimensions};

@@ -6,7 +6,7 @@
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, number_of, unit};
 use super::{File, push_polygon};
-use crate::MeshError;
+use crate::mesh_check::MeshError;
 use glam::{DVec3, Vec2, Vec3};
 
 /// The attributes of vertices and corners.

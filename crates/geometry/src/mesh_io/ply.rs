@@ -5,7 +5,7 @@
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, unit};
 use super::{File, push_polygon, strip};
-use crate::MeshError;
+use crate::mesh_check::MeshError;
 use glam::{DVec3, Vec2};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};

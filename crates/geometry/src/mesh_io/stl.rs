@@ -5,7 +5,8 @@
 
 use super::File;
 use super::attributes::Parsed;
-use crate::{MeshError, TriMesh};
+use crate::mesh::TriMesh;
+use crate::mesh_check::MeshError;
 use glam::{DVec3, Vec3};
 
 const HEADER_BYTES: usize = 80;

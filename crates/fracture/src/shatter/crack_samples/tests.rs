@@ -1,7 +1,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use super::*;
-use crate::{Impact, Pattern, Voronoi};
+use crate::align::Impact;
+use crate::generators::voronoi::Voronoi;
+use crate::pattern::Pattern;
 use frangible_geometry::{ClosedForm, GridSolid, Shape};
 
 /// What lies on one side of a crack lies on the other: the same points to the bit, between the
