@@ -1,5 +1,6 @@
 //! Where energy comes from and goes, and that no island gains any.
 
+pub(crate) mod island;
 pub(crate) mod islands;
 pub(crate) mod ledger;
 pub(crate) mod payment;

@@ -6,7 +6,7 @@
 mod constraints;
 mod contact_batch;
 pub(crate) mod contact_forces;
-mod finish;
+pub(crate) mod finish;
 mod group;
 mod kernels;
 mod restitution;
@@ -18,7 +18,7 @@ mod solver_islands;
 mod tests;
 
 use crate::energy::tally::Tally;
-use finish::{FrameStart, close_islands};
+use finish::{FrameStart, Solved, close_islands, fall};
 use frangible_bodies::{Activity, Bodies, Frame, Motion, Substeps, evolve};
 use frangible_collision::{Manifold, Part, WarmStart};
 #[cfg(test)]
@@ -27,19 +27,12 @@ use frangible_math::Scalar;
 use frangible_math::with_widest;
 use frangible_math::{Instructions, threads};
 use glam::DVec3;
-use group::{Group, NOWHERE};
+use group::Group;
+use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
 
 /// Steps in which kinematic bodies turn through a frame.
 const TURNS: u32 = 8;
-
-/// The effects of the substeps besides the bodies' motion.
-pub struct Solved {
-    /// The contributions of static and kinematic bodies, and energy by cause.
-    pub tally: Tally,
-    /// Impulse and angular impulse about the world's origin that gravity gave.
-    pub gravity: (DVec3, DVec3),
-}
 
 /// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
 pub fn solve(
@@ -124,12 +117,4 @@ fn fly(
             }
         }
     }
-}
-
-/// Flies a body through the frame: exactly, as nothing touches it.
-fn fall(bodies: &mut Bodies, i: usize, frame: &Frame) {
-    let half = 0.5 * frame.dt * frame.gravity;
-    bodies.velocities[i].linear += half;
-    bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame);
-    bodies.velocities[i].linear += half;
 }

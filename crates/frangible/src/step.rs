@@ -102,9 +102,9 @@ fn advance(world: &mut World) -> StepReport {
         balance: balance.into(),
         impulses: Impulses {
             applied: tally.impulses,
-            clamped: tally.clamped,
-            discarded: tally.discarded,
-            withheld: tally.withheld,
+            clamped: tally.clamps.shortened,
+            discarded: tally.clamps.dropped,
+            withheld: tally.clamps.withheld,
         },
         fractures: {
             freed.extend(broken);

@@ -10,16 +10,13 @@
 //! energy is no more than it was by construction. The bank holds a little of what an island
 //! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
 
+use crate::energy::island::{Anchor, Ballistic, Island, energies, energy, magnitude, work_on};
 use crate::energy::islands::Islands;
 use crate::energy::payment::{pay, restrain};
 use crate::energy::take_out::take_out;
 use crate::energy::tally::{Debt, Tally};
-use frangible_bodies::{
-    Bodies, BodyId, Frame, Inertia, Motion, Pair, PerBody, Pose, Velocity, accelerate,
-};
+use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
-use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// Relative to the size of an island's energies: less is rounding.
 const ROUNDING: f64 = 1e-14;
@@ -49,40 +46,6 @@ pub struct Balance {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Opening(PerBody<f64>);
 
-/// Kinetic and potential energy of the dynamic bodies of a pair at `poses`, with the velocities
-/// that they have [J].
-pub(crate) fn pair_energy(bodies: &Bodies, pair: Pair, poses: &[Pose], gravity: DVec3) -> f64 {
-    let dynamic =
-        [pair.first, pair.second].into_iter().filter(|&i| !bodies.inertias[i].is_infinite());
-    dynamic.map(|i| energy(bodies, i, &poses[i], &bodies.velocities[i], gravity)).sum()
-}
-
-/// Kinetic and potential energy of one dynamic body [J].
-pub(crate) fn energy(
-    bodies: &Bodies,
-    i: usize,
-    pose: &Pose,
-    velocity: &Velocity,
-    gravity: DVec3,
-) -> f64 {
-    let mass = bodies.masses[i];
-    let spin = bodies.inertias[i].rotational_energy(pose.orientation, velocity.angular_momentum);
-    0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
-}
-
-/// Kinetic and potential energy of each body, 0 of those that impulses do not move [J].
-fn energies(bodies: &Bodies, frame: &Frame) -> Vec<f64> {
-    let of = |i: usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
-    threads::list(bodies.len(), |i| if bodies.inertias[i].is_infinite() { 0.0 } else { of(i) })
-}
-
-/// The sum of its kinetic and of the size of its potential energy, by the sum of both: what
-/// rounding is relative to [J].
-fn magnitude(bodies: &Bodies, i: usize, energy: f64, gravity: DVec3) -> f64 {
-    let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
-    energy - potential + potential.abs()
-}
-
 impl Opening {
     /// Opens the books of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
@@ -93,61 +56,6 @@ impl Opening {
             }
         }
         opening
-    }
-}
-
-/// The frame as it would be if bodies flew on after they were struck: its energy is no more than
-/// the opening's, plus the work until then.
-#[derive(Clone, Debug)]
-pub struct Ballistic {
-    /// At its end.
-    pub poses: Vec<Pose>,
-    /// At its end.
-    pub velocities: Vec<Velocity>,
-    /// Of each kinematic body on each dynamic body, until then [J].
-    pub work: BTreeMap<[BodyId; 2], f64>,
-}
-
-impl Ballistic {
-    /// To `poses`, with the velocities that the bodies have and the work so far.
-    pub fn new(bodies: &Bodies, poses: Vec<Pose>, tally: &Tally, frame: &Frame) -> Self {
-        let velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
-        Self { poses, velocities, work: tally.work.clone() }
-    }
-}
-
-/// An island of touching bodies.
-pub(crate) struct Island {
-    /// Dense indices of its living dynamic bodies.
-    pub(crate) members: Vec<usize>,
-    /// What moves it from outside, if anything does.
-    pub(crate) anchor: Anchor,
-    /// What closing its overlaps did [J].
-    pub(crate) recovered: f64,
-    /// The energy that it may have at the end of the frame, without the bank [J].
-    pub(crate) allowance: f64,
-    /// [J]
-    pub(crate) bank: f64,
-    /// Of its contacts, by their place in the tally.
-    debts: Vec<usize>,
-}
-
-/// What an island touches besides itself.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Anchor {
-    Free,
-    Kinematic(usize),
-    Fixed,
-}
-
-impl Anchor {
-    /// A body that impulses do not move.
-    pub(crate) fn of(bodies: &Bodies, i: usize) -> Self {
-        if matches!(bodies.motions[i], Motion::Kinematic { .. }) {
-            Self::Kinematic(i)
-        } else {
-            Self::Fixed
-        }
     }
 }
 
@@ -334,16 +242,6 @@ enum Held {
 
 fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
     ids.iter().filter_map(|&id| amounts.get(id)).sum()
-}
-
-/// The work of kinematic bodies on some bodies [J].
-pub(crate) fn work_on(work: &BTreeMap<[BodyId; 2], f64>, ids: &[BodyId]) -> f64 {
-    const FIRST: BodyId = BodyId { index: 0, generation: 0 };
-    const LAST: BodyId = BodyId { index: u32::MAX, generation: u32::MAX };
-    if work.is_empty() {
-        return 0.0;
-    }
-    ids.iter().flat_map(|&id| work.range([id, FIRST]..=[id, LAST])).map(|(_, work)| work).sum()
 }
 
 /// One kinematic body moves an island along; anything else holds it.

@@ -1,7 +1,7 @@
 //! Local payment: a contact that gave energy to its bodies pays it back out of their relative
 //! velocity, before the island has to.
 
-use crate::energy::ledger::Anchor;
+use crate::energy::island::Anchor;
 use crate::energy::take_out::RelativeMotion;
 use crate::energy::tally::{Debt, Tally, kinematic_work};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, approach_at, pair_contact_matrix};

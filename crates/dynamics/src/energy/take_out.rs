@@ -1,7 +1,7 @@
 //! What an island pays: its relative velocities are scaled down, or stopped and its displacements
 //! shortened.
 
-use crate::energy::ledger::{Anchor, Ballistic, Island, energy, work_on};
+use crate::energy::island::{Anchor, Ballistic, Island, energy, work_on};
 use crate::energy::rigid_part::Twist;
 use crate::energy::tally::Tally;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pose, Velocity};

@@ -2,6 +2,7 @@
 //! safeguards were needed.
 
 use crate::energy::rigid_part::Twist;
+use crate::impulse::energy_clamp::Clamps;
 use crate::impulse::pair_impulse::{Approach, PairImpulse};
 use frangible_bodies::{Bodies, BodyId, Motion, Pair, Velocity};
 use glam::DVec3;
@@ -29,12 +30,8 @@ pub struct Tally {
     pub links: Vec<(BodyId, BodyId)>,
     /// Impulses applied to velocities that last.
     pub impulses: u64,
-    /// Impulses shortened because they would have raised the kinetic energy [Su09 sec. 3.2].
-    pub clamped: u64,
-    /// Impulses dropped because no length of them would have kept the kinetic energy.
-    pub discarded: u64,
-    /// Energy that those would have made and did not [J].
-    pub withheld: f64,
+    /// Impulses that would have raised the kinetic energy.
+    pub clamps: Clamps,
 }
 
 /// What changes the energy of dynamic bodies in a frame, from its start to its end [J].
@@ -200,9 +197,7 @@ impl Tally {
         append(&mut self.recovered, other.recovered);
         self.recovery += other.recovery;
         self.impulses += other.impulses;
-        self.clamped += other.clamped;
-        self.discarded += other.discarded;
-        self.withheld += other.withheld;
+        self.clamps.add(other.clamps);
     }
 }
 

@@ -2,14 +2,22 @@
 
 use super::contact_batch::ContactBatch;
 use super::group::Group;
-use super::{Solved, fall};
+use crate::energy::island::energy;
 use crate::energy::islands::root;
-use crate::energy::ledger::energy;
 use crate::energy::tally::{Cause, Tally};
+use frangible_bodies::evolve;
 use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
 use frangible_collision::{Carried, Manifold, Part, PointImpulse};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
+
+/// The effects of the substeps besides the bodies' motion.
+pub struct Solved {
+    /// The contributions of static and kinematic bodies, and energy by cause.
+    pub tally: Tally,
+    /// Impulse and angular impulse about the world's origin that gravity gave.
+    pub gravity: (DVec3, DVec3),
+}
 
 /// Where all bodies were at the frame's start, and how fast.
 pub(super) struct FrameStart {
@@ -267,4 +275,12 @@ fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
         bodies.velocities[i].linear += spin.cross(bodies.poses[i].position - center);
         bodies.velocities[i].angular_momentum += tensor * spin;
     }
+}
+
+/// Flies a body through the frame: exactly, as nothing touches it.
+pub(super) fn fall(bodies: &mut Bodies, i: usize, frame: &Frame) {
+    let half = 0.5 * frame.dt * frame.gravity;
+    bodies.velocities[i].linear += half;
+    bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame);
+    bodies.velocities[i].linear += half;
 }

@@ -4,7 +4,7 @@ use super::constraints::{Constraint, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
 use super::restitution::{Stamps, propagate_impacts};
-use super::slabs::Slabs;
+use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
 use frangible_bodies::{Bodies, Frame};
@@ -30,9 +30,6 @@ const LEAST_BOUNCE: f64 = 1e-3;
 /// colours before the rest has one each.
 const COLOURS: u32 = 128;
 
-/// Of `NOWHERE` bodies the line in the solver is not known yet.
-pub(super) const NOWHERE: u32 = u32::MAX;
-
 /// Islands on their way through a frame.
 pub(super) struct Group<I> {
     pub(super) bodies: SolverBodies,
@@ -46,16 +43,9 @@ pub(super) struct Group<I> {
     pub(super) h: f64,
 }
 
-/// Constraints that are solved by one thread, colour by colour.
-pub(super) struct Slab<I> {
-    pub(super) batches: Vec<ContactBatch<I>>,
-    /// That they touch.
-    pub(super) first_line: usize,
-}
-
 impl<I: Instructions> Group<I> {
-    /// Of some manifolds. `lines` is room of one entry for each body, all of them [`NOWHERE`],
-    /// before and after.
+    /// Of some manifolds. `lines` is room of one entry for each body, all of them
+    /// [`NOWHERE`](super::slabs::NOWHERE), before and after.
     pub(super) fn new(
         bodies: &Bodies,
         (manifolds, carried): (&[Manifold], &[&[Carried]]),

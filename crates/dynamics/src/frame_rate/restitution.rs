@@ -3,8 +3,8 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY};
-use super::group::Slab;
 use super::kernels::{POINT_SWEEPS, Sides, Substep, clamp_to_cone, shortened, stopping};
+use super::slabs::Slab;
 use super::solver_bodies::{LaneDisplacements, Lines, SolverBodies, SolverBody};
 use frangible_math::{Instructions, LANES, Mask, Single, Single3};
 

@@ -2,14 +2,24 @@
 //! constraints of a slab touch its own bodies and those of the next one, so that all even slabs
 //! may be solved at a time, and then all odd ones, whichever thread takes which.
 
-use super::group::NOWHERE;
+use super::contact_batch::ContactBatch;
 use frangible_bodies::{Bodies, Inertia, Motion};
 use frangible_collision::Manifold;
 use glam::DVec3;
 
+/// Of `NOWHERE` bodies the line in the solver is not known yet.
+pub(super) const NOWHERE: u32 = u32::MAX;
+
 /// Manifolds of a slab, and of a bundle of islands: enough to fill the lanes of its colours, few
 /// enough for a core's own cache and for eight threads to share a pile of a thousand bodies.
 pub(super) const SLAB: usize = 512;
+
+/// Constraints that are solved by one thread, colour by colour.
+pub(super) struct Slab<I> {
+    pub(super) batches: Vec<ContactBatch<I>>,
+    /// That they touch.
+    pub(super) first_line: usize,
+}
 
 /// The lines of a group, and which slab each manifold is of.
 pub(super) struct Slabs {

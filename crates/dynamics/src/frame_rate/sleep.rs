@@ -3,7 +3,7 @@
 //! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
 //! wakes what it held.
 
-use crate::energy::ledger::energy;
+use crate::energy::island::energy;
 use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity};
 use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};

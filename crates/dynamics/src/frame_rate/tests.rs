@@ -1,6 +1,7 @@
 //! Analytic answers of the loop, and what its slabs and colours promise.
 
-use super::group::{Group, NOWHERE};
+use super::group::Group;
+use super::slabs::NOWHERE;
 use super::slabs::Slabs;
 use super::solver_islands::count;
 use super::*;

@@ -173,7 +173,7 @@ pub fn pass_on(
     tally: &mut Tally,
 ) {
     let impulse = if frame.settings.impulse_clamp {
-        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, tally)
+        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut tally.clamps)
     } else {
         *impulse
     };

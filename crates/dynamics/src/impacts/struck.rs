@@ -2,6 +2,7 @@
 //! ways do not tell, so bodies that are struck are taken to stray from theirs, and whatever they
 //! could reach is watched.
 
+mod stray;
 mod ways;
 
 use crate::impacts::struck::ways::Ways;
@@ -9,6 +10,7 @@ use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
 use frangible_collision::{Encounter, ManifoldFinder, Manifolds, Swept, WarmStart};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use stray::Stray;
 
 /// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes
 /// whom next.
@@ -22,36 +24,6 @@ const MOST_LOOKS: usize = 512;
 /// How much further a body must stray than was known, to be looked at again [1]: what strikes each
 /// other by turns goes on for ever.
 const CLEARLY: f64 = 2.0;
-
-/// How far a body may stray from its ballistic way because it is struck.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Stray {
-    /// Because of the body that may push it furthest, by its dense index, and because of all others
-    /// [m].
-    most: (f64, usize),
-    otherwise: f64,
-}
-
-impl Stray {
-    const NONE: Self = Self { most: (0.0, usize::MAX), otherwise: 0.0 };
-
-    /// As far as it matters to another body, which meets it on their ways if they meet by each
-    /// other alone [m].
-    fn against(&self, other: usize) -> f64 {
-        if self.most.1 == other { self.otherwise } else { self.most.0 }
-    }
-
-    /// Another body may push it so far [m].
-    fn add(&mut self, stray: f64, by: usize) {
-        if by == self.most.1 {
-            self.most.0 = self.most.0.max(stray);
-        } else if stray > self.most.0 {
-            (self.most, self.otherwise) = ((stray, by), self.most.0);
-        } else {
-            self.otherwise = self.otherwise.max(stray);
-        }
-    }
-}
 
 /// Finds the manifolds of pairs that may come faster against each other than on their ballistic
 /// ways to `ends`, because one of them is struck; pairs that meet by that alone are added, as far

@@ -36,6 +36,26 @@ pub enum Clamp {
     Blocked,
 }
 
+/// Impulses that would have raised the kinetic energy [Su09 sec. 3.2].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clamps {
+    /// Shortened.
+    pub shortened: u64,
+    /// Dropped, because no length of them would have kept the kinetic energy.
+    pub dropped: u64,
+    /// Energy that those would have made and did not [J].
+    pub withheld: f64,
+}
+
+impl Clamps {
+    /// Adds others.
+    pub(crate) fn add(&mut self, other: Self) {
+        self.shortened += other.shortened;
+        self.dropped += other.dropped;
+        self.withheld += other.withheld;
+    }
+}
+
 impl Clamp {
     /// The fraction that may act, in [0, 1].
     pub fn scale(self) -> f64 {

@@ -1,10 +1,9 @@
 //! One impulse between two bodies: from the contact point to the new velocities.
 
-use crate::energy::tally::Tally;
 use crate::impulse::collision_impulse::{
     Impulse, apply_impulse, collision_impulse, contact_matrix,
 };
-use crate::impulse::energy_clamp::{Clamp, ClampSide, clamp_impulse, energy_given};
+use crate::impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse, energy_given};
 use crate::impulse::pair_turn::turn_pair;
 use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
 use frangible_collision::{ContactPoint, Penetration, contact_point, placed};
@@ -156,14 +155,14 @@ impl PairImpulse {
         pair: Pair,
         approach: &Approach,
         velocities: &[Velocity],
-        tally: &mut Tally,
+        clamps: &mut Clamps,
     ) -> Self {
         let [first, second] = self.clamp_sides(bodies, pair, approach, velocities);
         let clamp = clamp_impulse(&first, &second);
-        tally.clamped += u64::from(matches!(clamp, Clamp::Scaled(_)));
-        tally.discarded += u64::from(clamp == Clamp::Blocked);
+        clamps.shortened += u64::from(matches!(clamp, Clamp::Scaled(_)));
+        clamps.dropped += u64::from(clamp == Clamp::Blocked);
         if clamp != Clamp::Whole {
-            tally.withheld += energy_given(&first, &second).max(0.0);
+            clamps.withheld += energy_given(&first, &second).max(0.0);
         }
         self.scaled(clamp.scale())
     }

@@ -145,8 +145,13 @@ impl Collisions {
         let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, surfaces);
         let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
-            impulse =
-                impulse.clamped_to_energy(bodies, pair, &approach, velocities, &mut self.tally);
+            impulse = impulse.clamped_to_energy(
+                bodies,
+                pair,
+                &approach,
+                velocities,
+                &mut self.tally.clamps,
+            );
         }
         (!impulse.is_zero()).then_some((approach, impulse))
     }

@@ -4,7 +4,7 @@
 //! would penetrate is looked for at the *proposed* poses; normals, levers and velocities are taken
 //! at the *old* ones.
 
-use crate::energy::ledger::pair_energy;
+use crate::energy::island::pair_energy;
 use crate::energy::tally::{Cause, Tally};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use crate::paper::contact_graph::{ContactGraph, Level};
@@ -140,7 +140,13 @@ impl<'a> Contact<'a> {
         let mut impulse = impulse_for(pair, &approach, old, &self.inertias, surfaces);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
             let (velocities, tally) = (&self.velocities, &mut self.tally);
-            impulse = impulse.clamped_to_energy(self.bodies, pair, &approach, velocities, tally);
+            impulse = impulse.clamped_to_energy(
+                self.bodies,
+                pair,
+                &approach,
+                velocities,
+                &mut tally.clamps,
+            );
         }
         if impulse.is_zero() {
             return false;

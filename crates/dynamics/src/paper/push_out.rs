@@ -1,6 +1,6 @@
 //! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
 
-use crate::energy::ledger::pair_energy;
+use crate::energy::island::pair_energy;
 use crate::impulse::pair_impulse::pair_contact_matrix;
 use crate::paper::contact_graph::ContactGraph;
 use crate::paper::displacements::{Displacements, Push};

@@ -1,6 +1,6 @@
 //! Whom a body may reach that strays from its ballistic way.
 
-use crate::impacts::struck::Stray;
+use super::stray::Stray;
 use frangible_bodies::{Bodies, Frame, Pose};
 use frangible_collision::{Bounds, Ground};
 use frangible_math::threads;
