@@ -1,7 +1,7 @@
 //! A ball falls and bounces.
 
 use super::scenes::{GRAVITY, METHODS, ball, world};
-use super::{Claim, Finding, Obstacle};
+use crate::claims::claim::{Claim, Finding, Obstacle};
 use frangible::{BodyDesc, BuildError, Method, step};
 
 /// With restitution 1 and with a half.

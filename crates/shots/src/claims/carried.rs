@@ -1,7 +1,7 @@
 //! Kinematic bodies lift, turn and carry others.
 
 use super::scenes::{GRAVITY, METHODS, cube, cuboid, energy, position, run, world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, BuildError, Method, MotionDesc, Resolution, ShapeDesc, World, step};
 use glam::{DQuat, DVec3};
 

@@ -1,7 +1,7 @@
 //! What balls in a row pass on.
 
-use super::{Claim, Finding, Obstacle, largest};
-use crate::cradle::{ROW, SPEED, cradle};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
+use crate::scenes::cradle::{ROW, SPEED, cradle};
 use frangible::{SceneDesc, World, step};
 
 /// As many leave as came.

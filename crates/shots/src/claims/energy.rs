@@ -2,8 +2,9 @@
 
 use super::random_scene::random_scene;
 use super::scenes::METHODS;
-use super::{Claim, Finding, Obstacle, largest};
-use crate::{SHOTS, Shot, ShotOptions};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
+use crate::scenes::SHOTS;
+use crate::shot::{Shot, ShotOptions};
 use frangible::bodies::{Rotation, StepSettings};
 use frangible::{BuildError, Method, SceneDesc, World, step};
 

@@ -1,10 +1,10 @@
 //! What fits closely: pieces of a slab, a plate before a wall, a nut on its bolt.
 
 use super::scenes::{GRAVITY, run};
-use super::{Claim, Finding, Obstacle, largest};
-use crate::nut::{PITCH, nut};
-use crate::plate::plate;
-use crate::{Shot, ShotOptions};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
+use crate::scenes::nut::{PITCH, nut};
+use crate::scenes::plate::plate;
+use crate::shot::{Shot, ShotOptions};
 use frangible::{World, step};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! What nothing touches loses nothing.
 
 use super::scenes::{METHODS, cuboid, free_world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::bodies::Inertia;
 use frangible::{BodyDesc, Method, step};
 use glam::{DQuat, DVec3};

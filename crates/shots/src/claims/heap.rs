@@ -1,8 +1,8 @@
 //! How heaps come to lie.
 
-use super::{Claim, Finding, Obstacle};
-use crate::ShotOptions;
-use crate::piles::pile;
+use crate::claims::claim::{Claim, Finding, Obstacle};
+use crate::scenes::piles::pile;
+use crate::shot::ShotOptions;
 use frangible::{World, step};
 
 /// Rubble in a pit.

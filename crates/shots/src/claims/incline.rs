@@ -1,7 +1,7 @@
 //! A cube slides down slopes and stops by friction [Su09 fig. 3].
 
 use super::scenes::{GRAVITY, METHODS, cube, position, run, world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, BuildError, Method};
 use glam::{DQuat, DVec3};
 

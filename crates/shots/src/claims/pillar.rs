@@ -1,9 +1,10 @@
 //! How the pillar spreads at the frame rate, and at a hundredth of its step [Su09 fig. 1].
 
+use crate::claims::claim::largest;
 use super::energy::{no_safeguard, run_scene};
-use super::{Claim, Finding, Obstacle};
-use crate::pillar::HALF;
-use crate::{Shot, ShotOptions};
+use crate::claims::claim::{Claim, Finding, Obstacle};
+use crate::scenes::pillar::HALF;
+use crate::shot::{Shot, ShotOptions};
 use frangible::Method;
 
 /// Figure 1.
@@ -63,7 +64,7 @@ pub fn pillar_spread(options: &ShotOptions, safeguards: bool) -> Result<Spread, 
     Ok(Spread {
         mean: distances.iter().sum::<f64>() / count as f64,
         p95: distances.get(count * 95 / 100).copied().unwrap_or(f64::NAN),
-        highest: super::largest(centers.map(|center| center.y)),
+        highest: largest(centers.map(|center| center.y)),
         rise: run.rise,
     })
 }

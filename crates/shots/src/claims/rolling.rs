@@ -1,7 +1,7 @@
 //! Balls roll, slide and spin on the ground.
 
 use super::scenes::{GRAVITY, METHODS, ball, run, world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, BuildError, Method, World};
 use glam::{DQuat, DVec3};
 

@@ -1,6 +1,6 @@
 //! Rotation without torque in closed form, against numbers to 40 digits (docs/adr/008).
 
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use crate::random::Random;
 use frangible::bodies::{Inertia, Pose, Rotation, Velocity, advance, rotate_exact};
 use glam::{DQuat, DVec3};

@@ -2,8 +2,8 @@
 
 use super::rolling::{RADIUS, ball_on_ground};
 use super::scenes::{METHODS, cube, cuboid, run, world};
-use super::{Claim, Finding, Obstacle};
-use crate::{Shot, ShotOptions};
+use crate::claims::claim::{Claim, Finding, Obstacle};
+use crate::shot::{Shot, ShotOptions};
 use frangible::{BodyDesc, Method, World, step};
 use glam::DVec3;
 

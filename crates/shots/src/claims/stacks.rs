@@ -1,7 +1,7 @@
 //! Stacks on the ground, straight and shifted.
 
 use super::scenes::{METHODS, cube, run, world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, Method};
 
 /// Straight.

@@ -1,10 +1,10 @@
 //! What stands by its shape and by friction, and falls without.
 
 use super::scenes::ball;
-use super::{Claim, Finding, Obstacle, largest};
-use crate::arch::{FRICTION as STONE, arch};
-use crate::card_house::{FRICTION as PAPER, card_house};
-use crate::towers::{LOAD_RATIO, load, pyramid, tower};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
+use crate::scenes::arch::{FRICTION as STONE, arch};
+use crate::scenes::card_house::{FRICTION as PAPER, card_house};
+use crate::scenes::towers::{LOAD_RATIO, load, pyramid, tower};
 use frangible::{BodyDesc, SceneDesc, World, step};
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Bodies that collide in free space.
 
 use super::scenes::{METHODS, cuboid, free_world};
-use super::{Claim, Finding, Obstacle, largest};
+use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::{BodyDesc, step};
 
 /// Two hundred of them.

@@ -1,7 +1,7 @@
 //! A top on its tip.
 
 use super::scenes::{GRAVITY, METHODS, world};
-use super::{Claim, Finding, Obstacle};
+use crate::claims::claim::{Claim, Finding, Obstacle};
 use frangible::{BodyDesc, BuildError, Method, Resolution, ShapeDesc, World, step};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;

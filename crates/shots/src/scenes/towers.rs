@@ -1,7 +1,7 @@
 //! Cubes on cubes: a tower, a pyramid, and a load that is a thousand times as heavy as what bears
 //! it.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Fifty cubes.

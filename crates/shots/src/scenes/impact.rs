@@ -1,6 +1,6 @@
 //! Any mesh, hit by a ball.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Voronoi;
 use frangible::geometry::mesh_io;
 use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};

@@ -1,7 +1,7 @@
 //! A nut on a bolt: two threads, given as triangles and sampled as level sets, that turn by sliding
 //! down each other.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! Balls rain on a table and break; then a larger one breaks the table [Su09 fig. 8].
 
 use crate::random::Random;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::{Natural, Voronoi};
 use frangible::{BodyDesc, BreakingDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 

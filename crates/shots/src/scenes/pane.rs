@@ -1,6 +1,6 @@
 //! A pane of glass, and the ball that flies through it.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Radial;
 use frangible::{
     BodyDesc, BreakingDesc, LookDesc, MaterialName, PatternDesc, Resolution, SceneDesc, ShapeDesc,

@@ -1,6 +1,6 @@
 //! A cylinder that a ball shatters [Su09 fig. 5].
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Natural;
 use frangible::{
     BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,

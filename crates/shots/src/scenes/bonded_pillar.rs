@@ -1,7 +1,7 @@
 //! A pillar of glued pieces stands, until a ball strikes it.
 
-use crate::pillar::HALF;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::scenes::pillar::HALF;
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Voronoi;
 use frangible::{BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc};
 

@@ -1,7 +1,7 @@
 //! A wall that a ball strikes, at three places with one pattern, and a ball that breaks on it [Su09
 //! fig. 4].
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::{Natural, Radial};
 use frangible::{
     BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,

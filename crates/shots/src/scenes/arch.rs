@@ -1,6 +1,6 @@
 //! An arch of stones that nothing but friction and their shape holds.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Half a ring.

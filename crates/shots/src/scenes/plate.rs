@@ -1,6 +1,6 @@
 //! A thin plate flies into a thin wall, ten plates' lengths a frame.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DQuat;
 

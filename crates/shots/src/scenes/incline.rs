@@ -1,6 +1,6 @@
 //! A cube slides down an incline and stops by friction [Su09 fig. 3].
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::{DQuat, DVec3};
 

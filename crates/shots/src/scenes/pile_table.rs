@@ -2,7 +2,7 @@
 //! fit, and no two alike.
 
 use crate::random::Random;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::geometry::{Clipper, HalfSpace, Hull};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! A ball breaks a corner off a wall, and a second one breaks what is left standing [Su09 fig. 7].
 
-use crate::wall::{GROUND, ball, wall_of};
-use crate::{Shot, ShotError, ShotOptions};
+use crate::scenes::wall::{GROUND, ball, wall_of};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BreakingDesc, MotionDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,

@@ -1,7 +1,7 @@
 //! Thousands of pieces of rubble in piles, to be run at speed.
 
 use crate::random::Random;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Few others above and below each piece.

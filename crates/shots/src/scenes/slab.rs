@@ -1,8 +1,8 @@
 //! A slab that is cut up already: pieces that fit snugly, and stay.
 
-use crate::pillar::cut_up;
 use crate::random::Random;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::scenes::pillar::cut_up;
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::geometry::Hull;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;

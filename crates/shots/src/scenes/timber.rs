@@ -1,6 +1,6 @@
 //! A wooden plank on two trestles, broken by what falls on its middle.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Splinters;
 use frangible::{
     BodyDesc, BreakingDesc, LookDesc, MaterialName, MotionDesc, PatternDesc, Resolution, SceneDesc,

@@ -1,6 +1,6 @@
 //! Steel balls in a row, struck by others: as many leave as came, as in Newton's cradle.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Two balls strike five.

@@ -1,6 +1,6 @@
 //! Cards that lean against each other in pairs, with cards lying on them that bear the next storey.
 
-use crate::Shot;
+use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Five storeys.

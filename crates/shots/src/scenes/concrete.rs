@@ -1,6 +1,6 @@
 //! A concrete pillar, struck by a wrecking ball.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Concrete;
 use frangible::{
     BodyDesc, BreakingDesc, LookDesc, MaterialName, PatternDesc, Resolution, SceneDesc, ShapeDesc,

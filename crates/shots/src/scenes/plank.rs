@@ -2,7 +2,7 @@
 //! them off [Su09 fig. 2]: the scene of the authors' collection that fits the caption, with sizes
 //! and masses from there and lower falls.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DQuat;
 

@@ -1,6 +1,6 @@
 //! A brick wall, struck by a ball: mortar gives way where it is struck, and holds elsewhere.
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::fracture::Bricks;
 use frangible::{
     AnchorDesc, BodyDesc, BondsDesc, LookDesc, PatternDesc, Resolution, SceneDesc, ShapeDesc,

@@ -1,6 +1,6 @@
 //! Boxes fall into a stack, and a larger box scatters it [Su09 fig. 2].
 
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 
 /// Figure 2.

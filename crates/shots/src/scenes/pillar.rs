@@ -1,7 +1,7 @@
 //! A prescored pillar falls on the ground [Su09 fig. 1].
 
 use crate::random::Random;
-use crate::{Shot, ShotError, ShotOptions};
+use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::geometry::{HalfSpace, Hull};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;
