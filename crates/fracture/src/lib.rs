@@ -25,9 +25,9 @@ pub mod stress;
 pub mod velocities;
 
 pub use align::{Impact, Placement, align_pattern};
-pub use bonds::{BondStrength, GaveWay, Glued, PointLoad};
+pub use bonds::{BondStrength, GaveWay, Glued, PointLoad, prescore};
 pub use drawn::Drawn;
-pub use generators::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
+pub use generators::{Bricks, Concrete, MOST_CELLS, Natural, Radial, Slices, Splinters, Voronoi};
 pub use interfaces::{CutPiece, Interface, interfaces, mesh_interfaces};
 pub use mesh_break::{Cutter, MeshBreakError, break_on_grid, cutters, resurfaced, sampled_body};
 pub use noise::Noise;

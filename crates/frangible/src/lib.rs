@@ -19,30 +19,11 @@
 //! # Ok::<(), frangible::BuildError>(())
 //! ```
 
-mod bonds;
-mod books;
-mod break_bodies;
-mod build;
-mod check;
-mod desc;
-mod fineness;
-mod patterns;
-mod quarantine;
 mod report;
-mod shapes;
+mod scene;
 mod step;
-mod strength;
 mod world;
 
-pub use bonds::Bonds;
-pub use check::{BuildError, nearest};
-pub use desc::read::{no_json, read, schema};
-pub use desc::{
-    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, LookDesc, MaterialDesc, MaterialName, Method,
-    MotionDesc, PartDesc, PatternDesc, PatternFile, Quality, Resolution, SceneDesc, ShapeDesc,
-    SolverDesc, StrengthDesc,
-};
-pub use fineness::{Fineness, Found};
 pub use frangible_bodies as bodies;
 pub use frangible_bodies::BodyId;
 pub use frangible_collision as collision;
@@ -54,8 +35,20 @@ pub use report::{
     Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport,
     id_from_number, id_number,
 };
+pub use scene::check::{BuildError, nearest};
+pub use scene::desc::breaking::{
+    AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile,
+    StrengthDesc,
+};
+pub use scene::desc::read::{no_json, read, schema};
+pub use scene::desc::{
+    BodyDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc, ShapeDesc,
+    SolverDesc,
+};
+pub use scene::fineness::{Fineness, Found};
+pub use scene::strength::Strength;
+pub use step::bonds::state::Bonds;
 pub use step::step;
-pub use strength::Strength;
 pub use world::{Breaking, Label, World};
 
 /// The README's Rust is compiled and run with the doc tests.

@@ -1,5 +1,7 @@
 //! What one frame did, with the books open.
 
+pub(crate) mod books;
+
 use frangible_bodies::BodyId;
 use frangible_dynamics as dynamics;
 use serde::Serialize;

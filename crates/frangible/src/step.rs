@@ -1,11 +1,15 @@
 //! One frame.
 
-use crate::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
-use crate::books::{Totals, gravity_impulse};
-use crate::break_bodies::break_bodies;
-use crate::desc::Method;
-use crate::quarantine::{Before, contain, take_out, take_out_faulty};
+pub(crate) mod bonds;
+pub(crate) mod break_bodies;
+pub(crate) mod quarantine;
+
+use crate::report::books::{Totals, gravity_impulse};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
+use crate::scene::desc::Method;
+use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
+use crate::step::break_bodies::break_bodies;
+use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::world::World;
 use frangible_bodies::{Frame, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};

@@ -1,13 +1,12 @@
 //! The world: bodies, how they break, and the books.
 
-use crate::bonds::Bonds;
-use crate::books::{Books, Totals};
-use crate::build::{MOST_SPEED, MOST_SPIN};
-use crate::check::{BuildError, Checker};
-use crate::desc::{LookDesc, Method};
-use crate::fineness::Fineness;
+use crate::report::books::{Books, Totals};
 use crate::report::id_number;
-use crate::strength::Strength;
+use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
+use crate::scene::desc::{LookDesc, Method};
+use crate::scene::fineness::Fineness;
+use crate::scene::strength::Strength;
+use crate::step::bonds::state::Bonds;
 use frangible_bodies::{
     Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
 };
@@ -18,7 +17,7 @@ use frangible_geometry::Surface;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Bodies in motion. Built from a [`crate::SceneDesc`], advanced by [`crate::step`].
+/// Bodies in motion. Built from a [`crate::scene::desc::SceneDesc`], advanced by [`crate::step`].
 #[derive(Clone, Debug)]
 pub struct World {
     pub(crate) bodies: Bodies,
@@ -184,7 +183,7 @@ impl World {
     }
 
     /// Whether a body slept in the last frame, where the scene lets bodies
-    /// [sleep](crate::SceneDesc::sleep).
+    /// [sleep](crate::scene::desc::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
         let dense = self.bodies.index_of(id);
         dense.is_some_and(|dense| self.bodies.activities[dense].drowsiness.is_asleep)

@@ -63,4 +63,5 @@ pub use read_file::read_file;
 pub use run_core::RunCore;
 pub use sample_clusters::{ClusteredSamples, SampleCluster};
 pub use shape::{BodyFrame, Geometry, Shape};
+pub use surface_samples::surface_samples;
 pub use winding_number::WindingNumber;

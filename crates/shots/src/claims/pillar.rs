@@ -1,7 +1,7 @@
 //! How the pillar spreads at the frame rate, and at a hundredth of its step [Su09 fig. 1].
 
-use crate::claims::claim::largest;
 use super::energy::{no_safeguard, run_scene};
+use crate::claims::claim::largest;
 use crate::claims::claim::{Claim, Finding, Obstacle};
 use crate::scenes::pillar::HALF;
 use crate::shot::{Shot, ShotOptions};

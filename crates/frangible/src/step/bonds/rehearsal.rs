@@ -7,10 +7,12 @@
 //! meets what is next with what it has left. The world then takes over which bonds broke, and what
 //! they bore; all else it solves as in any frame.
 
-use super::blows::{Blows, Cut, Felt};
-use super::{Broken, IMPACT_TIME, fall_apart, field_in_pieces};
-use crate::books::Books;
+use crate::report::books::Books;
 use crate::report::id_from_number;
+use crate::step::bonds::blows::{Blows, Cut, Felt};
+use crate::step::bonds::fall_apart::field_in_pieces;
+use crate::step::bonds::fall_apart::{Broken, fall_apart};
+use crate::step::bonds::state::IMPACT_TIME;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, NewBody, Pair, accelerate, predict};
 use frangible_collision::find_swept_pairs;

@@ -1,7 +1,7 @@
 //! Effects of a frame's blows on glued bodies.
 
-use super::{Broken, fall_apart};
 use crate::report::{Fracture, id_from_number, id_number};
+use crate::step::bonds::fall_apart::{Broken, fall_apart};
 use crate::world::World;
 use frangible_bodies::{Bodies, BodyId, Frame, Pair};
 use frangible_collision::ContactPoint;

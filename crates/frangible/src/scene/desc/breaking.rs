@@ -1,6 +1,6 @@
 //! How bodies break, and what holds glued pieces together.
 
-use super::defaults;
+use crate::scene::desc::defaults;
 use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,12 +1,10 @@
 //! A scene as plain data: described first, then checked and built by [`crate::World::build`].
 
 pub(crate) mod breaking;
+pub(crate) mod defaults;
 pub(crate) mod read;
 
-pub use breaking::{
-    AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile,
-    StrengthDesc,
-};
+use breaking::{BondsDesc, BreakingDesc};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -321,47 +319,6 @@ pub struct Resolution {
     /// Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side of what is not on a grid.
     #[serde(default)]
     pub sample_spacing: Option<f64>,
-}
-
-/// The only place where a default is written.
-mod defaults {
-    pub(super) fn most_substeps() -> u32 {
-        128
-    }
-
-    pub(super) fn recovery_speed() -> f64 {
-        3.0
-    }
-
-    pub(super) fn gravity() -> [f64; 3] {
-        [0.0, -9.81, 0.0]
-    }
-    pub(super) fn frames_per_second() -> f64 {
-        30.0
-    }
-    pub(super) fn orientation() -> [f64; 4] {
-        [0.0, 0.0, 0.0, 1.0]
-    }
-    pub(super) fn up() -> [f64; 3] {
-        [0.0, 1.0, 0.0]
-    }
-    /// Concrete [kg/m^3].
-    pub(super) fn density() -> f64 {
-        2400.0
-    }
-    pub(super) fn half() -> f64 {
-        0.5
-    }
-    pub(super) fn one() -> f64 {
-        1.0
-    }
-    /// Of brittle materials that are made with some care (a ratio).
-    pub(super) fn weibull_modulus() -> f64 {
-        10.0
-    }
-    pub(super) fn generations() -> u32 {
-        1
-    }
 }
 
 impl MotionDesc {

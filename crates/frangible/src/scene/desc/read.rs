@@ -1,8 +1,8 @@
 //! Descriptions from plain data. An error names path, value and rule: the data is
 //! checked against the schema that the descriptions themselves make, before it becomes one.
 
-use super::SceneDesc;
-use crate::check::{BuildError, nearest};
+use crate::scene::check::{BuildError, nearest};
+use crate::scene::desc::SceneDesc;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};

@@ -1,23 +1,25 @@
 //! From a description to a world: everything is checked here, so that nothing can fail later.
 
-use crate::bonds::{Bonds, build_bonds};
-use crate::books::Books;
-use crate::check::{BuildError, Checker};
-use crate::desc::breaking::{BreakingDesc, StrengthDesc};
-use crate::desc::{BodyDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc};
-use crate::fineness::Fineness;
-use crate::patterns::build_pattern;
-use crate::quarantine::is_representable;
-use crate::shapes::{Make, ShapeLibrary};
-use crate::strength::Strength;
+use crate::report::books::Books;
+use crate::scene::bonds::build_bonds;
+use crate::scene::check::MOST_SPEED;
+use crate::scene::check::MOST_SPIN;
+use crate::scene::check::{BuildError, Checker};
+use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
+use crate::scene::desc::{BodyDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc};
+use crate::scene::fineness::Fineness;
+use crate::scene::patterns::build_pattern;
+use crate::scene::shapes::{Make, ShapeLibrary};
+use crate::scene::strength::Strength;
+use crate::step::bonds::state::Bonds;
+use crate::step::quarantine::is_representable;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
 };
 use frangible_collision::{BirthFits, KeptPairs, WarmStart};
 use frangible_dynamics::Ledger;
-use frangible_fracture::generators::MOST_CELLS;
-use frangible_fracture::{ShatterSettings, Smallest};
+use frangible_fracture::{MOST_CELLS, ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};
 use frangible_math::RigidTransform;
 use std::sync::Arc;
@@ -96,12 +98,9 @@ fn settings_of(scene: &SceneDesc, checker: &Checker) -> Result<StepSettings, Bui
 const LEAST_SIZE: f64 = 1e-6;
 const MOST_SIZE: f64 = 1e6;
 
-/// What a scene may ask for [m/s^2], [m/s], [rad/s]: above it, contacts are lost to rounding in
+/// What a scene may ask for [m/s^2]: above it, contacts are lost to rounding in
 /// single precision, and bodies with them.
 const MOST_GRAVITY: f64 = 1e4;
-pub(crate) const MOST_SPEED: f64 = 1e5;
-pub(crate) const MOST_SPIN: f64 = 1e4;
-
 /// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
 const LEAST_DENSITY: f64 = 1e-6;
 const MOST_DENSITY: f64 = 1e9;

@@ -1,11 +1,15 @@
 //! Checks that answer with the field, the value and the rule.
 
 use frangible_fracture::PatternError;
-use frangible_geometry::MeshError;
-use frangible_geometry::mesh_to_level_set::MeshToLevelSetError;
+use frangible_geometry::{MeshError, MeshToLevelSetError};
 use glam::{DQuat, DVec3};
 use std::fmt::Debug;
 use thiserror::Error;
+
+/// What a scene may ask for [m/s], [rad/s]: above it, contacts are lost to rounding in single
+/// precision, and bodies with them.
+pub(crate) const MOST_SPEED: f64 = 1e5;
+pub(crate) const MOST_SPIN: f64 = 1e4;
 
 /// Why a scene cannot be built, or a world changed.
 #[derive(Debug, Error)]

@@ -1,6 +1,6 @@
 //! How much a body bears.
 
-use crate::desc::breaking::MaterialDesc;
+use crate::scene::desc::breaking::MaterialDesc;
 use frangible_geometry::Shape;
 use std::f64::consts::PI;
 

@@ -131,7 +131,7 @@ pub(crate) fn take_out(world: &mut World, culprits: &[Quarantined]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desc::{BodyDesc, SceneDesc, ShapeDesc};
+    use crate::scene::desc::{BodyDesc, SceneDesc, ShapeDesc};
     use crate::step;
     use glam::DVec3;
 

@@ -4,8 +4,8 @@
 //! miss the body make none. So the number of cells is searched for, and where steps between numbers
 //! of cells are too long, or the cells are given, the pattern is magnified.
 
-use crate::desc::breaking::PatternDesc;
-use frangible_fracture::{Pattern, generators::MOST_CELLS};
+use crate::scene::desc::breaking::PatternDesc;
+use frangible_fracture::{MOST_CELLS, Pattern};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 

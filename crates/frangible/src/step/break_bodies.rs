@@ -1,7 +1,7 @@
 //! Where a blow becomes a break: bodies are replaced by their fragments [Su09 sec. 4.2].
 
-use crate::desc::LookDesc;
 use crate::report::{Fracture, Imbalance, id_number};
+use crate::scene::desc::LookDesc;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{Bodies, Contactant, Inertia, Motion, NewBody, Pair, Pose, Velocity};
 use frangible_dynamics::{Blow, Tally, energy_at, pay_at};

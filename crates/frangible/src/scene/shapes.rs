@@ -1,11 +1,10 @@
 //! Shapes from their descriptions; equal descriptions share one shape.
 
-use crate::check::{BuildError, Checker};
-use crate::desc::{PartDesc, Resolution, ShapeDesc};
-use frangible_geometry::mesh_to_level_set::solids_to_level_set;
-use frangible_geometry::surface_samples::surface_samples;
+use crate::scene::check::{BuildError, Checker};
+use crate::scene::desc::{PartDesc, Resolution, ShapeDesc};
 use frangible_geometry::{
     ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, TriMesh, mesh_io,
+    solids_to_level_set, surface_samples,
 };
 use frangible_math::RigidTransform;
 use glam::DVec3;

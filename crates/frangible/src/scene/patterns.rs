@@ -1,9 +1,10 @@
 //! Patterns by description, by name and from files.
 
-use crate::check::{BuildError, Checker, nearest};
-use crate::desc::breaking::{PatternDesc, PatternFile};
-use frangible_fracture::generators::MOST_CELLS;
-use frangible_fracture::{Bricks, Concrete, Natural, Pattern, Radial, Slices, Splinters, Voronoi};
+use crate::scene::check::{BuildError, Checker, nearest};
+use crate::scene::desc::breaking::{PatternDesc, PatternFile};
+use frangible_fracture::{
+    Bricks, Concrete, MOST_CELLS, Natural, Pattern, Radial, Slices, Splinters, Voronoi,
+};
 
 /// A generator that [`PatternDesc::named`] knows.
 struct Kind {
@@ -216,7 +217,8 @@ mod tests {
     #[test]
     fn sentences_name_the_field_the_value_and_the_rule() {
         let sentence = |json: &str| {
-            let desc: Result<PatternDesc, _> = crate::read(serde_json::from_str(json).unwrap(), "");
+            let desc: Result<PatternDesc, _> =
+                crate::scene::desc::read::read(serde_json::from_str(json).unwrap(), "");
             desc.map_or_else(
                 |error| error.to_string(),
                 |desc| desc.pattern().unwrap_err().to_string(),

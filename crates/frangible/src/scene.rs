@@ -1,0 +1,10 @@
+//! Scenes: described, checked and built.
+
+pub(crate) mod bonds;
+pub(crate) mod build;
+pub(crate) mod check;
+pub(crate) mod desc;
+pub(crate) mod fineness;
+pub(crate) mod patterns;
+pub(crate) mod shapes;
+pub(crate) mod strength;

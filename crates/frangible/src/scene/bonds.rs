@@ -1,0 +1,80 @@
+//! Bodies that are cut into pieces and glued together.
+
+use crate::scene::check::{BuildError, Checker};
+use crate::scene::desc::breaking::BondsDesc;
+use crate::scene::desc::{BodyDesc, MotionDesc};
+use crate::scene::patterns::build_pattern;
+use crate::step::bonds::state::Bonds;
+use frangible_fracture::{BondStrength, Glued, Impact, prescore};
+use frangible_geometry::Shape;
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Cuts a body into pieces and glues them together.
+pub(crate) fn build_bonds(
+    desc: &BondsDesc,
+    body: &BodyDesc,
+    shape: &Shape,
+    world_from_shape: &RigidTransform,
+    at: &Checker,
+) -> Result<Bonds, BuildError> {
+    let strength = BondStrength {
+        tension: at.field("tensile_strength").positive(desc.tensile_strength, "Pa")?,
+        shear: at.field("shear_strength").positive(desc.shear_strength, "Pa")?,
+    };
+    if body.motion != MotionDesc::Dynamic {
+        return Err(at.broken(
+            "on a body that is not dynamic",
+            "left out, or the body dynamic: anchors hold it",
+        ));
+    }
+    if body.breaking.is_some() {
+        return Err(at.broken("on a body with 'breaking'", "left out, or 'breaking' left out"));
+    }
+    let mut anchors = Vec::with_capacity(desc.anchors.len());
+    for (index, anchor) in desc.anchors.iter().enumerate() {
+        let at = at.field(&format!("anchors[{index}]"));
+        anchors.push((
+            at.field("low").vector(anchor.low, "m")?,
+            at.field("high").vector(anchor.high, "m")?,
+        ));
+    }
+
+    // Lay the pattern on its point.
+    let middle = shape.body_from_grid.inverse().point(0.5 * (shape.bounds.0 + shape.bounds.1));
+    let point = desc.point.map_or(Ok(middle), |point| at.field("point").vector(point, "m"))?;
+    let at_normal = at.field("normal");
+    let normal = at_normal
+        .vector(desc.normal, "")?
+        .try_normalize()
+        .ok_or_else(|| at_normal.broken("0, 0, 0", "a direction"))?;
+    let impact = Impact {
+        point_body: shape.body_from_grid.point(point),
+        normal_body: shape.body_from_grid.direction(normal),
+    };
+    let pattern = match &desc.pattern {
+        Some(pattern) => Some(build_pattern(pattern, &at.field("pattern"))?),
+        None => None,
+    };
+    let hulls = prescore(shape, pattern.as_ref(), &impact).ok_or_else(|| {
+        at.broken(
+            "on a shape or with a pattern that is not made of convex pieces",
+            "on a box, a hull or a compound, with planar cells",
+        )
+    })?;
+    let is_anchored = |center: DVec3| {
+        let world = world_from_shape.point(center);
+        anchors.iter().any(|(low, high)| low.cmple(world).all() && world.cmple(*high).all())
+    };
+    let glued = Glued::new(hulls, is_anchored, strength);
+    if !anchors.is_empty() && !glued.is_anchored() {
+        return Err(at.field("anchors").broken(
+            "boxes without the centre of a piece",
+            "boxes that hold the centres of the pieces to be fixed",
+        ));
+    }
+    let (low, high) = shape.bounds;
+    let spacing =
+        body.shape.resolution().sample_spacing.unwrap_or(0.1 * (high - low).max_element());
+    Ok(Bonds { glued, carried: Vec::new(), sample_spacing: spacing })
+}

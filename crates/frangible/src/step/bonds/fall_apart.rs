@@ -1,0 +1,105 @@
+//! Bodies that have lost bonds fall apart into the islands that still hold together.
+
+use super::state::Bonds;
+use crate::report::{Fracture, Imbalance, id_number};
+use crate::step::break_bodies::{fragment_body, imbalance};
+use crate::world::{Label, World};
+use frangible_bodies::{Frame, Motion, NewBody};
+use frangible_fracture::{Fragment, Glued};
+use frangible_geometry::{Compound, Hull, Shape};
+use glam::DVec3;
+
+/// A body that has lost bonds.
+pub(super) struct Broken {
+    pub(super) body: usize,
+    pub(super) striker: usize,
+    pub(super) point: DVec3,
+    pub(super) impulse: f64,
+    pub(super) borne: f64,
+}
+
+/// Replaces bodies that have lost bonds by the islands that still hold together: where they were,
+/// moving as they did. Where one island is left, nothing but its bonds has changed.
+pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
+    let mut gone = vec![false; world.bodies.len()];
+    let mut born: Vec<(NewBody, Label)> = Vec::new();
+    let mut fractures = Vec::new();
+    for Broken { body, striker, point, impulse, borne } in broken {
+        let Some(bonds) = &world.labels[*body].bonds else { continue };
+        let islands = bonds.glued.islands();
+        if islands.len() < 2 {
+            continue;
+        }
+        gone[*body] = true;
+        let first = born.len();
+        let islands = islands.into_iter().enumerate();
+        born.extend(islands.filter_map(|(index, island)| island_body(world, *body, index, island)));
+        fractures.push(Fracture {
+            body: id_number(world.bodies.ids[*body]),
+            striker: id_number(world.bodies.ids[*striker]),
+            point: point.to_array(),
+            impulse: *impulse,
+            borne: *borne,
+            energy: 0.0,
+            wanted: None,
+            fragments: vec![0; born.len() - first],
+            imbalance: if world.bodies.inertias[*body].is_infinite() {
+                Imbalance::default()
+            } else {
+                imbalance(&world.bodies, *body, born[first..].iter().map(|(body, _)| body))
+            },
+        });
+    }
+    world.remove(&gone);
+    let mut born = born.into_iter();
+    for fracture in &mut fractures {
+        for (id, (body, label)) in fracture.fragments.iter_mut().zip(&mut born) {
+            *id = id_number(world.spawn(body, label));
+        }
+    }
+    fractures
+}
+
+/// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes
+/// one.
+fn island_body(
+    world: &World,
+    parent: usize,
+    index: usize,
+    glued: Glued,
+) -> Option<(NewBody, Label)> {
+    let sample_spacing = world.labels[parent].bonds.as_ref()?.sample_spacing;
+    let mut hulls: Vec<Hull> = glued.hulls().iter().map(|hull| Hull::clone(hull)).collect();
+    let shape = if let (1, Some(hull)) = (hulls.len(), hulls.first()) {
+        Shape::convex(hull.clone(), sample_spacing)
+    } else {
+        Shape::compound(Compound::new(std::mem::take(&mut hulls)), sample_spacing)
+    };
+    let shape = shape.ok()?;
+    let is_anchored = glued.is_anchored();
+    let holds = glued.can_break();
+    let bonds = holds.then(|| Box::new(Bonds { glued, carried: Vec::new(), sample_spacing }));
+    let label = Label {
+        name: format!("{}.{index}", world.labels[parent].name),
+        parent: Some(world.bodies.ids[parent]),
+        look: world.labels[parent].look,
+        breaking: None,
+        bonds,
+    };
+    let mut body = fragment_body(
+        &world.bodies,
+        parent,
+        Fragment::new(&world.bodies.shapes[parent], shape, index as u32),
+        &label,
+    );
+    if is_anchored {
+        body.motion = Motion::Static;
+    }
+    Some((body, label))
+}
+
+/// Gravity in the frame of a body's pieces [m/s^2].
+pub(super) fn field_in_pieces(world: &World, body: usize, frame: &Frame) -> DVec3 {
+    let in_body = world.bodies.poses[body].orientation.conjugate() * frame.gravity;
+    world.bodies.shapes[body].body_from_grid.inverse().direction(in_body)
+}
