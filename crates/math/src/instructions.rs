@@ -1,5 +1,6 @@
 //! The instruction sets that [`Lanes`](crate::lanes::Lanes) are computed with. All of them add,
 //! multiply, divide and take roots as IEEE 754 says, and none contracts, so all give the same bits.
+//! [`with_widest`](crate::with_widest) chooses one.
 
 #[cfg(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128")))]
 mod registers;
