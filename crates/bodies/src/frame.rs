@@ -116,4 +116,11 @@ impl Frame {
     pub fn sag(&self) -> f64 {
         FALL * 0.5 * self.gravity.length().max(LEAST_GRAVITY) * self.dt * self.dt
     }
+
+    /// What comes no faster than this is no strike as far as it is within the sag [m/s]: with what
+    /// gravity adds on its way through that, it comes less than two sags further in a frame.
+    #[inline]
+    pub fn strike_speed(&self) -> f64 {
+        (1.0 + FALL * (FALL - 1.0)).sqrt() * self.gravity.length() * self.dt
+    }
 }

@@ -9,14 +9,13 @@ use frangible_bodies::Pair;
 /// Pairs of each body that are looked at in a crowd. Twelve equal balls fit around one.
 const NEAREST: usize = 24;
 
-/// Pairs for each body, in the mean, from which on there is a crowd, more than neighbours have room
-/// for; and the fewest pairs of one, which are soon looked at.
-const MEAN: usize = 40;
+/// As many pairs are soon looked at, and no crowd.
 const FEWEST: usize = 10_000;
 
-/// More pairs than this of so many bodies are a crowd.
+/// More pairs than this of so many bodies are a crowd: twice as many as it keeps, more than
+/// neighbours have room for.
 pub(super) fn most_pairs(bodies: usize) -> usize {
-    MEAN * bodies + FEWEST
+    2 * NEAREST * bodies + FEWEST
 }
 
 /// How deep two boxes overlap: the shortest way that parts them along an axis [m].

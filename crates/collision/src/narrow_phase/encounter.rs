@@ -10,11 +10,9 @@ use frangible_bodies::Frame;
 use frangible_bodies::Pair;
 use glam::DVec3;
 
-/// What comes slower than this, in units of what gravity gives in a frame [1], is no
-/// strike as far as it is near: it falls through that and through its way, so that
-/// SLOW^2 + 2 SLOW + 1.1 is no more than 1.1^2, with the 1.1 of [`Frame::sag`], of which a strike
-/// comes twice as far in a frame.
-const SLOW: f64 = 0.05;
+/// Steps along the ways of two through a frame to their first touch; each goes as far as their
+/// distance allows [1].
+pub(crate) const MOST_STEPS: u32 = 32;
 
 /// A pair of bodies and how they fly through a frame.
 pub struct Encounter<'a> {
@@ -98,7 +96,7 @@ impl<'a> Encounter<'a> {
     /// strike.
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
-        self.most_speed > (1.0 + SLOW) * self.frame.gravity.length() * self.frame.dt
+        self.most_speed > self.frame.strike_speed()
     }
 
     /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed,
@@ -141,7 +139,7 @@ mod tests {
             Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let fastest = |times: f64| {
-            let speed = times * SLOW * 9.81 * frame.dt;
+            let speed = times * (frame.strike_speed() - 9.81 * frame.dt);
             let mut bodies = Bodies::default();
             for (form, motion) in
                 [(ground, Motion::Static), (ClosedForm::Sphere { radius: 0.5 }, Motion::Dynamic)]

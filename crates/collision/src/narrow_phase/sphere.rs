@@ -2,12 +2,9 @@
 //! says, without samples.
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
 use frangible_bodies::{Flight, Pose};
 use glam::DVec3;
-
-/// Steps along the ball's way through a frame; each goes as far as the distance allows.
-const MOST_STEPS: u32 = 32;
 
 /// What counts as touching, relative to the ball's radius.
 const TOUCH: f64 = 1e-4;

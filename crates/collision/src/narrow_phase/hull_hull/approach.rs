@@ -7,7 +7,7 @@ use crate::narrow_phase::hull_hull::reduction::reduce;
 use crate::narrow_phase::hull_hull::room::Room;
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
 use frangible_bodies::Flight;
 use frangible_geometry::Hull;
 use frangible_math::RigidTransform;
@@ -25,9 +25,6 @@ const PASSING: f64 = 0.3;
 
 /// What is nearer than this, relative to the smaller hull's size, has all of its points.
 const STALE: f64 = 0.12;
-
-/// Steps along the way to the first touch.
-const MOST_STEPS: u32 = 32;
 
 /// Two hulls on their ballistic ways through a frame.
 struct Approach<'a> {

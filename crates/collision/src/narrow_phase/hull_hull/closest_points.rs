@@ -1,5 +1,6 @@
 //! The nearest points of two hulls that are apart.
 
+use crate::narrow_phase::hull_hull::feature_scan::PARALLEL;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::placement::Ridge;
@@ -61,7 +62,6 @@ fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
 /// The nearest points of the lines through two edges; `None` if they are not inside of the edges,
 /// or the edges are parallel.
 pub(crate) fn between_edges(first: [DVec3; 2], second: [DVec3; 2]) -> Option<[DVec3; 2]> {
-    const PARALLEL: f64 = 1e-3;
     let (along_first, along_second) = (first[1] - first[0], second[1] - second[0]);
     let apart = first[0] - second[0];
     let (aa, bb, ab) = (

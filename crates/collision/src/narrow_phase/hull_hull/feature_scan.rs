@@ -9,7 +9,7 @@ use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three}
 use glam::{DMat3, DVec3};
 
 /// Sine of the angle below which edges count as parallel: then a face's normal does as well.
-const PARALLEL: f64 = 1e-3;
+pub(crate) const PARALLEL: f64 = 1e-3;
 
 /// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of
 /// `other` that is lowest there.
