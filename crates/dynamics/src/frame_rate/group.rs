@@ -19,11 +19,8 @@ const DAMPING_RATIO: f64 = 0.5;
 /// of seventy cubes fall; in eight, they lean.
 const RECOVERY_FRAMES: f64 = 4.0;
 
-/// Approach speeds below this do not bounce, in units of what gravity gives in a frame: what
-/// rests approaches so fast.
-const BOUNCE: f64 = 1.0;
-
-/// The same without gravity [m/s].
+/// Slower than this nothing bounces where there is no gravity [m/s]. Where there is, approach
+/// speeds must be above what it gives in a frame: what rests approaches so fast.
 const LEAST_BOUNCE: f64 = 1e-3;
 
 /// Constraints of which no two share a movable body are of one colour; there are so many
@@ -84,7 +81,7 @@ impl<I: Instructions> Group<I> {
 
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
     pub(super) fn run(&mut self, bodies: &Bodies, frame: &Frame) {
-        let bounce = (BOUNCE * frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
+        let bounce = (frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
         let substep = Substep {
             h: Single::splat(self.h),
             per_second: Single::splat(1.0 / self.h),

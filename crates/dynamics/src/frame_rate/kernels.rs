@@ -3,16 +3,12 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
-use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines};
+use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SPINS};
 use frangible_math::{Instructions, Mask, Single, Single3, Symmetric};
 
 /// Half of the angle [rad] up to which arms do not turn with their bodies within a frame: the
 /// error of a separation is its square then, a micrometre at the end of a metre.
 const HALF_TURN: f32 = 5e-4;
-
-/// Contacts of bodies that turn by more in a substep [rad] begin without the impulses of the last
-/// one, which had other arms: of slivers they would make energy.
-const SPINS: f32 = 0.2;
 
 /// Gauss-Seidel sweeps over the points of a manifold in a visit, there and back by turns. With
 /// two, a wall at rest keeps ten times the motion, for a fifteenth of the time.

@@ -6,10 +6,19 @@ use frangible_math::{Instructions, LANES, Single, Single3, Singles, Symmetric, T
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::ops::Range;
 
+/// Bodies that are not round turn by no more in a substep [rad], as far as there may be so many: a
+/// top precesses within a thousandth.
+pub(super) const TURN: f64 = 0.05;
+
 /// Bodies that turn by more than this in a frame [rad] are followed: their constraints are
 /// prepared anew, and what is not round turns exactly from then on. Below it gyroscopic motion
 /// within a frame is a hundredth of the turn.
-const FAST_SPIN: f64 = 0.1;
+const FAST_SPIN: f64 = 2.0 * TURN;
+
+/// Contacts of bodies that turn by more in a substep [rad], for which there are not enough
+/// substeps, begin without the impulses of the last one, which had other arms: of slivers they
+/// would make energy. Impacts turn nothing back by more.
+pub(super) const SPINS: f32 = 4.0 * TURN as f32;
 
 /// Relative difference of principal moments up to which a body counts as round.
 const ROUND: f64 = 1e-3;
@@ -375,7 +384,7 @@ impl<I: Instructions> LaneDisplacements<I> {
         (linear, angular): (Single3<I>, Single3<I>),
         time: Single<I>,
     ) {
-        let most = Single::same(0.1);
+        let most = Single::same(0.5 * SPINS);
         let d = self.translation - linear * time;
         let q = self.vector - (angular * (time * Single::same(0.5))).shortened_to(most);
         let rows = Single::rows([d.x, d.y, d.z, q.x, q.y, q.z, self.scalar, Single::ZERO]);

@@ -1,7 +1,7 @@
 //! Islands of bodies that may touch within the frame, and how many substeps each takes.
 
 use super::slabs::SLAB;
-use super::solver_bodies::is_round;
+use super::solver_bodies::{TURN, is_round};
 use crate::energy::islands::root;
 use crate::frame_rate::sleep::Sleep;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
@@ -22,10 +22,6 @@ const LEANING_DEPTH: f64 = 0.03;
 /// Overlap by which what weighs more may press what weighs less where they meet, relative to half
 /// of the thinner one's thickness.
 const IMPACT_DEPTH: f64 = 0.2;
-
-/// Bodies that are not round turn by no more in a substep [rad]: a top precesses within a
-/// thousandth.
-const TURN: f64 = 0.05;
 
 /// Substeps grow at once. What an island needs is forgotten by halves in so long [s], and they
 /// shrink only if this part of their half is enough: a tower that sways must not get softer by
