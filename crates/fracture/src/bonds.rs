@@ -1,9 +1,10 @@
 //! Pieces that are glued together, and when the glue gives way.
 
 use crate::align::{Impact, align_pattern};
-use crate::interfaces::Interface;
+use crate::fragment::Fragment;
+use crate::interfaces::interface::Interface;
 use crate::pattern::Pattern;
-use crate::shatter::{Fragment, ShatterSettings};
+use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull::cut_hull;
 use crate::slivers::Smallest;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};

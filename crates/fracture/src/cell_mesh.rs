@@ -1,6 +1,6 @@
 //! The closed surface of one cell of a pattern, as triangles that fit its neighbours'.
 
-use crate::pattern::Region;
+use crate::pattern::region::Region;
 use frangible_geometry::{Hull, TriMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;

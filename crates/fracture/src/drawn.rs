@@ -2,7 +2,6 @@
 
 use crate::cell_mesh::CellMesh;
 use crate::nearby::Nearby;
-use crate::pattern::{Cells, Pattern, PatternError};
 use frangible_geometry::{Grid, LevelSet, TriMesh, mesh_to_level_set};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -83,47 +82,14 @@ impl TryFrom<DrawnRecord> for Drawn {
     }
 }
 
-impl Pattern {
-    /// A pattern of closed meshes that fill a box, each a cell: what an artist drew. Each is turned
-    /// outward. `name` begins the sentence about what is wrong, in which places are in the meshes'
-    /// own units.
-    ///
-    /// # Errors
-    /// If a mesh is not closed, or if together they leave a gap in their bounding box, or overlap, by more than a hundredth of
-    /// its longest edge.
-    pub fn drawn(meshes: &[TriMesh], name: &str) -> Result<Self, PatternError> {
-        let wrong = |reason: String| PatternError::File { path: name.to_owned(), reason };
-        let (low, high) =
-            bounds(meshes).ok_or_else(|| wrong("has no cells, must have at least 1".to_owned()))?;
-        let middle = 0.5 * (low + high);
-        let moved = meshes.iter().map(|mesh| TriMesh {
-            positions: mesh.positions.iter().map(|&position| position - middle).collect(),
-            triangles: mesh.triangles.clone(),
-        });
-        let drawn = Drawn::new(moved.collect(), middle).map_err(wrong)?;
-        let half_extent = 0.5 * (high - low);
-        Ok(Self { cells: Cells::Drawn(drawn), ..Self::planar_in_box(half_extent, Vec::new()) })
-    }
-
-    /// The cells of a mesh: its connected parts.
-    ///
-    /// # Errors
-    /// See [`Pattern::drawn`].
-    pub fn of_parts(mesh: &TriMesh, name: &str) -> Result<Self, PatternError> {
-        let parts = parts::closed_parts(mesh);
-        let parts = parts.map_err(|reason| PatternError::File { path: name.to_owned(), reason })?;
-        Self::drawn(&parts, name)
-    }
-}
-
 /// Lowest and highest corner of some meshes.
-fn bounds(meshes: &[TriMesh]) -> Option<(DVec3, DVec3)> {
+pub(crate) fn bounds(meshes: &[TriMesh]) -> Option<(DVec3, DVec3)> {
     meshes.iter().map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 impl Drawn {
     /// Checks and samples; `origin` is added to the places in a sentence.
-    fn new(mut meshes: Vec<TriMesh>, origin: DVec3) -> Result<Self, String> {
+    pub(crate) fn new(mut meshes: Vec<TriMesh>, origin: DVec3) -> Result<Self, String> {
         let (low, high) = bounds(&meshes).ok_or("has no cells, must have at least 1")?;
         for (cell, mesh) in meshes.iter_mut().enumerate() {
             mesh.check(&format!("cell {cell}")).map_err(|error| error.to_string())?;
@@ -153,7 +119,7 @@ impl Drawn {
         };
         let fields = meshes.iter().enumerate().map(sample).collect::<Result<_, _>>()?;
         let drawn = Self { meshes, fields, nearby: OnceLock::new() };
-        fit::check(&drawn, (low, high), spacing, origin)?;
+        fit::check(&|point| drawn.nearest(point), (low, high), spacing, origin)?;
         Ok(drawn)
     }
 
@@ -199,7 +165,7 @@ impl Drawn {
         });
     }
 
-    /// See [`Pattern::region_at`].
+    /// See [`crate::Pattern::region_at`].
     pub(crate) fn region_at(&self, point: DVec3) -> Option<usize> {
         if let Some(cell) = self.nearby.get().and_then(|nearby| nearby.sure(point)) {
             return Some(cell);
@@ -208,7 +174,7 @@ impl Drawn {
         (cell < self.meshes.len()).then_some(cell)
     }
 
-    /// See [`Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling
+    /// See [`crate::Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling
     /// without gaps that is the distance to the crack between the two; less deep beside a wall of
     /// the box, and far from the crack, where only bounds are known.
     pub(crate) fn distance(&self, cell: usize, point: DVec3) -> f64 {
@@ -222,7 +188,7 @@ impl Drawn {
         }
     }
 
-    /// See [`Pattern::region_mesh`].
+    /// See [`crate::Pattern::region_mesh`].
     pub(crate) fn cell_mesh(&self, cell: usize, half_extent: DVec3) -> CellMesh {
         let mesh = self.meshes[cell].clone();
         let close = ON_THE_BOX * half_extent.max_element();

@@ -2,31 +2,13 @@
 //! laid bare.
 
 pub(crate) mod hulls;
+pub(crate) mod interface;
 pub(crate) mod meshes;
 pub(crate) mod voxels;
 
-pub use meshes::{CutPiece, mesh_interfaces};
-
-use crate::shatter::Fragment;
+use crate::fragment::Fragment;
+use crate::interfaces::interface::Interface;
 use frangible_geometry::{Geometry, Hull};
-use glam::DVec3;
-use std::collections::BTreeMap;
-
-/// The contact of two pieces of one break, before they move apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interface {
-    /// Number of one piece.
-    pub a: usize,
-    /// Number of the other, larger.
-    pub b: usize,
-    /// [m^2], positive.
-    pub area: f64,
-    /// Mean of the contact's points, parent's body frame [m].
-    pub centroid: DVec3,
-    /// Unit normal of the contact, from `a` to `b`; the mean over a contact that is not flat.
-    /// Parent's body frame.
-    pub normal: DVec3,
-}
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
@@ -72,48 +54,4 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
         ..contact
     };
     voxels::contacts(&solids.unwrap_or_default()).into_iter().map(place).collect()
-}
-
-/// The flat parts of all contacts, summed up for each pair.
-#[derive(Default)]
-struct Contacts {
-    of_pair: BTreeMap<(usize, usize), Sum>,
-}
-
-/// What adds up.
-#[derive(Clone, Copy, Default)]
-struct Sum {
-    /// [m^2]
-    area: f64,
-    /// Area times centroid [m^3].
-    moment: DVec3,
-    /// Normal times area, from `a` to `b` [m^2].
-    vector: DVec3,
-}
-
-impl Contacts {
-    /// Takes in a flat part: its vector area [m^2] from `a` to `b`, and its centroid [m].
-    fn add(&mut self, (a, b): (usize, usize), vector: DVec3, centroid: DVec3) {
-        let sum = self.of_pair.entry((a, b)).or_default();
-        let area = vector.length();
-        sum.area += area;
-        sum.moment += area * centroid;
-        sum.vector += vector;
-    }
-
-    /// One for each pair. A contact that closes upon itself has no mean normal; any direction is as
-    /// good there.
-    fn into_interfaces(self) -> Vec<Interface> {
-        self.of_pair
-            .into_iter()
-            .filter(|(_, sum)| sum.area > 0.0)
-            .map(|((a, b), sum)| Interface {
-                a,
-                b,
-                area: sum.area,
-                centroid: sum.moment / sum.area,
-                normal: sum.vector.try_normalize().unwrap_or(DVec3::Y),
-            })
-            .collect()
-    }
 }

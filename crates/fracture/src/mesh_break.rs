@@ -4,10 +4,12 @@
 //! Everything is in the mesh's own frame, which stands for the grid frame and for the body frame of
 //! the [`Impact`].
 
-use crate::align::{Impact, Placement, corners};
+use crate::align::{Impact, corners};
+use crate::fragment::Fragment;
 use crate::pattern::Pattern;
+use crate::placement::Placement;
 use crate::shatter;
-use crate::shatter::{Fragment, ShatterSettings};
+use crate::shatter::settings::ShatterSettings;
 use frangible_geometry::polygonize::polygonize;
 use frangible_geometry::{
     Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, Shape, TriMesh, solids_to_level_set,

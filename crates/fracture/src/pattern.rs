@@ -1,10 +1,15 @@
 //! Fracture patterns: all of space, broken in advance [Su09 sec. 4.1].
 
+pub(crate) mod drawn_cells;
+pub(crate) mod error;
+pub(crate) mod region;
+
+use crate::pattern::region::Region;
+use crate::pattern::region::nearest_region;
 use crate::{cell_mesh::CellMesh, drawn::Drawn, polygon, rough::Rough};
-use frangible_geometry::{HalfSpace, Hull, TriMesh};
+use frangible_geometry::{HalfSpace, TriMesh};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// A box broken into cells around one point.
 ///
@@ -48,123 +53,6 @@ pub enum Cells {
     Rough(Rough),
     /// Closed meshes.
     Drawn(Drawn),
-}
-
-/// A convex polytope: the points inside of all its cuts. The box's own faces are no cuts, because
-/// the pattern encloses what it breaks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Region {
-    /// The cracks around it.
-    pub cuts: Vec<Cut>,
-}
-
-/// A plane that bounds a region, and the face that it contributes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "CutRecord", into = "CutRecord")]
-pub struct Cut {
-    /// The region lies inside.
-    pub half_space: HalfSpace,
-    /// Corners of the face within the pattern's box, counter-clockwise seen from outside of the
-    /// region.
-    pub face: Vec<DVec3>,
-}
-
-/// A cut as it stands in a file.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CutRecord {
-    normal: DVec3,
-    offset: f64,
-    face: Vec<DVec3>,
-}
-
-impl From<CutRecord> for Cut {
-    fn from(CutRecord { normal, offset, face }: CutRecord) -> Self {
-        Self { half_space: HalfSpace { normal, offset }, face }
-    }
-}
-
-impl From<Cut> for CutRecord {
-    fn from(Cut { half_space: HalfSpace { normal, offset }, face }: Cut) -> Self {
-        Self { normal, offset, face }
-    }
-}
-
-/// Why a pattern cannot be made.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PatternError {
-    /// A parameter is out of its range.
-    #[error("{parameter}: {value}, must be {rule}")]
-    Parameter {
-        /// Its name.
-        parameter: &'static str,
-        /// As given.
-        value: f64,
-        /// What it must fulfil.
-        rule: &'static str,
-    },
-    /// A file cannot be read, written or used.
-    #[error("{path}: {reason}")]
-    File {
-        /// As given.
-        path: String,
-        /// In a sentence.
-        reason: String,
-    },
-}
-
-/// Faces smaller than this part of the box's surface are no faces: four planes that meet in a point
-/// leave slivers of round-off size.
-const SMALLEST_FACE: f64 = 1e-14;
-
-impl Region {
-    /// The intersection of half-spaces, without those that do not bound it within the box.
-    pub fn from_half_spaces(half_spaces: &[HalfSpace], half_extent: DVec3) -> Self {
-        let smallest = SMALLEST_FACE * half_extent.length_squared();
-        let mut cuts = Vec::new();
-        for (at, &half_space) in half_spaces.iter().enumerate() {
-            let mut face = polygon::box_section(&half_space, half_extent);
-            for (other, cutter) in half_spaces.iter().enumerate() {
-                if face.is_empty() {
-                    break;
-                }
-                if other != at {
-                    face = polygon::clip(&face, cutter);
-                }
-            }
-            if polygon::area(&face) > smallest {
-                cuts.push(Cut { half_space, face });
-            }
-        }
-        Self { cuts }
-    }
-
-    /// The polyhedron within the box of `half_extent` around the origin; `None` if it lies beyond.
-    pub fn hull(&self, half_extent: DVec3) -> Option<Hull> {
-        let whole = Hull::cuboid(half_extent);
-        self.cuts.iter().try_fold(whole, |hull, cut| hull.clipped(&cut.half_space))
-    }
-
-    /// Largest signed distance to any of the cuts, negative inside; the distance to the region in
-    /// the sense of
-    /// [Su09 sec. 4.2]: right inside, a lower bound outside. Minus infinity for a region without cuts.
-    pub fn distance(&self, point: DVec3) -> f64 {
-        self.cuts.iter().map(|cut| cut.half_space.distance(point)).fold(f64::NEG_INFINITY, f64::max)
-    }
-}
-
-/// The region with the least distance, the first of equals.
-pub(crate) fn nearest_region(regions: &[Region], point: DVec3) -> Option<usize> {
-    let mut nearest = None;
-    let mut least = f64::INFINITY;
-    for (at, region) in regions.iter().enumerate() {
-        let distance = region.distance(point);
-        if distance < least {
-            (nearest, least) = (Some(at), distance);
-        }
-    }
-    nearest
 }
 
 impl Pattern {

@@ -1,6 +1,8 @@
 //! A pattern in one file: JSON with a name and a version.
 
-use crate::pattern::{Cells, Pattern, PatternError, Region};
+use crate::pattern::error::PatternError;
+use crate::pattern::region::Region;
+use crate::pattern::{Cells, Pattern};
 use crate::rough::Rough;
 use frangible_geometry::{TriMesh, mesh_io, read_file};
 use serde::Serialize;

@@ -1,10 +1,10 @@
 //! Cells with rough faces: planar regions, seen through a random displacement of space.
 
-use crate::align::Placement;
 use crate::cell_mesh::CellMesh;
 use crate::nearby::Nearby;
 use crate::noise::Noise;
-use crate::pattern::Region;
+use crate::pattern::region::Region;
+use crate::placement::Placement;
 use frangible_geometry::Grid;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};

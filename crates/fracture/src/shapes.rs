@@ -2,7 +2,8 @@
 
 use crate::cell_mesh::CellMesh;
 use crate::drawn::Drawn;
-use crate::pattern::{Cells, Pattern, Region};
+use crate::pattern::region::Region;
+use crate::pattern::{Cells, Pattern};
 use crate::rough::Rough;
 use glam::DVec3;
 

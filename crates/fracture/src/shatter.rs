@@ -12,53 +12,21 @@ pub(crate) mod laid;
 pub(crate) mod particles;
 pub(crate) mod pieces;
 pub(crate) mod regions;
+pub(crate) mod settings;
 pub(crate) mod slivers;
 
-use crate::align::{Impact, Placement};
-use crate::pattern::{Pattern, Region};
+use crate::align::Impact;
+use crate::fragment::Fragment;
+use crate::pattern::Pattern;
+use crate::pattern::region::Region;
+use crate::placement::Placement;
+use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull;
-use crate::slivers::Smallest;
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Shape};
-use frangible_math::RigidTransform;
 use laid::Laid;
 use particles::Lookup;
 use slivers::Pieces;
-
-/// A part of a broken body.
-#[derive(Clone, Debug)]
-pub struct Fragment {
-    /// On its part of the parent's lattice, in the parent's grid frame.
-    pub shape: Shape,
-    /// The fragment's body frame in the parent's.
-    pub parent_from_fragment: RigidTransform,
-    /// The cell of the pattern that it, or its heaviest part, came from.
-    pub cell: u32,
-}
-
-/// What the user may choose about a break.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShatterSettings {
-    /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of
-    /// three voxels a side the middle one is the first whose distance and gradient the samples
-    /// resolve.
-    pub smallest_fragment_voxels: f64,
-    /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on
-    /// a crack is found within one voxel of its place.
-    pub sample_spacing_voxels: f64,
-    /// The bounds below which a part is no piece, on a grid or without one.
-    pub smallest: Smallest,
-}
-
-impl Default for ShatterSettings {
-    fn default() -> Self {
-        Self {
-            smallest_fragment_voxels: 27.0,
-            sample_spacing_voxels: 2.0,
-            smallest: Smallest::default(),
-        }
-    }
-}
 
 /// Breaks a body along a pattern that is laid onto the point of impact: one that has a polyhedron
 /// exactly, see [`shatter_hull`], if the pattern is planar; what lies on a grid voxel by voxel.
@@ -97,7 +65,7 @@ fn shatter_planar(
 
     // Each connected part of a region's share is a piece, unless it is too small for the grid.
     let mut components = if solid.is_convex() {
-        components::of_convex(regions::portions_of_regions(solid, &regions))
+        components::of_convex(regions::convex::portions_of_regions(solid, &regions))
     } else {
         components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
     };
@@ -153,12 +121,4 @@ fn finish(
         Fragment::new(parent, Shape::from_clusters(solid, frame, surface), cell)
     };
     framed.into_iter().zip(surfaces).zip(cells).map(fragment).collect()
-}
-
-impl Fragment {
-    /// Where it was in its parent, whose grid frame is the shape's.
-    pub fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
-        let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());
-        Self { shape, parent_from_fragment, cell }
-    }
 }

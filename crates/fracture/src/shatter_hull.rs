@@ -4,11 +4,14 @@
 //! share the vertices of their crack bit for bit, and what was the parent's surface keeps its
 //! planes. Mass follows from the divergence theorem.
 
-use crate::align::{Impact, Placement};
+use crate::align::Impact;
+use crate::fragment::Fragment;
 use crate::interfaces::hulls::contacts_of_some;
-use crate::pattern::{Pattern, Region};
+use crate::pattern::Pattern;
+use crate::pattern::region::Region;
+use crate::placement::Placement;
 use crate::polygon;
-use crate::shatter::{Fragment, ShatterSettings};
+use crate::shatter::settings::ShatterSettings;
 use crate::slivers::{Groups, Smallest};
 use frangible_geometry::hull::weld_hulls;
 use frangible_geometry::mass_properties::parallel_axis;

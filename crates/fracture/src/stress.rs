@@ -8,7 +8,7 @@
 //! preconditioner, from the last solution on. What is not anchored is accelerated by its loads as
 //! one body, and inertia balances them (inertia relief).
 
-use crate::interfaces::Interface;
+use crate::interfaces::interface::Interface;
 use frangible_geometry::mass_properties::parallel_axis;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
@@ -48,7 +48,7 @@ impl RigidPiece {
 /// A force [N] and a torque about a piece's centre [N m]; or a displacement [m] and a rotation
 /// [rad] of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wrench {
+pub(crate) struct Wrench {
     /// Force, or displacement.
     pub linear: DVec3,
     /// Torque, or rotation.
@@ -57,7 +57,7 @@ pub struct Wrench {
 
 /// The largest stresses in a bond [Pa].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stress {
+pub(crate) struct Stress {
     /// Across the face, by pulling and bending; negative if all of it is pressed.
     pub tension: f64,
     /// Along the face, by shearing and twisting.
@@ -87,7 +87,7 @@ const STEPS_PER_PIECE: usize = 12;
 
 impl Wrench {
     /// Of a force at a point, about a piece's centre.
-    pub fn at(force: DVec3, point: DVec3, center: DVec3) -> Self {
+    pub(crate) fn at(force: DVec3, point: DVec3, center: DVec3) -> Self {
         Self { linear: force, angular: (point - center).cross(force) }
     }
 
@@ -152,7 +152,7 @@ impl Spring {
 
 /// The stresses in bonds under loads on their pieces. `displacements` are those of the last
 /// solution, or zero, one for each piece, and become those of this one.
-pub fn bond_stresses(
+pub(crate) fn bond_stresses(
     pieces: &[RigidPiece],
     bonds: &[Interface],
     loads: &[Wrench],
@@ -176,7 +176,7 @@ pub fn bond_stresses(
 }
 
 /// The pieces that bonds join, in order of their first members, each in order.
-pub fn islands(count: usize, bonds: &[Interface]) -> Vec<Vec<usize>> {
+pub(crate) fn islands(count: usize, bonds: &[Interface]) -> Vec<Vec<usize>> {
     let mut sets = DisjointSets::new(count);
     bonds.iter().for_each(|bond| sets.unite(bond.a as u32, bond.b as u32));
     let mut members = vec![Vec::new(); count];

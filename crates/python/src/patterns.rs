@@ -2,8 +2,7 @@
 
 use crate::breaking::PyMesh;
 use crate::{build_error, convert, threads};
-use frangible::fracture::generators::MOST_CELLS;
-use frangible::fracture::{Impact, MeshBreakError, ShatterSettings, shatter};
+use frangible::fracture::{Impact, MOST_CELLS, MeshBreakError, ShatterSettings, shatter};
 use frangible::{Fineness, PatternDesc, PatternFile, fracture};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyValueError};

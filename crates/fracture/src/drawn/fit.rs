@@ -1,6 +1,7 @@
 //! Whether drawn cells fill their box, and where they do not.
 
-use super::{Drawn, parts::place};
+use super::parts::place;
+
 use glam::DVec3;
 
 /// A gap is small if it is nowhere farther from the cells than this part of the box's longest edge,
@@ -37,7 +38,7 @@ impl Misfit {
 /// Refuses cells that leave a gap, or overlap, where it is not small. The error completes a
 /// sentence.
 pub(super) fn check(
-    drawn: &Drawn,
+    nearest: &dyn Fn(DVec3) -> [(f64, usize); 2],
     (low, high): (DVec3, DVec3),
     spacing: f64,
     origin: DVec3,
@@ -52,7 +53,7 @@ pub(super) fn check(
     };
     let nodes: Vec<(Kind, f64)> = (0..dims[0] * dims[1] * dims[2])
         .map(|index| {
-            let [(first, _), (second, _)] = drawn.nearest(node(index));
+            let [(first, _), (second, _)] = nearest(node(index));
             if first > 0.0 {
                 (Kind::Gap, first)
             } else if second < 0.0 {

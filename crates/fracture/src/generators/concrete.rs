@@ -1,9 +1,10 @@
 //! Concrete: cells with rough faces.
 
-use super::require;
+use crate::generators::parameters::require;
 use crate::generators::voronoi::Voronoi;
 use crate::noise::Noise;
-use crate::pattern::{Cells, Pattern, PatternError};
+use crate::pattern::error::PatternError;
+use crate::pattern::{Cells, Pattern};
 use crate::rough::Rough;
 use glam::DVec3;
 use schemars::JsonSchema;

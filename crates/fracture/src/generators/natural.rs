@@ -1,7 +1,9 @@
 //! Natural rubble.
 
-use super::{deviation, direction, require, require_box, require_count};
-use crate::pattern::{Pattern, PatternError, Region};
+use crate::generators::parameters::{deviation, direction, require, require_box, require_count};
+use crate::pattern::Pattern;
+use crate::pattern::error::PatternError;
+use crate::pattern::region::Region;
 use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

@@ -1,7 +1,9 @@
 //! Struck glass.
 
-use super::{MOST_CELLS, deviation, require};
-use crate::pattern::{Pattern, PatternError, Region};
+use crate::generators::parameters::{MOST_CELLS, deviation, require};
+use crate::pattern::Pattern;
+use crate::pattern::error::PatternError;
+use crate::pattern::region::Region;
 use frangible_geometry::HalfSpace;
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;

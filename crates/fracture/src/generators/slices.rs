@@ -1,7 +1,9 @@
 //! Parallel cracks.
 
-use super::{deviation, require, require_box, require_count};
-use crate::pattern::{Pattern, PatternError, Region};
+use crate::generators::parameters::{deviation, require, require_box, require_count};
+use crate::pattern::Pattern;
+use crate::pattern::error::PatternError;
+use crate::pattern::region::Region;
 use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;

@@ -1,7 +1,10 @@
 //! Wood.
 
-use super::{deviation, require, require_box, require_count, voronoi::voronoi_regions};
-use crate::pattern::{Pattern, PatternError, Region};
+use super::voronoi::voronoi_regions;
+use crate::generators::parameters::{deviation, require, require_box, require_count};
+use crate::pattern::Pattern;
+use crate::pattern::error::PatternError;
+use crate::pattern::region::Region;
 use frangible_geometry::HalfSpace;
 use glam::DVec3;
 use rand::SeedableRng;

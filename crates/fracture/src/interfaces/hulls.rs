@@ -1,6 +1,6 @@
 //! Contacts of convex polyhedra: the overlap of faces that lie in one plane.
 
-use super::{Contacts, Interface};
+use crate::interfaces::interface::{Contacts, Interface};
 use crate::polygon;
 use crate::slivers::Contact;
 use frangible_geometry::{HalfSpace, Hull, HullFace};

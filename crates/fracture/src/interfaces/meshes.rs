@@ -2,7 +2,7 @@
 //! another.
 
 use super::hulls::{SAME_PLANE, overlap_of_faces};
-use super::{Contacts, Interface};
+use crate::interfaces::interface::{Contacts, Interface};
 use frangible_geometry::TriMesh;
 use frangible_geometry::bvh::Bvh;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Contacts of pieces on one lattice: the faces between their voxels.
 
-use super::{Contacts, Interface};
+use crate::interfaces::interface::{Contacts, Interface};
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
 use std::collections::BTreeMap;

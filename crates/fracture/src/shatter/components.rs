@@ -1,6 +1,7 @@
 //! The connected parts of each region's share of a body [Su09 sec. 4.2].
 
-use super::regions::{NONE, Share, Shares};
+use crate::shatter::regions::intervals::NONE;
+use crate::shatter::regions::shares::{Share, Shares};
 use frangible_geometry::{Grid, GridSolid, Portion, Run, Span};
 use frangible_math::DisjointSets;
 use glam::DVec3;

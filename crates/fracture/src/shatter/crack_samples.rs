@@ -3,8 +3,8 @@
 pub(crate) mod face;
 pub(crate) mod parent;
 
-use crate::align::Placement;
-use crate::pattern::{Cut, Region};
+use crate::pattern::region::{Cut, Region};
+use crate::placement::Placement;
 use crate::polygon;
 use face::{Face, Lines, face_lines, sides};
 use frangible_geometry::HalfSpace;

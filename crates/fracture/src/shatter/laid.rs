@@ -1,8 +1,8 @@
 //! A pattern of cells of any form, laid onto the nodes of a body once for all of its pieces
 //! [Su09 sec. 4.2].
 
-use crate::align::Placement;
 use crate::pattern::{Cells, Pattern};
+use crate::placement::Placement;
 use crate::rough::Moved;
 use frangible_geometry::{Grid, GridSolid, LevelSet};
 use glam::DVec3;

@@ -3,12 +3,12 @@
 pub(crate) mod body_regions;
 pub(crate) mod owners;
 
-use super::ShatterSettings;
 use super::crack_samples::{CrackFace, Sampler};
 use super::laid::Laid;
-use crate::align::Placement;
-use crate::pattern::Region;
+use crate::pattern::region::Region;
+use crate::placement::Placement;
 use crate::shatter::crack_samples::parent::Parent;
+use crate::shatter::settings::ShatterSettings;
 use body_regions::{BodyRegions, Neighbourhood, POINTS};
 use frangible_geometry::{BodyFrame, Clip, ClusteredSamples, GridSolid, HalfSpace, Shape};
 use frangible_math::RigidTransform;

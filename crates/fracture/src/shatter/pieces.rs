@@ -1,7 +1,10 @@
 //! Each piece's solid: the parent, clipped by the piece's regions [Su09 sec. 4.2 "Level Set"].
 
-use super::{components::Components, laid::Laid, regions::NONE, slivers::Pieces};
-use crate::pattern::Region;
+use super::components::Components;
+use super::laid::Laid;
+use super::slivers::Pieces;
+use crate::pattern::region::Region;
+use crate::shatter::regions::intervals::NONE;
 use frangible_geometry::{Grid, GridSolid, HalfSpace, Portion, Run};
 
 /// Which pieces a region's inside belongs to, in ascending order: more than one where the body is

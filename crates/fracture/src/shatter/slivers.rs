@@ -1,9 +1,7 @@
 //! Fragments too small for the grid join a neighbour. Nothing vanishes.
 
-use super::{
-    components::{Components, rows_beside},
-    regions::NONE,
-};
+use super::components::{Components, rows_beside};
+use crate::shatter::regions::intervals::NONE;
 use crate::slivers::{Contact, Groups, Smallest};
 use frangible_geometry::{Grid, GridSolid, Portion, Run};
 use std::collections::BTreeMap;

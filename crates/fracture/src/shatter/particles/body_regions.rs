@@ -1,6 +1,6 @@
 //! Which region of the pattern a point of the body is in.
 
-use crate::pattern::Region;
+use crate::pattern::region::Region;
 use frangible_geometry::Shape;
 use glam::{DVec3, Vec3};
 

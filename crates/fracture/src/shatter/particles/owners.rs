@@ -1,6 +1,7 @@
 //! Whose the voxels around a point are [Su09 sec. 4.2 "Surface Particles"].
 
-use super::super::{laid::Laid, regions::NONE};
+use super::super::laid::Laid;
+use crate::shatter::regions::intervals::NONE;
 use frangible_geometry::{BodyFrame, Grid, GridSolid};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! What each region holds of a convex solid: most rows are cut without looking at their spans.
 
 use super::intervals::{Found, Intervals, RowEnds, TILE, Tiles};
-use super::{claim_row, cut_row, settle};
-use crate::pattern::Region;
+use crate::pattern::region::Region;
+use crate::shatter::regions::shares::{claim_row, cut_row, settle};
 use frangible_geometry::{GridSolid, Portion, RowSums};
 use std::ops::Range;
 

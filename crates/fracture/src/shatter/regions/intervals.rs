@@ -1,10 +1,12 @@
 //! Which part of each row of nodes lies in which region, for neighbouring rows at a time.
 
-use super::NONE;
-use crate::pattern::Region;
+use crate::pattern::region::Region;
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
 use std::ops::Range;
+
+/// No region, no component, no piece.
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Distance between a node and a plane in units of the spacing that counts as none.
 const ON_CRACK: f64 = 1e-9;

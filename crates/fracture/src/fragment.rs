@@ -1,0 +1,23 @@
+//! A part of a broken body.
+
+use frangible_geometry::Shape;
+use frangible_math::RigidTransform;
+
+/// A part of a broken body.
+#[derive(Clone, Debug)]
+pub struct Fragment {
+    /// On its part of the parent's lattice, in the parent's grid frame.
+    pub shape: Shape,
+    /// The fragment's body frame in the parent's.
+    pub parent_from_fragment: RigidTransform,
+    /// The cell of the pattern that it, or its heaviest part, came from.
+    pub cell: u32,
+}
+
+impl Fragment {
+    /// Where it was in its parent, whose grid frame is the shape's.
+    pub fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
+        let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());
+        Self { shape, parent_from_fragment, cell }
+    }
+}

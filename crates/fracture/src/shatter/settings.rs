@@ -1,0 +1,27 @@
+//! What the user may choose about a break.
+
+use crate::slivers::Smallest;
+
+/// What the user may choose about a break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShatterSettings {
+    /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of
+    /// three voxels a side the middle one is the first whose distance and gradient the samples
+    /// resolve.
+    pub smallest_fragment_voxels: f64,
+    /// Distance between samples on cracks, in units of the grid's spacing. Default 2: a contact on
+    /// a crack is found within one voxel of its place.
+    pub sample_spacing_voxels: f64,
+    /// The bounds below which a part is no piece, on a grid or without one.
+    pub smallest: Smallest,
+}
+
+impl Default for ShatterSettings {
+    fn default() -> Self {
+        Self {
+            smallest_fragment_voxels: 27.0,
+            sample_spacing_voxels: 2.0,
+            smallest: Smallest::default(),
+        }
+    }
+}
