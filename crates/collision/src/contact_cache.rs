@@ -27,10 +27,6 @@ use frangible_math::threads;
 /// what lies on an edge sticks out over it by as much before it tips.
 const STEADY: f64 = 0.03;
 
-/// Overlap, in the same units, with which a pair's points are found anew in the next frame: what
-/// jams goes on to part only along an axis that is the best one now.
-const DEEP: f64 = 0.1;
-
 /// How much further than the reach points are looked for, relative to it, so that they can be kept
 /// while it varies.
 const MARGIN: f64 = 0.2;
@@ -258,9 +254,8 @@ impl Share<'_> {
             }
         }));
 
-        // What will meet later will do so elsewhere; what jams is looked at again.
-        let is_deep = room.points.iter().any(|point| point.gap < -DEEP * size);
-        let beyond = if let Some(beyond) = beyond.filter(|_| !is_deep) {
+        // What will meet later will do so elsewhere.
+        let beyond = if let Some(beyond) = beyond {
             let kept = &self.kept.points[begin..];
             let within_reach = kept.iter().filter_map(|point| point.within_reach(&encounter));
             self.found.add(pair, within_reach);

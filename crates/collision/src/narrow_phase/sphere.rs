@@ -13,9 +13,6 @@ const TOUCH: f64 = 1e-4;
 /// way.
 const CAUTION: f64 = 0.9;
 
-/// On a way that is shorter than this, relative to the ball's radius, the normal hardly turns.
-const SHORT: f64 = 0.02;
-
 /// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of
 /// what it does in all.
 const HALVINGS: u32 = 10;
@@ -103,8 +100,7 @@ impl BallContact<'_> {
 
     /// The instant from one on at which they begin to part, by bisection, or the frame's end.
     fn nearest(&self, from: Gap) -> Gap {
-        let way = self.encounter.most_speed * (self.encounter.frame.dt - from.time);
-        if self.parting(&from) >= 0.0 || way < SHORT * self.radius {
+        if self.parting(&from) >= 0.0 {
             return from;
         }
         let (mut before, mut after) = (from, self.gap(self.encounter.frame.dt));
