@@ -9,7 +9,7 @@ use crate::shatter_hull::cut_hull;
 use crate::slivers::Smallest;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use crate::{interfaces, polygon};
-use frangible_geometry::mass_properties::outer;
+use frangible_geometry::outer;
 use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, Shape};
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};

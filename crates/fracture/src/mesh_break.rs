@@ -10,7 +10,7 @@ use crate::pattern::Pattern;
 use crate::placement::Placement;
 use crate::shatter;
 use crate::shatter::settings::ShatterSettings;
-use frangible_geometry::polygonize::polygonize;
+use frangible_geometry::polygonize;
 use frangible_geometry::{
     Grid, GridSolid, LevelSet, MeshToLevelSetError, NoMass, Shape, TriMesh, solids_to_level_set,
 };

@@ -9,7 +9,7 @@
 //! one body, and inertia balances them (inertia relief).
 
 use crate::interfaces::interface::Interface;
-use frangible_geometry::mass_properties::parallel_axis;
+use frangible_geometry::parallel_axis;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 
@@ -119,7 +119,7 @@ impl Spring {
         let (a, b) = (&pieces[bond.a], &pieces[bond.b]);
         let (area, n) = (bond.area, bond.normal);
         let length = (b.center - a.center).dot(n).abs().max(SHORTEST * area.sqrt());
-        let along = frangible_geometry::mass_properties::outer(n, n);
+        let along = frangible_geometry::outer(n, n);
         let across = DMat3::IDENTITY - along;
         Self {
             a: bond.a,

@@ -5,7 +5,7 @@
 mod common;
 
 use frangible_fracture::{Cells, Natural, Pattern, Voronoi};
-use frangible_geometry::{TriMesh, bvh::Bvh};
+use frangible_geometry::{Bvh, TriMesh};
 use glam::DVec3;
 use proptest::prelude::*;
 use rand::RngExt;

@@ -6,7 +6,7 @@ mod common;
 
 use common::solid;
 use frangible_fracture::{Fragment, Pattern, Radial, ShatterSettings, Voronoi, shatter};
-use frangible_geometry::{ClosedForm, Root, Shape, polygonize::polygonize};
+use frangible_geometry::{ClosedForm, Root, Shape, polygonize};
 use glam::DVec3;
 use rand::RngExt;
 

@@ -7,7 +7,7 @@ use frangible_fracture::{
     Bricks, Concrete, Fragment, Impact, Natural, Pattern, Radial, ShatterSettings, Slices,
     Splinters, Voronoi, break_on_grid, interfaces, shatter,
 };
-use frangible_geometry::{ClosedForm, GridSolid, Shape, closed_form_surface::closed_form_surface};
+use frangible_geometry::{ClosedForm, GridSolid, Shape, closed_form_surface};
 use glam::DVec3;
 
 fn patterns() -> Vec<(&'static str, Pattern)> {

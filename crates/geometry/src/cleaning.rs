@@ -1,5 +1,6 @@
 //! Any triangles made into closed surfaces that bound solids: what every use of a mesh begins with.
 
+pub(crate) mod clean_mesh;
 pub(crate) mod junctions;
 pub(crate) mod meeting;
 pub(crate) mod pairing;
@@ -7,14 +8,15 @@ pub(crate) mod rims;
 pub(crate) mod shells;
 pub(crate) mod thicken;
 
+use crate::cleaning::clean_mesh::CleanMesh;
+use crate::cleaning::clean_mesh::MeshChanges;
+use crate::cleaning::clean_mesh::Sheet;
 use crate::mesh::TriMesh;
-use crate::mesh_check::{MeshError, short};
+use crate::mesh_check::MeshError;
 use glam::DVec3;
 use junctions::split_at_junctions;
-pub use meeting::Meeting;
 use pairing::{NONE, Pairing};
 use shells::{Role, Shell};
-pub use thicken::Thickened;
 
 /// Vertices at open edges are welded when they are closer than these parts of the bounding box's
 /// diagonal, the smallest first: noise of double precision, and of single precision. Two sheets a
@@ -33,97 +35,6 @@ const CRACK: f64 = 1e-6;
 /// A surface is a sheet, rather than a solid with a hole, if its holes have more than this part of
 /// its area: a dome lower than half of its radius.
 const SHEET: f64 = 0.8;
-
-/// A mesh whose triangles bound solids, and where they come from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CleanMesh {
-    /// Closed surfaces, each with vertices of its own: the outer ones of solids face outward, those
-    /// of cavities inward. Solids may still cross or touch one another, and a surface itself.
-    pub mesh: TriMesh,
-    /// For each triangle the one of the raw mesh that it is, or is a part of; `None` if it closes a
-    /// hole. The corners of a whole one begin with the same; of a turned one the last two changed
-    /// places.
-    pub source: Vec<Option<u32>>,
-    /// For each triangle the solid that it bounds, counted from zero.
-    pub solid: Vec<u32>,
-    /// For each solid the one that it lies in as a whole, if there is one.
-    pub nested: Vec<Option<u32>>,
-    /// The repairs.
-    pub changes: MeshChanges,
-}
-
-/// The changes that cleaning made to a mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshChanges {
-    /// Triangles that were there before, or had two corners in one place, or belong to a surface
-    /// that was there before.
-    pub repeated: usize,
-    /// Triangles that were turned round to agree with their neighbours.
-    pub turned: usize,
-    /// Holes that were closed, cracks without an area not counted.
-    pub holes: usize,
-    /// Open flat parts, which enclose nothing.
-    pub sheets: Vec<Sheet>,
-}
-
-/// A part that was left out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
-    /// Its first triangle in the raw mesh.
-    pub first: u32,
-    /// Number of its triangles.
-    pub triangles: usize,
-    /// [m^2]
-    pub area: f64,
-    /// Lowest and highest corner of its bounding box [m].
-    pub bounds: (DVec3, DVec3),
-}
-
-impl MeshChanges {
-    /// Most parts that a sentence describes.
-    const MOST_NAMED: usize = 3;
-
-    /// A sentence for each kind of change.
-    pub fn sentences(&self) -> Vec<String> {
-        let plural = |count: usize, one: &str, many: &str| {
-            if count == 1 { format!("1 {one}") } else { format!("{count} {many}") }
-        };
-        let mut sentences = Vec::new();
-        if self.repeated > 0 {
-            let what = plural(self.repeated, "triangle that is", "triangles that are");
-            sentences.push(format!("{what} repeated or without area left out"));
-        }
-        if self.turned > 0 {
-            let what = plural(self.turned, "triangle", "triangles");
-            sentences.push(format!("{what} turned round to agree with their neighbours"));
-        }
-        if self.holes > 0 {
-            let what = plural(self.holes, "hole", "holes");
-            sentences.push(format!("{what} closed by triangles between the rim's vertices"));
-        }
-        if !self.sheets.is_empty() {
-            let named = self.sheets.iter().take(Self::MOST_NAMED).map(ToString::to_string);
-            let mut named: Vec<String> = named.collect();
-            let rest = self.sheets.len() - named.len();
-            if rest > 0 {
-                named.push(format!("{rest} more"));
-            }
-            let what =
-                plural(self.sheets.len(), "open part that encloses", "open parts that enclose");
-            sentences.push(format!("{what} nothing left out: {}", named.join(", ")));
-        }
-        sentences
-    }
-}
-
-impl std::fmt::Display for Sheet {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let point = |point: DVec3| format!("({})", point.to_array().map(short).join(", "));
-        let (low, high) = self.bounds;
-        let s = if self.triangles == 1 { "" } else { "s" };
-        write!(formatter, "{} triangle{s} from {} to {}", self.triangles, point(low), point(high))
-    }
-}
 
 impl TriMesh {
     /// The solids that the mesh bounds: vertices are welded where edges are open, repeated

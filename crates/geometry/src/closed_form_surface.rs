@@ -1,11 +1,13 @@
 //! Triangles on closed forms, for drawing.
 
 use crate::closed_form::ClosedForm;
-use crate::hull::rounded::DRAWN_SIDES;
 use crate::mesh::TriMesh;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+
+/// Sides of a cylinder, as the whole one is drawn.
+pub(crate) const DRAWN_SIDES: u32 = 48;
 
 /// The closed surface of a formula in its frame; vertices lie on it exactly. Empty for a
 /// half-space.

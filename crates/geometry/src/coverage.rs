@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// The fraction of each node's voxel that lies inside, from samples: the part of the cube below the
 /// plane through the mean of the distance over the voxel, along its central differences. One value
 /// in [0, 1] for each node.
-pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
+pub(crate) fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
     let grid = level_set.grid();
     for_each_voxel(grid, |node| {
         let (mean, steps) = mean_and_steps(level_set, node);
@@ -18,7 +18,7 @@ pub fn voxel_coverage(level_set: &LevelSet) -> Vec<f32> {
 
 /// [`voxel_coverage`] from an exact signed distance [m] and its gradient: exact up to the curvature
 /// within a quarter of a voxel.
-pub fn exact_coverage(
+pub(crate) fn exact_coverage(
     grid: &Grid,
     distance_and_gradient: impl Fn(DVec3) -> (f64, DVec3) + Sync,
 ) -> Vec<f32> {

@@ -4,6 +4,7 @@ use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::level_set::LevelSet;
 use crate::outline_pieces::OutlinePieces;
+use crate::sampled_normal::sampled_normal;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -210,15 +211,4 @@ fn root_between(
         fraction = low + (high - low) * low_value / (low_value - high_value);
     }
     fraction
-}
-
-/// Direction of the samples' gradient over a cell around a point.
-pub(crate) fn sampled_normal(level_set: &LevelSet, point: DVec3) -> Option<DVec3> {
-    // Differences over a cell around the point favour none of the cells that meet there.
-    let half = 0.5 * level_set.grid().spacing;
-    let along = |axis: DVec3| {
-        f64::from(level_set.value(point + half * axis))
-            - f64::from(level_set.value(point - half * axis))
-    };
-    DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z)).try_normalize()
 }

@@ -5,13 +5,15 @@
 //! way is chosen so that each edge of the mesh belongs to two quads exactly [SJW07: Schaefer, Ju &
 //! Warren 2007, Manifold dual contouring].
 
+use crate::contour_mesh::Quad;
+use crate::contour_mesh::Sheet;
+use crate::contour_mesh::Vertex;
 use crate::crossings::{PaddedSigns, find_crossings};
 use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::outline_pieces::OutlinePieces;
 use crate::placement::{CornerClaim, Placement, settle_corners};
 use crate::sheets::{is_ambiguous, passes_twice, sheets};
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// Vertices and quads of a solid's surface, in the grid frame.
@@ -19,42 +21,6 @@ pub(crate) struct DualContour<'a> {
     pub(crate) pieces: OutlinePieces<'a>,
     pub(crate) vertices: Vec<Vertex>,
     pub(crate) quads: Vec<Quad>,
-}
-
-/// A point on the surface.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
-    /// [m]
-    pub(crate) position: DVec3,
-    /// Unit: the mean of the normals around.
-    pub(crate) normal: DVec3,
-    /// 1 on a smooth face, 2 on an edge, 3 at a corner.
-    pub(crate) sharpness: u8,
-    /// Whether the outline knows all of the surface around.
-    pub(crate) in_outline: bool,
-}
-
-/// Around a crossed edge.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Quad {
-    /// Vertices, counter-clockwise seen from outside.
-    pub(crate) vertices: [u32; 4],
-    /// Unit normal at the crossing.
-    pub(crate) normal: DVec3,
-    /// The piece of the outline that is crossed.
-    pub(crate) piece: Option<usize>,
-}
-
-/// The part of the surface in one cell that is connected there.
-#[derive(Clone, Copy)]
-pub(crate) struct Sheet {
-    /// Index of the cell's lowest node.
-    pub(crate) cell: usize,
-    /// Bit for each corner that is inside.
-    pub(crate) inside: u8,
-    /// Indices of its crossings.
-    pub(crate) crossings: [u32; 12],
-    pub(crate) count: usize,
 }
 
 /// The cells that the surface passes through.

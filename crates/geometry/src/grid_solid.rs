@@ -8,9 +8,11 @@ use crate::half_space::HalfSpace;
 use crate::hull::Hull;
 use crate::level_set::LevelSet;
 use crate::mass_properties::MassProperties;
-use crate::material::{Held, Material, Run};
+use crate::mass_properties::NoMass;
+use crate::material::{Held, Material};
 use crate::moments::Portion;
 use crate::run_core::RunCore;
+use crate::runs::Run;
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -62,11 +64,6 @@ pub enum Root {
     /// Samples of a mesh's distance.
     Sampled(Arc<LevelSet>),
 }
-
-/// Asked of a shape that has no volume, or whose mass lies on a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
-pub struct NoMass;
 
 /// At nodes where another fragment's inside would read as this one's: the least distance, in units
 /// of the spacing. Large enough to be seen in f32, too small to move a surface.

@@ -4,6 +4,7 @@ pub(crate) mod carve;
 pub(crate) mod clip;
 pub(crate) mod columns;
 pub(crate) mod distance;
+pub(crate) mod edges;
 pub(crate) mod loops;
 pub(crate) mod net;
 pub(crate) mod of_points;
@@ -12,14 +13,9 @@ pub(crate) mod rounded;
 pub(crate) mod samples;
 pub(crate) mod weld;
 
-pub use carve::Carver;
-pub use clip::Clipper;
-pub use columns::Columns;
-pub use of_points::HullError;
-pub use samples::hull_samples;
-pub use weld::weld_hulls;
-
 use crate::half_space::HalfSpace;
+use crate::hull::columns::Columns;
+use crate::hull::edges::HullEdge;
 use crate::mass_properties::MassProperties;
 use crate::mesh::{Surface, Tetrahedra, TriMesh};
 use columns::LazyColumns;
@@ -50,15 +46,6 @@ pub struct HullFace<'a> {
     pub edges: &'a [u32],
     /// Whether a cut made it.
     pub inner: bool,
-}
-
-/// An edge of a hull.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HullEdge {
-    /// Vertex indices, in the order in which the first face has them.
-    pub vertices: [u32; 2],
-    /// Face indices.
-    pub faces: [u32; 2],
 }
 
 impl Hull {
@@ -266,20 +253,4 @@ impl Hull {
         let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == net.edges().len() + 2;
         is_sphere.then(|| Self::new(corners, planes, net))
     }
-}
-
-/// The directed edges of a loop.
-fn sides(loop_of: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
-    (0..loop_of.len()).map(|at| [loop_of[at], loop_of[(at + 1) % loop_of.len()]])
-}
-
-/// The plane of a loop of points, outward if they run counter-clockwise; none of them lies outside.
-fn plane_of(points: impl Iterator<Item = DVec3> + Clone) -> Option<HalfSpace> {
-    // Twice the area vector, Newell's way: from the first point, so that nothing large cancels.
-    let origin = points.clone().next()?;
-    let levers = points.clone().map(|point| point - origin);
-    let area: DVec3 = levers.clone().zip(levers.skip(1)).map(|(a, b)| a.cross(b)).sum();
-    let normal = area.try_normalize()?;
-    let offset = points.map(|point| normal.dot(point)).fold(f64::NEG_INFINITY, f64::max);
-    Some(HalfSpace { normal, offset })
 }

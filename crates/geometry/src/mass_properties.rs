@@ -1,8 +1,12 @@
 //! Volume, centre of mass and inertia at unit density.
 
-use crate::grid_solid::NoMass;
 use frangible_math::{RigidTransform, symmetric_eigen};
 use glam::{DMat3, DQuat, DVec3};
+
+/// Asked of a shape that has no volume, or whose mass lies on a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the shape has no volume or no moment of inertia: all three principal moments must be > 0")]
+pub struct NoMass;
 
 /// Inertial properties at unit density; multiply by a density [kg/m^3] for a body's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +51,7 @@ pub fn outer(u: DVec3, v: DVec3) -> DMat3 {
 }
 
 /// Inertia tensor from the second moments, the sum of mass times `x x^T`, about the same point.
-pub fn inertia_from_second_moments(second: DMat3) -> DMat3 {
+pub(crate) fn inertia_from_second_moments(second: DMat3) -> DMat3 {
     let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
     let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
     // Sums round differently on the two sides of the diagonal.

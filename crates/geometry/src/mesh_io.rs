@@ -3,15 +3,17 @@
 pub(crate) mod attributes;
 pub(crate) mod gltf;
 pub(crate) mod obj;
+pub(crate) mod parser;
 pub(crate) mod ply;
 pub(crate) mod stl;
 
 use crate::mesh::TriMesh;
 use crate::mesh_check::MeshError;
-use crate::polygon::triangulate;
+use crate::mesh_io::attributes::MeshAttributes;
+use crate::mesh_io::parser::File;
+use crate::mesh_io::parser::Parser;
 use crate::read_file;
 use attributes::Parsed;
-pub use attributes::{CornerAttributes, FaceAttributes, MeshAttributes};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -93,49 +95,4 @@ fn is_utf16(bytes: &[u8]) -> bool {
             && bytes[..16].is_ascii()
     };
     bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || by_turns(0) || by_turns(1)
-}
-
-/// Reads what a format says, without judging it.
-type Parser = fn(&File) -> Result<Parsed, MeshError>;
-
-/// A file in memory.
-struct File<'a> {
-    name: &'a str,
-    path: &'a Path,
-    bytes: &'a [u8],
-    /// True if attributes are wanted besides the shape.
-    wanted: bool,
-}
-
-/// Characters of a word in a sentence.
-const LONGEST_WORD: usize = 60;
-
-impl File<'_> {
-    fn malformed(&self, format: &'static str, reason: impl ToString) -> MeshError {
-        // A word of a damaged file may be as long as the file.
-        let reason = reason.to_string();
-        let words = reason.split(' ').map(|word| match word.char_indices().nth(LONGEST_WORD) {
-            Some((end, _)) => format!("{}...", &word[..end]),
-            None => word.to_owned(),
-        });
-        let reason = words.collect::<Vec<_>>().join(" ");
-        MeshError::Malformed { mesh: self.name.to_owned(), format, reason }
-    }
-}
-
-/// Appends a polygon as triangles between its corners: a fan around the first one if it is convex;
-/// less than three corners make none.
-fn push_polygon(mesh: &mut TriMesh, polygon: &[u32]) {
-    let at = |vertex: u32| mesh.positions[vertex as usize];
-    let triangles = triangulate(polygon, &at);
-    mesh.triangles.extend(triangles);
-}
-
-/// The triangles of a strip: each corner from the third on makes one with the two before it, every
-/// other one turned.
-fn strip(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
-    corners
-        .windows(3)
-        .enumerate()
-        .map(|(n, t)| if n % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
 }

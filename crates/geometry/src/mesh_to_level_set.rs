@@ -1,7 +1,7 @@
 //! Triangle mesh to level set: the exact distance to the boundary between inside and outside.
 
 use crate::bvh::{Bvh, closest_point_on_triangle};
-use crate::cleaning::CleanMesh;
+use crate::cleaning::clean_mesh::CleanMesh;
 use crate::grid::Grid;
 use crate::level_set::LevelSet;
 use crate::line_crossings::LineCrossings;

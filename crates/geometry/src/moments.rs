@@ -2,7 +2,7 @@
 
 use crate::grid::Grid;
 use crate::mass_properties::{MassProperties, inertia_from_second_moments, outer};
-use crate::material::Run;
+use crate::runs::Run;
 use glam::{DMat3, DVec3};
 
 /// Moments of material in voxels, in units of the spacing and of full voxels, about the origin of

@@ -1,11 +1,11 @@
 //! The smooth surfaces that a solid's outline is made of.
 
 use crate::closed_form::ClosedForm;
-use crate::crossings::sampled_normal;
 use crate::grid::Grid;
 use crate::grid_solid::{GridSolid, Root};
 use crate::half_space::HalfSpace;
 use crate::level_set::LevelSet;
+use crate::sampled_normal::sampled_normal;
 use glam::DVec3;
 
 /// One smooth surface; the solid lies where all of them are negative.

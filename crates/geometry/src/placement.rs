@@ -1,7 +1,7 @@
 //! Where in its cell a sheet of a dual contour has its vertex.
 
+use crate::contour_mesh::{Sheet, Vertex};
 use crate::crossings::Crossing;
-use crate::dual_contour::{Sheet, Vertex};
 use crate::grid::Grid;
 use crate::outline_pieces::OutlinePieces;
 use crate::qef::Qef;

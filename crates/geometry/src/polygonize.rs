@@ -1,6 +1,7 @@
 //! Surfaces of solids on grids, as triangles.
 
-use crate::dual_contour::{DualContour, Quad};
+use crate::contour_mesh::Quad;
+use crate::dual_contour::DualContour;
 use crate::grid_solid::GridSolid;
 use crate::mesh::{Surface, TriMesh};
 use glam::DVec3;

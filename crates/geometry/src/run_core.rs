@@ -1,6 +1,6 @@
 //! Runs that are cut again and again.
 
-use crate::material::{Run, Span};
+use crate::runs::{Run, Span};
 
 /// The longest span of a run, and what the others hold together. Most cuts go through it, and then
 /// none of the others is looked at.

@@ -20,7 +20,7 @@ pub struct SampleCluster {
 const CLUSTER: usize = 16;
 
 /// Sorts samples along a space-filling curve [Mor66] and cuts the row into clusters.
-pub fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
+pub(crate) fn cluster_samples(samples: &mut Vec<Vec3>) -> Vec<SampleCluster> {
     // Sort by the Morton code in the samples' box; equal codes keep their order.
     let (low, high) = bounds_of(samples);
     let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);

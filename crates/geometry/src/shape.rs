@@ -3,11 +3,11 @@
 use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;
-use crate::grid_solid::{GridSolid, NoMass};
+use crate::grid_solid::GridSolid;
 use crate::hull::Hull;
 use crate::hull::rounded::rounded_surface;
 use crate::hull::samples::hull_samples;
-use crate::mass_properties::MassProperties;
+use crate::mass_properties::{MassProperties, NoMass};
 use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};

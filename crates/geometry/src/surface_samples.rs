@@ -1,7 +1,8 @@
 //! Points on surfaces: what is tested against other bodies' level sets.
 
 use crate::closed_form::ClosedForm;
-use crate::dual_contour::{DualContour, Vertex};
+use crate::contour_mesh::Vertex;
+use crate::dual_contour::DualContour;
 use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::level_set::LevelSet;
@@ -118,7 +119,7 @@ impl Buckets {
 
 /// Points on the surface of a formula in its frame [m], about `spacing` [m] apart, with the
 /// corners, edges and rims. None for a half-space: what lies on it has the samples.
-pub fn closed_form_samples(form: &ClosedForm, spacing: f64) -> Vec<Vec3> {
+pub(crate) fn closed_form_samples(form: &ClosedForm, spacing: f64) -> Vec<Vec3> {
     match *form {
         ClosedForm::HalfSpace(_) => Vec::new(),
         ClosedForm::Sphere { radius } => sphere_samples(radius, spacing),

@@ -83,7 +83,7 @@ fn check(clean: &CleanMesh, raw: &TriMesh) {
         let Some(source) = source else { continue };
         let corners = raw.corners(*source as usize);
         for corner in mesh.corners(triangle) {
-            let nearest = frangible_geometry::bvh::closest_point_on_triangle(corner, &corners);
+            let nearest = frangible_geometry::closest_point_on_triangle(corner, &corners);
             assert!(nearest.distance(corner) < tolerance);
         }
     }

@@ -1,8 +1,9 @@
 //! Attributes of triangles from files, in the order of the triangles.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+use frangible_geometry::MeshAttributes;
 use frangible_geometry::TriMesh;
-use frangible_geometry::mesh_io::{MeshAttributes, load_with_attributes};
+use frangible_geometry::mesh_io::load_with_attributes;
 use glam::{DVec3, Vec2, Vec3};
 use std::fs;
 

@@ -1,6 +1,6 @@
 //! Where planar cracks meet the surface of a body that is known from samples only.
 
-use frangible_geometry::polygonize::polygonize;
+use frangible_geometry::polygonize;
 use frangible_geometry::{Grid, GridSolid, HalfSpace, LevelSet, Outline, Root, Surface};
 use glam::DVec3;
 use std::sync::Arc;

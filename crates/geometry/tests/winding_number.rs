@@ -3,8 +3,8 @@
 mod common;
 
 use common::{icosphere, joined, moved, open_box};
-use frangible_geometry::bvh::Bvh;
-use frangible_geometry::winding_number::triangle_solid_angle;
+use frangible_geometry::Bvh;
+use frangible_geometry::triangle_solid_angle;
 use frangible_geometry::{TriMesh, WindingNumber};
 use glam::DVec3;
 use std::f64::consts::PI;

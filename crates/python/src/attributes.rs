@@ -1,8 +1,9 @@
 //! Attributes of mesh files, and the closest triangles to lay them on others.
 
-use crate::{build_error, convert};
-use frangible::geometry::bvh::{Bvh, closest_point_on_triangle};
-use frangible::geometry::mesh_io::{self, CornerAttributes, FaceAttributes};
+use crate::convert;
+use crate::errors::build_error;
+use frangible::geometry::{Bvh, closest_point_on_triangle};
+use frangible::geometry::{CornerAttributes, FaceAttributes, mesh_io};
 use glam::DVec3;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;

@@ -1,8 +1,10 @@
 //! Breaking meshes without a simulation. All is in the mesh's frame [m].
 
+use crate::convert;
+use crate::errors::build_error;
 use crate::interrupt::interruptible;
+use crate::mesh::PyMesh;
 use crate::patterns::Pattern;
-use crate::{build_error, convert};
 use frangible::fracture::{
     CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces,
     resurfaced, sampled_body, shatter,
@@ -96,28 +98,6 @@ pub(crate) fn break_mesh_on_grid<'py>(
     facts.set_item("pieces", list)?;
     facts.set_item("contacts", contact_list(py, &contacts)?)?;
     Ok(facts)
-}
-
-/// A mesh as it comes from Python.
-#[derive(FromPyObject)]
-pub(crate) struct PyMesh<'py>(PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>);
-
-impl PyMesh<'_> {
-    /// Checked: indices are in range, coordinates finite.
-    pub(crate) fn to_mesh(&self) -> PyResult<TriMesh> {
-        let (vertices, triangles) = (self.0.as_array(), self.1.as_array());
-        if vertices.ncols() != 3 || triangles.ncols() != 3 {
-            return Err(build_error(
-                "the mesh: rows of another length than 3, must be points and triangles",
-            ));
-        }
-        let positions =
-            vertices.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
-        let triangles = triangles.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
-        let mesh = TriMesh { positions, triangles };
-        mesh.check("the mesh").map_err(build_error)?;
-        Ok(mesh)
-    }
 }
 
 fn mesh_arrays<'py>(py: Python<'py>, mesh: &TriMesh) -> PyResult<MeshArrays<'py>> {

@@ -1,6 +1,6 @@
 //! Values on their way to Python and back.
 
-use crate::build_error;
+use crate::errors::build_error;
 use frangible::no_json;
 use glam::Vec2;
 use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayMethods};

@@ -4,37 +4,26 @@
 mod attributes;
 mod breaking;
 mod convert;
+mod errors;
 mod interrupt;
 mod memory;
+mod mesh;
 mod meshopt;
 mod patterns;
 mod threads;
 mod world;
 
+use errors::{BuildError, build_error};
 use frangible::geometry::{MeshError, mesh_io};
 use frangible::{Method, SceneDesc};
 use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
 use interrupt::interruptible;
-use pyo3::create_exception;
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPoolBuilder;
-use std::fmt::Display;
 use std::path::PathBuf;
-
-create_exception!(
-    frangible,
-    BuildError,
-    PyValueError,
-    "A scene that cannot be built: the message names the field, the value and the rule."
-);
-
-/// The engine's sentence as a Python exception.
-fn build_error(error: impl Display) -> PyErr {
-    BuildError::new_err(error.to_string())
-}
 
 /// Name and one line for every shot.
 #[pyfunction]

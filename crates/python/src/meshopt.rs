@@ -1,6 +1,6 @@
 //! Compressed views of glTF files (EXT_meshopt_compression), unpacked by meshoptimizer.
 
-use crate::build_error;
+use crate::errors::build_error;
 use meshopt::ffi;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;

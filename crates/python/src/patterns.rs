@@ -1,7 +1,8 @@
 //! Patterns, by name and from files.
 
-use crate::breaking::PyMesh;
-use crate::{build_error, convert, threads};
+use crate::errors::build_error;
+use crate::mesh::PyMesh;
+use crate::{convert, threads};
 use frangible::fracture::{Impact, MOST_CELLS, MeshBreakError, ShatterSettings, shatter};
 use frangible::{Fineness, PatternDesc, PatternFile, fracture};
 use numpy::{PyArray1, PyArray2};

@@ -1,7 +1,7 @@
 //! Threads that outlive a fork: a child has none of its parent's, and waits for them forever unless
 //! it makes its own.
 
-use crate::build_error;
+use crate::errors::build_error;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::marker::Ungil;
 use pyo3::prelude::*;

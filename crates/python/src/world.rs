@@ -1,8 +1,9 @@
 //! A world, and its state as arrays.
 
+use crate::convert;
+use crate::errors::build_error;
 use crate::interrupt::interruptible;
 use crate::threads::{Pool, busy};
-use crate::{build_error, convert};
 use frangible::bodies::Motion;
 use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};

@@ -7,7 +7,7 @@
 //! body it is that body.
 
 use frangible_bodies::{Bodies, Pose, Velocity};
-use frangible_geometry::mass_properties::parallel_axis;
+use frangible_geometry::parallel_axis;
 use glam::{DMat3, DVec3};
 
 /// A rigid motion.

@@ -9,7 +9,7 @@
 
 use crate::impulse::collision_impulse::Impulse;
 use frangible_bodies::{Bodies, Pair};
-use frangible_geometry::mass_properties::parallel_axis;
+use frangible_geometry::parallel_axis;
 use glam::DVec3;
 
 /// The impulses that add `angular_momentum` [kg m^2/s] to a pair of dynamic bodies at the poses of

@@ -3,8 +3,8 @@
 
 use super::hulls::{SAME_PLANE, overlap_of_faces};
 use crate::interfaces::interface::{Contacts, Interface};
+use frangible_geometry::Bvh;
 use frangible_geometry::TriMesh;
-use frangible_geometry::bvh::Bvh;
 use glam::DVec3;
 
 /// A piece of a mesh: a connected part of what one cell of a pattern cut out of it.

@@ -4,8 +4,7 @@
 
 use frangible_fracture::{Fragment, Impact, Pattern, Radial, Voronoi, fragment_velocity};
 use frangible_geometry::{
-    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, TriMesh,
-    surface_samples::surface_samples,
+    ClosedForm, Geometry, Grid, GridSolid, LevelSet, Shape, TriMesh, surface_samples,
 };
 use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};

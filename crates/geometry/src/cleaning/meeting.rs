@@ -1,7 +1,7 @@
 //! Which surfaces of clean solids meet.
 
-use super::CleanMesh;
 use crate::bvh::Bvh;
+use crate::cleaning::clean_mesh::CleanMesh;
 use crate::winding_number::{INSIDE, WindingNumber};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,9 +1,10 @@
 //! Many parts cut out of one hull, in place.
 
+use super::Hull;
 use super::clip::{Clipper, ON_THE_CUT, SAME};
 use super::net::{HalfEdges, NetBuilder, Side};
-use super::{Hull, HullEdge};
 use crate::half_space::HalfSpace;
+use crate::hull::edges::HullEdge;
 use glam::DVec3;
 
 /// Nothing, in lists of indices.

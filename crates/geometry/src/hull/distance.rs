@@ -1,6 +1,7 @@
 //! How far a point is from a hull.
 
-use super::{Hull, HullFace, sides};
+use super::{Hull, HullFace};
+use crate::hull::edges::sides;
 use glam::DVec3;
 
 /// Closer than this to the surface, relative to the hull's extent, the way to it has no direction

@@ -1,7 +1,7 @@
 //! Faces as loops of vertices, in one list.
 
-use super::{HullEdge, net::Net, sides};
 use crate::half_space::HalfSpace;
+use crate::hull::edges::{HullEdge, sides};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -59,14 +59,6 @@ impl Loops {
         self.corners.clear();
         self.ends.clear();
         self.inner.clear();
-    }
-
-    /// Becomes those of a net, in the memory it has.
-    pub(super) fn copy_from(&mut self, net: &Net) {
-        self.clear();
-        for face in 0..net.faces() {
-            self.push(net.is_inner(face), net.corners(face).iter().copied());
-        }
     }
 
     pub(super) fn len(&self) -> usize {

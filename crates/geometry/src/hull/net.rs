@@ -1,7 +1,7 @@
 //! How a hull's faces hang together.
 
-use super::HullEdge;
 use super::loops::Loops;
+use crate::hull::edges::HullEdge;
 use std::sync::OnceLock;
 
 /// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break
@@ -49,6 +49,16 @@ pub(super) struct Side {
 
 /// The bit that tells faces that a cut made.
 const INNER: u32 = 1 << 31;
+
+impl Loops {
+    /// Becomes those of a net, in the memory it has.
+    pub(super) fn copy_from(&mut self, net: &Net) {
+        self.clear();
+        for face in 0..net.faces() {
+            self.push(net.is_inner(face), net.corners(face).iter().copied());
+        }
+    }
+}
 
 impl Net {
     /// Of loops; `None` if a side has no other that runs along it in the opposite direction.

@@ -1,9 +1,10 @@
 //! The convex hull of points: quickhull [BDH96] with exact predicates [She97], then faces that are
 //! flat but for the points' rounding are merged.
 
+use super::Hull;
 use super::loops::Loops;
-use super::{Hull, plane_of, sides};
 use crate::half_space::HalfSpace;
+use crate::hull::edges::{plane_of, sides};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;

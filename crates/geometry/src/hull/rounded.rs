@@ -1,18 +1,17 @@
 //! The surface of a part of a ball or a cylinder: round where the body was, flat along its cracks.
 
+use super::Hull;
 use super::loops::Loops;
 use super::net::Net;
 use super::round::prism;
-use super::{Hull, plane_of};
 use crate::closed_form::ClosedForm;
+use crate::closed_form_surface::DRAWN_SIDES;
 use crate::closed_form_surface::closed_form_surface;
 use crate::half_space::HalfSpace;
 use crate::hull::clip::Clipper;
+use crate::hull::edges::plane_of;
 use crate::mesh::Surface;
 use glam::DVec3;
-
-/// Sides of a cylinder, as the whole one is drawn.
-pub(crate) const DRAWN_SIDES: u32 = 48;
 
 /// Steps of Newton's method from a chord to the round surface.
 const STEPS: usize = 6;

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 /// Points on a hull [m], about `spacing` apart: all vertices, then points along edges, then on
 /// faces.
-pub fn hull_samples(hull: &Hull, spacing: f64) -> Vec<Vec3> {
+pub(crate) fn hull_samples(hull: &Hull, spacing: f64) -> Vec<Vec3> {
     let mut samples = hull.vertices().to_vec();
     for edge in 0..hull.edges().len() {
         let [start, end] = hull.edge_ends(edge);

@@ -39,7 +39,7 @@ pub struct CornerAttributes {
 
 /// The result of a parser.
 #[derive(Default)]
-pub(super) struct Parsed {
+pub(crate) struct Parsed {
     pub(super) mesh: TriMesh,
     /// Of no triangle, or of all.
     pub(super) attributes: MeshAttributes,

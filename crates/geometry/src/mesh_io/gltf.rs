@@ -1,11 +1,13 @@
 //! glTF and GLB: the triangles of the default scene, where its nodes put them.
 
+pub(crate) mod accessor;
 pub(crate) mod attributes;
 
 use super::attributes::{FaceAttributes, Parsed, number_of};
-use super::{File, strip};
 use crate::mesh::TriMesh;
 use crate::mesh_check::MeshError;
+use crate::mesh_io::gltf::accessor::items;
+use crate::mesh_io::parser::{File, strip};
 use crate::read_file;
 use base64::Engine;
 use glam::{DMat4, DVec3};
@@ -13,7 +15,7 @@ use gltf::accessor::{DataType, Dimensions};
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
-use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use gltf::{Document, Gltf, Node, Primitive, Semantic};
 use std::path::{Component, Path};
 
 pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
@@ -194,30 +196,6 @@ fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u
     let index = |bytes: &&[u8]| bytes.iter().rev().fold(0, |high, &low| high << 8 | u32::from(low));
     let indices = items(&indices, buffers)?.iter().map(index).collect();
     Ok((positions, indices))
-}
-
-/// The bytes of each item of an accessor, whose every number is checked against the buffer.
-fn items<'a>(accessor: &Accessor, buffers: &'a [Vec<u8>]) -> Result<Vec<&'a [u8]>, String> {
-    let outside =
-        || format!("refers to accessor {}, which reaches beyond its buffer", accessor.index());
-    let view = accessor
-        .view()
-        .filter(|_| accessor.sparse().is_none())
-        .ok_or_else(|| format!("refers to accessor {}, which is sparse", accessor.index()))?;
-    let end = view.offset().checked_add(view.length()).ok_or_else(outside)?;
-    let bytes = buffers[view.buffer().index()].get(view.offset()..end).ok_or_else(outside)?;
-    let stride = view.stride().unwrap_or(accessor.size()).max(accessor.size());
-    let mut items = Vec::new();
-    let mut start = accessor.offset();
-    for _ in 0..accessor.count() {
-        let item = start
-            .checked_add(accessor.size())
-            .and_then(|end| bytes.get(start..end))
-            .ok_or_else(outside)?;
-        items.push(item);
-        start = start.saturating_add(stride);
-    }
-    Ok(items)
 }
 
 /// As many triangles as a primitive has at most; none if its corners cannot be in so many `bytes`,

@@ -5,8 +5,8 @@
 //! materials should be able to refuse a shape.
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, number_of, unit};
-use super::{File, push_polygon};
 use crate::mesh_check::MeshError;
+use crate::mesh_io::parser::{File, push_polygon};
 use glam::{DVec3, Vec2, Vec3};
 
 /// The attributes of vertices and corners.

@@ -4,8 +4,8 @@
 //! neither `nan` nor `1.`.
 
 use super::attributes::{CornerAttributes, Parsed, colour_from_srgb, unit};
-use super::{File, push_polygon, strip};
 use crate::mesh_check::MeshError;
+use crate::mesh_io::parser::{File, push_polygon, strip};
 use glam::{DVec3, Vec2};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};

@@ -3,10 +3,10 @@
 //! Read here and not with a library: whether a file is binary shows in its length, for many binary
 //! files begin with the word `solid` too; and a text file may hold several solids.
 
-use super::File;
 use super::attributes::Parsed;
 use crate::mesh::TriMesh;
 use crate::mesh_check::MeshError;
+use crate::mesh_io::parser::File;
 use glam::{DVec3, Vec3};
 
 const HEADER_BYTES: usize = 80;

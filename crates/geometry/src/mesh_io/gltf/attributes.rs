@@ -1,7 +1,7 @@
 //! Normals, texture coordinates and colours of glTF's vertices.
 
 use super::super::attributes::{CornerAttributes, unit};
-use super::items;
+use crate::mesh_io::gltf::accessor::items;
 use glam::{DMat3, DMat4, DVec3, Vec2};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, Node, Primitive, Semantic};
