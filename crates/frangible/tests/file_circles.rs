@@ -32,8 +32,9 @@ fn modules(folder: &Path, at: &[String], found: &mut BTreeMap<Module, String>) {
     }
 }
 
-/// The text without comments, strings and the tests at its end.
+/// The text without comments and the tests at its end. A macro's `$crate` is for other crates.
 fn without_tests(text: &str) -> String {
+    let text = text.replace("$crate", "$");
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
     let lines = code.lines().map(|line| line.split("//").next().unwrap());
     lines.collect::<Vec<_>>().join("\n")

@@ -11,7 +11,7 @@ use frangible::fracture::{
 };
 use frangible::geometry::{MassProperties, TriMesh, mesh_io};
 use glam::DVec3;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
