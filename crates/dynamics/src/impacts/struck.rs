@@ -13,13 +13,14 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use stray::Stray;
 
 /// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes
-/// whom next.
+/// whom next: without a bound a wall of 1,000 bricks that is struck takes 16 times as long, a heap
+/// of 800 pieces that falls 2.3 times, with overlaps no smaller.
 const MOST_STRIKES: usize = 1024;
 
-/// Pairs that meet in a frame only because one of them is struck, and times that it is asked whom a
-/// body may strike [1]: what strays furthest comes first.
-const MOST_MORE: usize = 128;
-const MOST_LOOKS: usize = 512;
+/// Times that it is asked whom a body may strike, and pairs that meet in a frame only because one
+/// of them is struck [1]: parts of that bound. What strays furthest comes first.
+const MOST_LOOKS: usize = MOST_STRIKES / 2;
+const MOST_MORE: usize = MOST_STRIKES / 8;
 
 /// How much further a body must stray than was known, to be looked at again [1]: what strikes each
 /// other by turns goes on for ever.

@@ -5,7 +5,8 @@ use frangible_geometry::Hull;
 use frangible_math::{RigidTransform, Width};
 
 /// How much better an axis must be than the one before it in the order of preference, relative to
-/// the size of the smaller hull: what rests does not change its features for less.
+/// the size of the smaller hull: what rests does not change its features for less. Without it a
+/// heap of 800 pieces that falls has overlaps of 6.8 instead of 1.3 mm at the 99th percentile.
 pub(crate) const PREFERENCE: f64 = 5e-4;
 
 /// Two hulls where they are.
