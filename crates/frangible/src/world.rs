@@ -183,7 +183,7 @@ impl World {
     }
 
     /// Whether a body slept in the last frame, where the scene lets bodies
-    /// [sleep](crate::scene::desc::SceneDesc::sleep).
+    /// [sleep](crate::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
         let dense = self.bodies.index_of(id);
         dense.is_some_and(|dense| self.bodies.activities[dense].drowsiness.is_asleep)

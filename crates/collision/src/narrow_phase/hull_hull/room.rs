@@ -14,7 +14,7 @@ pub(crate) struct Room {
     pub(crate) spare: Vec<HullPoint>,
     pub(crate) polygon: Vec<Corner>,
     pub(crate) clipped: Vec<Corner>,
-    /// See [`mark_within`](eight::mark_within).
+    /// The vertices of a hull that are within two layers, as `mark_within` finds them.
     pub(crate) marks: Vec<u8>,
     pub(crate) ridges: [Vec<Ridge>; 2],
     pub(crate) ridge_columns: Vec<RidgeColumns>,

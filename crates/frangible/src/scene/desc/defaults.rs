@@ -1,4 +1,4 @@
-//! Values of what a description leaves out.
+//! Values of what a description leaves out: the only place where a default is written.
 
 pub(crate) fn most_substeps() -> u32 {
     128
