@@ -11,7 +11,7 @@ use frangible_bodies::Pair;
 use glam::DVec3;
 
 /// Steps along the ways of two through a frame to their first touch; each goes as far as their
-/// distance allows [1]. With 8 of them a falling heap takes a tenth longer.
+/// distance allows [1]. With 8 of them falling heaps are the same.
 pub(crate) const MOST_STEPS: u32 = 32;
 
 /// A pair of bodies and how they fly through a frame.

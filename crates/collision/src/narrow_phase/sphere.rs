@@ -6,7 +6,7 @@ use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
 use frangible_bodies::{Flight, Pose};
 use glam::DVec3;
 
-/// What counts as touching, relative to the ball's radius.
+/// What counts as touching, relative to the ball's radius [1].
 const TOUCH: f64 = 1e-4;
 
 /// Part of the distance that a step goes: a sampled distance can change a little faster than the

@@ -8,7 +8,8 @@ use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
 use frangible_collision::{Carried, Manifold, ManifoldPoint};
 use std::collections::BTreeMap;
 
-/// Frequency of contacts, as a part of the substep rate: higher ones vibrate [Cat24].
+/// Frequency of contacts, as a part of the substep rate [1]: higher ones vibrate [Cat24]. With half
+/// of it a wall of 1,000 bricks overlaps four times as much.
 pub(super) const CONTACT_RATE: f64 = 0.25;
 
 /// Overlap of a resting contact under its load, relative to the smaller body's radius.
@@ -25,7 +26,8 @@ const IMPACT_DEPTH: f64 = 0.2;
 
 /// Substeps grow at once. What an island needs is forgotten by halves in so long [s], and they
 /// shrink only if this part of their half is enough: a tower that sways must not get softer by
-/// turns.
+/// turns. With a tenth of the time, or with all of their half, a tower of fifty cubes moves with
+/// 10 or 8 J after four seconds, instead of 0.04.
 const HALF_LIFE: f64 = 0.5;
 const SHRINKS_BELOW: f64 = 0.75;
 

@@ -20,8 +20,8 @@ const NEAR: f64 = 0.02;
 
 /// For two hulls that move this far against each other in the frame, spin included, and only pass,
 /// one point does; relative to the smaller hull's size. It is found anew in each frame; what is
-/// slower keeps its points, and needs all of them. With all points for all of them a falling heap
-/// takes a seventh longer, with the same overlaps.
+/// slower keeps its points, and needs all of them. With all points for all of them falling heaps
+/// have the same overlaps in the same time.
 const PASSING: f64 = 0.3;
 
 /// What is nearer than this, relative to the smaller hull's size, has all of its points.

@@ -20,7 +20,7 @@ use glam::DVec3;
 const DEEP_PREFERENCE: f64 = 0.3;
 
 /// Cosine of the angle by which a face may have turned since it was found [1]. Without asking the
-/// last face first a falling heap takes a tenth longer, with the same overlaps.
+/// last face first falling heaps overlap by 2.2 instead of 2.1 mm at the 99th percentile.
 const SAME_FACE: f64 = 0.99;
 
 /// Overlap, relative to the size of the smaller hull, up to which the face that they touched with
