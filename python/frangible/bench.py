@@ -1,4 +1,4 @@
-"""``frangible bench``: how long the stages of a frame take, and how much memory a piece."""
+"""``frangible bench``: how long the stages of a frame take, how much memory a piece, and what stands."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .stepping import LAST_FRAMES, Request, run_apart
 from .summary import Summary
 
 #: What is measured unless somebody says what: the large piles, and small shots.
-SHOTS = ("pile-spread", "pile-deep", "pile-table", "bricks", "wall", "pillar", "stack")
+SHOTS = ("pile-spread", "pile-deep", "pile-table", "bricks", "bricks-still", "wall", "pillar", "stack")
 
 #: Where tables go, unless somebody says where.
 RESULTS = os.path.join("bench", "results")
@@ -23,7 +23,7 @@ FRAME = "frame"
 
 COLUMNS = (
     "date", "shot", "method", "threads", "frames", "pieces", "stage", "last_median_ms", "last_p95_ms", "last_max_ms", "all_median_ms",
-    "all_p95_ms", "all_max_ms", "peak_memory_MiB", "memory_per_piece_KiB",
+    "all_p95_ms", "all_max_ms", "peak_memory_MiB", "memory_per_piece_KiB", "standing", "median_height_m",
 )  # fmt: skip
 
 
@@ -81,6 +81,8 @@ def stage_rows(summary: Summary) -> list[dict[str, Any]]:
         **{key: summary[key] for key in ("shot", "method", "threads", "frames", "pieces")},
         "peak_memory_MiB": round(summary["peak_memory_MiB"], 1),
         "memory_per_piece_KiB": round(summary["memory_per_piece_KiB"], 2),
+        "standing": round(summary["standing"], 4),
+        "median_height_m": round(summary["median_height_m"], 4),
     }
     return [
         common | {"stage": stage} | {f"{span}_{key}_ms": round(times[key], 3) for span, times in spans for key in ("median", "p95", "max")}
@@ -101,6 +103,8 @@ def describe_bench(summary: Summary) -> str:
     ]
     for stage, spans in _by_stage(summary):
         lines.append(f"  {stage:18}" + "".join(f"{times[key]:10.3f}" for _, times in spans for key in ("median", "p95", "max")))
+    share, height = 100.0 * summary["standing"], summary["median_height_m"]
+    lines.append(f"  stands  {share:.3g} % of the pieces where they stood, median height {height:.4g} m")
     lines.append(f"  memory  {summary['peak_memory_MiB']:.4g} MiB at most, {summary['memory_per_piece_KiB']:.3g} KiB a piece")
     return "\n".join(lines)
 

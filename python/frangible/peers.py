@@ -24,6 +24,7 @@ from . import _frangible
 from .bench import append_rows, today
 from .pile_file import Pile, load_states
 from .recording import Float64
+from .standing import Standing, standing
 from .stepping import LAST_FRAMES, BenchError, Request, run_apart
 from .summary import spread
 
@@ -31,13 +32,13 @@ from .summary import spread
 PROGRAMS = Path("bench") / "peers"
 
 #: What is run in other engines unless somebody says what.
-PILES = ("pile-spread", "pile-deep", "pile-table", "bricks")
+PILES = ("pile-spread", "pile-deep", "pile-table", "bricks", "bricks-still")
 
 OURS = "frangible"
 
 COLUMNS = (
     "date", "shot", "engine", "frames", "runs", "cpu_median_ms", "cpu_p95_ms", "cpu_max_ms", "time_ratio", "penetration_p50_mm",
-    "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost", "memory_per_piece_KiB",
+    "penetration_p99_mm", "penetration_max_mm", "energy_gain", "pieces_lost", "memory_per_piece_KiB", "standing", "median_height_m",
 )  # fmt: skip
 
 
@@ -51,6 +52,8 @@ class Quality:
     energy_gain: float
     #: Wholly below the ground, far away or nowhere at the end.
     lost: int
+    #: Of all pieces.
+    stands: Standing
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +167,9 @@ def judge(pile: Pile, states: Float64) -> Quality:
     depths = pile.penetrations(states[-1])
     percentiles = tuple(np.percentile(depths, [50, 99, 100]).tolist()) if len(depths) else (0.0, 0.0, 0.0)
     gain = max(float(np.diff(energies).max()), 0.0) / (float(energies[0]) - ground)
-    return Quality(percentiles, gain, int(pile.lost(states[-1]).sum()))
+    start, end = (state[pile.moves, :3] for state in (pile.start, states[-1]))
+    stands = standing(start, end, pile.widths[pile.moves])
+    return Quality(percentiles, gain, int(pile.lost(states[-1]).sum()), stands)
 
 
 def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) -> list[dict[str, Any]]:
@@ -183,6 +188,8 @@ def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) ->
             "energy_gain": f"{result.quality.energy_gain:.2g}",
             "pieces_lost": result.quality.lost,
             "memory_per_piece_KiB": round(result.memory, 2),
+            "standing": round(result.quality.stands.share, 4),
+            "median_height_m": round(result.quality.stands.median_height, 4),
         }
         for result in results
     ]
@@ -191,7 +198,7 @@ def result_rows(shot: str, frames: int, runs: int, results: Sequence[Result]) ->
 def describe_peers(rows: Sequence[dict[str, Any]]) -> str:
     """The table for people."""
     shot, frames = rows[0]["shot"], rows[0]["frames"]
-    heads = ("engine", "median ms", "p95", "max", "of ours", "overlap mm p50", "p99", "max", "energy gained", "lost", "KiB a piece")
+    heads = ("engine", "median ms", "p95", "max", "of ours", "overlap mm p50", "p99", "max", "energy gained", "lost", "KiB a piece", "standing", "median height m")
     keys = ("engine", *COLUMNS[5:])
     cells = [heads, *(tuple(str(row[key]) for key in keys) for row in rows)]
     widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]

@@ -42,6 +42,11 @@ class Hull:
         """Of the ball around the origin that it lies in [m]."""
         return float(np.linalg.norm(self.vertices, axis=1).max())
 
+    @property
+    def width(self) -> float:
+        """The least one along the axes [m]."""
+        return float(np.ptp(self.vertices, axis=0).min())
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
@@ -55,6 +60,11 @@ class Box:
         """Of the ball around the origin that it lies in [m]."""
         return float(np.linalg.norm(self.half))
 
+    @property
+    def width(self) -> float:
+        """The least one along the axes [m]."""
+        return 2.0 * float(self.half.min())
+
 
 @dataclass(frozen=True, slots=True)
 class Ball:
@@ -62,6 +72,11 @@ class Ball:
 
     #: [m]
     radius: float
+
+    @property
+    def width(self) -> float:
+        """From side to side [m]."""
+        return 2.0 * self.radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +98,11 @@ class Pile:
     def moves(self) -> Any:
         """(n,) whether a body can move."""
         return np.isfinite(self.masses)
+
+    @property
+    def widths(self) -> Float64:
+        """(n,) the least ones of the bodies along the axes of their frames [m]."""
+        return np.array([shape.width for shape in self.shapes])
 
     @property
     def ground(self) -> float:

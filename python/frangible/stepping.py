@@ -19,6 +19,7 @@ from ._frangible import World, shot_scene
 from .progress import report_progress
 from .recording import Float64, step_frames
 from .report import StepReport
+from .standing import standing
 from .summary import Summary, peak_memory, spread, summarise
 
 #: A benchmark is about the last so many frames, when most has happened.
@@ -64,6 +65,8 @@ def run_here(request: Request) -> Summary:
     world = World.build(shot_scene(request.shot), request.threads)
     start_bodies, start_mass, start_energy = len(world.ids), moving_mass(world), world.energy
     ids = world.ids
+    start, widths = world.positions[np.isfinite(world.masses)], _widths(world)
+    pieces = ids[np.isfinite(world.masses)].tolist()
     states = None if request.states is None else open(request.states, "wb")
     reports: list[StepReport] = []
     cpu_ms: list[float] = []
@@ -96,11 +99,14 @@ def run_here(request: Request) -> Summary:
         depths=[world.penetrations()],
         step_ms=step_ms,
     )
-    pieces = int(np.isfinite(world.masses).sum())
+    count = int(np.isfinite(world.masses).sum())
+    stands = standing(start, _state(world, pieces)[:, :3], widths)
     return summary | {
         "threads": request.threads,
-        "pieces": pieces,
-        "memory_per_piece_KiB": 1024.0 * (summary["peak_memory_MiB"] - memory) / max(pieces, 1),
+        "pieces": count,
+        "standing": stands.share,
+        "median_height_m": stands.median_height,
+        "memory_per_piece_KiB": 1024.0 * (summary["peak_memory_MiB"] - memory) / max(count, 1),
         "ms_per_frame": spread(step_ms[-LAST_FRAMES:]),
         "ms_per_frame_all": spread(step_ms),
         "cpu_ms_per_frame": spread(cpu_ms[-LAST_FRAMES:]),
@@ -113,6 +119,12 @@ def moving_mass(world: World) -> float:
     """Of all dynamic bodies [kg]."""
     masses = world.masses
     return math.fsum(masses[np.isfinite(masses)])
+
+
+def _widths(world: World) -> Float64:
+    """(n,) least widths of the dynamic bodies along the axes of their frames [m]."""
+    surfaces = (world.surface(body)[0] for body in world.ids[np.isfinite(world.masses)].tolist())
+    return np.array([np.ptp(corners, axis=0).min() for corners in surfaces], dtype=np.float64)
 
 
 def _state(world: World, ids: list[int]) -> Float64:

@@ -13,6 +13,7 @@ from frangible import World, peers, pile_file, shot_frames, shot_scene
 from frangible.bench import COLUMNS, SHOTS, append_rows, describe_bench, shots_to_bench
 from frangible.cli import main
 from frangible.pile_file import Pile, load_states
+from frangible.standing import Standing
 from frangible.stepping import LAST_FRAMES, STATE, Request, run_apart, run_here
 
 
@@ -49,7 +50,8 @@ def test_the_table_of_a_benchmark_names_stages_and_memory(tmp_path: Path, capsys
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("stack: ") and "3 frames of 33.33 ms (frame-rate method), 1 thread" in lines[0]
     assert "last 3 frames" in lines[1]
-    assert [word for word in lines[-2].split()][0] == "frame" and len(lines[-2].split()) == 7
+    assert [word for word in lines[-3].split()][0] == "frame" and len(lines[-3].split()) == 7
+    assert lines[-2].split()[:2] == ["stands", "83.3"] and lines[-2].endswith(" m")
     assert lines[-1].split()[0] == "memory" and lines[-1].endswith("KiB a piece")
 
 
@@ -57,6 +59,9 @@ def test_each_number_of_threads_is_measured_and_ends_in_the_same_state(tmp_path:
     assert main(["bench", "bricks", "--frames", "4", "--threads", "1,2", "--json", "--out", str(tmp_path)]) == 0
     runs = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [run["threads"] for run in runs] == [1, 2]
+    # The ball has come to the wall, and more than half of it is where it was.
+    assert 0.5 < runs[0]["standing"] < 1.0
+    assert runs[0]["median_height_m"] == pytest.approx(12.5 * 0.065, abs=0.01)
     assert runs[0]["state_hash"] == runs[1]["state_hash"]
 
 
@@ -136,7 +141,8 @@ def read_shape(data: bytes, at: int) -> tuple[int, Any, int]:
 
 
 def test_the_piles_of_the_comparison_are_piles_for_other_engines() -> None:
-    assert set(peers.PILES) == {"pile-spread", "pile-deep", "pile-table", "bricks"} <= set(SHOTS)
+    piles = {"pile-spread", "pile-deep", "pile-table", "bricks", "bricks-still"}
+    assert set(peers.PILES) == piles <= set(SHOTS)
     for shot in peers.PILES:
         for body in json.loads(shot_scene(shot))["bodies"]:
             pile_file.check(shot, body)
@@ -169,6 +175,21 @@ def test_gains_and_losses_are_seen(slab: Pile) -> None:
     assert peers.judge(slab, wrong).lost == 2
 
 
+def test_what_fell_does_not_stand(slab: Pile) -> None:
+    still = np.repeat(slab.start[None], 2, axis=0)
+    whole = peers.judge(slab, still).stands
+    assert whole.share == 1.0 and whole.median_height == pytest.approx(0.1, abs=0.01)
+
+    # Less than half a width stands, more does not, and what is gone neither stands nor counts.
+    pieces = int(slab.moves.sum())
+    fallen = still.copy()
+    fallen[1, 3, 1] -= 0.4 * slab.widths[3]
+    fallen[1, 4, 1] -= 0.6 * slab.widths[4]
+    fallen[1, 5, :3] = np.nan
+    stands = peers.judge(slab, fallen).stands
+    assert stands.share == pytest.approx(1 - 2 / pieces) and np.isfinite(stands.median_height)
+
+
 def test_what_cannot_be_built_is_left_out_with_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     package = tmp_path / "broken"
     package.mkdir()
@@ -195,7 +216,7 @@ def test_every_engine_in_the_repository_is_found_and_told_of() -> None:
 
 
 def test_the_table_of_engines_is_in_units_of_ours() -> None:
-    quality = peers.Quality((0.0011, 0.02, 0.3), 0.0015, 2)
+    quality = peers.Quality((0.0011, 0.02, 0.3), 0.0015, 2, Standing(0.5, 0.75))
     results = [
         peers.Result(name, {"median": time, "p95": time, "max": time}, 3.25, quality) for name, time in (("frangible", 20.0), ("other 1.0", 50.0))
     ]
@@ -203,7 +224,7 @@ def test_the_table_of_engines_is_in_units_of_ours() -> None:
     assert [row["time_ratio"] for row in rows] == [1.0, 2.5]
     lines = peers.describe_peers(rows).splitlines()
     assert lines[0] == "pile: the last 150 of 150 frames, 3 runs by turns on one core, processor time"
-    assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2", "3.25"]
+    assert lines[3].split() == ["other", "1.0", "50.0", "50.0", "50.0", "2.5", "1.1", "20.0", "300.0", "0.0015", "2", "3.25", "0.5", "0.75"]
     assert len({len(line) for line in lines[1:]}) == 1
 
 

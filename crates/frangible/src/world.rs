@@ -130,6 +130,11 @@ impl World {
         self.dt
     }
 
+    /// Along each axis [m/s^2].
+    pub fn gravity(&self) -> DVec3 {
+        self.gravity
+    }
+
     /// Which step advances a frame.
     pub fn method(&self) -> Method {
         self.method

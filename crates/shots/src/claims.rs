@@ -7,14 +7,17 @@ mod bounce;
 mod carried;
 mod claim;
 mod cradle;
+mod debris;
 mod energy;
 mod fitting;
 mod flight;
 mod heap;
 mod incline;
+mod inside;
 mod pillar;
 mod random_scene;
 mod rolling;
+mod rooms;
 mod rotation;
 mod scenes;
 mod settled;
@@ -22,9 +25,12 @@ mod stacks;
 mod standing;
 mod swarm;
 mod top;
+mod walls;
+mod watch;
 
 pub use claim::{Claim, Finding, Obstacle, UnknownClaim};
 pub use pillar::{Spread, pillar_spread};
+pub use walls::{WallState, struck_wall};
 
 /// All claims.
 pub const CLAIMS: &[Claim] = &[
@@ -43,6 +49,7 @@ pub const CLAIMS: &[Claim] = &[
     bounce::BOUNCES,
     stacks::STACK,
     stacks::ZIGZAG,
+    stacks::ROUND,
     carried::ELEVATOR,
     carried::TURNTABLE,
     carried::CONVEYOR,
@@ -55,11 +62,19 @@ pub const CLAIMS: &[Claim] = &[
     standing::TOWERS,
     standing::ARCH,
     standing::LOAD,
+    standing::COMPANY,
     fitting::SLAB,
     fitting::PLATE,
     fitting::NUT,
     cradle::CRADLE,
+    cradle::ROWS,
     standing::CARD_HOUSE,
+    walls::STILL,
+    walls::HIGH,
+    walls::STRUCK,
+    debris::DEBRIS,
+    inside::INSIDE,
+    rooms::ROOMS,
 ];
 
 impl Claim {
@@ -76,5 +91,15 @@ impl Claim {
             .iter()
             .find(|claim| claim.name == name)
             .ok_or_else(|| UnknownClaim { name: name.into(), known: known() })
+    }
+
+    /// Runs its scenes and says what it found, and how large a cause of a change of energy became
+    /// in a frame. A scene that cannot be set up is a finding that does not hold.
+    pub fn check(&self) -> Vec<Finding> {
+        let mut findings = (self.measure)().unwrap_or_else(|obstacle| {
+            vec![Finding::at_most(obstacle.to_string(), "1", f64::NAN, 0.0)]
+        });
+        findings.extend(watch::largest_cause());
+        findings
     }
 }

@@ -2,10 +2,12 @@
 
 pub(crate) mod arch;
 pub(crate) mod bonded_pillar;
+pub(crate) mod bricks;
 pub(crate) mod card_house;
 pub(crate) mod concrete;
 pub(crate) mod cradle;
 pub(crate) mod cylinder;
+pub(crate) mod debris;
 pub(crate) mod impact;
 pub(crate) mod incline;
 pub(crate) mod masonry;
@@ -53,12 +55,14 @@ pub const SHOTS: &[Shot] = &[
     piles::SPREAD,
     piles::DEEP,
     pile_table::TABLE,
-    piles::BRICKS,
+    bricks::BRICKS,
+    bricks::STILL,
     towers::TOWER,
     towers::PYRAMID,
     towers::LOAD,
     arch::ARCH,
     slab::SLAB,
+    debris::DEBRIS,
     plate::PLATE,
     nut::NUT,
     cradle::CRADLE,

@@ -123,8 +123,8 @@ fn what_cannot_be_run_says_why() {
         error.to_string(),
         "unknown shot 'wall-e', must be one of: wall, wall-middle, wall-corner, wall-ball, wall-natural, cylinder, \
          bunny, refracture, rain-25, rain-100, rain-1000, pane, masonry, timber, concrete, impact, pillar, \
-         bonded-pillar, plank, stack, incline, pile-spread, pile-deep, pile-table, bricks, tower, pyramid, \
-         load, arch, slab, plate, nut, cradle, card-house (did you mean 'wall'?)"
+         bonded-pillar, plank, stack, incline, pile-spread, pile-deep, pile-table, bricks, \
+         bricks-still, tower, pyramid, load, arch, slab, debris, plate, nut, cradle, card-house (did you mean 'wall'?)"
     );
     let impact = Shot::find("impact").unwrap();
     assert!(matches!(impact.scene(&ShotOptions::default()), Err(ShotError::NeedsMesh("impact"))));

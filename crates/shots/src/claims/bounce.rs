@@ -1,8 +1,9 @@
 //! A ball falls and bounces.
 
 use super::scenes::{GRAVITY, METHODS, ball, world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle};
-use frangible::{BodyDesc, BuildError, Method, step};
+use frangible::{BodyDesc, BuildError, Method};
 
 /// With restitution 1 and with a half.
 pub(super) const BOUNCES: Claim = Claim {

@@ -1,8 +1,9 @@
 //! Kinematic bodies lift, turn and carry others.
 
 use super::scenes::{GRAVITY, METHODS, cube, cuboid, energy, position, run, world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
-use frangible::{BodyDesc, BuildError, Method, MotionDesc, Resolution, ShapeDesc, World, step};
+use frangible::{BodyDesc, BuildError, Method, MotionDesc, Resolution, ShapeDesc, World};
 use glam::{DQuat, DVec3};
 
 /// Up and down.

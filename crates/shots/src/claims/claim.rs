@@ -103,13 +103,3 @@ pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
         if most.is_nan() || value <= most { most } else { value }
     })
 }
-
-impl Claim {
-    /// Runs its scenes and says what it found. A scene that cannot be set up is a finding
-    /// that does not hold.
-    pub fn check(&self) -> Vec<Finding> {
-        (self.measure)().unwrap_or_else(|obstacle| {
-            vec![Finding::at_most(obstacle.to_string(), "1", f64::NAN, 0.0)]
-        })
-    }
-}

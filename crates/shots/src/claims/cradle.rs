@@ -1,8 +1,9 @@
 //! What balls in a row pass on.
 
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
-use crate::scenes::cradle::{ROW, SPEED, cradle};
-use frangible::{SceneDesc, World, step};
+use crate::scenes::cradle::{RADIUS, ROW, SPEED, cradle, row};
+use frangible::{SceneDesc, World};
 
 /// As many leave as came.
 pub(super) const CRADLE: Claim = Claim {
@@ -10,6 +11,14 @@ pub(super) const CRADLE: Claim = Claim {
     says: "of five balls that touch as many leave as strike them, and the others rest, as in Newton's cradle",
     source: "[SKV12]",
     measure: measured,
+};
+
+/// Long ones.
+pub(super) const ROWS: Claim = Claim {
+    name: "rows",
+    says: "in rows of 10 to 500 elastic balls, touching or apart, the last one takes the whole energy of the first",
+    source: "[SKV12]",
+    measure: rows,
 };
 
 /// Until the balls have struck and parted [frames].
@@ -121,6 +130,49 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
             gain,
             1e-9,
         ));
+    }
+    Ok(findings)
+}
+
+/// How many balls, what is between them [m], and how fast the first one comes [m/s].
+const ROWS_OF: [(&[usize], f64, &[f64]); 3] = [
+    (&[10, 34, 100, 500], 0.0, &[1.0, 10.0, 60.0, 100.0, 300.0]),
+    (&[10, 50], 1e-3, &[1.0, 10.0, 100.0]),
+    (&[10, 20], 1.0, &[10.0, 100.0]),
+];
+
+/// What a row may lose or gain, in units of what came.
+const ROUNDING: f64 = 1e-5;
+
+fn rows() -> Result<Vec<Finding>, Obstacle> {
+    let mut findings = Vec::new();
+    for (counts, gap, speeds) in ROWS_OF {
+        for &speed in speeds {
+            let (mut lost, mut gained, mut slowest) = (0.0_f64, 0.0_f64, f64::INFINITY);
+            for &count in counts {
+                let mut world = World::build(&row(count, gap, speed))?;
+                let came = world.energy().0;
+                // All gaps, of which each has closed when its ball has come that far.
+                let seconds = (gap * count as f64 + 2.0 * RADIUS) / speed;
+                for _ in 0..(seconds * 30.0).ceil() as u32 + 3 {
+                    step(&mut world);
+                    let kept = world.energy().0 / came;
+                    (lost, gained) = (lost.max(1.0 - kept), gained.max(kept - 1.0));
+                }
+                slowest = slowest.min(world.bodies().velocities[count - 1].linear.x / speed);
+            }
+            let of = format!("balls {gap} m apart at {speed} m/s");
+            findings.extend([
+                Finding::at_most(format!("energy lost, {of}"), "1", lost, ROUNDING),
+                Finding::at_most(format!("energy gained, {of}"), "1", gained, ROUNDING),
+                Finding::at_least(
+                    format!("speed of the last per that of the first, {of}"),
+                    "1",
+                    slowest,
+                    1.0 - ROUNDING,
+                ),
+            ]);
+        }
     }
     Ok(findings)
 }

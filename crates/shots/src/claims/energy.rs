@@ -2,11 +2,12 @@
 
 use super::random_scene::random_scene;
 use super::scenes::METHODS;
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use crate::scenes::SHOTS;
 use crate::shot::{Shot, ShotOptions};
 use frangible::bodies::{Rotation, StepSettings};
-use frangible::{BuildError, Method, SceneDesc, World, step};
+use frangible::{BuildError, Method, SceneDesc, World};
 
 /// Two hundred scenes.
 pub(super) const RANDOM_SCENES: Claim = Claim {

@@ -1,11 +1,12 @@
 //! What fits closely: pieces of a slab, a plate before a wall, a nut on its bolt.
 
 use super::scenes::{GRAVITY, run};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use crate::scenes::nut::{PITCH, nut};
 use crate::scenes::plate::plate;
 use crate::shot::{Shot, ShotOptions};
-use frangible::{World, step};
+use frangible::World;
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 

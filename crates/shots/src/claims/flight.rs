@@ -1,9 +1,10 @@
 //! What nothing touches loses nothing.
 
 use super::scenes::{METHODS, cuboid, free_world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use frangible::bodies::Inertia;
-use frangible::{BodyDesc, Method, step};
+use frangible::{BodyDesc, Method};
 use glam::{DQuat, DVec3};
 
 /// A thin box that spins fast.

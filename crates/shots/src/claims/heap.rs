@@ -1,9 +1,10 @@
 //! How heaps come to lie.
 
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle};
 use crate::scenes::piles::pile;
 use crate::shot::ShotOptions;
-use frangible::{World, step};
+use frangible::World;
 
 /// Rubble in a pit.
 pub(super) const HEAP: Claim = Claim {

@@ -1,6 +1,7 @@
 //! What the claims' scenes are made of.
 
-use frangible::{BodyDesc, BuildError, Method, Resolution, SceneDesc, ShapeDesc, World, step};
+use super::watch::step;
+use frangible::{BodyDesc, BuildError, Method, Resolution, SceneDesc, ShapeDesc, World};
 use glam::DVec3;
 
 /// Gravity of the scenes [m/s^2].

@@ -2,9 +2,10 @@
 
 use super::rolling::{RADIUS, ball_on_ground};
 use super::scenes::{METHODS, cube, cuboid, run, world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle};
 use crate::shot::{Shot, ShotOptions};
-use frangible::{BodyDesc, Method, World, step};
+use frangible::{BodyDesc, Method, World};
 use glam::DVec3;
 
 /// A heap at rest.

@@ -1,11 +1,12 @@
 //! What stands by its shape and by friction, and falls without.
 
 use super::scenes::ball;
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
 use crate::scenes::arch::{FRICTION as STONE, arch};
 use crate::scenes::card_house::{FRICTION as PAPER, card_house};
-use crate::scenes::towers::{LOAD_RATIO, load, pyramid, tower};
-use frangible::{BodyDesc, SceneDesc, World, step};
+use crate::scenes::towers::{LOAD_RATIO, load, pyramid, tower, with_company};
+use frangible::{BodyDesc, SceneDesc, World};
 use glam::DVec3;
 
 /// Up.
@@ -22,6 +23,14 @@ pub(super) const LOAD: Claim = Claim {
     says: "ten cubes bear one that is a thousand times as heavy as each of them for 10 s",
     source: "mechanics",
     measure: loads,
+};
+
+/// Or alone.
+pub(super) const COMPANY: Claim = Claim {
+    name: "company",
+    says: "a tower and a load on a slab that can move stand alike whether 300 cubes stand elsewhere on it or none",
+    source: "mechanics",
+    measure: companies,
 };
 
 /// Of stones.
@@ -93,6 +102,37 @@ fn loads() -> Result<Vec<Finding>, Obstacle> {
             &load(ratio),
             MOST_SWAY,
         )?);
+    }
+    Ok(findings)
+}
+
+/// What 300 cubes elsewhere may change of a drift [m].
+const MOST_CHANGE: f64 = 1e-3;
+
+fn companies() -> Result<Vec<Finding>, Obstacle> {
+    let mut findings = Vec::new();
+    let stand = [
+        ("a tower of 20", tower(20)),
+        ("a stack under a load of 100", load(100.0)),
+        ("a stack under a load of 1000", load(LOAD_RATIO)),
+    ];
+    for (name, scene) in stand {
+        let mut drifts = [0.0; 2];
+        for (drift, company) in drifts.iter_mut().zip([0, 300]) {
+            let count = scene.bodies.len();
+            let mut world = World::build(&with_company(scene.clone(), company))?;
+            let start = positions(&world, count);
+            for _ in 0..FRAMES {
+                step(&mut world);
+            }
+            let ways = positions(&world, count).into_iter().zip(&start);
+            *drift = largest(ways.map(|(now, then)| now.distance(*then)));
+        }
+        let [alone, in_company] = drifts;
+        let quantity = format!("largest drift of {name} beside 300 cubes");
+        findings.push(Finding::at_most(quantity, "m", in_company, MOST_SWAY));
+        let quantity = format!("the same less that of {name} alone");
+        findings.push(Finding::at_most(quantity, "m", (in_company - alone).abs(), MOST_CHANGE));
     }
     Ok(findings)
 }

@@ -1,8 +1,9 @@
 //! Bodies that collide in free space.
 
 use super::scenes::{METHODS, cuboid, free_world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
-use frangible::{BodyDesc, step};
+use frangible::BodyDesc;
 
 /// Two hundred of them.
 pub(super) const SWARM: Claim = Claim {

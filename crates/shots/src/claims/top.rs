@@ -1,8 +1,9 @@
 //! A top on its tip.
 
 use super::scenes::{GRAVITY, METHODS, world};
+use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle};
-use frangible::{BodyDesc, BuildError, Method, Resolution, ShapeDesc, World, step};
+use frangible::{BodyDesc, BuildError, Method, Resolution, ShapeDesc, World};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 

@@ -31,9 +31,9 @@ const WAY: f64 = 0.5;
 /// Of steel [kg/m^3].
 const DENSITY: f64 = 7800.0;
 
-/// Balls that touch each other on smooth ground, struck along their row by some more of them.
-pub(crate) fn cradle(strikers: usize, restitution: f64) -> SceneDesc {
-    let ball = |place: f64, speed: f64| BodyDesc {
+/// A smooth one that lies at a place along the row [m], and its speed [m/s].
+fn ball(place: f64, speed: f64, restitution: f64) -> BodyDesc {
+    BodyDesc {
         position: [place, RADIUS, 0.0],
         linear_velocity: [speed, 0.0, 0.0],
         density: DENSITY,
@@ -44,7 +44,21 @@ pub(crate) fn cradle(strikers: usize, restitution: f64) -> SceneDesc {
             "ball",
             ShapeDesc::Sphere { radius: RADIUS, resolution: Resolution::default() },
         )
+    }
+}
+
+/// Balls `gap` apart [m] in free space, of which the first one moves [m/s].
+pub(crate) fn row(count: usize, gap: f64, speed: f64) -> SceneDesc {
+    let at = |number: usize| {
+        let comes = if number == 0 { speed } else { 0.0 };
+        ball((2.0 * RADIUS + gap) * number as f64, comes, 1.0)
     };
+    SceneDesc { bodies: (0..count).map(at).collect(), gravity: [0.0; 3], ..SceneDesc::new("") }
+}
+
+/// Balls that touch each other on smooth ground, struck along their row by some more of them.
+pub(crate) fn cradle(strikers: usize, restitution: f64) -> SceneDesc {
+    let ball = |place: f64, speed: f64| ball(place, speed, restitution);
     let mut scene = SceneDesc::new("");
     scene.bodies.push(BodyDesc::ground(0.0));
     let strikes = |number: usize| ball(-WAY - 2.0 * RADIUS * (strikers - number) as f64, SPEED);

@@ -24,16 +24,6 @@ pub(crate) const DEEP: Shot = Shot {
     build: |options| pile([24, 16, 24], true, options),
 };
 
-/// A wall without mortar, and what comes against it.
-pub(crate) const BRICKS: Shot = Shot {
-    name: "bricks",
-    caption: "a ball flies into a wall of 1000 loose bricks",
-    frames: 150,
-    takes_mesh: false,
-    is_large: true,
-    build: bricks,
-};
-
 /// Points of a piece, before those inside of their hull are left out.
 const POINTS: usize = 14;
 
@@ -99,39 +89,4 @@ fn piece(random: &mut Random) -> ShapeDesc {
     };
     let points = (0..POINTS).map(|_| point(random)).collect();
     ShapeDesc::Hull { points, resolution: Resolution::default() }
-}
-
-/// Of a brick [m].
-const BRICK: [f64; 3] = [0.25, 0.065, 0.12];
-
-/// Courses of the wall, and bricks in each.
-const COURSES: [usize; 2] = [25, 40];
-
-/// Of the ball [m], and its speed [m/s].
-const BALL: [f64; 2] = [0.3, 15.0];
-
-fn bricks(_: &ShotOptions) -> Result<SceneDesc, ShotError> {
-    let mut scene = SceneDesc::new("");
-    scene.bodies.push(BodyDesc::ground(0.0));
-    let [courses, count] = COURSES;
-    for number in 0..courses * count {
-        let (course, place) = (number / count, number % count);
-        // Every other course is shifted by half a brick.
-        let along = place as f64 - 0.5 * (count as f64 - 1.0) + 0.5 * (course % 2) as f64;
-        let brick = ShapeDesc::Box { size: BRICK, resolution: Resolution::default() };
-        scene.bodies.push(BodyDesc {
-            position: [along * BRICK[0], (course as f64 + 0.5) * BRICK[1], 0.0],
-            density: 1900.0,
-            friction: 0.6,
-            ..BodyDesc::new("brick", brick)
-        });
-    }
-    let [radius, speed] = BALL;
-    scene.bodies.push(BodyDesc {
-        position: [0.0, 0.6 * courses as f64 * BRICK[1], 1.0 + radius],
-        linear_velocity: [0.0, 0.0, -speed],
-        density: 2600.0,
-        ..BodyDesc::new("ball", ShapeDesc::Sphere { radius, resolution: Resolution::default() })
-    });
-    Ok(scene)
 }

@@ -94,3 +94,36 @@ pub(crate) fn load(ratio: f64) -> SceneDesc {
     };
     on_ground((0..BEARERS).map(wood).chain([load]))
 }
+
+/// Of the slab that others stand on, too, and from one of them to the next [m].
+const SLAB: [f64; 3] = [60.0, 0.5, 60.0];
+const APART: f64 = 2.6;
+
+/// Of the slab [kg/m^3].
+const SLAB_DENSITY: f64 = 100.0;
+
+/// Columns of the field of others, which has as many rows; none stands in the middle.
+const FIELD: usize = 21;
+
+/// A tower, or what else stands on the ground, on a slab that can move, and `count` small cubes
+/// beside it, which come last.
+pub(crate) fn with_company(mut scene: SceneDesc, count: usize) -> SceneDesc {
+    for body in &mut scene.bodies[1..] {
+        body.position[1] += SLAB[1];
+    }
+    let box_of = |size: [f64; 3]| ShapeDesc::Box { size, resolution: Resolution::default() };
+    scene.bodies.push(BodyDesc {
+        position: [0.0, 0.5 * SLAB[1], 0.0],
+        density: SLAB_DENSITY,
+        ..BodyDesc::new("slab", box_of(SLAB))
+    });
+    let edge = 0.3;
+    let along = |place: usize| APART * (place as f64 - 0.5 * (FIELD as f64 - 1.0));
+    let places = (0..FIELD * FIELD).map(|number| (along(number / FIELD), along(number % FIELD)));
+    let places = places.filter(|(x, z)| x.abs().max(z.abs()) > 2.5 * APART);
+    scene.bodies.extend(places.take(count).map(|(x, z)| BodyDesc {
+        position: [x, SLAB[1] + 0.5 * edge, z],
+        ..BodyDesc::new("cube", box_of([edge; 3]))
+    }));
+    scene
+}
