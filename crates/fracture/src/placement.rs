@@ -25,7 +25,7 @@ impl Placement {
     }
 
     /// The point of the pattern frame whose image is a point of the grid frame [m].
-    pub fn pattern_from_grid(&self, point_grid: DVec3) -> DVec3 {
+    pub(crate) fn pattern_from_grid(&self, point_grid: DVec3) -> DVec3 {
         let turned = self.grid_from_pattern.transpose() * (point_grid - self.point_grid);
         self.center_pattern + turned / self.scale
     }

@@ -326,7 +326,7 @@ impl GridSolid {
 
     /// Signed distance [m] and its gradient, not normalised, at a point of [`GridSolid::grid`] in
     /// lattice units.
-    pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
+    pub(crate) fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
         // Beyond its grid a part has lost planes that no node of it sees: there the way to the grid
         // counts at least.
         let beyond = self.beyond(lattice);

@@ -136,7 +136,7 @@ impl Hull {
 
     /// The two ends of an edge [m].
     #[inline]
-    pub fn edge_ends(&self, edge: usize) -> [DVec3; 2] {
+    pub(crate) fn edge_ends(&self, edge: usize) -> [DVec3; 2] {
         self.net.edges()[edge].vertices.map(|vertex| self.vertices[vertex as usize])
     }
 

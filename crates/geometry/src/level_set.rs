@@ -105,7 +105,7 @@ impl LevelSet {
     /// Signed distance [m] and the analytic gradient of the trilinear interpolant, not normalised
     /// (clamped to the grid), at a point in lattice units.
     #[inline]
-    pub fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
+    pub(crate) fn value_and_gradient_at_lattice(&self, lattice: Vec3) -> (f32, Vec3) {
         let (c, [u, v, w]) = self.corners(lattice);
         let x00 = lerp(c[0], c[1], u);
         let x10 = lerp(c[2], c[3], u);

@@ -165,7 +165,7 @@ pub struct Material {
 
 impl Material {
     /// From the distance at each node and the fraction of its voxel that is material.
-    pub fn from_nodes(level_set: &LevelSet, coverage: &[f32]) -> Self {
+    pub(crate) fn from_nodes(level_set: &LevelSet, coverage: &[f32]) -> Self {
         let grid = level_set.grid();
         let width = grid.dims[0];
         let rows = level_set.phi().chunks(width).zip(coverage.chunks(width)).enumerate();
@@ -181,7 +181,7 @@ impl Material {
     }
 
     /// From spans with their rows, in order; what goes on in the same way is joined.
-    pub fn from_rows(rows: usize, spans: impl Iterator<Item = (usize, Span)>) -> Self {
+    pub(crate) fn from_rows(rows: usize, spans: impl Iterator<Item = (usize, Span)>) -> Self {
         let mut material = Self { spans: Vec::new(), first_of_row: Vec::with_capacity(rows + 1) };
         for (row, span) in spans {
             if material.first_of_row.len() <= row {

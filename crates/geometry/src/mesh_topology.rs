@@ -95,7 +95,7 @@ impl TriMesh {
     }
 
     /// Removes triangles without area, and vertices that no triangle uses.
-    pub fn drop_unused(&mut self) {
+    pub(crate) fn drop_unused(&mut self) {
         let kept = (0..self.triangles.len()).filter(|&triangle| self.has_area(triangle));
         let kept: Vec<[u32; 3]> = kept.map(|triangle| self.triangles[triangle]).collect();
         self.triangles = kept;

@@ -58,7 +58,7 @@ impl Run {
     }
 
     /// Whether nodes from `start` on, of a row, follow this run's.
-    pub fn is_followed_by(&self, row: [u32; 2], start: u32) -> bool {
+    pub(crate) fn is_followed_by(&self, row: [u32; 2], start: u32) -> bool {
         self.row == row && self.end == start
     }
 

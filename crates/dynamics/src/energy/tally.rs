@@ -122,7 +122,7 @@ impl Debt {
 impl Tally {
     /// Books an impulse on a pair whose bodies have `velocities` before it acts, at the poses of
     /// `bodies`. `cause` is that of its normal part.
-    pub fn book_impulse(
+    pub(crate) fn book_impulse(
         &mut self,
         bodies: &Bodies,
         pair: Pair,
@@ -151,7 +151,7 @@ impl Tally {
 
     /// Books what `other`, if it is static or kinematic, gave to `body`, if it is dynamic: an
     /// impulse [N s], its moment about the world's origin [kg m^2/s], and the work [J].
-    pub fn book_outside(
+    pub(crate) fn book_outside(
         &mut self,
         bodies: &Bodies,
         [body, other]: [usize; 2],

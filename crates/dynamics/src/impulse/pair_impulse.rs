@@ -120,13 +120,13 @@ impl PairImpulse {
     }
 
     /// Whether nothing acts.
-    pub fn is_zero(&self) -> bool {
+    pub(crate) fn is_zero(&self) -> bool {
         self.at_contact == DVec3::ZERO
     }
 
     /// With levers of another time level, two dynamic bodies at the poses of `bodies` would gain or
     /// lose angular momentum; this adds the rigid rotation of the pair that makes up for it.
-    pub fn keeping_angular_momentum(mut self, bodies: &Bodies, pair: Pair) -> Self {
+    pub(crate) fn keeping_angular_momentum(mut self, bodies: &Bodies, pair: Pair) -> Self {
         let [first, second] = [pair.first, pair.second];
         if bodies.inertias[first].is_infinite() || bodies.inertias[second].is_infinite() {
             return self;
@@ -149,7 +149,7 @@ impl PairImpulse {
 
     /// The part that does not raise the pair's kinetic energy in the non-split state at the poses
     /// of `bodies` and `velocities` [Su09 sec. 3.2].
-    pub fn clamped_to_energy(
+    pub(crate) fn clamped_to_energy(
         &self,
         bodies: &Bodies,
         pair: Pair,
@@ -169,7 +169,7 @@ impl PairImpulse {
 
     /// What it adds to the kinetic energy of the pair at the poses of `bodies` and `velocities`,
     /// beyond a kinematic body's work [J].
-    pub fn energy_given(
+    pub(crate) fn energy_given(
         &self,
         bodies: &Bodies,
         pair: Pair,
@@ -182,7 +182,7 @@ impl PairImpulse {
 
     /// The part of it by friction: the tangential impulse times the mean of the slip before and
     /// after [J].
-    pub fn energy_of_friction(
+    pub(crate) fn energy_of_friction(
         &self,
         bodies: &Bodies,
         pair: Pair,

@@ -101,7 +101,7 @@ impl<'a> Contact<'a> {
     }
 
     /// One sweep over the pairs of a level; tells for each whether an impulse was applied.
-    pub fn sweep_level(
+    pub(crate) fn sweep_level(
         &mut self,
         level: &Level,
         restitution: f64,

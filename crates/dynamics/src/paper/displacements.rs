@@ -28,7 +28,7 @@ struct Gain {
 
 /// How a pair was pushed apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Push {
+pub(crate) struct Push {
     /// Where, in the world frame [m].
     pub point: DVec3,
     /// Over its mass, how far the first body was displaced; the second by the opposite [kg m].
@@ -39,7 +39,7 @@ pub struct Push {
 
 impl Displacements {
     /// Books that a pair was pushed, as far as `inertias` let its bodies move.
-    pub fn book(&mut self, bodies: &Bodies, pair: Pair, push: &Push, inertias: &[Inertia]) {
+    pub(crate) fn book(&mut self, bodies: &Bodies, pair: Pair, push: &Push, inertias: &[Inertia]) {
         let gain = self.gains.entry(pair).or_default();
         for (i, amount) in [(pair.first, push.amount), (pair.second, -push.amount)] {
             if !inertias[i].is_infinite() {
