@@ -12,6 +12,7 @@ use crate::contact_cache::kept::KeptPoint;
 use crate::contact_cache::lookup::{NOWHERE, Passing, firsts};
 use crate::contact_cache::prefetch::{Ahead, Seen};
 use crate::manifold::list::{Found, Manifolds};
+use crate::narrow_phase::core::core_point;
 use crate::narrow_phase::encounter::Encounter;
 use crate::narrow_phase::finder::ManifoldFinder;
 use crate::narrow_phase::hull_hull::approach::hull_points;
@@ -241,6 +242,7 @@ impl Share<'_> {
             }
             _ => None,
         };
+        core_point(&encounter, solids, points);
         let begin = self.kept.points.len();
         let normal_of = |seen: &HullPoint| match solids[0] {
             Solid::Ground(ground) => -ground.normal,

@@ -2,6 +2,7 @@
 
 pub(crate) mod compound;
 pub(crate) mod convex_pairs;
+pub(crate) mod core;
 pub(crate) mod encounter;
 pub(crate) mod finder;
 pub(crate) mod hull_hull;

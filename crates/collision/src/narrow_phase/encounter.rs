@@ -24,8 +24,10 @@ pub struct Encounter<'a> {
     pub(crate) flights: [&'a Flight; 2],
     /// The frame.
     pub frame: &'a Frame,
-    /// No two points of the pair move faster against each other at any time of the frame [m/s].
+    /// No two points of the pair move faster against each other on these ways [m/s].
     pub most_speed: f64,
+    /// Nor by more than this beyond it if they are struck [m/s].
+    pub(crate) faster: f64,
     /// What is this near may meet within the frame although it rests now: it may fall, or be struck
     /// [m].
     pub near: f64,
@@ -44,6 +46,9 @@ pub struct Encounter<'a> {
 /// With a tenth of it eleven shots end in the same bits.
 const BESIDE: f64 = 1e-2;
 
+/// And no further than this part of its own body's thickness, which a longer step goes through.
+const THROUGH: f64 = 0.25;
+
 impl<'a> Encounter<'a> {
     /// Of a pair whose bodies fly as told.
     #[inline]
@@ -59,6 +64,7 @@ impl<'a> Encounter<'a> {
             flights,
             frame,
             most_speed,
+            faster: 0.0,
             near,
             reach,
             search: reach,
@@ -72,7 +78,7 @@ impl<'a> Encounter<'a> {
     pub fn struck(self, faster: f64) -> Self {
         let further = faster * self.frame.dt;
         let (near, reach) = (self.near + further, self.reach + further);
-        Self { near, reach, search: reach, most_speed: self.most_speed + faster, ..self }
+        Self { near, reach, search: reach, faster, ..self }
     }
 
     /// Its bodies where they are at the frame's start.
@@ -97,7 +103,7 @@ impl<'a> Encounter<'a> {
     /// strike.
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
-        self.most_speed > self.frame.strike_speed()
+        self.most_speed + self.faster > self.frame.strike_speed()
     }
 
     /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed,
@@ -116,7 +122,8 @@ impl<'a> Encounter<'a> {
         let [first, second] = self.placed();
         let (own, outward) =
             if sample_of_first { (first, contact.normal) } else { (second, -contact.normal) };
-        let step = BESIDE * self.size;
+        let (low, high) = own.shape.bounds;
+        let step = (BESIDE * self.size).min(THROUGH * (high - low).min_element());
         let body_from_world = own.pose.world_from_body().inverse();
         let distance =
             |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;

@@ -6,6 +6,7 @@ use crate::manifold::list::{Found, Manifolds};
 use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
 use crate::narrow_phase::compound::{compound_points, few};
 use crate::narrow_phase::convex_pairs::exact_points;
+use crate::narrow_phase::core::core_point;
 use crate::narrow_phase::encounter::Encounter;
 use crate::narrow_phase::hull_hull::room::Room;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
@@ -81,6 +82,7 @@ impl ManifoldFinder {
                 chosen.into_iter().map(|index| candidates[index].point(encounter)).collect();
             points.extend(few(encounter, &chosen, room));
         }
+        core_point(encounter, solids, points);
         (!points.is_empty()).then_some(Manifold { pair, points })
     }
 

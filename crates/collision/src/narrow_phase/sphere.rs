@@ -91,11 +91,11 @@ impl BallContact<'_> {
             let time = gap.time + CAUTION * gap.phi / most_speed;
             let parts = self.parting(&gap) >= 0.0;
             if time > dt || parts {
-                break;
+                return self.nearest(gap);
             }
             gap = self.gap(time);
         }
-        self.nearest(gap)
+        gap
     }
 
     /// The instant from one on at which they begin to part, by bisection, or the frame's end.

@@ -18,15 +18,6 @@ use glam::DVec3;
 /// overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
-/// For two hulls that move this far against each other in the frame, spin included, and only pass,
-/// one point does; relative to the smaller hull's size. It is found anew in each frame; what is
-/// slower keeps its points, and needs all of them. With all points for all of them falling heaps
-/// have the same overlaps in the same time.
-const PASSING: f64 = 0.3;
-
-/// What is nearer than this, relative to the smaller hull's size, has all of its points.
-const STALE: f64 = 0.12;
-
 /// Two hulls on their ballistic ways through a frame.
 struct Approach<'a> {
     encounter: &'a Encounter<'a>,
@@ -76,13 +67,12 @@ impl<'a> Approach<'a> {
     /// When they meet, with their points in `room`: at the frame's start if they are near then,
     /// else when they come near (conservative advancement along separating axes [Mir96]). If they
     /// pass each other, when an axis that keeps them apart is found: their points hold in case that
-    /// others push them, or only the one nearest to the best face if they are fast, and far apart
-    /// until then. If they are too far apart to be looked for, how far they are at the frame's
+    /// others push them. If they are too far apart to be looked for, how far they are at the frame's
     /// start, if that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
-        let Encounter { size, near, reach, search, frame, .. } = *self.encounter;
+        let Encounter { size, search, frame, .. } = *self.encounter;
         let (mut time, enough) = (0.0, NEAR * size);
-        let (mut steps_left, mut is_far_at_start) = (MOST_STEPS, reach - near > PASSING * size);
+        let mut steps_left = MOST_STEPS;
         loop {
             // Faces say how far they may go, until they no longer do.
             let poses =
@@ -111,16 +101,6 @@ impl<'a> Approach<'a> {
                 time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
-            is_far_at_start &= time > 0.0 || apart.gap > STALE * size;
-            if is_passing && is_far_at_start && apart.gap > STALE * size {
-                // What others push that far is looked at again before it can meet anything.
-                pair.over_face(&axes, apart, room);
-                let instant =
-                    Instant { time, world_from_first, pair, contact: apart, lasts: false };
-                if room.points.iter().all(|point| self.can_touch(&instant, point)) {
-                    return Ok(instant);
-                }
-            }
             if apart.gap <= enough || is_passing || steps_left == 0 {
                 let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
@@ -149,12 +129,15 @@ impl<'a> Approach<'a> {
         if instant.time == 0.0 {
             return true;
         }
-        let [on_first, on_second] = [
-            self.encounter.flights[0].start.world_from_body().point(point.on[0]),
-            self.encounter.flights[1].start.world_from_body().point(instant.on_second(point)),
-        ];
-        let normal = instant.world_from_first.direction(point.normal);
-        (on_first - on_second).dot(normal) >= point.gap.min(0.0)
+        self.gap_at_start(instant, point) >= point.gap.min(0.0)
+    }
+
+    /// Along the normal that the point has at that instant [m].
+    fn gap_at_start(&self, instant: &Instant, point: &HullPoint) -> f64 {
+        let [first, second] = self.encounter.flights;
+        let on_first = first.start.world_from_body().point(point.on[0]);
+        let on_second = second.start.world_from_body().point(instant.on_second(point));
+        (on_first - on_second).dot(instant.world_from_first.direction(point.normal))
     }
 
     fn manifold_point(&self, instant: &Instant, point: &HullPoint) -> ManifoldPoint {
@@ -173,7 +156,7 @@ impl<'a> Approach<'a> {
             normal,
             sample: point.feature.sample(self.hulls[1].edges().len()),
             approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
-            gap: point.gap,
+            gap: self.gap_at_start(instant, point),
         }
     }
 }

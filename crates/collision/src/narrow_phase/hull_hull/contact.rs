@@ -156,23 +156,6 @@ impl HullPair<'_> {
         (gap <= most).then_some(HullContact { normal: point.normal, gap })
     }
 
-    /// Puts the point of the one hull that is nearest to the best face of the other into `room`.
-    pub(crate) fn over_face(&self, axes: &[FaceAxis; 2], apart: HullContact, room: &mut Room) {
-        let [first, second] = self.views();
-        let HullContact { normal, gap } = apart;
-        let (on, feature) = if axes[1].separation > axes[0].separation {
-            let vertex = axes[1].vertex;
-            let point = first.vertex(vertex);
-            ([point, point - gap * normal], Feature::VertexOfFirst(vertex as u32))
-        } else {
-            let vertex = axes[0].vertex;
-            let point = second.vertex(vertex);
-            ([point + gap * normal, point], Feature::VertexOfSecond(vertex as u32))
-        };
-        room.points.clear();
-        room.points.push(HullPoint { on, normal, gap, feature });
-    }
-
     /// Puts the points of one hull's face into `room`.
     fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, room: &mut Room) {
         let [a, b] = self.views();
