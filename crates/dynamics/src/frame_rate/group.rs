@@ -3,7 +3,7 @@
 use super::constraints::{Constraint, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
-use super::restitution::{Stamps, propagate_impacts};
+use super::restitution::{Timeline, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
@@ -92,7 +92,7 @@ impl<I: Instructions> Group<I> {
         };
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.slabs.iter().flat_map(|slab| &slab.batches).any(bounces);
-        let mut stamps = Stamps::new(&self.bodies);
+        let mut timeline = Timeline::new(&self.bodies);
         self.sweep(
             #[inline(always)]
             |batch, lines| batch.prepare(lines),
@@ -103,7 +103,7 @@ impl<I: Instructions> Group<I> {
                 let Self { slabs, bodies, .. } = self;
                 I::run(
                     #[inline(always)]
-                    || propagate_impacts(slabs, bodies, &mut stamps, &substep),
+                    || propagate_impacts(slabs, bodies, &mut timeline, &substep),
                 );
             }
             self.sweep(

@@ -64,15 +64,17 @@ impl IslandGroups {
         let forgets = libm::exp2(-frame.dt / HALF_LIFE) as f32;
         let (mut bundles, mut open): (Vec<Bundle>, BTreeMap<u32, usize>) = Default::default();
         let mut substeps = vec![Substeps::default(); bodies.len()];
+        let mut is_counted = vec![[false; 2]; bodies.len()];
         for island in islands {
-            let height = height(bodies, island.iter().map(|&number| manifolds[number].pair), frame);
+            let pairs = island.iter().map(|&number| manifolds[number].pair);
+            let stack = Stack::of(bodies, pairs, &mut is_counted, frame);
             let (mut needed, mut last) = (0.0_f64, Substeps::default());
             for &number in &island {
                 let manifold = &manifolds[number];
                 needed = needed.max(substeps_of_pair(
                     bodies,
                     manifold,
-                    (carried[number], height),
+                    (carried[number], &stack),
                     frame,
                 ));
                 for i in manifold.pair.both().into_iter().filter(|&i| !is_fixed[i]) {
@@ -122,14 +124,43 @@ fn islands(is_fixed: &[bool], manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     islands
 }
 
-/// How far the centres of some movable bodies are apart along gravity [m].
-fn height(bodies: &Bodies, pairs: impl Iterator<Item = Pair>, frame: &Frame) -> f64 {
-    let Some(down) = frame.gravity.try_normalize() else { return 0.0 };
-    let movable = pairs.flat_map(Pair::both).filter(|&i| !bodies.inertias[i].is_infinite());
-    let depths = movable.map(|i| down.dot(bodies.poses[i].position));
-    let (low, high) = depths
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
-    (high - low).max(0.0)
+/// What an island is as a stack.
+struct Stack {
+    /// How far the centres of its bodies are apart along gravity [m].
+    height: f64,
+    /// Its weight per mass of what touches fixed bodies [m/s^2]: the contacts of those carry as
+    /// much on average once all is at rest. New ones do not know what they will carry.
+    ground_load: f64,
+}
+
+impl Stack {
+    /// `is_counted` says of each body whether it counts already, in an island and on the ground.
+    fn of(
+        bodies: &Bodies,
+        pairs: impl Iterator<Item = Pair>,
+        is_counted: &mut [[bool; 2]],
+        frame: &Frame,
+    ) -> Self {
+        let down = frame.gravity.normalize_or_zero();
+        let (mut low, mut high, mut masses) = (f64::INFINITY, f64::NEG_INFINITY, [0.0; 2]);
+        for pair in pairs {
+            let is_fixed = pair.both().map(|i| bodies.inertias[i].is_infinite());
+            for side in (0..2).filter(|&side| !is_fixed[side]) {
+                let i = pair.both()[side];
+                let depth = down.dot(bodies.poses[i].position);
+                (low, high) = (low.min(depth), high.max(depth));
+                for (of, counts) in [true, is_fixed[1 - side]].into_iter().enumerate() {
+                    if counts && !std::mem::replace(&mut is_counted[i][of], true) {
+                        masses[of] += bodies.masses[i];
+                    }
+                }
+            }
+        }
+        let [all, on_ground] = masses;
+        let gravity = frame.gravity.length();
+        let ground_load = if on_ground > 0.0 { gravity * all / on_ground } else { 0.0 };
+        Self { height: (high - low).max(0.0), ground_load }
+    }
 }
 
 /// A power of two, for so many manifolds.
@@ -157,7 +188,7 @@ pub(super) fn count(needed: f32, last: u32, manifolds: usize, frame: &Frame) -> 
 fn substeps_of_pair(
     bodies: &Bodies,
     Manifold { pair, points, .. }: &Manifold,
-    (carried, height): (&[Carried], f64),
+    (carried, stack): (&[Carried], &Stack),
     frame: &Frame,
 ) -> f64 {
     let both = [pair.first, pair.second];
@@ -174,8 +205,11 @@ fn substeps_of_pair(
         let towards_lighter = if first_is_heavier { -point.normal } else { point.normal };
         frame.gravity.dot(towards_lighter)
     });
-    let load = (force / lightest).max(heaviest / lightest * down.fold(0.0, f64::max));
-    let depth = (RESTING_DEPTH * size).min(LEANING_DEPTH * size * size / height);
+    let mut load = (force / lightest).max(heaviest / lightest * down.fold(0.0, f64::max));
+    if movable().count() == 1 {
+        load = load.max(stack.ground_load);
+    }
+    let depth = (RESTING_DEPTH * size).min(LEANING_DEPTH * size * size / stack.height);
     let at_rest = (load / depth).sqrt() / frequency;
     at_rest.max(presses(bodies, both, points) / frequency)
 }
