@@ -39,7 +39,7 @@ fn shapes() -> [(&'static str, ShapeDesc); 4] {
     [
         ("a cube", cube(SIZE)),
         ("a ball", ball(half)),
-        ("a prism", ShapeDesc::Hull { points, resolution: resolution.clone() }),
+        ("a prism", ShapeDesc::Hull { points, resolution }),
         ("a cylinder", ShapeDesc::Cylinder { radius: half, height: SIZE, resolution }),
     ]
 }

@@ -41,11 +41,10 @@ fn shapes() -> [(&'static str, ShapeDesc); 5] {
     let half = 0.5 * SIZE;
     let tip = |number: usize| {
         let mut point = [0.0; 3];
-        point[number / 2] = if number % 2 == 0 { half } else { -half };
+        point[number / 2] = if number.is_multiple_of(2) { half } else { -half };
         point
     };
-    let hull =
-        ShapeDesc::Hull { points: (0..6).map(tip).collect(), resolution: resolution.clone() };
+    let hull = ShapeDesc::Hull { points: (0..6).map(tip).collect(), resolution };
     [
         ("balls", ball(half)),
         ("cubes", cube(SIZE)),

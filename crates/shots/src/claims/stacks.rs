@@ -96,7 +96,7 @@ fn prism(sides: u32) -> ShapeDesc {
     let corner = |number: u32| {
         let turned = f64::from(number / 2) * std::f64::consts::TAU / f64::from(sides);
         let (sine, cosine) = libm::sincos(turned);
-        [0.5 * cosine, if number % 2 == 0 { 0.5 } else { -0.5 }, 0.5 * sine]
+        [0.5 * cosine, if number.is_multiple_of(2) { 0.5 } else { -0.5 }, 0.5 * sine]
     };
     let points = (0..2 * sides).map(corner).collect();
     ShapeDesc::Hull { points, resolution: Resolution::default() }
