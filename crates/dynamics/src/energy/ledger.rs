@@ -14,7 +14,7 @@ use crate::energy::island::{Anchor, Ballistic, Island, energies, energy, magnitu
 use crate::energy::islands::Islands;
 use crate::energy::payment::{pay, restrain};
 use crate::energy::take_out::take_out;
-use crate::energy::tally::{Debt, Tally};
+use crate::energy::tally::{Cause, Debt, Tally};
 use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
 
@@ -141,6 +141,8 @@ impl Ledger {
             // Closing overlaps is excepted from gain, as far as it was needed.
             let needed = (after - island.allowance - island.bank).max(0.0).min(island.recovered);
             tally.recovery += needed;
+            tally.causes.add(Cause::Projection, needed);
+            tally.causes.add(Cause::Contact, -needed);
             let left = island.allowance + island.bank + needed - after;
             let cap = frame.settings.bank_cap * mass;
             // An island with a body whose numbers went bad has nothing to keep.

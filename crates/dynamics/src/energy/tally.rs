@@ -45,7 +45,7 @@ pub struct Causes {
     pub contact: f64,
     /// Coulomb's, rolling and spinning friction.
     pub friction: f64,
-    /// Moving bodies out of each other.
+    /// Moving bodies out of each other, as far as it stayed.
     pub projection: f64,
     /// Breaking, booked by whoever breaks bodies.
     pub fracture: f64,
@@ -169,9 +169,9 @@ impl Tally {
         }
     }
 
-    /// Books the work of closing the overlaps of a pair in a frame [J].
+    /// Notes the work of closing the overlaps of a pair in a frame [J]: the ledger books what its
+    /// island kept of it.
     pub(crate) fn recover(&mut self, bodies: &Bodies, pair: Pair, energy: f64) {
-        self.causes.add(Cause::Projection, energy);
         self.recovered.push((pair.ids(bodies), energy));
     }
 

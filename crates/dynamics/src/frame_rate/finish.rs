@@ -189,7 +189,7 @@ pub(super) fn close_islands(
         }
     }
     let Tally { causes, .. } = &mut solved.tally;
-    let known = causes.work + causes.friction + causes.projection;
+    let known = causes.work + causes.friction;
     causes.add(Cause::Contact, given - known);
 }
 

@@ -362,7 +362,6 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let twist = (self.twist - twist_inertia * n.dot(spin)).min(most).max(-most);
         let mut torque = n * (twist - self.twist);
-        self.friction_work = self.friction_work + twist * n.dot(spin);
         self.twist = twist;
         if let Some(rolling) = &mut self.rolling {
             let slip = [spin.dot(tangents[0]), spin.dot(tangents[1])];
@@ -371,11 +370,18 @@ impl<I: Instructions> ContactBatch<I> {
             torque = torque
                 + tangents[0] * (impulse[0] - rolling.impulse[0])
                 + tangents[1] * (impulse[1] - rolling.impulse[1]);
-            self.friction_work = self.friction_work + impulse[0] * slip[0] + impulse[1] * slip[1];
             rolling.impulse = impulse;
         }
         sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
         sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
+        // What was carried may have overshot: work is done at what is left of the slip.
+        let spin = sides.of[1].angular - sides.of[0].angular;
+        self.friction_work = self.friction_work + twist * n.dot(spin);
+        if let Some(rolling) = &self.rolling {
+            let [along, across] = rolling.impulse;
+            let torque = tangents[0] * along + tangents[1] * across;
+            self.friction_work = self.friction_work + torque.dot(spin);
+        }
 
         let centers =
             if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
@@ -389,9 +395,10 @@ impl<I: Instructions> ContactBatch<I> {
             friction = [self.friction[0] + change[0], self.friction[1] + change[1]];
         }
         let change = tangents[0] * change[0] + tangents[1] * change[1];
-        self.friction_work = self.friction_work + friction[0] * slip[0] + friction[1] * slip[1];
         self.friction = friction;
         sides.push_at(centers, change);
+        let force = tangents[0] * friction[0] + tangents[1] * friction[1];
+        self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
     }
 
     /// Adds the work that kinematic bodies do by the impulses of a substep, or of impacts.
