@@ -89,7 +89,9 @@ fn the_causes_add_up_to_the_change_of_the_energy() {
             ("friction", total.friction),
             ("projection", total.projection),
         ] {
-            assert!(cause > 1e-6 * scale, "{method:?}: {name} is in play");
+            // Closing the overlaps of the frame-rate method leaves nothing behind here.
+            let is_in_play = name != "projection" || method == Method::Paper;
+            assert_eq!(cause > 1e-6 * scale, is_in_play, "{method:?}: {name}, {cause} J");
         }
     }
 }
