@@ -110,7 +110,10 @@ impl Source<'_> {
             let mut count = 0;
             for next in first..points.len() {
                 let has_room = !is_done[next] && count < MOST_POINTS;
-                if has_room && points[first].normal.dot(points[next].normal) > SAME_NORMAL {
+                // Friction acts in the middle of a constraint: corners and cores are apart.
+                let of_one_kind = points[first].rounding == points[next].rounding;
+                let is_along = points[first].normal.dot(points[next].normal) > SAME_NORMAL;
+                if has_room && of_one_kind && is_along {
                     is_done[next] = true;
                     numbers[count] = next;
                     count += 1;
