@@ -386,14 +386,6 @@ fn a_fast_brick_that_passes_another_does_not_feel_it() {
     }
 }
 
-/// What passes far away has one point; what could be pushed into the other before anybody looks
-/// again has more.
-#[test]
-fn what_passes_at_a_distance_has_one_point() {
-    assert_eq!(gaps(&flying(0.3)).len(), 1);
-    assert!(gaps(&flying(0.01)).len() > 1);
-}
-
 #[test]
 fn a_fast_brick_that_hits_another_does_feel_it() {
     for aside in [-0.002, -0.01, -0.1, -0.4] {
