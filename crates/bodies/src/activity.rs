@@ -1,11 +1,11 @@
-//! What a body did in the last frames.
+//! The activity of a body in the last frames.
 
-/// What a body did in the last frames.
+/// The activity of a body in the last frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Activity {
     /// Of its island in the last frame.
     pub substeps: Substeps,
-    /// What decides whether it sleeps.
+    /// Its calm and its sleep.
     pub drowsiness: Drowsiness,
 }
 
@@ -25,7 +25,7 @@ impl Substeps {
     }
 }
 
-/// What decides whether a body sleeps, from frame to frame.
+/// The calm of a body, by which it falls asleep, from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drowsiness {
     /// In so many frames, one after the other, it has been slow, and has touched the same others,
@@ -33,6 +33,6 @@ pub struct Drowsiness {
     pub slow_for: u32,
     /// Those others, as a number: the sum of one for each.
     pub touching: u64,
-    /// Whether it slept in the last frame.
+    /// True if it slept in the last frame.
     pub is_asleep: bool,
 }

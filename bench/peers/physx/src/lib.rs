@@ -5,7 +5,7 @@ use peer_pile::{Body, Engine, Pile, Shape, State};
 use physx_sys::*;
 use std::ptr::{null, null_mut};
 
-/// What a step may use instead of the allocator [B]: PhysX wants it aligned to 16, and a multiple
+/// Room that a step may use instead of the allocator [B]: PhysX wants it aligned to 16, and a multiple
 /// of 16 KiB.
 const SCRATCH: usize = 32 << 20;
 

@@ -1,4 +1,4 @@
-//! What the programs beside this one share: the file of a pile that they read, and the times and
+//! The things that the programs beside this one share: the file of a pile that they read, and the times and
 //! states that they write.
 //!
 //! `python/frangible/pile_file.py` writes the file and says what stands in it.

@@ -46,7 +46,8 @@ pub struct Encounter<'a> {
 /// With a tenth of it eleven shots end in the same bits.
 const BESIDE: f64 = 1e-2;
 
-/// And no further than this part of its own body's thickness, which a longer step goes through.
+/// And no further than this part of its own body's thickness [1]: a longer step goes through thin
+/// discs, whose samples were left out, so that they fell through the ground.
 const THROUGH: f64 = 0.25;
 
 impl<'a> Encounter<'a> {
@@ -99,7 +100,7 @@ impl<'a> Encounter<'a> {
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
-    /// Whether any two points of the pair, near as they are, may meet so fast that it is a
+    /// True if any two points of the pair, near as they are, may meet so fast that it is a
     /// strike.
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
@@ -116,7 +117,7 @@ impl<'a> Encounter<'a> {
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
     }
 
-    /// Whether a sample passes beside the other body's surface: the body that it is of lies on
+    /// True if a sample passes beside the other body's surface: the body that it is of lies on
     /// the far side. Where two edges lie on each other a distance has the normals of both sides.
     pub fn is_beside(&self, sample_of_first: bool, contact: &ContactPoint) -> bool {
         let [first, second] = self.placed();

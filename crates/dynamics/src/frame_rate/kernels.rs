@@ -374,7 +374,7 @@ impl<I: Instructions> ContactBatch<I> {
         }
         sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
         sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
-        // What was carried may have overshot: work is done at what is left of the slip.
+        // Carried impulses may have overshot: friction works at the slip that is left.
         let spin = sides.of[1].angular - sides.of[0].angular;
         self.friction_work = self.friction_work + twist * n.dot(spin);
         if let Some(rolling) = &self.rolling {

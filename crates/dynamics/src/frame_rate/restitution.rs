@@ -180,7 +180,7 @@ impl LinesOf {
     }
 }
 
-/// What meets within a substep, and how.
+/// The points of a batch that meet within a substep.
 struct Meeting<I> {
     sides: Sides<I>,
     at: [LaneDisplacements<I>; 2],
@@ -197,7 +197,8 @@ struct Meeting<I> {
 }
 
 impl<I: Instructions> ContactBatch<I> {
-    /// What will meet within the substep faster than the threshold; none before its `clock` [s].
+    /// The points that will meet within the substep faster than the threshold, none before its
+    /// `clock` [s].
     #[inline(always)]
     fn meeting(&self, lines: &Lines, clock: [f32; LANES], substep: &Substep<I>) -> Meeting<I> {
         let zero = Single::<I>::ZERO;

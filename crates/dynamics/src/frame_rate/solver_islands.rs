@@ -124,7 +124,7 @@ fn islands(is_fixed: &[bool], manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     islands
 }
 
-/// What an island is as a stack.
+/// The height and the weight of an island.
 struct Stack {
     /// How far the centres of its bodies are apart along gravity [m].
     height: f64,

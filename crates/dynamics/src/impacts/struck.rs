@@ -1,4 +1,4 @@
-//! What is struck strikes others in the same frame: billiard balls, skittles, dominoes. Ballistic
+//! Struck bodies strike others in the same frame: billiard balls, skittles, dominoes. Ballistic
 //! ways do not tell, so bodies that are struck are taken to stray from theirs, and whatever they
 //! could reach is watched.
 
@@ -50,7 +50,7 @@ pub fn note_struck(
     let mut known = manifolds.iter().peekable();
     for pair in pairs {
         while known.next_if(|manifold| manifold.pair < pair).is_some() {}
-        // What touches by a face has all of its points.
+        // Pairs that touch by a face have all of their points.
         let touches = known.peek().is_some_and(|manifold| {
             let all_near = manifold.points.iter().all(|point| point.gap <= frame.sag());
             manifold.pair == pair && manifold.points.len() >= FACE && all_near
