@@ -20,6 +20,10 @@ const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
 /// Heaps over which the largest rise is averaged: what still topples in one of them is chance.
 const SEEDS: u64 = 8;
 
+/// Of those so many are compared with fine steps by their mean height: one of them alone is up to
+/// 5 % higher or 1 % lower, by whether a piece rests on others where it might have rolled off.
+const COMPARED: u64 = 3;
+
 /// Their mean is no more than this [m]. It is 0.02 mm; where what is jammed was parted by turns
 /// along a face and across edges, it was 0.13, and with one stage of impulses between two drifts,
 /// instead of two, heaps rose by 0.4.
@@ -70,10 +74,14 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
     for counts in HEAPS {
         let heaps =
             (0..SEEDS).map(|seed| fallen(counts, seed, 30.0)).collect::<Result<Vec<_>, _>>()?;
-        let (heap, fine) = (&heaps[0], fallen(counts, 0, 300.0)?);
+        let fine =
+            (0..COMPARED).map(|seed| fallen(counts, seed, 300.0)).collect::<Result<Vec<_>, _>>()?;
         let of = format!("{} pieces", counts.iter().product::<usize>());
-        let quantity = format!("height of {of} per that at 300 frames per second");
-        findings.push(Finding::between(quantity, "1", heap.height / fine.height, 0.95, 1.05));
+        let quantity =
+            format!("height of {of} per that at 300 frames per second, mean of {COMPARED} heaps");
+        let height = |heaps: &[Fallen]| heaps.iter().map(|heap| heap.height).sum::<f64>();
+        let ratio = height(&heaps[..COMPARED as usize]) / height(&fine);
+        findings.push(Finding::between(quantity, "1", ratio, 0.97, 1.03));
         let quantity =
             format!("largest rise of {of} in a frame when they lie, mean of {SEEDS} heaps");
         let rise = heaps.iter().map(|heap| heap.rise).sum::<f64>() / SEEDS as f64;
