@@ -177,8 +177,7 @@ impl Share<'_> {
             ahead.go_on();
             let encounter = encounter(pair);
             if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
-                let last_normal = known.and_then(|(_, points)| Some(points.first()?.normal));
-                self.find_anew(Encounter { last_normal, ..encounter }, solids);
+                self.find_anew(encounter, solids);
                 continue;
             }
             let has_carried = |sample| warm.get(bodies, pair, sample).is_some();

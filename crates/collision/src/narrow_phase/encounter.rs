@@ -1,7 +1,5 @@
 //! Two bodies on their ballistic ways through a frame.
 
-#[cfg(doc)]
-use crate::narrow_phase::hull_hull::hull_point::HullPoint;
 use crate::narrow_phase::samples::ContactPoint;
 use crate::relative_motion::Placed;
 use frangible_bodies::Bodies;
@@ -37,9 +35,6 @@ pub struct Encounter<'a> {
     pub search: f64,
     /// Radius of the smaller one [m].
     pub size: f64,
-    /// The normal of two polyhedra when they were last looked at, if they touched: see
-    /// [`HullPoint::normal`].
-    pub(crate) last_normal: Option<DVec3>,
 }
 
 /// How far beside a sample it is looked where its own body is, relative to the smaller body [1].
@@ -70,7 +65,6 @@ impl<'a> Encounter<'a> {
             reach,
             search: reach,
             size,
-            last_normal: None,
         }
     }
 
@@ -92,11 +86,13 @@ impl<'a> Encounter<'a> {
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
-    /// Whether balls around the two cannot meet within the frame.
+    /// Whether balls around the two cannot meet within the frame: they stay where they are while
+    /// what they hold turns.
     #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
         let [first, second] = self.flights;
-        let most = first.radius + second.radius + self.reach;
+        let way = self.frame.dt * (first.linear - second.linear).length();
+        let most = first.radius + second.radius + way + self.near;
         first.start.position.distance_squared(second.start.position) > most * most
     }
 

@@ -10,7 +10,7 @@ use glam::DVec3;
 const TOUCH: f64 = 1e-4;
 
 /// Part of the distance that a step goes: a sampled distance can change a little faster than the
-/// way.
+/// way. Without it a ball at 6 m/s does not break on a wall, 24 voxels wide both.
 const CAUTION: f64 = 0.9;
 
 /// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of

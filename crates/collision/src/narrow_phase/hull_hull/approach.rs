@@ -66,9 +66,9 @@ pub(crate) fn hull_points(
 impl<'a> Approach<'a> {
     /// When they meet, with their points in `room`: at the frame's start if they are near then,
     /// else when they come near (conservative advancement along separating axes [Mir96]). If they
-    /// pass each other, when an axis that keeps them apart is found: their points hold in case that
-    /// others push them. If they are too far apart to be looked for, how far they are at the frame's
-    /// start, if that is known.
+    /// pass each other so near that they may meet as others push them, when an axis that keeps them
+    /// apart is found. If they pass further away, how far they are apart at the frame's start, if
+    /// that is known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
         let Encounter { size, search, frame, .. } = *self.encounter;
         let (mut time, enough) = (0.0, NEAR * size);
@@ -82,13 +82,6 @@ impl<'a> Approach<'a> {
             let first_from_second = world_from_first.inverse().after(&world_from_second);
             let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
             let at_start = |apart: f64| (time == 0.0).then_some(apart);
-            if time == 0.0
-                && let Some(contact) =
-                    self.encounter.last_normal.and_then(|last| pair.on_face_along(last, room))
-                && contact.gap <= enough
-            {
-                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
-            }
             let axes = pair.face_axes(search).map_err(at_start)?;
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
@@ -97,10 +90,14 @@ impl<'a> Approach<'a> {
             }
 
             // On to where the gap cannot have closed before.
-            let next =
-                time + apart.gap / self.fastest_closing(time, poses[0].orientation * apart.normal);
+            let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
+            let next = time + apart.gap / closing;
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
+            let at_end = apart.gap - closing.max(0.0) * (frame.dt - time);
+            if is_far && is_passing && at_end > self.encounter.near {
+                return Err(at_start(apart.gap));
+            }
             if apart.gap <= enough || is_passing || steps_left == 0 {
                 let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;

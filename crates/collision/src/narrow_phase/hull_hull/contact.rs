@@ -3,7 +3,7 @@
 
 use crate::narrow_phase::hull_hull::closest_points::{between_edges, nearest_points};
 use crate::narrow_phase::hull_hull::face_clipping::face_points;
-use crate::narrow_phase::hull_hull::feature_scan::{face_along, inside, lowest_along};
+use crate::narrow_phase::hull_hull::feature_scan::inside;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
 use crate::narrow_phase::hull_hull::room::Room;
@@ -18,14 +18,6 @@ use glam::DVec3;
 /// pair of edges, about which it turns, it would never come to rest. Without it a falling heap has
 /// overlaps of 2.5 instead of 1.3 mm at the 99th percentile, and three times the motion at its end.
 const DEEP_PREFERENCE: f64 = 0.3;
-
-/// Cosine of the angle by which a face may have turned since it was found [1]. Without asking the
-/// last face first falling heaps overlap by 2.2 instead of 2.1 mm at the 99th percentile.
-const SAME_FACE: f64 = 0.99;
-
-/// Overlap, relative to the size of the smaller hull, up to which the face that they touched with
-/// goes on to serve, even if an axis may separate them better: so shallow, they part along any.
-const SHALLOW: f64 = 1e-2;
 
 impl HullPair<'_> {
     /// The faces of each hull that the other is furthest away from; if that is more than `most`
@@ -59,40 +51,6 @@ impl HullPair<'_> {
         let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
         let contact = self.contact(&axes, most, room);
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
-    }
-
-    /// How the two meet on the face whose normal is nearly this one, given as in
-    /// [`HullPoint::normal`], if there is one and they overlap little, or no axis separates them
-    /// clearly better. So what keeps its face is spared the search for it.
-    pub(crate) fn on_face_along(&self, normal: DVec3, room: &mut Room) -> Option<HullContact> {
-        // The face of each that looks most along it, and the better of the two.
-        let along = |side: usize, direction: DVec3| {
-            let hull = self.hulls[side];
-            let face = with_widest!(self.width, face_along(hull.columns(), direction));
-            (face, hull.planes()[face].normal.dot(direction))
-        };
-        let (of_first, of_second) =
-            (along(0, -normal), along(1, self.second_from_first.direction(normal)));
-        let is_of_first = of_first.1 >= of_second.1;
-        let (face, cosine) = if is_of_first { of_first } else { of_second };
-        if cosine < SAME_FACE {
-            return None;
-        }
-        let side = usize::from(!is_of_first);
-        let up = self.own_from_other(1 - side).direction(self.hulls[side].planes()[face].normal);
-        let vertex = with_widest!(self.width, lowest_along(self.hulls[1 - side].columns(), up));
-        let axis = FaceAxis::of_face(self, side, face, vertex);
-        self.face_points(&[axis, axis], is_of_first, room);
-        let normal = room.points.first()?.normal;
-        // With its deepest point over the face: beside it they may be apart, and about to meet
-        // elsewhere.
-        let is_deepest = |point: &HullPoint| point.gap <= axis.separation + self.close;
-        let is_shallow = axis.separation <= 0.0
-            && axis.separation >= -SHALLOW * self.size
-            && room.points.iter().any(is_deepest);
-        let holds = is_shallow
-            || self.is_least((axis.separation, self.clearly(axis.separation)), &room.points);
-        holds.then_some(HullContact { normal, gap: axis.separation })
     }
 
     /// How the two meet, given the best face of each, with their points in `room`; `None` if they

@@ -46,33 +46,6 @@ pub(crate) fn furthest_face<I: Instructions>(
     found
 }
 
-/// The face of `hull` whose normal looks most along a direction, the first of equals.
-pub(crate) fn face_along<I: Instructions>(hull: &Columns, direction: DVec3) -> usize {
-    let mut found = 0;
-    I::run(
-        #[inline(always)]
-        || {
-            let (direction, mut best) = (Single3::<I>::splat(direction), Best::none());
-            for (block, [x, y, z, _]) in hull.faces().iter().enumerate() {
-                let _ = best.look(block, three([x, y, z]).dot(direction));
-            }
-            found = best.at();
-        },
-    );
-    found
-}
-
-/// The vertex of `hull` that is lowest along a direction, the first of equals.
-pub(crate) fn lowest_along<I: Instructions>(hull: &Columns, up: DVec3) -> usize {
-    let DVec3 { x, y, z } = up;
-    let mut lowest = 0;
-    I::run(
-        #[inline(always)]
-        || lowest = lowest_vertex::<I>(hull, [x as f32, y as f32, z as f32]),
-    );
-    lowest
-}
-
 /// How far inside of a hull a point is, outside negative [m].
 pub(crate) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
     let lever = point - hull.middle;

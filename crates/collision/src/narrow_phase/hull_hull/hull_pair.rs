@@ -15,8 +15,6 @@ pub(crate) struct HullPair<'a> {
     pub(crate) hulls: [&'a Hull; 2],
     pub(crate) first_from_second: Placement,
     pub(crate) second_from_first: Placement,
-    /// Of the smaller one [m].
-    pub(crate) size: f64,
     /// Lengths that differ by less are equal [m].
     pub(crate) close: f64,
     pub(crate) width: Width,
@@ -33,7 +31,7 @@ impl<'a> HullPair<'a> {
     ) -> Self {
         let first_from_second = Placement::new(first_from_second);
         let second_from_first = first_from_second.inverse();
-        Self { hulls, first_from_second, second_from_first, size, close: PREFERENCE * size, width }
+        Self { hulls, first_from_second, second_from_first, close: PREFERENCE * size, width }
     }
 
     /// The frame of one, by its number, from that of the other.
