@@ -34,8 +34,8 @@ pub struct StepSettings {
     pub impulse_clamp: bool,
     /// Let no island end a frame with more energy than it may have.
     pub ledger: bool,
-    /// Least number of substeps of an island that touches anything, a power of two: 4 for a draft,
-    /// 8 for a game, 16 by default, 32 for film. Overlaps fall with its square.
+    /// Least number of substeps of an island that touches anything, a power of two: 2 for a draft,
+    /// 4 for a game, 8 by default, 16 for film. Overlaps fall with its square.
     pub substeps: u32,
     /// Most substeps of an island: what is loaded or struck beyond that overlaps more.
     pub most_substeps: u32,
@@ -80,7 +80,7 @@ impl Default for StepSettings {
             rotation: Rotation::SecondOrder { energy_fix: true },
             impulse_clamp: true,
             ledger: true,
-            substeps: 16,
+            substeps: 8,
             most_substeps: 128,
             recovery_speed: 3.0,
             bank_cap: 0.1,

@@ -16,6 +16,7 @@ mod solver_bodies;
 mod solver_islands;
 #[cfg(test)]
 mod tests;
+mod touching;
 
 use crate::energy::tally::Tally;
 use finish::{FrameStart, Solved, close_islands, fall};
@@ -30,9 +31,6 @@ use glam::DVec3;
 use group::Group;
 use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
-
-/// Steps in which kinematic bodies turn through a frame.
-const TURNS: u32 = 8;
 
 /// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
 pub fn solve(
@@ -64,7 +62,11 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
 
-    let mut solved = Solved { tally: Tally::default(), gravity: (DVec3::ZERO, DVec3::ZERO) };
+    let mut solved = Solved {
+        tally: Tally::default(),
+        gravity: (DVec3::ZERO, DVec3::ZERO),
+        short_of_substeps: islands.short_of_substeps,
+    };
     let mut parts: Vec<Part> = Vec::new();
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
         let input = (manifolds, &carried[..]);
@@ -97,14 +99,12 @@ fn fly(
     frame: &Frame,
     solved: &mut Solved,
 ) {
-    let step = Frame { dt: frame.dt / f64::from(TURNS), ..*frame };
     for i in 0..bodies.len() {
         match bodies.motions[i] {
             Motion::Static => {}
             Motion::Kinematic { .. } => {
                 let velocity = bodies.velocities[i];
-                let turn = |pose, _| evolve(bodies, i, &pose, &velocity, &step);
-                bodies.poses[i] = (0..TURNS).fold(bodies.poses[i], turn);
+                bodies.poses[i] = evolve(bodies, i, &bodies.poses[i], &velocity, frame);
             }
             Motion::Dynamic if substeps[i].count > 0 || are_asleep[i] => {}
             Motion::Dynamic => {

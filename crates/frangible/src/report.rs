@@ -20,6 +20,9 @@ pub struct StepReport {
     /// Pairs of overlapping bounds that were not looked at, because too many bodies were in one
     /// place: each of those meets its nearest. Zero in scenes without such crowds.
     pub pairs_left_out: usize,
+    /// Islands of bodies that took fewer substeps than they need, and overlap more: `most_substeps`
+    /// bounds them, or the work of a frame if they are large.
+    pub short_of_substeps: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
     /// The energy books.

@@ -66,6 +66,7 @@ fn advance(world: &mut World) -> StepReport {
         gravity,
         mut tally,
         left_out,
+        short_of_substeps,
         mut quarantined,
         before: solved_from,
     } = moved;
@@ -99,6 +100,7 @@ fn advance(world: &mut World) -> StepReport {
         time: world.time(),
         bodies: world.bodies.len(),
         pairs_left_out: left_out,
+        short_of_substeps,
         asleep: world.bodies.ids.iter().filter(|&&id| world.is_asleep(id)).count(),
         mass: after.mass,
         energy,
@@ -131,6 +133,8 @@ struct Moved {
     tally: Tally,
     /// Pairs of crowds that nobody looked at.
     left_out: usize,
+    /// Islands that took fewer substeps than they need.
+    short_of_substeps: usize,
     /// Whom the solver was spared.
     quarantined: Vec<Quarantined>,
     /// The state that the solver began with.
@@ -179,7 +183,16 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     bodies.velocities = velocities;
     tally.add(velocity_tally);
     clock.lap("velocity_contact");
-    Moved { fractures, flight, gravity, tally, left_out: 0, quarantined: Vec::new(), before }
+    Moved {
+        fractures,
+        flight,
+        gravity,
+        tally,
+        left_out: 0,
+        short_of_substeps: 0,
+        quarantined: Vec::new(),
+        before,
+    }
 }
 
 /// One detection at x^n, then substeps of sequential impulses.
@@ -209,7 +222,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let flight = Ballistic::new(bodies, predicted, &tally, frame);
     let before = Before::of(bodies);
-    let Solved { tally: solved_tally, gravity } = solve(bodies, &manifolds, warm, frame);
+    let Solved { tally: solved_tally, gravity, short_of_substeps } =
+        solve(bodies, &manifolds, warm, frame);
     tally.add(solved_tally);
     // Glued bodies, if there are any, give way to what they carry in the next one.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
@@ -220,7 +234,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         note_carried(world, &forces);
     }
     clock.lap("solve");
-    Moved { fractures, flight, gravity, tally, left_out: swept.left_out, quarantined, before }
+    let left_out = swept.left_out;
+    Moved { fractures, flight, gravity, tally, left_out, short_of_substeps, quarantined, before }
 }
 
 /// The state of a frame once nothing breaks any more.

@@ -78,10 +78,11 @@ fn eight_glued_cubes_fall_and_slide_as_one() {
             let apart = (one.0[0].position - eight.0[0].position).length();
             let turned = one.0[0].orientation.angle_between(eight.0[0].orientation);
             assert!(
-                apart < 5e-3 && turned < 5e-3,
+                apart < 1e-2 && turned < 1e-2,
                 "{method:?}, {frames}: {apart} m, {turned} rad apart"
             );
-            assert!((one.1[0].linear - eight.1[0].linear).length() < 0.02);
+            let faster = (one.1[0].linear - eight.1[0].linear).length();
+            assert!(faster < 0.03, "{method:?}, {frames}: {faster} m/s");
         }
     }
 }

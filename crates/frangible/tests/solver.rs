@@ -33,8 +33,20 @@ fn sinks(solver: SolverDesc) -> f64 {
 fn quality_is_stiffness() {
     let depths = [Quality::Draft, Quality::Game, Quality::Default, Quality::Film]
         .map(|quality| sinks(SolverDesc { quality, ..SolverDesc::default() }));
-    assert!(depths[0] < 1e-3 && depths[3] > 0.0, "{depths:?}");
+    assert!(depths[0] < 2e-3 && depths[3] > 0.0, "{depths:?}");
     assert!(depths.is_sorted_by(|a, b| *b < 0.5 * a), "{depths:?}");
+}
+
+/// An island that is held to fewer substeps than it needs is reported.
+#[test]
+fn what_is_short_of_substeps_is_reported() {
+    let short = |most_substeps: u32| {
+        let mut scene = resting(SolverDesc { most_substeps, ..SolverDesc::default() });
+        let load = BodyDesc { position: [0.0, 1.5, 0.0], density: 1e5, ..scene.bodies[1].clone() };
+        scene.bodies.push(load);
+        step(&mut World::build(&scene).unwrap()).short_of_substeps
+    };
+    assert_eq!([short(8), short(128)], [1, 0]);
 }
 
 #[test]
@@ -46,8 +58,8 @@ fn what_cannot_be_is_refused() {
         "{}",
         refusal(resting(solver))
     );
-    let solver = SolverDesc { quality: Quality::Film, most_substeps: 16, ..SolverDesc::default() };
-    assert!(refusal(resting(solver)).contains("from 32"), "{}", refusal(resting(solver)));
+    let solver = SolverDesc { quality: Quality::Film, most_substeps: 8, ..SolverDesc::default() };
+    assert!(refusal(resting(solver)).contains("from 16"), "{}", refusal(resting(solver)));
     let solver = SolverDesc { recovery_speed: 0.0, ..SolverDesc::default() };
     assert!(refusal(resting(solver)).contains("solver.recovery_speed"));
     let solver = SolverDesc { quality: Quality::Film, ..SolverDesc::default() };

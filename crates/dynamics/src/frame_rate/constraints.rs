@@ -11,9 +11,60 @@ pub(super) const MOST_POINTS: usize = 4;
 /// Cosine of the angle up to which normals count as the same one: a quarter of a degree.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
 
-/// A point without a carried impulse shares that of points which are gone, if it is no further
-/// apart than this part of what gravity closes in a frame.
-const NEAR: f64 = 0.2;
+/// A point is near if it is no further apart than this part of what gravity closes in a frame. Near
+/// ones without a carried impulse share that of points which are gone; bodies touch there that may
+/// sleep.
+pub(super) const NEAR: f64 = 0.2;
+
+/// Which points of a manifold share a constraint.
+#[derive(Clone, Copy)]
+pub(super) struct Selection {
+    /// Its manifold's number.
+    pub(super) manifold: u32,
+    /// Of both bodies in the solver.
+    pub(super) lines: [u32; 2],
+    numbers: [u16; MOST_POINTS],
+    count: u16,
+}
+
+impl Selection {
+    /// The numbers of its points in the manifold.
+    pub(super) fn points(&self) -> impl ExactSizeIterator<Item = usize> + Clone + '_ {
+        self.numbers[..self.count.into()].iter().map(|&number| number.into())
+    }
+
+    /// Adds those of a manifold. `is_done` is room.
+    pub(super) fn all(
+        selections: &mut Vec<Self>,
+        (manifold, points): (usize, &[ManifoldPoint]),
+        lines: [u32; 2],
+        is_done: &mut Vec<bool>,
+    ) {
+        debug_assert!(points.len() <= u16::MAX.into());
+        is_done.clear();
+        is_done.resize(points.len(), false);
+        for first in 0..points.len() {
+            if is_done[first] {
+                continue;
+            }
+            let none =
+                Self { manifold: manifold as u32, lines, numbers: [0; MOST_POINTS], count: 0 };
+            let mut selection = none;
+            for next in first..points.len() {
+                let has_room = !is_done[next] && usize::from(selection.count) < MOST_POINTS;
+                // Friction acts in the middle of a constraint: corners and cores are apart.
+                let of_one_kind = points[first].rounding == points[next].rounding;
+                let is_along = points[first].normal.dot(points[next].normal) > SAME_NORMAL;
+                if has_room && of_one_kind && is_along {
+                    is_done[next] = true;
+                    selection.numbers[usize::from(selection.count)] = next as u16;
+                    selection.count += 1;
+                }
+            }
+            selections.push(selection);
+        }
+    }
+}
 
 /// One point of a constraint.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +83,9 @@ pub(super) struct ConstraintPoint {
 
 /// See above.
 pub(super) struct Constraint {
-    /// Number of its manifold.
-    pub(super) manifold: usize,
     /// Of both bodies in the solver.
     pub(super) lines: [u32; 2],
-    /// True for bodies that contacts move, and for kinematic ones.
-    pub(super) is_movable: [bool; 2],
+    /// True for kinematic bodies.
     pub(super) is_driven: [bool; 2],
     /// World frame, from the first body to the second.
     pub(super) normal: DVec3,
@@ -53,6 +101,16 @@ pub(super) struct Constraint {
     pub(super) surface: PairContactant,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: f64,
+}
+
+impl Constraint {
+    /// True if anything acts before bodies come nearer.
+    pub(super) fn carries(&self) -> bool {
+        let [along, across] = self.friction_impulse;
+        let [about, other] = self.rolling_impulse;
+        let all = [along, across, self.twist_impulse, about, other];
+        self.points.iter().map(|point| point.impulse).chain(all).any(|impulse| impulse != 0.0)
+    }
 }
 
 /// Up to [`MOST_POINTS`].
@@ -85,55 +143,35 @@ impl<'a> IntoIterator for &'a Points {
 
 /// A manifold on its way into the solver.
 pub(super) struct Source<'a> {
-    pub(super) number: usize,
     pub(super) manifold: &'a Manifold<'a>,
     pub(super) carried: &'a [Carried],
-    /// Of both bodies in the solver.
-    pub(super) lines: [u32; 2],
 }
 
 impl Source<'_> {
-    /// Adds the constraints of this manifold, for substeps of `h` [s].
-    pub(super) fn add_to(
-        &self,
-        constraints: &mut Vec<Constraint>,
-        bodies: &Bodies,
-        (h, frame): (f64, &Frame),
-    ) {
-        let points = self.manifold.points;
-        let mut is_done = vec![false; points.len()];
-        for first in 0..points.len() {
-            if is_done[first] {
-                continue;
-            }
-            let mut numbers = [0; MOST_POINTS];
-            let mut count = 0;
-            for next in first..points.len() {
-                let has_room = !is_done[next] && count < MOST_POINTS;
-                // Friction acts in the middle of a constraint: corners and cores are apart.
-                let of_one_kind = points[first].rounding == points[next].rounding;
-                let is_along = points[first].normal.dot(points[next].normal) > SAME_NORMAL;
-                if has_room && of_one_kind && is_along {
-                    is_done[next] = true;
-                    numbers[count] = next;
-                    count += 1;
-                }
-            }
-            constraints.push(self.constraint(&numbers[..count], bodies, (h, frame)));
-        }
+    /// The substep of `h` [s] in which some of its points act first.
+    pub(super) fn acts_in(&self, selection: &Selection, (h, frame): (f64, &Frame)) -> u16 {
+        let fall = frame.dt * frame.gravity.length();
+        let time = |number: usize| {
+            let ManifoldPoint { gap, approach, .. } = self.manifold.points[number];
+            if gap > 0.0 { gap / (approach + fall) } else { 0.0 }
+        };
+        let first = selection.points().map(time).fold(f64::INFINITY, f64::min);
+        if self.carried.is_empty() { (first / h) as u16 } else { 0 }
     }
 
-    fn constraint(
+    /// The constraint of some of its points, for substeps of `h` [s].
+    pub(super) fn constraint(
         &self,
-        numbers: &[usize],
+        selection: &Selection,
         bodies: &Bodies,
         (h, frame): (f64, &Frame),
     ) -> Constraint {
         let Manifold { pair, points, .. } = self.manifold;
         let both = [pair.first, pair.second];
-        let normal = -points[numbers[0]].normal;
+        let normal = -points[usize::from(selection.numbers[0])].normal;
         let tangent = normal.any_orthonormal_vector();
-        let share = 1.0 / numbers.len() as f64;
+        let count = selection.points().len();
+        let share = 1.0 / count as f64;
 
         let none = ConstraintPoint {
             number: 0,
@@ -142,9 +180,9 @@ impl Source<'_> {
             impulse: 0.0,
             radius: 0.0,
         };
-        let mut all = Points { of: [none; MOST_POINTS], count: numbers.len() };
+        let mut all = Points { of: [none; MOST_POINTS], count };
         let (mut centers, mut offsets) = ([DVec3::ZERO; 2], [0.0; 2]);
-        for (to, &number) in all.iter_mut().zip(numbers) {
+        for (to, number) in all.iter_mut().zip(selection.points()) {
             let ManifoldPoint { anchor_first, anchor_second, rounding, gap, .. } = points[number];
             let turned = |i: usize, anchor: DVec3| bodies.poses[i].orientation * anchor;
             to.number = number;
@@ -163,9 +201,7 @@ impl Source<'_> {
         let is_movable = both.map(|i| !bodies.inertias[i].is_infinite());
         let of = |side: usize| if is_movable[side] { frame.gravity } else { DVec3::ZERO };
         let mut constraint = Constraint {
-            manifold: self.number,
-            lines: self.lines,
-            is_movable,
+            lines: selection.lines,
             is_driven: both.map(|i| matches!(bodies.motions[i], Motion::Kinematic { .. })),
             normal,
             tangent,

@@ -42,7 +42,9 @@ pub(super) struct RollingLanes<I> {
 /// Eight manifolds, no two of which share a body that contacts move: up to four points each,
 /// with one normal.
 pub(super) struct ContactBatch<I> {
-    /// Lines of the first and of the second bodies, from the slab's first one on.
+    /// The first line of its slab.
+    pub(super) first_line: usize,
+    /// Lines of the first and of the second bodies, from there on.
     pub(super) ids: [[u32; LANES]; 2],
     /// Number of the constraint in each lane; `u32::MAX` for none.
     pub(super) constraints: [u32; LANES],
@@ -85,13 +87,17 @@ pub(super) struct ContactBatch<I> {
     pub(super) acted: Mask,
     /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
+    /// True if it has no impulses, and so nothing to begin with.
+    pub(super) is_quiet: bool,
+    /// True if bodies have turned so far that it must be prepared anew before anything acts.
+    pub(super) is_stale: bool,
     /// True if anything may come fast enough to bounce.
     pub(super) may_bounce: bool,
 }
 
 impl<I: Instructions> ContactBatch<I> {
     /// Without manifolds: both sides of all lanes are the first line, which is fixed.
-    pub(super) fn empty() -> Self {
+    pub(super) fn empty(first_line: usize) -> Self {
         let (zero, zero3) = (Single::ZERO, Single3::ZERO);
         let point = PointLanes {
             anchors: [zero3; 2],
@@ -101,6 +107,7 @@ impl<I: Instructions> ContactBatch<I> {
             radius: zero,
         };
         Self {
+            first_line,
             ids: [[0; LANES]; 2],
             constraints: [u32::MAX; LANES],
             point_count: 0,
@@ -127,21 +134,19 @@ impl<I: Instructions> ContactBatch<I> {
             is_driven: [Mask::NONE; 2],
             acted: Mask::NONE,
             is_turned: false,
+            is_quiet: true,
+            is_stale: true,
             may_bounce: true,
         }
     }
 
-    /// Puts a constraint into a lane, with its lines from `first_line` on.
-    pub(super) fn fill(
-        &mut self,
-        lane: usize,
-        (number, constraint): (u32, &Constraint),
-        first_line: usize,
-    ) {
+    /// Puts a constraint into a lane.
+    pub(super) fn fill(&mut self, lane: usize, (number, constraint): (u32, &Constraint)) {
         self.constraints[lane] = number;
+        self.is_quiet &= !constraint.carries();
         self.point_count = self.point_count.max(constraint.points.len());
         for side in 0..2 {
-            self.ids[side][lane] = constraint.lines[side] - first_line as u32;
+            self.ids[side][lane] = constraint.lines[side] - self.first_line as u32;
             self.centers[side].set(lane, constraint.centers[side]);
             self.offsets[side].set(lane, constraint.offsets[side]);
             self.is_driven[side].set(lane, constraint.is_driven[side]);
@@ -184,6 +189,7 @@ impl<I: Instructions> ContactBatch<I> {
     /// Computes K and the effective masses of friction where the bodies are now.
     #[inline(always)]
     pub(super) fn prepare(&mut self, lines: &Lines) {
+        self.is_stale = false;
         let at = self.displacements(lines);
         let inertia = self.inverse_inertias(lines);
         let of = self.velocities(lines);
@@ -269,6 +275,14 @@ impl<I: Instructions> ContactBatch<I> {
     pub(super) fn frame_of(&self, lane: usize) -> [DVec3; 3] {
         let (normal, tangent) = (self.normal.get(lane), self.tangent.get(lane));
         [normal, tangent, normal.cross(tangent)]
+    }
+}
+
+impl<I> ContactBatch<I> {
+    /// Of the first and of the second bodies.
+    #[inline(always)]
+    pub(super) fn lines(&self) -> [[usize; LANES]; 2] {
+        self.ids.map(|of_side| of_side.map(|id| self.first_line + id as usize))
     }
 }
 

@@ -17,6 +17,9 @@ pub struct Solved {
     pub tally: Tally,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     pub gravity: (DVec3, DVec3),
+    /// Islands that took fewer substeps than they need: `most_substeps` or the work of a frame bounds
+    /// them.
+    pub short_of_substeps: usize,
 }
 
 /// Where all bodies were at the frame's start, and how fast.
@@ -45,10 +48,8 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         tally: &mut Tally,
     ) -> Part {
-        let Self { bodies: mut solver_bodies, constraints, slabs, h, .. } = self;
-        let mut places = vec![(0, 0); constraints.len()];
-        let batches: Vec<ContactBatch<I>> =
-            slabs.into_iter().flat_map(|slab| slab.batches).collect();
+        let Self { bodies: mut solver_bodies, selections, batches, h, .. } = self;
+        let mut places = vec![(0, 0); selections.len()];
         for (at, batch) in batches.iter().enumerate() {
             for (lane, &number) in batch.constraints.iter().enumerate() {
                 if let Some(place) = places.get_mut(number as usize) {
@@ -61,18 +62,16 @@ impl<I: Instructions> Group<I> {
         // made of the velocities.
         let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
         let mut is_touched = vec![false; momenta.len()];
-        let mut part = Part::with_room(constraints.len(), 4 * constraints.len());
-        let mut number = 0;
-        while number < constraints.len() {
-            let manifold = constraints[number].manifold;
+        let mut part = Part::with_room(selections.len(), 4 * selections.len());
+        let mut places = places.into_iter();
+        for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
+            let manifold = of_manifold[0].manifold as usize;
             let Manifold { pair, points, .. } = &manifolds[manifold];
+            let is_movable = pair.both().map(|i| !bodies.inertias[i].is_infinite());
             let mut is_acting = false;
             let mut recovered = 0.0;
-            while let Some(constraint) =
-                constraints.get(number).filter(|constraint| constraint.manifold == manifold)
-            {
-                let (batch, lane) = (&batches[places[number].0], places[number].1);
-                number += 1;
+            for (selection, (at, lane)) in of_manifold.iter().zip(&mut places) {
+                let batch = &batches[at];
                 if !batch.acted.get(lane) {
                     continue;
                 }
@@ -80,13 +79,13 @@ impl<I: Instructions> Group<I> {
                 let axes = batch.frame_of(lane);
                 let impulse: DVec3 =
                     (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
-                let lines = constraint.lines.map(|line| line as usize);
+                let lines = selection.lines.map(|line| line as usize);
                 momenta[lines[0]] -= impulse;
                 momenta[lines[1]] += impulse;
                 for side in 0..2 {
                     is_touched[lines[side]] = true;
                     let on = [pair.first, pair.second][side];
-                    if constraint.is_movable[side] && !constraint.is_movable[1 - side] {
+                    if is_movable[side] && !is_movable[1 - side] {
                         let by = [pair.second, pair.first][side];
                         let sign = if side == 0 { -1.0 } else { 1.0 };
                         let work = batch.driven_work.get(lane);
@@ -95,7 +94,7 @@ impl<I: Instructions> Group<I> {
                 }
                 recovered += batch.recovery.get(lane);
                 tally.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let samples = constraint.points.iter().map(|point| points[point.number].sample);
+                let samples = selection.points().map(|number| points[number].sample);
                 carry(&mut part, samples, (batch, lane), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);

@@ -1,15 +1,19 @@
 //! The islands that take as many substeps: their constraints in colours, and the substeps.
 
-use super::constraints::{Constraint, Source};
+use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
 use super::restitution::{Timeline, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
+use super::touching::Touching;
 use frangible_bodies::{Bodies, Frame};
 use frangible_collision::{Carried, Manifold};
-use frangible_math::{Instructions, LANES, Single, threads};
+use frangible_math::{Instructions, LANES, Single, prefetch, threads};
+use std::cell::OnceCell;
+use std::ops::Range;
+use std::slice::from_ref;
 
 /// Damping ratio of overlaps that close. With 10 [Cat24] walls keep a motion of 5 cm/s, with
 /// this of 0.2 mm/s.
@@ -30,11 +34,15 @@ const COLOURS: u32 = 128;
 /// Islands on their way through a frame.
 pub(super) struct Group<I> {
     pub(super) bodies: SolverBodies,
-    pub(super) constraints: Vec<Constraint>,
+    /// Of each constraint.
+    pub(super) selections: Vec<Selection>,
+    pub(super) batches: Vec<ContactBatch<I>>,
     /// First line of each slab and of the rest, and their end.
     starts: Vec<usize>,
     /// The last one is the rest.
-    pub(super) slabs: Vec<Slab<I>>,
+    pub(super) slabs: Vec<Slab>,
+    /// Built when it is first asked.
+    touching: OnceCell<Touching>,
     pub(super) substeps: u32,
     /// Of a substep [s].
     pub(super) h: f64,
@@ -52,28 +60,61 @@ impl<I: Instructions> Group<I> {
     ) -> Self {
         let h = frame.dt / f64::from(substeps);
         let slabs = Slabs::new(bodies, manifolds, members, lines);
-        let mut constraints = Vec::with_capacity(members.len());
+        let source = |selection: &Selection| {
+            let number = selection.manifold as usize;
+            Source { manifold: &manifolds[number], carried: carried[number] }
+        };
+        let mut selections = Vec::with_capacity(members.len() + members.len() / 4);
+        let mut is_done = Vec::new();
         let mut of_slabs = vec![Vec::new(); slabs.count() + 1];
         for (&number, &(slab, lines)) in members.iter().zip(&slabs.places) {
-            let manifold = &manifolds[number];
-            let source = Source { number, manifold, carried: carried[number], lines };
-            let first = constraints.len();
-            source.add_to(&mut constraints, bodies, (h, frame));
-            of_slabs[slab].extend(first as u32..constraints.len() as u32);
+            let first = selections.len();
+            let manifold = (number, manifolds[number].points);
+            Selection::all(&mut selections, manifold, lines, &mut is_done);
+            of_slabs[slab].extend(first as u32..selections.len() as u32);
         }
-        let solver_bodies = SolverBodies::new(bodies, slabs.body_of.clone(), frame.dt);
-        let mut order = Colours::new(solver_bodies.lines.len());
-        let slab = |(number, members): (usize, &Vec<u32>)| {
-            let first_line = slabs.first_line(number);
-            let order = order.of(&constraints, members);
-            Slab { batches: batches(&constraints, order, first_line), first_line }
-        };
-        let slabs_of = of_slabs.iter().enumerate().map(slab).collect();
+        let is_movable: Vec<bool> = (slabs.body_of.iter())
+            .map(|body| body.is_some_and(|i| !bodies.inertias[i].is_infinite()))
+            .collect();
+
+        // The colours of each slab, then its constraints.
+        let acts_in = |selection: &Selection| source(selection).acts_in(selection, (h, frame));
+        let colours = Colours { selections: &selections, is_movable: &is_movable };
+        let room = || vec![0; slabs.body_of.len()];
+        let orders: Vec<Vec<(u32, u32)>> =
+            threads::map_with(of_slabs, members.len(), room, |taken, members| {
+                colours.order(members, acts_in, taken)
+            });
+        let mut batches = Vec::new();
+        let mut all = Vec::with_capacity(orders.len());
+        for (number, order) in orders.iter().enumerate() {
+            let (begin, first_line) = (batches.len(), slabs.first_line(number));
+            let count =
+                order.chunk_by(|a, b| a.0 == b.0).map(|colour| colour.len().div_ceil(LANES));
+            batches.resize_with(begin + count.sum::<usize>(), || ContactBatch::empty(first_line));
+            all.push(Slab { batches: begin..batches.len(), first_line });
+        }
+        let mut cut = Cut::of(&mut batches);
+        let batches_of = |slab: &Slab| cut.take(slab.batches.clone());
+        let mut work: Vec<_> = all.iter().map(batches_of).zip(orders).collect();
+        threads::for_each(&mut work, members.len(), |(batches, order)| {
+            let lanes = order.chunk_by(|a, b| a.0 == b.0).flat_map(|colour| colour.chunks(LANES));
+            for (batch, lanes) in batches.iter_mut().zip(lanes) {
+                for (lane, &(_, number)) in lanes.iter().enumerate() {
+                    let selection = &selections[number as usize];
+                    let constraint = source(selection).constraint(selection, bodies, (h, frame));
+                    batch.fill(lane, (number, &constraint));
+                }
+            }
+        });
+        let body_of = slabs.body_of;
         Self {
-            bodies: solver_bodies,
-            constraints,
+            bodies: SolverBodies::new(bodies, body_of, frame.dt),
+            selections,
+            batches,
             starts: slabs.starts,
-            slabs: slabs_of,
+            slabs: all,
+            touching: OnceCell::new(),
             substeps,
             h,
         }
@@ -91,19 +132,16 @@ impl<I: Instructions> Group<I> {
             bounce_velocity: Single::splat(-bounce),
         };
         let kick = (self.h * frame.gravity).as_vec3();
-        let has_bounces = self.slabs.iter().flat_map(|slab| &slab.batches).any(bounces);
-        let mut timeline = Timeline::new(&self.bodies);
-        self.sweep(
-            #[inline(always)]
-            |batch, lines| batch.prepare(lines),
-        );
+        let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
+        let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
         for _ in 0..self.substeps {
             self.bodies.kick(kick);
-            if has_bounces {
-                let Self { slabs, bodies, .. } = self;
+            if let Some(timeline) = &mut timeline {
+                let Self { batches, bodies, touching, .. } = self;
+                let touching = touching.get_or_init(|| Touching::new(batches, bodies));
                 I::run(
                     #[inline(always)]
-                    || propagate_impacts(slabs, bodies, &mut timeline, &substep),
+                    || propagate_impacts(batches, bodies, (timeline, touching), &substep),
                 );
             }
             self.sweep(
@@ -126,37 +164,37 @@ impl<I: Instructions> Group<I> {
     /// Visits all batches: those of even slabs at a time, of odd ones, and the rest.
     #[inline(always)]
     fn sweep(&mut self, visit: impl Fn(&mut ContactBatch<I>, &mut Lines) + Send + Sync) {
-        let things = self.constraints.len();
-        let Self { bodies, starts, slabs, .. } = self;
-        let visit_slab = |batches: &mut [ContactBatch<I>], lines: &mut Lines| {
+        let things = self.selections.len();
+        let Self { bodies, batches, starts, slabs, .. } = self;
+        let visit_batches = |batches: &mut [ContactBatch<I>], lines: &mut Lines| {
             I::run(
                 #[inline(always)]
                 || {
-                    for batch in batches {
-                        visit(batch, lines);
+                    for at in 0..batches.len() {
+                        // The processor does not guess which memory comes next.
+                        if let Some(next) = batches.get(at + 1) {
+                            prefetch(from_ref(next));
+                        }
+                        visit(&mut batches[at], lines);
                     }
                 },
             );
         };
-        let (rest, slabs) = match slabs.split_last_mut() {
-            Some(split) => split,
-            None => return,
-        };
+        let Some((rest, slabs)) = slabs.split_last() else { return };
         for parity in 0..2 {
             let mut work = Vec::with_capacity(slabs.len() / 2 + 1);
-            let (mut left, mut begin) = (bodies.lines.as_mut_slice(), 0);
-            for (number, slab) in slabs.iter_mut().enumerate().skip(parity).step_by(2) {
-                let end = starts[(number + 2).min(starts.len() - 2)];
-                let (_, from) = std::mem::take(&mut left).split_at_mut(slab.first_line - begin);
-                let (own, after) = from.split_at_mut(end - slab.first_line);
-                let inverse_inertias = &bodies.inverse_inertias[slab.first_line..end];
-                work.push((&mut slab.batches, Lines { bodies: own, inverse_inertias }));
-                (left, begin) = (after, end);
+            let mut lines = Cut::of(&mut bodies.lines);
+            let mut batches = Cut::of(batches);
+            for (number, slab) in slabs.iter().enumerate().skip(parity).step_by(2) {
+                let range = slab.first_line..starts[(number + 2).min(starts.len() - 2)];
+                let inverse_inertias = &bodies.inverse_inertias[range.clone()];
+                let lines = Lines { bodies: lines.take(range), inverse_inertias };
+                work.push((batches.take(slab.batches.clone()), lines));
             }
-            threads::for_each(&mut work, things, |(batches, lines)| visit_slab(batches, lines));
+            threads::for_each(&mut work, things, |(batches, lines)| visit_batches(batches, lines));
         }
         let lines = &mut bodies.lines(0..bodies.lines.len());
-        visit_slab(&mut rest.batches, lines);
+        visit_batches(&mut batches[rest.batches.clone()], lines);
     }
 
     /// Turns what spins fast exactly, and prepares what has turned too far anew.
@@ -165,89 +203,71 @@ impl<I: Instructions> Group<I> {
         if self.bodies.turned.is_empty() {
             return;
         }
-        let Self { bodies, slabs, .. } = self;
-        let mut has_turned = vec![false; bodies.lines.len()];
-        bodies.turned.iter().for_each(|&line| has_turned[line] = true);
-        for Slab { batches, first_line } in slabs {
-            let has_turned = &has_turned[*first_line..];
-            let lines = &bodies.lines(*first_line..bodies.lines.len());
-            for batch in batches {
-                if batch.ids.iter().flatten().any(|&line| has_turned[line as usize]) {
-                    I::run(
-                        #[inline(always)]
-                        || batch.prepare(lines),
-                    );
-                }
-            }
+        let Self { bodies, batches, touching, .. } = self;
+        let touching = touching.get_or_init(|| Touching::new(batches, bodies));
+        for place in bodies.turned.iter().flat_map(|&line| touching.lanes(line)) {
+            batches[place.batch()].is_stale = true;
         }
     }
 }
 
-fn bounces<I>(batch: &ContactBatch<I>) -> bool {
-    batch.bounces.any()
+/// A slice of which pieces are taken from the front.
+struct Cut<'a, T> {
+    left: &'a mut [T],
+    begin: usize,
 }
 
-/// Batches of constraints in this order, with their lines from `first_line` on.
-fn batches<I: Instructions>(
-    constraints: &[Constraint],
-    order: Vec<(u32, u32)>,
-    first_line: usize,
-) -> Vec<ContactBatch<I>> {
-    let mut batches: Vec<ContactBatch<I>> = Vec::with_capacity(order.len() / LANES + 16);
-    let mut last_colour = None;
-    let mut lane = 0;
-    for (colour, number) in order {
-        if last_colour != Some(colour) || lane == LANES {
-            batches.push(ContactBatch::empty());
-            lane = 0;
-        }
-        last_colour = Some(colour);
-        let constraint = &constraints[number as usize];
-        if let Some(batch) = batches.last_mut() {
-            batch.fill(lane, (number, constraint), first_line);
-        }
-        lane += 1;
+impl<'a, T> Cut<'a, T> {
+    fn of(all: &'a mut [T]) -> Self {
+        Self { left: all, begin: 0 }
     }
-    batches
+
+    /// A range of the whole, behind those that were taken.
+    fn take(&mut self, range: Range<usize>) -> &'a mut [T] {
+        let (_, from) = std::mem::take(&mut self.left).split_at_mut(range.start - self.begin);
+        let (taken, left) = from.split_at_mut(range.len());
+        (self.left, self.begin) = (left, range.end);
+        taken
+    }
 }
 
 /// Greedy colours: constraints of one colour share no movable body.
-struct Colours {
-    /// Which are taken at each line.
-    taken: Vec<u128>,
+struct Colours<'a> {
+    selections: &'a [Selection],
+    /// By line.
+    is_movable: &'a [bool],
 }
 
-impl Colours {
-    fn new(lines: usize) -> Self {
-        Self { taken: vec![0; lines] }
-    }
-
-    /// Some constraints by colour, those with most points first.
-    fn of(&mut self, constraints: &[Constraint], members: &[u32]) -> Vec<(u32, u32)> {
+impl Colours<'_> {
+    /// Some constraints, by their numbers, by colour: those first that act first, and of those the
+    /// ones with most points. `taken` is room of an entry for each line, zero before and after.
+    fn order(
+        &self,
+        members: Vec<u32>,
+        acts_in: impl Fn(&Selection) -> u16,
+        taken: &mut [u128],
+    ) -> Vec<(u32, u32)> {
         let movable_lines = |number: u32| {
-            let constraint = &constraints[number as usize];
-            let movable = (0..2).filter(|&side| constraint.is_movable[side]);
-            movable.map(|side| constraint.lines[side] as usize)
+            let lines = self.selections[number as usize].lines.map(|line| line as usize);
+            lines.into_iter().filter(|&line| self.is_movable[line])
         };
         let mut overflow = COLOURS - 1;
-        let mut order: Vec<(u32, usize, u32)> = Vec::with_capacity(members.len());
-        for &number in members {
-            let used = movable_lines(number).fold(0, |used, line| used | self.taken[line]);
+        let mut order: Vec<(u32, u16, usize, u32)> = Vec::with_capacity(members.len());
+        for &number in &members {
+            let used = movable_lines(number).fold(0, |used, line| used | taken[line]);
             let mut colour = (!used).trailing_zeros();
             if colour >= COLOURS - 1 {
                 colour = overflow;
                 overflow += 1;
             } else {
-                movable_lines(number).for_each(|line| self.taken[line] |= 1 << colour);
+                movable_lines(number).for_each(|line| taken[line] |= 1 << colour);
             }
-            let points = constraints[number as usize].points.len();
-            order.push((colour, usize::MAX - points, number));
+            let selection = &self.selections[number as usize];
+            let fewer = usize::MAX - selection.points().len();
+            order.push((colour, acts_in(selection), fewer, number));
         }
-        members
-            .iter()
-            .flat_map(|&number| movable_lines(number))
-            .for_each(|line| self.taken[line] = 0);
+        members.iter().flat_map(|&number| movable_lines(number)).for_each(|line| taken[line] = 0);
         order.sort_unstable();
-        order.into_iter().map(|(colour, _, number)| (colour, number)).collect()
+        order.into_iter().map(|(colour, .., number)| (colour, number)).collect()
     }
 }

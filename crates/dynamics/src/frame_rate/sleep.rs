@@ -3,6 +3,7 @@
 //! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
 //! wakes what it held.
 
+use super::constraints::NEAR;
 use crate::energy::island::energy;
 use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity};
@@ -49,7 +50,7 @@ impl Sleep {
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
         // Only what is close: who meets what is further away depends on who has settled.
-        let is_close = |point: &ManifoldPoint| point.gap <= 0.25 * frame.sag();
+        let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.sag();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {

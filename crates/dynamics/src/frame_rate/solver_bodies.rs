@@ -31,7 +31,7 @@ const SECOND_ORDER: f64 = 1.05;
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct SolverBody {
-    /// Linear velocity [m/s], angular velocity [rad/s], inverse mass [1/kg], unused.
+    /// Linear velocity [m/s], angular velocity [rad/s], inverse mass [1/kg], radius [m].
     pub(super) velocity: Singles,
     /// Since the frame's start: translation [m], rotation (x, y, z, w). The way it turned since
     /// its constraints were prepared [rad].
@@ -116,7 +116,9 @@ impl SolverBodies {
             }
             let [v, w] = [linear, angular].map(DVec3::as_vec3);
             let inverse_mass = inertia.inverse_mass as f32;
-            all.lines[line].velocity = Singles([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, 0.0]);
+            let radius = bodies.radii[i] as f32;
+            all.lines[line].velocity =
+                Singles([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, radius]);
             all.inverse_inertias[line] = symmetric_line(&inverse_inertia);
         }
         all
@@ -300,7 +302,8 @@ pub(super) struct LaneVelocities<I> {
     pub(super) angular: Single3<I>,
     /// [1/kg]
     pub(super) inverse_mass: Single<I>,
-    unused: Single<I>,
+    /// Of a ball around its centre of mass [m].
+    pub(super) radius: Single<I>,
 }
 
 /// Displacements of eight bodies since the frame's start.
@@ -330,9 +333,9 @@ pub(super) fn velocities<I: Instructions>(
     lines: &[SolverBody],
     ids: &[u32; LANES],
 ) -> LaneVelocities<I> {
-    let [x, y, z, a, b, c, inverse_mass, unused] = gather(lines, ids, |body| body.velocity);
+    let [x, y, z, a, b, c, inverse_mass, radius] = gather(lines, ids, |body| body.velocity);
     let (linear, angular) = (Three { x, y, z }, Three { x: a, y: b, z: c });
-    LaneVelocities { linear, angular, inverse_mass, unused }
+    LaneVelocities { linear, angular, inverse_mass, radius }
 }
 
 #[inline(always)]
@@ -358,8 +361,8 @@ impl<I: Instructions> LaneVelocities<I> {
     /// Stores them in the lines of these bodies.
     #[inline(always)]
     pub(super) fn store(&self, lines: &mut [SolverBody], ids: &[u32; LANES]) {
-        let Self { linear: v, angular: w, inverse_mass, unused } = *self;
-        let rows = Single::rows([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, unused]);
+        let Self { linear: v, angular: w, inverse_mass, radius } = *self;
+        let rows = Single::rows([v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, radius]);
         for lane in 0..LANES {
             lines[ids[lane] as usize].velocity = rows[lane];
         }

@@ -27,10 +27,6 @@ const MOST_REACHED: usize = 8;
 /// Points of a face [1].
 const FACE: usize = 4;
 
-/// How much further a body must stray than was known, to be looked at again [1]: what strikes each
-/// other by turns goes on for ever.
-const CLEARLY: f64 = 2.0;
-
 /// Finds the manifolds of pairs that may come faster against each other than on their ballistic
 /// ways to `ends`, because one of them is struck; pairs that meet by that alone are added.
 pub fn note_struck(
@@ -49,15 +45,18 @@ pub fn note_struck(
     let mut found = Vec::new();
     let mut known = manifolds.iter().peekable();
     for pair in pairs {
+        let further =
+            strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
+        if further <= 0.0 {
+            continue;
+        }
         while known.next_if(|manifold| manifold.pair < pair).is_some() {}
         // Pairs that touch by a face have all of their points.
         let touches = known.peek().is_some_and(|manifold| {
             let all_near = manifold.points.iter().all(|point| point.gap <= frame.sag());
             manifold.pair == pair && manifold.points.len() >= FACE && all_near
         });
-        let further =
-            strays[pair.first].against(pair.second) + strays[pair.second].against(pair.first);
-        if further > 0.0 && !touches {
+        if !touches {
             let [first, second] = Flight::of_pair(bodies, pair, frame);
             let encounter = Encounter::new(bodies, pair, [&first, &second], frame);
             let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
@@ -128,7 +127,7 @@ fn straying(
             let known = *next.of(other).unwrap_or(&found.strays[other]);
             let comes = stray.against(other);
             let pushed = struck.stray(other, i, comes + struck.comes(pair), 0.0).min(longest);
-            if comes > 0.0 && pushed > CLEARLY * known.most.0 + struck.least {
+            if comes > 0.0 && pushed > known.most.0 + struck.least {
                 next.add(other, pushed, i, known);
             }
         }

@@ -57,7 +57,7 @@ pub struct SolverDesc {
     /// The least number of substeps of what touches anything.
     #[serde(default)]
     pub quality: Quality,
-    /// Most substeps of an island of bodies, a power of two from 4 to 1024: what is loaded or struck
+    /// Most substeps of an island of bodies, a power of two from the quality's least one to 1024: what is loaded or struck
     /// beyond that overlaps more.
     #[serde(default = "defaults::most_substeps")]
     pub most_substeps: u32,
@@ -70,24 +70,24 @@ pub struct SolverDesc {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
-    /// 4.
+    /// 2.
     Draft,
-    /// 8.
+    /// 4.
     Game,
-    /// 16.
+    /// 8.
     #[default]
     Default,
-    /// 32.
+    /// 16.
     Film,
 }
 
 impl Quality {
     pub(crate) fn substeps(self) -> u32 {
         match self {
-            Self::Draft => 4,
-            Self::Game => 8,
-            Self::Default => 16,
-            Self::Film => 32,
+            Self::Draft => 2,
+            Self::Game => 4,
+            Self::Default => 8,
+            Self::Film => 16,
         }
     }
 }

@@ -64,6 +64,10 @@ fn share_balanced(world: &mut World) -> f64 {
     balanced as f64 / islands as f64
 }
 
+/// What motion may lose that is rounded to single precision in each frame [1]: one unit of the last
+/// place in each of 300 frames is 1.8e-5.
+const ROUNDED: f64 = 4e-5;
+
 fn lossless() -> Result<Vec<Finding>, Obstacle> {
     let brick = BodyDesc {
         linear_velocity: [1.0, 10.0, -0.5],
@@ -78,7 +82,7 @@ fn lossless() -> Result<Vec<Finding>, Obstacle> {
             (
                 "rolling ball",
                 ball_on_ground(method, 2.0 * DVec3::X, -2.0 / RADIUS * DVec3::Z)?,
-                most(1e-6),
+                most(ROUNDED),
             ),
             (
                 "ball spinning on the spot",
