@@ -262,7 +262,7 @@ fn substeps_do_not_flicker() {
         (31.0, 64, 10, 64),
         (24.0, 64, 10, 32),
         (1.0, 128, 10, 64),
-        (100.0, 16, 4000, 32),
+        (100.0, 16, 4000, 64),
         (100.0, 16, 100_000, 8),
     ] {
         assert_eq!(count(needed, last, manifolds, &frame), expected, "{needed} {last} {manifolds}");
