@@ -135,8 +135,8 @@ class StepReport(TypedDict):
     #: Pairs of overlapping bounds that were not looked at, because too many bodies were in one
     #: place; 0 without such crowds.
     pairs_left_out: int
-    #: Islands of bodies that took fewer substeps than they need, and overlap more: ``most_substeps``
-    #: bounds them, or the work of a frame if they are large.
+    #: Islands of bodies that took fewer substeps than they need, and overlap more:
+    #: ``most_substeps`` bounds them, or the work of a frame if they are large.
     short_of_substeps: int
     #: Of all dynamic bodies [kg].
     mass: float

@@ -86,8 +86,8 @@ impl<'a> Encounter<'a> {
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
-    /// Whether balls around the two cannot meet within the frame: they stay where they are while
-    /// what they hold turns.
+    /// True if balls around the two cannot meet within the frame: a body that turns stays in its
+    /// ball.
     #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
         let [first, second] = self.flights;

@@ -16,7 +16,7 @@ const SAME_NORMAL: f64 = 1.0 - 1e-5;
 /// sleep.
 pub(super) const NEAR: f64 = 0.2;
 
-/// Which points of a manifold share a constraint.
+/// The points of a manifold that share a constraint.
 #[derive(Clone, Copy)]
 pub(super) struct Selection {
     /// Its manifold's number.

@@ -17,8 +17,8 @@ pub struct Solved {
     pub tally: Tally,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     pub gravity: (DVec3, DVec3),
-    /// Islands that took fewer substeps than they need: `most_substeps` or the work of a frame bounds
-    /// them.
+    /// Islands that took fewer substeps than they need: `most_substeps` or the work of a frame
+    /// bounds them.
     pub short_of_substeps: usize,
 }
 

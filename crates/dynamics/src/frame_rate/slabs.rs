@@ -11,8 +11,8 @@ use std::ops::Range;
 pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Bodies of a slab: enough that few pairs reach across more than two, also in a heap that falls,
-/// and few enough for eight threads to share a pile of some thousands. With 512
-/// manifolds instead, two thirds of the batches of 9,000 falling pieces reach across more.
+/// and few enough for eight threads to share a pile of some thousands. With 512 manifolds instead,
+/// two thirds of the batches of 9,000 falling pieces reach across more.
 const SLAB: usize = 384;
 
 /// Constraints that are solved by one thread, colour by colour.

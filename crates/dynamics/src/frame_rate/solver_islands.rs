@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 /// of it a wall of 1,000 bricks overlaps four times as much.
 pub(super) const CONTACT_RATE: f64 = 0.25;
 
-/// Overlap of a resting contact under its load, relative to the smaller body's radius [1]. With half of
-/// it 9,000 pieces in two layers overlap by 0.03 instead of 0.05 mm in the median, for a fifth more
-/// time.
+/// Overlap of a resting contact under its load, relative to the smaller body's radius [1]. With half
+/// of it 9,000 pieces in two layers overlap by 0.03 instead of 0.05 mm in the median, for a fifth
+/// more time.
 const RESTING_DEPTH: f64 = 2e-3;
 
 /// The same, times the height of its island, relative to the square of that radius: what is high
@@ -34,7 +34,8 @@ const HALF_LIFE: f64 = 0.5;
 const SHRINKS_BELOW: f64 = 0.75;
 
 /// Manifolds times substeps of an island in a frame; larger ones take fewer substeps, but never
-/// fewer than the settings say.
+/// fewer than the settings say. With half of it a wall of 51 courses and 1,000 bricks falls; a wall
+/// of 1,000 that is struck takes two thirds of the time.
 const MOST_WORK: usize = 1 << 18;
 
 /// Manifolds of islands that are solved together: enough to fill the lanes of their colours, few

@@ -1,4 +1,4 @@
-//! Which lanes touch a body.
+//! The lanes that touch each body.
 
 use super::contact_batch::ContactBatch;
 use super::solver_bodies::SolverBodies;

@@ -33,7 +33,7 @@ pub(super) const CONVEYOR: Claim = Claim {
 /// At 30 frames per second [s].
 const DT: f64 = 1.0 / 30.0;
 
-/// What a cube of 1 m under four others may sink into what it stands on [m] ([adr/023]).
+/// A cube of 1 m under four others may sink so far into its support [m] ([adr/023]).
 ///
 /// [adr/023]: docs/adr/023-eight-substeps.md
 const MOST_SINKING: f64 = 2e-3;

@@ -64,8 +64,8 @@ fn share_balanced(world: &mut World) -> f64 {
     balanced as f64 / islands as f64
 }
 
-/// What motion may lose that is rounded to single precision in each frame [1]: one unit of the last
-/// place in each of 300 frames is 1.8e-5.
+/// Motion that is rounded to single precision in each frame may lose so much of its energy [1]: one
+/// unit of the last place in each of 300 frames is 1.8e-5.
 const ROUNDED: f64 = 4e-5;
 
 fn lossless() -> Result<Vec<Finding>, Obstacle> {
