@@ -32,7 +32,7 @@ use group::Group;
 use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
 
-/// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
+/// Advances all bodies by one frame and replaces the impulse cache `warm`.
 pub fn solve(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
@@ -43,15 +43,15 @@ pub fn solve(
     {
         with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, frame))
     }
-    // Unit tests have one width, which saves most of their compilation; tests of whole scenes
-    // say that all widths give the same bits.
+    // Unit tests compile a single width, which saves most of their compile time; the scene tests
+    // compare the bits of all widths.
     #[cfg(test)]
     {
         solve_with::<Scalar>(bodies, manifolds, warm, frame)
     }
 }
 
-/// [`solve`] with some instructions.
+/// [`solve`] for one instruction set.
 fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
@@ -92,7 +92,7 @@ fn solve_with<I: Instructions>(
     solved
 }
 
-/// Moves kinematic bodies, and those that may touch nothing.
+/// Integrates kinematic bodies, and dynamic bodies without contacts.
 fn fly(
     bodies: &mut Bodies,
     (substeps, are_asleep): (&[Substeps], &[bool]),

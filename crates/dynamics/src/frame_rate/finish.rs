@@ -1,4 +1,4 @@
-//! The frame's end: poses and velocities in double precision, momentum exact, energy booked.
+//! End of the frame: poses and velocities in double precision, exact momentum, energy by cause.
 
 use super::contact_batch::ContactBatch;
 use super::group::Group;
@@ -11,18 +11,18 @@ use frangible_collision::{Carried, Manifold, Part, PointImpulse};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
 
-/// The effects of the substeps besides the bodies' motion.
+/// Results of the substeps besides the motion of the bodies.
 pub struct Solved {
-    /// The contributions of static and kinematic bodies, and energy by cause.
+    /// Momentum from static and kinematic bodies, and energy by cause.
     pub tally: Tally,
-    /// Impulse and angular impulse about the world's origin that gravity gave.
+    /// Gravity's impulse and its angular impulse about the world origin.
     pub gravity: (DVec3, DVec3),
-    /// Islands that took fewer substeps than they need: `most_substeps` or the work of a frame
-    /// bounds them.
+    /// Number of islands with fewer substeps than their accuracy needs, limited by `most_substeps`
+    /// or by the work of a frame.
     pub short_of_substeps: usize,
 }
 
-/// Where all bodies were at the frame's start, and how fast.
+/// Poses and velocities of all bodies at the frame's start.
 pub(super) struct FrameStart {
     poses: Vec<Pose>,
     velocities: Vec<Velocity>,
@@ -39,8 +39,8 @@ impl FrameStart {
 }
 
 impl<I: Instructions> Group<I> {
-    /// Moves the bodies to where the substeps left them, books what acted, and returns what the
-    /// next frame begins with.
+    /// Writes the solved poses and velocities to the bodies, books impulses and energy, and returns
+    /// the impulse cache for the next frame.
     pub(super) fn write_back(
         self,
         bodies: &mut Bodies,
@@ -58,8 +58,8 @@ impl<I: Instructions> Group<I> {
             }
         }
 
-        // Impulses are pairs of opposites, so that momentum is exact whatever single precision
-        // made of the velocities.
+        // Each impulse acts on both bodies with opposite signs, in double precision. Linear
+        // momentum is exact despite the single-precision velocities.
         let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
         let mut is_touched = vec![false; momenta.len()];
         let mut part = Part::with_room(selections.len(), 4 * selections.len());
@@ -121,8 +121,8 @@ impl<I: Instructions> Group<I> {
     }
 }
 
-/// Adds what a lane carried, in the last substep and on average over the frame, as forces in the
-/// world.
+/// Appends the impulses of a lane to the cache, as world-frame forces: the last substep's and the
+/// frame's mean.
 fn carry<I: Instructions>(
     part: &mut Part,
     samples: impl ExactSizeIterator<Item = (bool, u64)>,
@@ -140,7 +140,8 @@ fn carry<I: Instructions>(
         torque += along.get(lane) * tangent + across.get(lane) * other;
     }
     let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
-    // An impact acted at all of the points.
+    // An impact before the last substep leaves no final impulse: its mean acts equally at all
+    // points.
     let equal = 1.0 / samples.len() as f64;
     for (sample, impulse) in samples.zip(impulses) {
         let share = if total > 0.0 { impulse / total } else { equal };
@@ -156,15 +157,15 @@ fn carry<I: Instructions>(
     }
 }
 
-/// An island by what acted in the frame.
+/// An island of bodies that exchanged impulses in this frame.
 #[derive(Default)]
 struct ActedIsland {
     members: Vec<usize>,
-    /// True if it touches a body that contacts do not move.
+    /// True if a member touched a static or kinematic body.
     is_held: bool,
 }
 
-/// Closes the frame of each island: angular momentum, and energy by cause.
+/// Closes the accounts of each island: angular momentum, and energy by cause.
 pub(super) fn close_islands(
     bodies: &mut Bodies,
     start: &FrameStart,
@@ -192,7 +193,7 @@ pub(super) fn close_islands(
     causes.add(Cause::Contact, given - known);
 }
 
-/// Bodies that exchanged impulses, directly or through others, in the order of the first one.
+/// Connected components of the exchanged impulses, ordered by their first body.
 fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<ActedIsland> {
     let mut parent: Vec<u32> = (0..bodies.len() as u32).collect();
     let is_movable = |i: usize| !bodies.inertias[i].is_infinite();
@@ -228,8 +229,8 @@ fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<A
     islands
 }
 
-/// Books gravity's impulses, and returns what they do not explain of the change of angular
-/// momentum about the world's origin.
+/// Books gravity's impulses. Returns the change of angular momentum about the world origin minus
+/// gravity's contribution.
 fn angular_change(
     bodies: &Bodies,
     start: &FrameStart,
@@ -254,8 +255,7 @@ fn angular_change(
     unexplained
 }
 
-/// Turns an island as one rigid body, so that it loses an angular momentum. Linear momentum
-/// stays.
+/// Subtracts `angular_momentum` from an island by a rigid rotation. Linear momentum is unchanged.
 fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
     let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
     let weighted = |&i: &usize| bodies.masses[i] * bodies.poses[i].position;
@@ -276,7 +276,7 @@ fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
     }
 }
 
-/// Flies a body through the frame: exactly, as nothing touches it.
+/// Integrates a body without contacts over the frame, exactly.
 pub(super) fn fall(bodies: &mut Bodies, i: usize, frame: &Frame) {
     let half = 0.5 * frame.dt * frame.gravity;
     bodies.velocities[i].linear += half;

@@ -1,7 +1,6 @@
-//! Islands that sleep, where the scene lets them: what stands on something that does not move, and
-//! has been slow for long enough, stays where it is. It is still looked whom it may touch; so
-//! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
-//! wakes what it held.
+//! Sleeping islands, if enabled in the scene: an island with a fixed support sleeps after all its
+//! bodies have been slow for half a second. The broad phase still reports its pairs: approaching
+//! bodies wake the island before contact, and removing a support wakes it too.
 
 use super::constraints::NEAR;
 use crate::energy::island::energy;
@@ -10,32 +9,31 @@ use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity
 use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};
 use glam::DVec3;
 
-/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim
-/// together. Heaps fidget below it; on earth what begins to slide passes it within [`SLOW_FOR`],
-/// unless its slope is less than 0.06 degrees too steep. It does not scale with the scene.
+/// Speed limit [m/s] of a slow body: linear speed plus rim speed from rotation. Resting heaps
+/// jitter below this speed. On earth a sliding body exceeds it within [`SLOW_FOR`], unless its
+/// slope is within 0.06 degrees of the friction angle. The limit does not scale with the scene.
 const SLOW: f64 = 5e-3;
 
-/// So long all bodies of an island must have been slow [s], as in Box2D.
+/// Time [s] for which all bodies of an island must be slow before sleep, as in Box2D.
 const SLOW_FOR: f64 = 0.5;
 
-/// Who sleeps in a frame.
+/// Sleeping islands of a frame.
 #[derive(Default)]
 pub(crate) struct Sleep {
-    /// The manifolds of all islands that sleep.
+    /// Manifolds of all sleeping islands.
     pub(crate) manifolds: Vec<usize>,
-    /// Of each body, a number that says with whom it has points that are close, in any order; empty
-    /// if nothing may sleep.
+    /// Order-independent hash of each body's near neighbours; empty if sleep is disabled.
     touching: Vec<u64>,
-    /// Whether each is in an island with something that is driven.
+    /// True for bodies in an island with a moving kinematic body.
     is_stirred: Vec<bool>,
-    /// Where each was at the frame's start [m].
+    /// Positions at the frame's start [m].
     starts: Vec<DVec3>,
 }
 
 impl Sleep {
-    /// Takes those islands out that sleep in this frame: all of their bodies have been slow for
-    /// long enough, and touch the same others as they did then, of which one at least does not move
-    /// and carries something.
+    /// Removes sleeping islands from `islands`. An island sleeps if all its bodies have been slow
+    /// for long enough with unchanged neighbours, and at least one loaded contact is with a fixed
+    /// body.
     pub(crate) fn take_out(
         bodies: &Bodies,
         (manifolds, carried): (&[Manifold], &[&[Carried]]),
@@ -49,7 +47,7 @@ impl Sleep {
         sleep.starts = bodies.poses.iter().map(|pose| pose.position).collect();
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
-        // Only what is close: who meets what is further away depends on who has settled.
+        // Count near points only: distant pairs vary with the sleep state of other bodies.
         let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.sag();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
@@ -86,7 +84,7 @@ impl Sleep {
         sleep
     }
 
-    /// The bodies that sleep stand still: what they lose by that, what they stand on has given.
+    /// Zeroes velocities of sleeping bodies; the lost momentum is booked to their supports.
     pub(crate) fn hold(
         &self,
         bodies: &mut Bodies,
@@ -113,7 +111,7 @@ impl Sleep {
         are_asleep
     }
 
-    /// What the contacts of those that sleep carried goes on.
+    /// Keeps the cached impulses of sleeping contacts.
     pub(crate) fn carried(&self, manifolds: &[Manifold], carried: &[&[Carried]]) -> Part {
         let mut part = Part::default();
         for &at in &self.manifolds {
@@ -122,8 +120,8 @@ impl Sleep {
         part
     }
 
-    /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an
-    /// overlap moves, though it is slow in the end.
+    /// Sleep counters of all bodies at the frame's end. Penetration recovery displaces a body even
+    /// if its final velocity is small, hence the test of its displacement.
     pub(crate) fn drowsiness(
         &self,
         bodies: &Bodies,
@@ -142,8 +140,7 @@ impl Sleep {
     }
 }
 
-/// A number for a body, of which sums tell one set of bodies from another: its id through
-/// SplitMix64.
+/// SplitMix64 hash of a body id; sums of hashes distinguish sets of bodies.
 fn scattered(BodyId { index, generation }: BodyId) -> u64 {
     let mut number =
         (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -154,12 +151,12 @@ fn scattered(BodyId { index, generation }: BodyId) -> u64 {
 
 fn is_slow(bodies: &Bodies, i: usize) -> bool {
     let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
-    // What has no bounds does not turn.
+    // Unbounded bodies have no spin.
     let turning = if spin > 0.0 { spin * bodies.radii[i] } else { 0.0 };
     bodies.velocities[i].linear.length() + turning < SLOW
 }
 
-/// Whether it is a kinematic body that moves.
+/// True for moving kinematic bodies.
 fn is_driven(bodies: &Bodies, i: usize) -> bool {
     matches!(bodies.motions[i], Motion::Kinematic { linear, angular } if linear != DVec3::ZERO || angular != DVec3::ZERO)
 }

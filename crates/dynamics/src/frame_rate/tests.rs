@@ -1,4 +1,4 @@
-//! Analytic answers of the loop, and what its slabs and colours promise.
+//! Analytic answers of the substep loop, and the guarantees of slabs and colours.
 
 use super::constraints::Selection;
 use super::group::Group;
@@ -53,7 +53,7 @@ fn all_pairs(bodies: &Bodies) -> Vec<Pair> {
     (0..count).flat_map(|a| (a + 1..count).map(move |b| Pair { first: a, second: b })).collect()
 }
 
-/// Some frames; what came of the last one.
+/// Steps several frames and returns the last result.
 fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
     let mut warm = WarmStart::default();
     let mut last = Solved {
@@ -69,7 +69,7 @@ fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
     last
 }
 
-/// The first of a row of elastic balls that touch stops, and the last one leaves with its velocity.
+/// In a row of touching elastic balls the first stops, and the last leaves with its velocity.
 #[test]
 fn a_row_of_elastic_balls_passes_its_motion_on() {
     for count in [2, 3, 33, 100] {
@@ -88,7 +88,7 @@ fn a_row_of_elastic_balls_passes_its_motion_on() {
     }
 }
 
-/// A ball that lies on the ground stays: it yields by less than a thousandth of its radius.
+/// A ball on the ground stays: the overlap is below a thousandth of its radius.
 #[test]
 fn a_ball_lies_still() {
     let mut bodies = Bodies::default();
@@ -99,7 +99,7 @@ fn a_ball_lies_still() {
     assert!((0.4995..0.5).contains(&height) && speed < 1e-5, "{height} m, {speed} m/s");
 }
 
-/// An elastic ball returns to where it fell from, and a ball without restitution stays below.
+/// An elastic ball returns to its initial height, and a ball without restitution stays down.
 #[test]
 fn balls_bounce_by_their_restitution() {
     let highest = |e: f64| {
@@ -120,8 +120,8 @@ fn balls_bounce_by_their_restitution() {
     assert!(highest(0.0) < 0.02);
 }
 
-/// A ball that starts deep in the ground comes out at no more than the settings' speed, and no
-/// faster afterwards.
+/// A ball deep in the ground recovers at no more than the settings' speed, and keeps no speed
+/// afterwards.
 #[test]
 fn overlaps_close_at_a_bounded_speed() {
     let mut bodies = Bodies::default();
@@ -143,7 +143,7 @@ fn overlaps_close_at_a_bounded_speed() {
     assert!((0.499..0.5).contains(&last), "{last}");
 }
 
-/// A ball that slides begins to roll: five sevenths of its speed are left.
+/// A sliding ball begins to roll: five sevenths of its speed remain.
 #[test]
 fn sliding_becomes_rolling() {
     let mut bodies = Bodies::default();
@@ -154,7 +154,7 @@ fn sliding_becomes_rolling() {
     assert!((speed - 2.0 * 5.0 / 7.0).abs() < 0.01, "{speed}");
 }
 
-/// Balls in layers that touch their neighbours, so many that they have several slabs.
+/// Layers of touching balls, enough for several slabs.
 fn heap() -> (Bodies, Vec<Pair>) {
     let mut bodies = Bodies::default();
     ground(&mut bodies);
@@ -180,8 +180,8 @@ fn heap() -> (Bodies, Vec<Pair>) {
     (bodies, pairs)
 }
 
-/// What a slab touches lies in its own lines and the next one's, and eight manifolds that act at
-/// the same time share no body that moves.
+/// Lines of a slab's manifolds lie in the slab or the next, and lanes of a batch share no movable
+/// body.
 #[test]
 fn slabs_and_colours_share_no_body() {
     let (bodies, pairs) = heap();
@@ -224,8 +224,8 @@ fn slabs_and_colours_share_no_body() {
     assert_eq!(seen, manifolds.len());
 }
 
-/// Each point of a manifold is of one constraint, however many there are, and those of a constraint
-/// share their normal.
+/// Each point of a manifold belongs to exactly one constraint, and all points of a constraint share
+/// their normal.
 #[test]
 fn every_point_is_of_one_constraint() {
     let point = |number: usize| ManifoldPoint {
@@ -249,8 +249,8 @@ fn every_point_is_of_one_constraint() {
     assert!(numbers.into_iter().eq(0..301));
 }
 
-/// Substeps are powers of two that grow at once, shrink by halves and late, and stay within the
-/// settings and the work of a frame.
+/// Substeps are powers of two: they grow at once, shrink late and by halves, and respect the
+/// settings and the work limit of a frame.
 #[test]
 fn substeps_do_not_flicker() {
     let frame = frame(G);
