@@ -1,4 +1,4 @@
-//! Where energy comes from and goes, and that no island gains any.
+//! Energy accounting: causes of every change, and a guarantee of no gain per island.
 
 pub(crate) mod island;
 pub(crate) mod islands;

@@ -1,8 +1,8 @@
-//! Rigid bodies in motion that never gain energy: what contact does to them.
+//! Contact dynamics of rigid bodies, without energy gain.
 //!
-//! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
-//! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a
-//! [`Tally`].
+//! Each stage of a frame has a file of its own; `frangible::step` lists them in order. Static and
+//! kinematic bodies have infinite mass and act from outside: a [`Tally`] books their impulses and
+//! work.
 
 mod energy;
 mod frame_rate;

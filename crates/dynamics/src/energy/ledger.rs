@@ -1,14 +1,14 @@
-//! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus
+//! The ledger: no island of touching bodies ends a frame with more energy than at its start, plus
 //! the work done on it.
 //!
-//! Whatever contact, position correction and shock propagation did, the island's energy E' is
-//! compared with what it may have: its energy at the frame's start, the work of kinematic bodies,
-//! and what is left in its bank. Contacts whose light bodies would be flung by what they gave are
-//! restrained in any case; those that gave too much pay it back first; what is left is taken from
-//! the velocities relative to the island's rigid part, and, if that is not enough, from the
-//! displacements off the ballistic path; at the end of both lies the flight after collisions, whose
-//! energy is no more than it was by construction. The bank holds a little of what an island
-//! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
+//! After contact, position correction and shock propagation the island's energy is compared with
+//! its allowance: its energy at the frame's start, the work of kinematic bodies, and its bank.
+//! Contacts that would fling light bodies are restrained in any case. Then contacts with an energy
+//! gain repay it. The remaining excess comes out of the velocities relative to the island's rigid
+//! part, and after that out of the displacements off the ballistic path. The fallback is ballistic
+//! motion after collisions, whose energy never exceeds the allowance by construction. The bank
+//! stores a little of an island's dissipated energy, up to a cap: a pile can rise again by the
+//! overlap it sank.
 
 use crate::energy::island::{Anchor, Ballistic, Island, energies, energy, magnitude, work_on};
 use crate::energy::islands::Islands;
@@ -18,27 +18,27 @@ use crate::energy::tally::{Cause, Debt, Tally};
 use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
 
-/// Relative to the size of an island's energies: less is rounding.
+/// Rounding threshold relative to the magnitude of an island's energies.
 const ROUNDING: f64 = 1e-14;
 
-/// The banks of all bodies, kept over the frames.
+/// Energy banks of all bodies, kept across frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
     bank: PerBody<f64>,
 }
 
-/// What the ledger had to do in one frame.
+/// Statistics of the ledger in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// Islands of touching bodies.
     pub islands: u64,
-    /// Islands in which the contacts that gave energy could pay it back.
+    /// Islands balanced by repayment of contacts alone.
     pub paid: u64,
-    /// Islands whose relative velocities were scaled down.
+    /// Islands with scaled relative velocities.
     pub scaled: u64,
-    /// Islands whose displacements were shortened.
+    /// Islands with shortened displacements.
     pub shortened: u64,
-    /// Energy that was taken out, by restraint, payment, scaling or shortening [J].
+    /// Removed energy, by restraint, repayment, scaling or shortening [J].
     pub removed: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct Balance {
 pub struct Opening(PerBody<f64>);
 
 impl Opening {
-    /// Opens the books of a frame.
+    /// Records all energies at the start of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
         let mut opening = Self::default();
         for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
@@ -60,13 +60,13 @@ impl Opening {
 }
 
 impl Ledger {
-    /// All that is in the banks [J].
+    /// Sum of all banks [J].
     pub fn bank(&self) -> f64 {
         self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
-    /// Closes the books of a frame: balances every island. Bodies that broke are linked to their
-    /// fragments in the tally.
+    /// Balances every island at the end of a frame. In the tally, broken bodies are linked to their
+    /// fragments.
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
@@ -83,7 +83,7 @@ impl Ledger {
         let now = &*bodies;
         let (energies, islands) =
             threads::join(now.len(), || energies(now, frame), || self.islands(now, opening, tally));
-        // What was born in this frame has gained nothing that is known.
+        // Bodies born in this frame have no known gain.
         let gained_by =
             |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
@@ -103,8 +103,8 @@ impl Ledger {
             };
             balance.islands += 1;
 
-            // What a contact gave must not fling what is light: little of it may be left in the
-            // motion of its pair.
+            // Restrain contacts that would fling light bodies: limit the energy left in the pair's
+            // relative motion.
             let work_before = tally.causes.work;
             let mut debts: Vec<Debt> =
                 island.debts.iter().map(|&index| tally.debts[index]).collect();
@@ -116,7 +116,7 @@ impl Ledger {
                 after = total(bodies, &island.members);
             }
 
-            // The contacts that gave the energy pay first; what they have not, the island pays.
+            // Contacts with an energy gain repay first; the island pays the rest.
             let excess = too_much(after, &island);
             if let Some(excess) = excess {
                 let work_before = tally.causes.work;
@@ -137,22 +137,22 @@ impl Ledger {
                 tally.causes.balance -= removed;
             }
 
-            // What is left goes into the bank, up to its cap, and is the members' by mass.
-            // Closing overlaps is excepted from gain, as far as it was needed.
+            // Bank the surplus up to the cap, divided among members by mass. Energy needed by
+            // penetration recovery does not count as gain.
             let needed = (after - island.allowance - island.bank).max(0.0).min(island.recovered);
             tally.recovery += needed;
             tally.causes.add(Cause::Projection, needed);
             tally.causes.add(Cause::Contact, -needed);
             let left = island.allowance + island.bank + needed - after;
             let cap = frame.settings.bank_cap * mass;
-            // An island with a body whose numbers went bad has nothing to keep.
+            // Non-finite islands bank zero.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
             for &i in &island.members {
                 bank.insert(bodies.ids[i], kept * bodies.masses[i] / mass);
             }
         }
 
-        // Bodies that touched nothing keep theirs.
+        // Bodies without contacts keep their bank.
         for (id, amount) in self.bank.iter() {
             if bodies.index_of(id).is_some() && bank.get(id).is_none() {
                 bank.insert(id, amount);
@@ -162,7 +162,7 @@ impl Ledger {
         balance
     }
 
-    /// The islands of a frame. A body that broke still stands in for its fragments.
+    /// Islands of a frame. Broken bodies connect their fragments.
     fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
@@ -187,7 +187,7 @@ impl Ledger {
         let held: Vec<(u32, u32)> = held.into_iter().map(&mut nodes).collect();
         let members = islands.members(bodies);
 
-        // What holds each of them, and what its mobile bodies owe.
+        // Find the anchor of each island, and the debts of its mobile bodies.
         let mut anchors = vec![Held::ByNothing; members.len()];
         for (node, by) in held {
             let Some(number) = islands.number(node) else { continue };
@@ -233,11 +233,11 @@ impl Ledger {
     }
 }
 
-/// What an island touches besides itself.
+/// Immovable bodies in contact with an island.
 #[derive(Clone, Copy)]
 enum Held {
     ByNothing,
-    /// One body, by its dense index.
+    /// One body, by dense index.
     By(u32),
     ByMany,
 }
@@ -246,7 +246,7 @@ fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
     ids.iter().filter_map(|&id| amounts.get(id)).sum()
 }
 
-/// One kinematic body moves an island along; anything else holds it.
+/// A single kinematic body carries an island; otherwise it is fixed.
 fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
     match held {
         Held::ByNothing => Anchor::Free,

@@ -1,5 +1,5 @@
-//! Local payment: a contact that gave energy to its bodies pays it back out of their relative
-//! velocity, before the island has to.
+//! Repayment: a contact with an energy gain repays it from its pair's relative velocity, before the
+//! island must.
 
 use crate::energy::island::Anchor;
 use crate::energy::take_out::RelativeMotion;
@@ -9,9 +9,9 @@ use frangible_bodies::{Bodies, Frame, Motion, Pair};
 use frangible_collision::ContactPoint;
 use glam::DVec3;
 
-/// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its
-/// relative velocity has it. Impulses at the contact are mutual, so momentum and angular momentum
-/// stay.
+/// Distributes the repayment of `excess` [J] over all debts, proportionally, each limited by the
+/// energy of the relative velocity. Impulses at the contact are mutual: momentum and angular
+/// momentum stay.
 pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut Tally) {
     let owed: f64 = debts.iter().map(|debt| debt.energy).sum();
     if owed <= 0.0 {
@@ -24,11 +24,11 @@ pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut 
     }
 }
 
-/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than
-/// that is left in its relative motion; by no more than the contact gave, than all contacts of the
-/// lighter body gave between them, and than that body has `gained` in the frame [J], a number for
-/// each body. A chip that the ground presses against a block would squirt out at 20 m/s, on what
-/// the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
+/// Slows pairs whose contact gave more than the lighter body's bank cap, until the relative motion
+/// is at the cap. The reduction is limited by the contact's gain, by the net gain of all contacts
+/// of the lighter body, and by the body's gain in the frame, `gained` [J] per body. Without it a
+/// chip pressed against a block squirts out at 20 m/s on the banked energy of the whole heap.
+/// Reduces debts by the repayment, and returns true if any pair was slowed.
 pub(crate) fn restrain(
     bodies: &mut Bodies,
     (debts, gained): (&mut [Debt], &[f64]),
@@ -64,8 +64,8 @@ pub(crate) fn restrain(
     any
 }
 
-/// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the
-/// lighter body as seen from the heavier one, and both spins.
+/// True if an upper bound of a pair's relative kinetic energy exceeds `most` [J]: the lighter
+/// body's motion relative to the heavier body, plus both spins.
 fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     let linear = |i: usize| match bodies.motions[i] {
         Motion::Static => DVec3::ZERO,
@@ -89,20 +89,20 @@ fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     turns || 0.5 * (squared + turning(lighter) + turning(heavier)) > most
 }
 
-/// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
+/// Energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
 pub fn energy_at(bodies: &Bodies, pair: Pair, point: DVec3) -> f64 {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
     energy_of(&approach, stopping)
 }
 
-/// What an impulse that stops a pair takes from it [J].
+/// Energy loss by the stopping impulse of a pair [J].
 fn energy_of(approach: &Approach, stopping: DVec3) -> f64 {
     let available = -0.5 * stopping.dot(approach.relative_velocity);
     if stopping.is_finite() { available.max(0.0) } else { 0.0 }
 }
 
-/// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of
-/// u.K^-1 u / 2, by an impulse j = -alpha K^-1 u.
+/// Takes `energy` [J], at most u.K^-1 u / 2, out of a pair's relative velocity u at a point, by an
+/// impulse j = -alpha K^-1 u.
 pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
     let available = energy_of(&approach, stopping);
@@ -126,7 +126,7 @@ pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally:
     }
 }
 
-/// How a pair moves at a point, and the impulse there -K^-1 u that stops it [N s].
+/// Relative motion of a pair at a point, and its stopping impulse -K^-1 u [N s].
 fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVec3) {
     let contact = ContactPoint { point, normal: DVec3::Y };
     let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
@@ -146,7 +146,7 @@ mod tests {
         Frame { dt: 1.0 / 30.0, gravity: DVec3::ZERO, settings: StepSettings::default() }
     }
 
-    /// A fast chip, and a block that moves in some way.
+    /// A fast chip, and a block with the given motion.
     fn chip_and_block(motion: Motion) -> Bodies {
         let mut bodies = Bodies::default();
         for (half, motion, position, linear, angular_momentum) in [
@@ -198,10 +198,10 @@ mod tests {
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
 
-    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken,
-    /// nor than all contacts of the chip gave, nor than it gained; whatever the block is, what
-    /// comes from outside is told: momenta and energy change by that, and by what was paid, which
-    /// is owed no more.
+    /// A contact with a large gain leaves the chip at its bank cap. The reduction never exceeds the
+    /// contact's gain, the net gain of the chip's contacts, or the chip's own gain. For every kind
+    /// of block the booked outside impulse matches the change of momenta, the energy change matches
+    /// work and repayment, and the debt shrinks by the repayment.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
         let moving = Motion::Kinematic {
@@ -257,7 +257,7 @@ mod tests {
         }
     }
 
-    /// What moves along with a block is not slowed down, however fast the block is.
+    /// A body moving along with a block is not slowed, for any speed of the block.
     #[test]
     fn what_moves_along_goes_on() {
         let mut bodies =

@@ -1,6 +1,6 @@
-//! Struck bodies strike others in the same frame: billiard balls, skittles, dominoes. Ballistic
-//! ways do not tell, so bodies that are struck are taken to stray from theirs, and whatever they
-//! could reach is watched.
+//! Impact chains within a frame: billiard balls, skittles, dominoes. Swept bounds of ballistic
+//! motion miss bodies reached after an impact. Bodies in impact get a predicted deviation from
+//! their ballistic path, and all pairs within reach of deviating bodies get contact points.
 
 mod stray;
 mod ways;
@@ -12,28 +12,28 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use stray::Stray;
 
-/// How much further a body must stray than was known, to be looked at again [1]: what strikes each
-/// other by turns goes on for ever. Without it the second ball of a row strays back by 0.4 m, as if
-/// the third one, which it strikes, had come at it.
+/// Minimum growth factor of a deviation to visit its body again [1]; mutual impacts would repeat
+/// forever. Without it the second ball of a row deviates backward by 0.4 m, as if the third ball
+/// had hit it.
 const CLEARLY: f64 = 2.0;
 
-/// Strikes in a frame [1]. Where there are more, as in a heap that falls, nobody sees who strikes
-/// whom next: without a bound a wall of 1,000 bricks that is struck takes 16 times as long, a heap
-/// of 800 pieces that falls 2.3 times, with overlaps no smaller.
+/// Maximum number of impacts in a frame [1]. With more, as in a falling heap, impact chains are
+/// left out: without a bound a wall of 1,000 bricks takes 16 times as long after an impact, and a
+/// falling heap of 800 pieces 2.3 times, with equal overlaps.
 const MOST_STRIKES: usize = 1024;
 
-/// Times that it is asked whom a body may strike [1]: what strays furthest comes first.
+/// Maximum number of body visits [1], in order of decreasing deviation.
 const MOST_LOOKS: usize = MOST_STRIKES / 2;
 
-/// Of the movable ones that a body may strike so many are watched, the nearest [1]: as many bricks
-/// as lie about one in a wall. With twelve a wall that is struck takes twice as long.
+/// Maximum number of movable neighbours per visited body, nearest first [1]: as for a brick in a
+/// wall. With twelve an impact on a wall takes twice as long.
 const MOST_REACHED: usize = 8;
 
-/// Points of a face [1].
+/// Number of points of a face contact [1].
 const FACE: usize = 4;
 
-/// Finds the manifolds of pairs that may come faster against each other than on their ballistic
-/// ways to `ends`, because one of them is struck; pairs that meet by that alone are added.
+/// Adds manifolds for pairs that may approach faster than on their ballistic paths to `ends`
+/// because of an impact, including pairs beyond the reach of ballistic motion.
 pub fn note_struck(
     bodies: &Bodies,
     ends: &[Pose],
@@ -56,7 +56,7 @@ pub fn note_struck(
             continue;
         }
         while known.next_if(|manifold| manifold.pair < pair).is_some() {}
-        // Pairs that touch by a face have all of their points.
+        // Face contacts already have all their points.
         let touches = known.peek().is_some_and(|manifold| {
             let all_near = manifold.points.iter().all(|point| point.gap <= frame.sag());
             manifold.pair == pair && manifold.points.len() >= FACE && all_near
@@ -75,15 +75,15 @@ pub fn note_struck(
     manifolds.replace(&found);
 }
 
-/// Who may stray, and who may meet by it.
+/// Deviations of a frame.
 struct Straying {
-    /// Of each body.
+    /// One entry per body.
     strays: Vec<Stray>,
-    /// Pairs that meet by it alone.
+    /// Pairs in reach only because of a deviation.
     more: BTreeSet<Pair>,
 }
 
-/// How far bodies may stray, if anything is struck.
+/// Predicts deviations of all bodies; `None` without impacts.
 fn straying(
     bodies: &Bodies,
     ends: &[Pose],
@@ -91,7 +91,7 @@ fn straying(
     manifolds: &Manifolds,
     frame: &Frame,
 ) -> Option<Straying> {
-    // What gravity makes of rest is no strike, and pushes nothing further than is looked at anyway.
+    // Skip resting contacts: gravity's approach over a frame stays within the speculative margin.
     let struck = Struck { bodies, ends, frame, least: 2.0 * frame.sag() };
     let comes = manifolds.approaches().map(|(pair, approach)| (pair, approach * frame.dt));
     let strikes: Vec<(Pair, f64)> = comes.filter(|&(_, comes)| comes > struck.least).collect();
@@ -99,7 +99,8 @@ fn straying(
     if strikes.len() > MOST_STRIKES {
         return None;
     }
-    // None strays further than what something heavy strikes without loss.
+    // Upper bound of all deviations: an elastic impact of an infinitely heavy body doubles the
+    // speed.
     let longest = 2.0 * furthest;
     let mut found = Straying { strays: vec![Stray::NONE; bodies.len()], more: BTreeSet::new() };
     let mut next = Next::default();
@@ -109,7 +110,8 @@ fn straying(
         }
     }
 
-    // Whatever those can reach that stray furthest may be struck by them, the nearest first.
+    // Best-first search: visit the body with the largest deviation, then its neighbours, nearest
+    // first.
     let mut ways = Ways::new(bodies, ends, &swept.bounds, frame);
     let mut looks = 0;
     while let Some((i, stray)) = next.pop() {
@@ -140,19 +142,19 @@ fn straying(
     Some(found)
 }
 
-/// Bodies on their ballistic ways through a frame.
+/// Ballistic motion of all bodies through a frame.
 struct Struck<'a> {
     bodies: &'a Bodies,
     ends: &'a [Pose],
     frame: &'a Frame,
-    /// What comes less far rests, or falls from rest [m].
+    /// Smaller relative displacements count as rest or free fall [m].
     least: f64,
 }
 
 impl Struck<'_> {
-    /// How far a body may stray that is struck, if the other one of the pair comes so far against
-    /// it [m]: an impulse at its middle gives no more, or one anywhere to any of its points, with
-    /// what `turning` adds to its answer [1/kg].
+    /// Upper bound of a body's deviation after an impact, for a relative displacement `come` [m] of
+    /// the pair. `turning` adds the rotational part of the inverse effective mass [1/kg] for
+    /// off-centre impacts.
     fn stray(&self, i: usize, by: usize, come: f64, turning: f64) -> f64 {
         let inverse_mass = |i: usize| self.bodies.inertias[i].inverse_mass;
         let answer = inverse_mass(i) + turning;
@@ -164,7 +166,8 @@ impl Struck<'_> {
         }
     }
 
-    /// See [`Self::stray`].
+    /// Upper bound of the rotational part of the inverse effective mass [1/kg]; see
+    /// [`Self::stray`].
     fn turning(&self, i: usize) -> f64 {
         let inertia = &self.bodies.inertias[i];
         let size = self.bodies.radii[i];
@@ -175,13 +178,13 @@ impl Struck<'_> {
         }
     }
 
-    /// How far any points of a pair move against each other on their ways; none if they rest [m].
+    /// Upper bound of the relative displacement of a pair's points [m]; 0 for resting pairs.
     fn comes(&self, pair: Pair) -> f64 {
         let way = |i: usize| self.ends[i].position - self.bodies.poses[i].position;
         let turns = |i: usize| {
             let spin =
                 self.bodies.spin(i, &self.bodies.poses[i], &self.bodies.velocities[i]).length();
-            // What has no bounds does not turn.
+            // Unbounded bodies have no spin.
             if spin > 0.0 { self.bodies.radii[i] * (spin * self.frame.dt).min(2.0) } else { 0.0 }
         };
         let comes =
@@ -190,17 +193,17 @@ impl Struck<'_> {
     }
 }
 
-/// Bodies that may stray further than is known, the furthest first.
+/// Priority queue of bodies by deviation, largest first.
 #[derive(Default)]
 struct Next {
     strays: BTreeMap<usize, Stray>,
-    /// How far each may stray, as bits, whose order is that of positive numbers, or might when it
-    /// was not known better.
+    /// Deviation as bits (positive floats sort like their bits), and body; may hold outdated
+    /// entries.
     order: BinaryHeap<(u64, Reverse<usize>)>,
 }
 
 impl Next {
-    /// Another body may push it so far [m], if at all.
+    /// Registers a deviation [m] caused by the body `by`.
     fn add(&mut self, i: usize, stray: f64, by: usize, known: Stray) {
         if stray > 0.0 {
             let all = self.strays.entry(i).or_insert(known);
@@ -209,7 +212,7 @@ impl Next {
         }
     }
 
-    /// How far a body may stray, if that is not to be looked at yet [m].
+    /// Queued deviation of a body.
     fn of(&self, i: usize) -> Option<&Stray> {
         self.strays.get(&i)
     }
@@ -235,7 +238,8 @@ mod tests {
 
     const FRAME: f64 = 1.0 / 30.0;
 
-    /// Balls of 0.2 m along the x axis, at rest but for the first one, which has a speed [m/s].
+    /// Spawns balls of 0.2 m diameter along the x axis, at rest except the first, which has `speed`
+    /// [m/s].
     fn straying(places: &[f64], speed: f64) -> (Vec<[usize; 2]>, Vec<Stray>) {
         let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.1 }, 0.1));
         let mut bodies = Bodies::default();
@@ -261,9 +265,9 @@ mod tests {
         (all.iter().map(|pair| [pair.first, pair.second]).collect(), strays)
     }
 
-    /// At 6 m/s the first ball comes 0.2 m far. So far it may push the second one, of the same
-    /// mass, whose points may come further as it may turn; the third one is looked for as far as
-    /// that, and so on. What meets by itself is no further apart for the two that do.
+    /// At 6 m/s the first ball travels 0.2 m in a frame. It may push the second ball equally far
+    /// (its points further, by rotation), the second the third, and beyond. A pair's mutual impact
+    /// adds no deviation to the pair.
     #[test]
     fn what_is_struck_may_strike_what_it_could_reach() {
         let (pairs, strays) = straying(&[0.0, 0.25, 0.65, 1.1, 5.0], 6.0);
@@ -279,15 +283,15 @@ mod tests {
         assert!(strays[3].against(4) > 0.2 && strays[4] == Stray::NONE, "{strays:?}");
     }
 
-    /// What is slower than gravity would make it strikes nobody.
+    /// Approaches below gravity's speed gain are no impacts.
     #[test]
     fn slow_blows_are_none() {
         assert_eq!(straying(&[0.0, 0.2, 0.41], 0.02), (vec![[0, 1]], vec![]));
     }
 
-    /// Of more strikes than there is time for nothing is known, and of a body only whom it reaches
-    /// first: as many balls as told lie where the first one comes by, and some where the second one
-    /// might be pushed.
+    /// With too many impacts no deviation is computed; a single body gets only its nearest
+    /// neighbours: a given number of balls lies on the first ball's path, and more around the
+    /// second ball's.
     #[test]
     fn crowds_are_left_alone() {
         let known = |on_way: usize, beside: usize| {
@@ -310,7 +314,7 @@ mod tests {
         );
     }
 
-    /// The body that may push it furthest does not count for the pair of the two.
+    /// The largest source of a deviation is excluded for the pair of the two bodies.
     #[test]
     fn others_make_a_body_stray() {
         let mut stray = Stray::NONE;

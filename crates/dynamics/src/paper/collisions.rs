@@ -1,8 +1,8 @@
-//! Collisions: what would meet in this frame bounces before it gets there [GBF03 sec. 4].
+//! Collisions: bodies about to overlap in this frame bounce beforehand [GBF03 sec. 4].
 //!
-//! Contact points, normals, levers and angular velocities are those of the predicted poses x^{n+1};
+//! Contact points, normals, levers and angular velocities belong to the predicted poses x^{n+1};
 //! the impulses change v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision
-//! Clamping"]. A blow above a body's strength is reported, for the engine to break the body [Su09
+//! Clamping"]. Blows above a body's strength are reported, and the engine breaks the body [Su09
 //! sec. 4.2].
 
 use crate::energy::tally::{Cause, Tally};
@@ -12,35 +12,34 @@ use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, p
 use frangible_collision::{NearSamples, Penetration, find_pairs, first_contact, placed};
 use std::collections::HashMap;
 
-/// What one pass over all pairs came to.
+/// Result of one pass over all pairs.
 #[derive(Clone, Debug, Default)]
 pub struct Pass {
-    /// Whether any impulse was applied.
+    /// True if any impulse was applied.
     pub any: bool,
-    /// What breaks, in order of the pairs.
+    /// Blows that break a body, in order of the pairs.
     pub blows: Vec<Blow>,
 }
 
-/// What a collision may do.
+/// Allowed response to a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
-    /// Bodies bounce, and break if they do not bear it.
+    /// Bodies bounce, and break above their strength.
     BounceAndBreak,
-    /// Bodies bounce, whatever they bear.
+    /// Bodies bounce, regardless of strength.
     Bounce,
 }
 
 /// The collisions of one frame, pass by pass.
 #[derive(Clone, Debug)]
 pub struct Collisions {
-    /// x^{n+1} as the present velocities would have it.
+    /// x^{n+1} by the present velocities.
     pub predicted: Vec<Pose>,
-    /// What static and kinematic bodies contributed.
+    /// Impulses and work of static and kinematic bodies.
     pub tally: Tally,
-    /// How often each body was re-evolved.
+    /// Number of re-evolutions of each body.
     moves: Vec<u32>,
-    /// The moves of both bodies when a pair was last looked at: what has not moved since needs no
-    /// second look.
+    /// Re-evolution counts of both bodies at a pair's last visit: unmoved pairs are skipped.
     seen: HashMap<(BodyId, BodyId), (u32, u32)>,
     penetrations: Vec<Penetration>,
 }
@@ -57,8 +56,7 @@ impl Collisions {
         }
     }
 
-    /// Goes on after bodies were broken: `new_index` maps old dense indices, and what is new stands
-    /// behind.
+    /// Continues after a break: `new_index` maps old dense indices; fragments follow at the end.
     pub fn rebase(&mut self, bodies: &Bodies, new_index: &[Option<usize>], frame: &Frame) {
         let mut moves = vec![0; bodies.len()];
         for (old, new) in new_index.iter().enumerate() {
@@ -70,7 +68,7 @@ impl Collisions {
         self.predicted = predict(bodies, frame);
     }
 
-    /// One pass over all pairs. What broke is left alone for the rest of the pass.
+    /// One pass over all pairs. A broken body is skipped for the rest of the pass.
     pub fn pass(&mut self, bodies: &mut Bodies, response: Response, frame: &Frame) -> Pass {
         let mut pass = Pass::default();
         let mut broken = vec![false; bodies.len()];
@@ -102,8 +100,7 @@ impl Collisions {
                     pass.blows.extend(blow);
                 }
             }
-            // A pair with a blow is looked at again: by the fragments, or by a body that could not
-            // be split.
+            // A pair with a blow is visited again: by the fragments, or by an unsplittable body.
             if !broken[pair.first] && !broken[pair.second] {
                 self.remember(bodies, pair);
             }
@@ -111,8 +108,8 @@ impl Collisions {
         pass
     }
 
-    /// The blow to each body of the pair; it lands where they first touched, or, if they did
-    /// before, where the impulse acts.
+    /// Blows to both bodies of the pair, at their first touch, or at the impulse's point if the
+    /// bodies already overlap at the start.
     fn blows(
         &self,
         bodies: &Bodies,
@@ -128,7 +125,7 @@ impl Collisions {
         })
     }
 
-    /// The clamped impulse at the deepest approaching point of a pair, if there is one.
+    /// Clamped impulse at the deepest approaching point of a pair, if any.
     fn next_impulse(
         &mut self,
         bodies: &Bodies,
@@ -156,7 +153,7 @@ impl Collisions {
         (!impulse.is_zero()).then_some((approach, impulse))
     }
 
-    /// Applies an impulse to v^n, re-evolves both bodies and books what came from outside.
+    /// Applies an impulse to v^n, re-evolves both bodies and books the outside's share.
     fn apply(
         &mut self,
         bodies: &mut Bodies,

@@ -1,10 +1,10 @@
-//! How far bodies may stray from their ballistic ways.
+//! Deviations of bodies from their ballistic paths.
 
-/// How far a body may stray from its ballistic way because it is struck.
+/// Upper bound of a body's deviation from its ballistic path after impacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stray {
-    /// Because of the body that may push it furthest, by its dense index, and because of all others
-    /// [m].
+    /// Largest deviation [m] with the dense index of its source, and the largest deviation by any
+    /// other source [m].
     pub(super) most: (f64, usize),
     pub(super) otherwise: f64,
 }
@@ -12,13 +12,13 @@ pub(super) struct Stray {
 impl Stray {
     pub(super) const NONE: Self = Self { most: (0.0, usize::MAX), otherwise: 0.0 };
 
-    /// As far as it matters to another body, which meets it on their ways if they meet by each
-    /// other alone [m].
+    /// Deviation with respect to `other` [m]. The impact with `other` is excluded: the pair's own
+    /// contact already covers it.
     pub(super) fn against(&self, other: usize) -> f64 {
         if self.most.1 == other { self.otherwise } else { self.most.0 }
     }
 
-    /// Another body may push it so far [m].
+    /// Registers a deviation [m] caused by the body `by`.
     pub(super) fn add(&mut self, stray: f64, by: usize) {
         if by == self.most.1 {
             self.most.0 = self.most.0.max(stray);

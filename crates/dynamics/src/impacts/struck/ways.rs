@@ -1,4 +1,4 @@
-//! Whom a body may reach that strays from its ballistic way.
+//! Neighbour search for bodies that deviate from their ballistic paths.
 
 use super::stray::Stray;
 use frangible_bodies::{Bodies, Frame, Pose};
@@ -6,42 +6,41 @@ use frangible_collision::{Bounds, Ground};
 use frangible_math::threads;
 use glam::DVec3;
 
-/// Bodies wider than this, in units of the mean, are few, and looked at one by one [1].
+/// Bodies wider than this multiple of the mean width are few, and tested individually [1].
 const WIDE: f64 = 2.0;
 
-/// Where bodies come on their ballistic ways.
+/// Bounding balls of all ballistic paths.
 pub(super) struct Ways<'a> {
     bodies: &'a Bodies,
     ends: &'a [Pose],
     bounds: &'a [Bounds],
     frame: &'a Frame,
-    /// Those that are not wide, strip by strip across an axis, and where each strip begins among
-    /// them.
+    /// Narrow paths sorted by strip, and the offset of each strip.
     ways: Vec<Way>,
     begins: Vec<usize>,
     strips: Strips,
     wide: Vec<Way>,
-    /// How far any of them strays from its way [m].
+    /// Largest deviation of any body [m].
     furthest: f64,
 }
 
 /// Strips across an axis.
 struct Strips {
     axis: usize,
-    /// Where the first one begins, and how wide each is: none of what lies in them is wider [m].
+    /// Begin of the first strip, and width of each strip, at least the width of a narrow path [m].
     begin: f64,
     width: f64,
     count: usize,
 }
 
 impl Strips {
-    /// Where a place along the axis is [m]: in the first or the last one, if it is beyond.
+    /// Strip of a coordinate [m], clamped to the first and last.
     fn at(&self, place: f64) -> usize {
         (((place - self.begin) / self.width) as usize).min(self.count - 1)
     }
 }
 
-/// A ball around a body's way.
+/// Bounding ball of a body's ballistic path.
 #[derive(Clone, Copy)]
 struct Way {
     middle: DVec3,
@@ -69,7 +68,7 @@ impl<'a> Ways<'a> {
         let count = bounded.clone().count().max(1);
         let widest = WIDE * bounded.clone().map(|way| 2.0 * way.radius).sum::<f64>() / count as f64;
 
-        // Along the longer side of what lies on the ground, no more strips than bodies.
+        // Strips along the longer horizontal extent, at most one per body.
         let (low, high) = bounded
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), way| {
                 (low.min(way.middle), high.max(way.middle))
@@ -79,7 +78,7 @@ impl<'a> Ways<'a> {
         let width = widest.max(length / count as f64).max(f64::MIN_POSITIVE);
         let strips = Strips { axis, begin, width, count: (length / width) as usize + 1 };
 
-        // Into their strips, one after the other.
+        // Counting sort into strips.
         let is_narrow = |way: &Way| 2.0 * way.radius <= widest;
         let mut begins = vec![0; strips.count + 1];
         let narrow = || all.iter().copied().filter(is_narrow);
@@ -97,7 +96,7 @@ impl<'a> Ways<'a> {
         Self { bodies, ends, bounds, frame, ways, begins, strips, wide, furthest: 0.0 }
     }
 
-    /// What a body may reach, as far as bodies stray, the nearest first.
+    /// Bodies within reach of a body and their deviations, nearest first.
     pub(super) fn reached(&mut self, i: usize, strays: &[Stray]) -> Vec<usize> {
         self.furthest = self.furthest.max(strays[i].most.0);
         let Self { bodies, ends, bounds, frame, ref strips, furthest, .. } = *self;
@@ -115,7 +114,7 @@ impl<'a> Ways<'a> {
                 && !(of_other.is_boundless() && is_above(other))
         };
 
-        // Nothing whose ball is further away, as far as any strays.
+        // Cull by bounding balls, enlarged by the largest deviation.
         let Way { middle, radius, .. } = Way::of(bodies, i, &ends[i], frame);
         let far = radius + strays[i].most.0 + furthest;
         let is_near = |way: &&Way| {
