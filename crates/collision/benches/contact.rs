@@ -1,6 +1,6 @@
-//! Time to find who may touch, and where, on one core: `cargo bench -p frangible-collision --bench
-//! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close
-//! as those of a pile.
+//! Time of the broad and the narrow phase on one core: `cargo bench -p frangible-collision --bench
+//! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as dense
+//! as a pile.
 
 #[path = "../../bodies/tests/common/mod.rs"]
 mod common;
@@ -18,8 +18,7 @@ use std::time::Instant;
 
 const DT: f64 = 1.0 / 30.0;
 
-/// Between the middles of neighbours, relative to the rocks' diameter: some touch, most of them do
-/// not.
+/// Spacing of neighbours relative to the rocks' diameter: a few touch, most are apart.
 const SPACING: f64 = 0.95;
 
 /// A rock of about 0.3 m.
@@ -28,7 +27,7 @@ fn rock(random: &mut Random) -> Option<Arc<Shape>> {
     Some(Arc::new(Shape::convex(Hull::of_points(&points).ok()?, 0.1).ok()?))
 }
 
-/// `count` rocks in three layers, that move by some centimetres in a frame.
+/// `count` rocks in three layers, moving by a few centimetres per frame.
 fn pile(count: usize, random: &mut Random) -> Bodies {
     let rocks: Vec<Arc<Shape>> = (0..200).filter_map(|_| rock(random)).collect();
     let across = (count as f64 / 3.0).sqrt().ceil() as usize;
@@ -60,7 +59,7 @@ fn pile(count: usize, random: &mut Random) -> Bodies {
     bodies
 }
 
-/// Median time of a task [ms], and what it came to.
+/// Median time of a task [ms], and its last result.
 fn median<T>(passes: usize, mut task: impl FnMut() -> T) -> (f64, T) {
     let mut times = Vec::new();
     let mut last = task();

@@ -1,6 +1,6 @@
-//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against
-//! each other since its points were found keeps them, and what was further apart than it can have
-//! come since is still apart.
+//! Contact cache: manifolds of polyhedron pairs, and of polyhedra on the ground, persist across
+//! frames while relative motion is small. Separated pairs are skipped until their accumulated
+//! motion may have closed the separation.
 
 pub(crate) mod kept;
 pub(crate) mod lookup;
@@ -24,42 +24,42 @@ use crate::warm_start::WarmStart;
 use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
 use frangible_math::threads;
 
-/// Relative motion up to which a pair keeps its points, in units of the smaller body's radius:
-/// what lies on an edge sticks out over it by as much before it tips.
+/// Maximum relative motion of a cached manifold, in units of the smaller body's radius: a body on
+/// an edge overhangs it by as much before tipping.
 const STEADY: f64 = 0.03;
 
-/// How much further than the reach points are looked for, relative to it, so that they can be kept
-/// while it varies [1]. Without it falling heaps overlap by a tenth more.
+/// Extra search distance relative to the reach, for the cache to survive a varying reach [1].
+/// Without it falling heaps overlap by a tenth more.
 const MARGIN: f64 = 0.2;
 
-/// The pairs of the last frame, in the order of their bodies' births.
+/// Manifolds of the last frame, in birth order of their bodies.
 #[derive(Clone, Debug, Default)]
 pub struct KeptPairs {
-    /// Of all bodies of the last frame.
+    /// One entry per body of the last frame.
     ways: Vec<Way>,
-    /// One after the other.
+    /// One chunk per task.
     kept: Vec<Kept>,
-    /// Room.
+    /// Chunks of the previous frame.
     last: Vec<Kept>,
     finders: Vec<ManifoldFinder>,
     found: Manifolds,
 }
 
-/// Pairs that go to a thread together: a tenth of a millisecond of work.
+/// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 1024;
 
-/// How far a body has come.
+/// Accumulated motion of a body.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     id: BodyId,
     pose: Pose,
-    /// No point of it has moved further since it was first seen, all frames together [m].
+    /// Upper bound of the path length of any point since the first frame, over all frames [m].
     length: f64,
 }
 
 impl KeptPairs {
-    /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which
-    /// is increasing. Points that are in `warm` carried in the last frame.
+    /// Finds the manifolds of all pairs that may touch within the frame. `pairs` must be in
+    /// increasing order. Points in `warm` had an impulse in the last frame.
     pub fn find_manifolds(
         &mut self,
         bodies: &Bodies,
@@ -76,7 +76,7 @@ impl KeptPairs {
         self.finders.resize_with(count, ManifoldFinder::default);
         self.found.parts.resize_with(count, Found::default);
 
-        // Each thread takes some pairs that follow each other.
+        // Each task takes a run of consecutive pairs.
         let Self { ways, kept, last, finders, found } = self;
         let firsts = firsts(last, &places);
         let passing = Passing::new(last, &places, &firsts);
@@ -94,8 +94,8 @@ impl KeptPairs {
         &mut self.found
     }
 
-    /// Follows all bodies to where they are now. Returns where those of the last frame are among
-    /// them.
+    /// Adds this frame's motion of all bodies. Returns the new index of each body of the last
+    /// frame.
     fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
         let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
         let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
@@ -110,15 +110,14 @@ impl KeptPairs {
     }
 }
 
-/// What is known of a pair from the last frame, and from when on its ways count if that still
-/// holds.
+/// Cached manifold of a pair, and its reference path length if still valid.
 struct Look<'a> {
     pair: Pair,
     known: Option<(&'a KeptPair, &'a [KeptPoint])>,
     since: Option<f64>,
 }
 
-/// Some pairs that follow each other, and room for what is found.
+/// A run of consecutive pairs, with output buffers.
 struct Share<'a> {
     ways: &'a [Way],
     seen: &'a [Seen<'a>],
@@ -141,7 +140,7 @@ impl Share<'_> {
         self.found.clear();
         passing.go_to(pairs[0]);
 
-        // What holds, and what is to be looked at anew.
+        // Split pairs into cached and recomputed manifolds.
         let (mut looks, mut anew) = (Vec::with_capacity(pairs.len()), Vec::new());
         let encounter = |pair: Pair| {
             Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
@@ -187,13 +186,13 @@ impl Share<'_> {
         }
     }
 
-    /// How far the ways of a pair are together [m].
+    /// Sum of both path lengths [m].
     fn ways_of(&self, pair: Pair) -> f64 {
         self.ways[pair.first].length + self.ways[pair.second].length
     }
 
-    /// If the points of a pair are still its points, and nothing else has come within reach: from
-    /// when on its ways count.
+    /// If the cached points are still valid and no other feature is within reach: the reference
+    /// path length.
     #[inline]
     fn still_holds(
         &self,
@@ -211,7 +210,8 @@ impl Share<'_> {
         if most < 0.0 {
             return None;
         }
-        // What moves together hardly moves against each other.
+        // Test the relative motion: bodies moving together have long paths but little relative
+        // motion.
         let Encounter { bodies, pair, flights, .. } = *encounter;
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let now = second_from_first(first, second);
@@ -220,13 +220,13 @@ impl Share<'_> {
         (moved <= most).then_some(ways - moved)
     }
 
-    /// Keeps a pair, whose points are the last ones.
+    /// Stores a pair with the last points of the chunk.
     fn keep(&mut self, kept: KeptPair, pair: Pair) {
         let bodies = [pair.first as u32, pair.second as u32];
         self.kept.pairs.push(KeptPair { bodies, end: self.kept.points.len() as u32, ..kept });
     }
 
-    /// Looks where a pair touches, and keeps it for the next frame.
+    /// Runs the narrow phase for a pair, and caches the result.
     fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
         let Encounter { bodies, pair, reach, size, .. } = encounter;
         encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
@@ -255,7 +255,7 @@ impl Share<'_> {
             }
         }));
 
-        // What will meet later will do so elsewhere.
+        // Without a bound the points belong to a later instant, and the next frame needs others.
         let beyond = if let Some(beyond) = beyond {
             let kept = &self.kept.points[begin..];
             let within_reach = kept.iter().filter_map(|point| point.within_reach(&encounter));

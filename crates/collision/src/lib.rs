@@ -1,6 +1,5 @@
-//! Which bodies touch, and where: the broad phase, the narrow phase with its contact manifolds,
-//! what is kept of both from frame to frame, times of impact and penetrations. Nothing here changes
-//! how a body moves.
+//! Collision detection: broad phase, narrow phase with contact manifolds, the caches of both across
+//! frames, times of impact and penetrations. Detection never changes a body's motion.
 
 mod birth_fits;
 mod broad_phase;

@@ -1,4 +1,4 @@
-//! Where pairs touch, a file for each pair of shapes.
+//! Narrow phase: contact points of pairs, one file per pair of shapes.
 
 pub(crate) mod compound;
 pub(crate) mod convex_pairs;

@@ -1,4 +1,4 @@
-//! How deep bodies are in each other.
+//! Penetration depths of overlapping bodies.
 
 use crate::broad_phase::find_pairs;
 use crate::narrow_phase::compound::near_parts;
@@ -10,16 +10,16 @@ use crate::relative_motion::{placed, second_from_first};
 use frangible_bodies::{Bodies, Pair, Pose};
 use frangible_math::{RigidTransform, Width};
 
-/// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
-/// increasing order of the pairs: the shortest way that parts balls, half-spaces and convex
-/// polyhedra; of compounds, the deepest of their parts; of level sets, the deepest sample.
+/// Penetration depth [m] of each overlapping pair with at least one dynamic body, in increasing
+/// order of the pairs: minimum translation for balls, half-spaces and convex polyhedra; deepest
+/// part for compounds; deepest sample for level sets.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut room = Room::default();
     let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut room)?));
     find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
-/// The same for one pair with its bodies at the given poses; `None` if it does not overlap.
+/// Penetration depth of one pair at the given poses; `None` without overlap.
 pub(crate) fn penetration(
     bodies: &Bodies,
     pair: Pair,
@@ -31,7 +31,7 @@ pub(crate) fn penetration(
     let solids = [Solid::of(first.shape), Solid::of(second.shape)];
     let compounds = [first, second].map(|body| body.shape.compound.as_deref());
 
-    // Part by part, where there are some.
+    // Part by part for compounds.
     let mut depth_of = |parts: [Option<usize>; 2]| {
         let solid = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
@@ -46,13 +46,13 @@ pub(crate) fn penetration(
         let of_parts = near_parts([first, second], compounds, 0.0).into_iter().map(depth_of);
         of_parts.reduce(|a, b| Some(a?.min(b?))).unwrap_or(Some(f64::INFINITY))
     };
-    // What has no features has samples.
+    // Shapes without convex features use samples.
     let phi = least.or_else(|| deepest(first, second).map(f64::from))?;
     (phi <= 0.0).then_some(-phi)
 }
 
-/// How far apart two solids are along the axis that separates them best [m]; negative if they
-/// overlap, infinite or not if they do not. `None` for those that meet by their samples.
+/// Separation along the best axis [m]; negative for overlap, possibly infinite without overlap.
+/// `None` for shapes that need samples.
 fn separation(
     solids: [Solid; 2],
     second_from_first: &RigidTransform,
@@ -97,7 +97,7 @@ mod tests {
     use glam::{DQuat, DVec3};
     use std::sync::Arc;
 
-    /// The depth of a pair of shapes, the second one at a place, turned about y.
+    /// Penetration depth of two shapes, the second at `position`, rotated about y.
     fn depth(first: Shape, second: Shape, position: DVec3, turn: f64) -> Option<f64> {
         let mut bodies = Bodies::default();
         for (shape, position, turn) in [(first, DVec3::ZERO, 0.0), (second, position, turn)] {
@@ -144,7 +144,7 @@ mod tests {
         for (first, second, at, turn, expected) in [
             (cube(), cube(), beside, 0.0, Some(0.02)),
             (cube(), cube(), beside + 0.03 * DVec3::X, 0.0, None),
-            // A corner's edge in a face.
+            // An edge of a rotated cube in a face.
             (
                 cube(),
                 cube(),

@@ -1,4 +1,4 @@
-//! A pair as it is kept from frame to frame, and its points.
+//! Cached manifolds and their points.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::encounter::Encounter;
@@ -8,36 +8,38 @@ use glam::DVec3;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
     pub(crate) pairs: Vec<KeptPair>,
-    /// Of all pairs, one after the other.
+    /// Points of all pairs, concatenated.
     pub(crate) points: Vec<KeptPoint>,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptPair {
-    /// Their places among the ways of the frame.
+    /// Indices of both bodies in the path list of the frame.
     pub(crate) bodies: [u32; 2],
-    /// Its last point, among those of all pairs.
+    /// End of its points in the list.
     pub(crate) end: u32,
-    /// `second_from_first` when it was looked at.
+    /// `second_from_first` at detection.
     pub(crate) found_at: RigidTransform,
-    /// Nothing but its points was nearer then [m]; minus infinity if they do not last.
+    /// Separation bound: all other features were further apart at detection [m]; minus infinity if
+    /// the points must not persist.
     pub(crate) beyond: f64,
-    /// The two have moved against each other by no more than their ways are longer than this [m].
+    /// Reference sum of both path lengths [m]: the relative motion since detection is at most the
+    /// increase beyond it.
     pub(crate) since: f64,
 }
 
-/// A point of contact, in the frames of its bodies.
+/// A cached contact point, in body frames.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptPoint {
-    /// On the first and on the second body, each in its own frame [m].
+    /// Points on the first and on the second body, each in its body frame [m].
     pub(crate) anchors: [DVec3; 2],
-    /// Unit, from the second to the first, in the first one's frame.
+    /// Unit, from the second body to the first, in the first body's frame.
     pub(crate) normal: DVec3,
     pub(crate) sample: (bool, u64),
 }
 
 impl KeptPoint {
-    /// The point where its bodies are now; `None` if it is too far to touch within the frame.
+    /// The contact point at the present poses; `None` beyond the reach of the frame.
     #[inline]
     pub(crate) fn within_reach(&self, encounter: &Encounter) -> Option<ManifoldPoint> {
         let [first, second] = encounter.flights;

@@ -1,38 +1,38 @@
-//! What is known of pairs from the last frame, while those of this one go by in the same order.
+//! Cursor over the cached manifolds of the last frame, advanced in the order of this frame's pairs.
 
 use crate::contact_cache::kept::{Kept, KeptPair, KeptPoint};
 use frangible_bodies::Pair;
 
-/// Of a body that is gone.
+/// Marks removed bodies.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
-/// The pairs of the last frame, while those of this one go by in the same order.
+/// Cursor over the cached manifolds of the last frame.
 #[derive(Clone, Copy)]
 pub(super) struct Passing<'a> {
     parts: &'a [Kept],
-    /// Where their bodies are now.
+    /// Present index of each cached body.
     places: &'a [u32],
-    /// Of the parts.
+    /// First pair of each chunk.
     firsts: &'a [Pair],
     part: usize,
     at: usize,
-    /// Of the points of the pair that comes next.
+    /// Begin of the next pair's points.
     begin: usize,
 }
 
 impl<'a> Passing<'a> {
-    /// Of some parts, of which bodies are now at `places`, and their `firsts`.
+    /// A cursor over `parts`, with present body indices `places`, and the first pairs `firsts`.
     pub(super) fn new(parts: &'a [Kept], places: &'a [u32], firsts: &'a [Pair]) -> Self {
         Self { parts, places, firsts, part: 0, at: 0, begin: 0 }
     }
 
-    /// Passes over parts before a pair.
+    /// Skips chunks before a pair.
     pub(super) fn go_to(&mut self, pair: Pair) {
         let part = self.firsts.partition_point(|&first| first <= pair).saturating_sub(1);
         (self.part, self.at, self.begin) = (part, 0, 0);
     }
 
-    /// A pair and its points, if it was kept; those before it are passed over.
+    /// Cached manifold and points of a pair, if any; skips earlier pairs.
     #[inline]
     pub(super) fn find(&mut self, pair: Pair) -> Option<(&'a KeptPair, &'a [KeptPoint])> {
         loop {
@@ -55,7 +55,7 @@ impl<'a> Passing<'a> {
     }
 }
 
-/// The first pair of each part of which both bodies are still there, or of a later part.
+/// First pair with two living bodies of each chunk, or of a later chunk.
 pub(super) fn firsts(parts: &[Kept], places: &[u32]) -> Vec<Pair> {
     const LAST: Pair = Pair { first: usize::MAX, second: usize::MAX };
     let mut firsts = vec![LAST; parts.len()];
@@ -67,7 +67,7 @@ pub(super) fn firsts(parts: &[Kept], places: &[u32]) -> Vec<Pair> {
     firsts
 }
 
-/// What a pair of the last frame is now, if both bodies are still there.
+/// Present indices of a cached pair, if both bodies live.
 #[inline]
 fn now(kept: &KeptPair, places: &[u32]) -> Option<Pair> {
     let [first, second] = kept.bodies.map(|place| places[place as usize]);

@@ -1,5 +1,4 @@
-//! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that
-//! their memory is asked for ahead.
+//! Prefetching of shapes for recomputed pairs: a heap's shapes exceed the near caches.
 
 use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
 use frangible_bodies::Pair;
@@ -7,10 +6,10 @@ use frangible_geometry::{Columns, Hull, Shape};
 use frangible_math::prefetch;
 use std::slice::from_ref;
 
-/// What a body is to those it meets.
+/// Collision shape of a body.
 pub(super) struct Seen<'a> {
     solid: Solid<'a>,
-    /// Of a polyhedron.
+    /// Number of edges; 0 except for polyhedra.
     edges: usize,
 }
 
@@ -21,7 +20,7 @@ impl<'a> Seen<'a> {
         Self { solid, edges }
     }
 
-    /// Two whose points may last for some frames: polyhedra, or one on the ground.
+    /// Shapes of a cacheable pair: two polyhedra, or a polyhedron on the ground.
     pub(super) fn lasting([first, second]: [&Self; 2]) -> Option<[Solid<'a>; 2]> {
         let lasts = match (first.solid, second.solid) {
             (Solid::Hull(_), Solid::Hull(_)) => first.edges * second.edges <= MOST_EDGE_PAIRS,
@@ -32,15 +31,14 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Pairs between one that is asked for and one that it then leads to: each takes about as long as
-/// memory does.
+/// Pairs between two stages of prefetching: processing them takes about as long as a memory access.
 const STEP: usize = 2;
 
-/// Pairs that are looked at one after the other.
+/// Prefetcher over a list of pairs.
 pub(super) struct Ahead<'a> {
     seen: &'a [Seen<'a>],
     pairs: &'a [Pair],
-    /// The next one that is asked for.
+    /// Next pair to prefetch.
     next: usize,
 }
 
@@ -51,7 +49,7 @@ impl<'a> Ahead<'a> {
         ahead
     }
 
-    /// Asks for one more pair: its hulls, then what they refer to, and what that does.
+    /// Prefetches one more pair in three stages: hulls, their arrays, and edges.
     #[inline]
     pub(super) fn go_on(&mut self) {
         let Self { seen, pairs, next } = *self;

@@ -1,5 +1,4 @@
-//! Where a compound of convex polyhedra touches another body: part by part, without what glued
-//! parts hide of each other.
+//! Contact points of convex compounds: part by part, without points hidden by glued neighbours.
 
 use crate::broad_phase::bounds::Bounds;
 use crate::manifold::{MOST_POINTS, ManifoldPoint};
@@ -15,14 +14,14 @@ use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
-/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs
-/// four points however many parts it goes over.
+/// Normals within this cosine belong to the same flat contact, which needs four points for any
+/// number of parts.
 const FLAT: f64 = 0.9998;
 
-/// Gaps of one flat contact differ by less, relative to the smaller body's size.
+/// Maximum difference of separations within a flat contact, relative to the smaller body's size.
 const LEVEL: f64 = 5e-3;
 
-/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their
+/// Appends the points of a pair with a compound; `false` without a compound, or if the pair needs
 /// samples.
 pub(crate) fn compound_points(
     encounter: &Encounter,
@@ -68,8 +67,7 @@ pub(crate) fn compound_points(
     true
 }
 
-/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each
-/// other.
+/// Pairs of parts (for bodies with parts) with bounds within `reach` [m] of each other.
 pub(crate) fn near_parts(
     placed: [Placed; 2],
     compounds: [Option<&Compound>; 2],
@@ -114,20 +112,19 @@ pub(crate) fn near_parts(
     }
 }
 
-/// In the body frame.
+/// Bounds in the body frame.
 fn bounds_of(shape: &Shape) -> Bounds {
     let (low, high) = shape.bounds;
     Bounds { low, high }
 }
 
-/// What a point is known by: which parts, and which of their features.
+/// Feature id of a point of two parts: part indices and the part's own feature id.
 fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bool, u64) {
     let [first, second] = parts.map(|part| part.unwrap_or_default() as u64 & 0xffff);
     (of_first, feature | first << 48 | second << 32)
 }
 
-/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the
-/// ground, would have.
+/// Reduces each flat contact to as many points as two hulls, or a hull on the ground, would have.
 pub(crate) fn few(
     encounter: &Encounter,
     points: &[ManifoldPoint],

@@ -1,4 +1,4 @@
-//! Pairs of balls, polyhedra and planes, each by the way that is exact for it.
+//! Exact contacts between balls, polyhedra and planes.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::encounter::Encounter;
@@ -9,7 +9,8 @@ use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
 use crate::narrow_phase::sphere::BallContact;
 use glam::DVec3;
 
-/// Adds the points of a pair of which one is a ball, or that has features; `false` for others.
+/// Appends the points of a pair with a ball, or of two shapes with convex features; `false` for
+/// other pairs.
 pub(crate) fn exact_points(
     encounter: &Encounter,
     solids: [Solid; 2],

@@ -1,16 +1,16 @@
-//! The core of a body that turns far within a frame: the largest ball around its centre of mass
-//! that it holds. Corners turn away from where they were found; the core stays.
+//! Core of a fast-rotating body: the largest inscribed ball around its centre of mass. Vertices
+//! rotate away from their detected points; the core does not.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::encounter::Encounter;
 use crate::narrow_phase::solid::Solid;
 use glam::DVec3;
 
-/// Bodies that turn by less in a frame [rad] meet the ground with the corners that were found. Of
-/// 100 random worlds eleven had a body below the ground without cores, and six with them.
+/// Minimum rotation per frame [rad] for a core contact. Of 100 random worlds eleven had a body
+/// below the ground without cores, and six with them.
 const TURN: f64 = 0.25;
 
-/// Adds the point at which a core touches a half-space, or may within the frame.
+/// Appends the contact of a core with a half-space, if within reach in the frame.
 pub(crate) fn core_point(
     encounter: &Encounter,
     solids: [Solid; 2],

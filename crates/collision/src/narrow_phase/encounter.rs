@@ -1,4 +1,4 @@
-//! Two bodies on their ballistic ways through a frame.
+//! Relative ballistic motion of two bodies in a frame.
 
 use crate::narrow_phase::samples::ContactPoint;
 use crate::relative_motion::Placed;
@@ -8,45 +8,45 @@ use frangible_bodies::Frame;
 use frangible_bodies::Pair;
 use glam::DVec3;
 
-/// Steps along the ways of two through a frame to their first touch; each goes as far as their
-/// distance allows [1]. With 8 of them falling heaps are the same.
+/// Maximum number of conservative-advancement steps to first touch [1]. With 8, falling heaps are
+/// unchanged.
 pub(crate) const MOST_STEPS: u32 = 32;
 
-/// A pair of bodies and how they fly through a frame.
+/// A pair of bodies and their ballistic motion in a frame.
 pub struct Encounter<'a> {
     /// All bodies.
     pub bodies: &'a Bodies,
-    /// Which of them meet.
+    /// Dense indices of both bodies.
     pub pair: Pair,
-    /// Their ways.
+    /// Ballistic motion of both bodies.
     pub(crate) flights: [&'a Flight; 2],
     /// The frame.
     pub frame: &'a Frame,
-    /// No two points of the pair move faster against each other on these ways [m/s].
+    /// Upper bound of the relative speed of any two points [m/s].
     pub most_speed: f64,
-    /// Nor by more than this beyond it if they are struck [m/s].
+    /// Additional relative speed after an impact with other bodies [m/s].
     pub(crate) faster: f64,
-    /// What is this near may meet within the frame although it rests now: it may fall, or be struck
-    /// [m].
+    /// Speculative margin: two resting surfaces at this separation may touch within the frame by
+    /// falling or by an impact [m].
     pub near: f64,
-    /// How far apart two surfaces may be and still meet within the frame [m].
+    /// Maximum separation of two surfaces that may touch within the frame [m].
     pub reach: f64,
-    /// How far apart they are to be looked for, at least the reach [m].
+    /// Search distance for features, at least the reach [m].
     pub search: f64,
-    /// Radius of the smaller one [m].
+    /// Radius of the smaller body [m].
     pub size: f64,
 }
 
-/// How far beside a sample it is looked where its own body is, relative to the smaller body [1].
-/// With a tenth of it eleven shots end in the same bits.
+/// Test distance beside a sample in its own body, relative to the smaller body [1]. With a tenth of
+/// it eleven shots end in the same bits.
 const BESIDE: f64 = 1e-2;
 
-/// And no further than this part of its own body's thickness [1]: a longer step goes through thin
-/// discs, whose samples were left out, so that they fell through the ground.
+/// Upper bound of the test distance, relative to the body's own thickness [1]: longer steps cross
+/// thin discs. Their samples were then left out, and the discs fell through the ground.
 const THROUGH: f64 = 0.25;
 
 impl<'a> Encounter<'a> {
-    /// Of a pair whose bodies fly as told.
+    /// A pair with the given ballistic motion.
     #[inline]
     pub fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
         let [first, second] = flights;
@@ -68,7 +68,7 @@ impl<'a> Encounter<'a> {
         }
     }
 
-    /// They may come so much faster against each other because they are struck [m/s].
+    /// Adds relative speed after an impact with other bodies [m/s].
     #[inline]
     pub fn struck(self, faster: f64) -> Self {
         let further = faster * self.frame.dt;
@@ -76,7 +76,7 @@ impl<'a> Encounter<'a> {
         Self { near, reach, search: reach, faster, ..self }
     }
 
-    /// Its bodies where they are at the frame's start.
+    /// Both bodies at the frame's start.
     #[inline]
     pub fn placed(&self) -> [Placed<'_>; 2] {
         let at = |i: usize, side: usize| Placed {
@@ -86,8 +86,7 @@ impl<'a> Encounter<'a> {
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
-    /// True if balls around the two cannot meet within the frame: a body that turns stays in its
-    /// ball.
+    /// True if the bounding balls cannot meet within the frame; rotation stays within the ball.
     #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
         let [first, second] = self.flights;
@@ -96,15 +95,14 @@ impl<'a> Encounter<'a> {
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
-    /// True if any two points of the pair, near as they are, may meet so fast that it is a
-    /// strike.
+    /// True if any two points of the pair may meet fast enough for an impact.
     #[inline]
     pub(crate) fn may_strike(&self) -> bool {
         self.most_speed + self.faster > self.frame.strike_speed()
     }
 
-    /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed,
-    /// gravity included [m/s].
+    /// Closing speed after a separation `phi` [m] has closed, from a present speed `closing` [m/s]
+    /// along `normal`, with gravity [m/s].
     #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
         let [first, second] = self.flights;
@@ -113,8 +111,8 @@ impl<'a> Encounter<'a> {
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
     }
 
-    /// True if a sample passes beside the other body's surface: the body that it is of lies on
-    /// the far side. Where two edges lie on each other a distance has the normals of both sides.
+    /// True if a sample lies beside the other body's surface: its own body is on the outer side. On
+    /// two coincident edges the distance has the normals of both sides.
     pub fn is_beside(&self, sample_of_first: bool, contact: &ContactPoint) -> bool {
         let [first, second] = self.placed();
         let (own, outward) =
@@ -136,8 +134,8 @@ mod tests {
     use glam::DQuat;
     use std::sync::Arc;
 
-    /// A ball above the ground that may not strike it meets it no faster than what falls from as
-    /// high as is near, however far above it is; one that is some times as fast does.
+    /// A ball too slow for an impact reaches the ground no faster than by falling through the
+    /// speculative margin, at any height; a ball several times faster exceeds it.
     #[test]
     fn what_is_slow_strikes_nothing() {
         let frame =

@@ -1,6 +1,5 @@
-//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's
-//! start. Balls and convex polyhedra have ways of their own; everything else meets by the samples
-//! of each body in the level set of the other [GBF03 sec. 3].
+//! Contact points of a pair, found once at the frame's start. Balls and convex polyhedra have exact
+//! methods; all other shapes use samples of each body in the level set of the other [GBF03 sec. 3].
 
 use crate::manifold::list::{Found, Manifolds};
 use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
@@ -18,8 +17,8 @@ use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
 use frangible_geometry::Geometry;
 use glam::DVec3;
 
-/// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points
-/// that are in `warm` carried in the last frame.
+/// Manifolds of all pairs that may touch within the frame, in the order of the pairs. Points in
+/// `warm` had an impulse in the last frame.
 pub fn find_manifolds(
     bodies: &Bodies,
     pairs: &[Pair],
@@ -35,8 +34,7 @@ pub fn find_manifolds(
     Manifolds { parts: vec![found] }
 }
 
-/// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it
-/// found before.
+/// Finds manifolds with reused memory; results do not depend on earlier calls.
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldFinder {
     pub(crate) room: Room,
@@ -44,7 +42,7 @@ pub struct ManifoldFinder {
 }
 
 impl ManifoldFinder {
-    /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the
+    /// Manifold of a pair that may touch within the frame. Points in `warm` had an impulse in the
     /// last frame.
     pub fn find(
         &mut self,
@@ -58,7 +56,7 @@ impl ManifoldFinder {
         self.of_encounter(&Encounter::new(bodies, pair, [&first, &second], frame), has_carried)
     }
 
-    /// Where a pair may touch on its way, if it may. Samples that have carried are kept.
+    /// Manifold of a pair that may touch in its motion. Samples with a cached impulse are kept.
     pub fn of_encounter(
         &mut self,
         encounter: &Encounter,
@@ -70,7 +68,7 @@ impl ManifoldFinder {
         if encounter.is_out_of_reach() {
             return None;
         }
-        // Balls, polyhedra and planes need no samples; everything else has some.
+        // Balls, polyhedra and planes need no samples; all other shapes have samples.
         let solids =
             [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
         if !compound_points(encounter, room, points)
@@ -86,8 +84,7 @@ impl ManifoldFinder {
         (!points.is_empty()).then_some(Manifold { pair, points })
     }
 
-    /// How deep a pair is in each other with its bodies at the given poses [m]; `None` if it does
-    /// not overlap.
+    /// Penetration depth of a pair at the given poses [m]; `None` without overlap.
     pub fn penetration(&mut self, bodies: &Bodies, pair: Pair, poses: &[Pose]) -> Option<f64> {
         penetration(bodies, pair, poses, &mut self.room)
     }
@@ -127,7 +124,7 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
         let closing = (of_second - of_first).dot(contact.normal);
         let approach = encounter.surface_speed(contact.normal, closing, phi);
         let sample = (penetration.sample_of_first, penetration.sample.into());
-        // What separates, or is too far to get there, is left out.
+        // Skip separating samples and samples beyond reach.
         let touches = phi <= 0.0 || phi < frame.dt * closing + encounter.near;
         let touches = touches && !encounter.is_beside(sample.0, &contact);
         touches.then_some(Candidate { sample, contact, phi, approach })
@@ -135,15 +132,15 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
     penetrations.iter().filter_map(candidate).collect()
 }
 
-/// Whether a closed form is further than its reach [m] from a ball around another body.
+/// True if a closed form is further than `reach` [m] from the bounding ball of another body.
 fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
     let Geometry::ClosedForm(form) = &of.shape.geometry else { return false };
     let grid_from_world = of.pose.world_from_body().after(&of.shape.body_from_grid).inverse();
     form.distance(grid_from_world.point(other.pose.position)) > other.shape.radius() + reach
 }
 
-/// Indices of the candidates that are kept: the deepest, those that have carried, and then always
-/// the one that is furthest from those that are kept.
+/// Indices of the kept candidates: the deepest, then candidates with a cached impulse, then
+/// repeatedly the candidate furthest from all kept.
 fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -> Vec<usize> {
     let distance = |a: usize, b: usize| {
         candidates[a].contact.point.distance_squared(candidates[b].contact.point)
@@ -175,7 +172,7 @@ fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -
 }
 
 impl Candidate {
-    /// Its anchors: the sample, and the foot of its distance on the other body.
+    /// Contact point between the sample and its foot on the other body.
     fn point(&self, encounter: &Encounter) -> ManifoldPoint {
         let ContactPoint { point, normal } = self.contact;
         let [on_first, on_second] = if self.sample.0 {

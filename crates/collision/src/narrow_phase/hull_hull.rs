@@ -1,5 +1,5 @@
-//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
-//! edges across edges [Gregorius13].
+//! Contacts of convex polyhedra within a frame: separating axes, then face clipping, or edge
+//! against edge [Gregorius13].
 
 pub(crate) mod approach;
 pub(crate) mod closest_points;

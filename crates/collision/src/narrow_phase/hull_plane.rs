@@ -1,4 +1,4 @@
-//! Where a convex polyhedron touches a half-space within a frame: its vertices say.
+//! Contacts of a convex polyhedron with a half-space, by its vertices.
 
 use crate::manifold::{MOST_POINTS, ManifoldPoint};
 use crate::narrow_phase::encounter::Encounter;
@@ -8,8 +8,8 @@ use crate::narrow_phase::hull_hull::reduction::reduce;
 use crate::narrow_phase::hull_hull::room::Room;
 use frangible_geometry::{HalfSpace, Hull};
 
-/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all
-/// else is now [m], if it is so slow that these are all that are near now.
+/// Appends the vertices that touch a half-space within the frame. For slow pairs returns the
+/// separation bound of all other vertices [m]: the points then include every near vertex.
 pub(crate) fn plane_points(
     encounter: &Encounter,
     hull: &Hull,
@@ -21,7 +21,7 @@ pub(crate) fn plane_points(
     let [first, second] = encounter.flights;
     let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
 
-    // The plane in the body's frame, now and at the frame's end.
+    // Plane in the body's frame, at a time of the frame.
     let plane_at = |time: f64| {
         let body_from_world = flight.pose(time).world_from_body().inverse();
         let body_from_ground = body_from_world.after(&flight_ground.pose(time).world_from_body());
@@ -44,7 +44,7 @@ pub(crate) fn plane_points(
         (flight_ground.velocity(at, 0.0) - flight.velocity(at, 0.0)).dot(outward)
     };
 
-    // What comes near now or later.
+    // Vertices near the plane at the start or the end of the frame.
     for (number, &vertex) in hull.vertices().iter().enumerate() {
         let gap = now.distance(vertex);
         if gap > search {
@@ -85,7 +85,7 @@ pub(crate) fn plane_points(
             gap: point.gap,
         }
     };
-    // What rests on a few of many corners would rock over the others.
+    // Keep more points than usual: a body on few of its vertices would rock over the others.
     reduce(
         &mut room.points,
         &mut room.spare,

@@ -1,37 +1,36 @@
-//! Where a ball touches another body within a frame: the other's signed distance from its centre
-//! says, without samples.
+//! Contact of a ball with another body within a frame, by the signed distance of the ball's centre;
+//! without samples.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
 use frangible_bodies::{Flight, Pose};
 use glam::DVec3;
 
-/// What counts as touching, relative to the ball's radius [1].
+/// Separation of a touch, relative to the ball's radius [1].
 const TOUCH: f64 = 1e-4;
 
-/// Part of the distance that a step goes: a sampled distance can change a little faster than the
-/// way. Without it a ball at 6 m/s does not break on a wall, 24 voxels wide both.
+/// Fraction of the distance per advancement step: a sampled distance may have a slope above 1.
+/// Without it a ball at 6 m/s does not break on a wall, 24 voxels wide both.
 const CAUTION: f64 = 0.9;
 
-/// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of
-/// what it does in all.
+/// Bisections of a frame for the time of closest approach: the normal is accurate to a thousandth
+/// of its rotation in the frame.
 const HALVINGS: u32 = 10;
 
-/// A ball and what it may touch.
+/// A ball and the other body's surface.
 pub(crate) struct BallContact<'a> {
     pub(crate) encounter: &'a Encounter<'a>,
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
-    /// Of the other body, or of a part of it: signed distance [m] and unit gradient, in the body
-    /// frame.
+    /// Signed distance [m] and unit gradient of the other body, or of a part, in the body frame.
     pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
 }
 
 impl BallContact<'_> {
-    /// The ball's point of contact: where the two first touch on their ballistic ways through the
-    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not.
-    /// Along that normal what only passes does not touch.
+    /// Contact point of the ball: the first touch in ballistic motion (conservative advancement
+    /// [Mir96]), or the closest approach without a touch. Along the normal of closest approach,
+    /// passing bodies do not touch.
     pub(crate) fn point(&self) -> Option<ManifoldPoint> {
         let start = self.gap(0.0);
         if start.phi > self.encounter.reach {
@@ -39,11 +38,11 @@ impl BallContact<'_> {
         }
         let gap = self.first_touch(start);
 
-        // The ball's centre, and the material point of the other that it touches or will touch.
+        // The ball's centre, and the material point of the other body at first touch.
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
         let on_other = on_ball - gap.phi * gap.outward;
         let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
-        // Along that normal, where the two are now.
+        // Separation along this normal at the frame's start.
         let other_now = start.pose_other.world_from_body().point(anchor_other);
         let now = (start.pose_ball.position - other_now).dot(gap.outward) - self.radius;
         let closing = -self.parting(&gap);
@@ -70,7 +69,7 @@ impl BallContact<'_> {
         if self.ball_is_first { [first, second] } else { [second, first] }
     }
 
-    /// The two at an instant of the frame, on their ballistic ways.
+    /// Both bodies at an instant of the frame.
     fn gap(&self, time: f64) -> Gap {
         let [pose_ball, pose_other] = self.ball_and_other().map(|flight| flight.pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
@@ -79,8 +78,7 @@ impl BallContact<'_> {
         Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
     }
 
-    /// The instant of the first touch within the frame, after `start`, or that at which they are
-    /// nearest.
+    /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
         let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
         let mut gap = start;
@@ -98,7 +96,7 @@ impl BallContact<'_> {
         gap
     }
 
-    /// The instant from one on at which they begin to part, by bisection, or the frame's end.
+    /// Closest approach after an instant, by bisection, or the frame's end.
     fn nearest(&self, from: Gap) -> Gap {
         if self.parting(&from) >= 0.0 {
             return from;
@@ -114,7 +112,7 @@ impl BallContact<'_> {
         after
     }
 
-    /// Speed at which the gap opens [m/s].
+    /// Separating speed [m/s].
     fn parting(&self, gap: &Gap) -> f64 {
         let [ball, other] = self.ball_and_other();
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
@@ -128,7 +126,7 @@ struct Gap {
     time: f64,
     pose_ball: Pose,
     pose_other: Pose,
-    /// Between the surfaces [m].
+    /// Separation of the surfaces [m].
     phi: f64,
     /// Unit, world frame, from the other body to the ball.
     outward: DVec3,

@@ -1,4 +1,4 @@
-//! When two hulls meet on their ways through a frame.
+//! Time of impact of two hulls within a frame.
 
 use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
 use crate::narrow_phase::hull_hull::hull_point::{HullContact, HullPoint};
@@ -13,30 +13,29 @@ use frangible_geometry::Hull;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
-/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at
-/// the frame's start or on their way. Following them to 0.1 % takes more searches of axes, and left
-/// overlaps in falling heaps no smaller.
+/// Separation below which contact points are computed, relative to the smaller hull's size.
+/// Advancement to 0.1 % takes more axis searches, and left overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
-/// Two hulls on their ballistic ways through a frame.
+/// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
     encounter: &'a Encounter<'a>,
     hulls: [&'a Hull; 2],
 }
 
-/// An instant of it.
+/// An instant of the approach.
 struct Instant<'a> {
     time: f64,
     world_from_first: RigidTransform,
     pair: HullPair<'a>,
     contact: HullContact,
-    /// Whether its points are all that are near at the frame's start.
+    /// True if the points include all near features at the frame's start.
     lasts: bool,
 }
 
-/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns
-/// how far apart all else was at the frame's start [m], if the points are those that were near
-/// then.
+/// Appends the contact points of two hulls at first touch within the frame: at most four. Returns
+/// the separation bound of all other features at the frame's start [m], if the points belong to the
+/// start.
 pub(crate) fn hull_points(
     encounter: &Encounter,
     hulls: [&Hull; 2],
@@ -64,17 +63,16 @@ pub(crate) fn hull_points(
 }
 
 impl<'a> Approach<'a> {
-    /// When they meet, with their points in `room`: at the frame's start if they are near then,
-    /// else when they come near (conservative advancement along separating axes [Mir96]). If they
-    /// pass each other so near that they may meet as others push them, when an axis that keeps them
-    /// apart is found. If they pass further away, how far they are apart at the frame's start, if
-    /// that is known.
+    /// Contact instant, with the points in `room`: the frame's start for near hulls, else the time
+    /// of approach (conservative advancement along separating axes [Mir96]). Hulls that pass within
+    /// the speculative margin get the instant of a separating axis. For hulls that pass further
+    /// apart the error value is their separation at the frame's start, if known.
     fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
         let Encounter { size, search, frame, .. } = *self.encounter;
         let (mut time, enough) = (0.0, NEAR * size);
         let mut steps_left = MOST_STEPS;
         loop {
-            // Faces say how far they may go, until they no longer do.
+            // Advance by face axes as long as their separation is large.
             let poses =
                 [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
             let [world_from_first, world_from_second] =
@@ -89,7 +87,7 @@ impl<'a> Approach<'a> {
                 apart = pair.contact(&axes, search, room).ok_or_else(|| at_start(search))?;
             }
 
-            // On to where the gap cannot have closed before.
+            // Advance to the earliest possible time of impact.
             let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
             let next = time + apart.gap / closing;
             steps_left -= 1;
@@ -107,18 +105,18 @@ impl<'a> Approach<'a> {
         }
     }
 
-    /// No point of the pair closes faster along a normal, in the world frame, from an instant until
-    /// the frame's end [m/s]; negative if all separate.
+    /// Upper bound of the closing speed of any two points along a normal in the world frame, from
+    /// an instant to the frame's end [m/s]; negative if all separate.
     fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
         let [first, second] = self.encounter.flights;
         let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
-        // What falls with the other one does not fall towards it.
+        // Common gravity cancels.
         let falling = (second.acceleration - first.acceleration).dot(normal);
         let most = (time * falling).max(self.encounter.frame.dt * falling);
         (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
-    /// Whether a point can touch within the frame, and comes from outside.
+    /// True for a point that can touch within the frame from a separated start.
     fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
         if point.gap > self.encounter.search {
             return false;
@@ -129,7 +127,7 @@ impl<'a> Approach<'a> {
         self.gap_at_start(instant, point) >= point.gap.min(0.0)
     }
 
-    /// Along the normal that the point has at that instant [m].
+    /// Separation at the frame's start, along the point's normal [m].
     fn gap_at_start(&self, instant: &Instant, point: &HullPoint) -> f64 {
         let [first, second] = self.encounter.flights;
         let on_first = first.start.world_from_body().point(point.on[0]);
@@ -159,7 +157,7 @@ impl<'a> Approach<'a> {
 }
 
 impl Instant<'_> {
-    /// Where a point is on the second hull, in that one's frame [m].
+    /// The point on the second hull, in the second hull's frame [m].
     fn on_second(&self, point: &HullPoint) -> DVec3 {
         self.pair.second_from_first.point(point.on[1])
     }
