@@ -7,9 +7,9 @@ mod common;
 
 use common::Random;
 use frangible_bodies::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity, predict,
+    Bodies, Frame, Motion, NewBody, Pose, StepSettings, SurfaceProperties, Velocity, predict,
 };
-use frangible_collision::{KeptPairs, WarmStart, find_swept_pairs};
+use frangible_collision::{ContactCache, ImpulseCache, find_swept_pairs};
 use frangible_geometry::{Hull, Shape};
 use glam::DVec3;
 use std::hint::black_box;
@@ -46,14 +46,14 @@ fn pile(count: usize, random: &mut Random) -> Bodies {
         let angular = 0.1 * random.vector();
         let velocity =
             Velocity::spinning(0.2 * random.vector(), angular, pose.orientation, &shape, 1000.0);
-        let contactant = Contactant::new(0.0, 0.5);
+        let surface = SurfaceProperties::new(0.0, 0.5);
         bodies.spawn(NewBody {
             shape,
             density: 1000.0,
             motion: Motion::Dynamic,
             pose,
             velocity,
-            contactant,
+            surface,
         });
     }
     bodies
@@ -74,15 +74,15 @@ fn median<T>(passes: usize, mut task: impl FnMut() -> T) -> (f64, T) {
 
 fn main() {
     let frame = Frame { dt: DT, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
-    let (mut random, warm) = (Random::new(1), WarmStart::default());
+    let (mut random, warm) = (Random::new(1), ImpulseCache::default());
     println!("bodies,pairs,find_pairs_ms,manifolds,find_manifolds_ms,ns_per_pair");
     for (count, passes) in [(1000, 101), (9000, 21), (100_000, 5)] {
         let bodies = pile(count, &mut random);
         let ends = predict(&bodies, &frame);
         let (find_pairs, pairs) =
-            median(passes, || find_swept_pairs(&bodies, &ends, frame.sag(), &frame));
+            median(passes, || find_swept_pairs(&bodies, &ends, frame.speculative_margin(), &frame));
         let (find, manifolds) = median(passes, || {
-            KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
+            ContactCache::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
         });
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());

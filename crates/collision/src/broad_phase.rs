@@ -93,7 +93,7 @@ fn swept_bounds_with<I: Instructions>(
         let bounds = |pose: &Pose| Bounds::of_any_turn(shape, pose).grown(0.5 * margin);
         return bounds(start).around(&bounds(end));
     }
-    let bounds = Bounds::of_solid::<I>(shape, start);
+    let bounds = Bounds::of_vertices::<I>(shape, start);
     let turned = Pose { position: start.position, ..*end };
     let further = moved(start, &turned, bodies.radii[i]);
     let (at_end, beyond) = if further <= HARDLY * margin {
@@ -103,7 +103,7 @@ fn swept_bounds_with<I: Instructions>(
         // Points move along arcs. Arcs exceed their chords by at most this bulge if the spin keeps
         // its axis; none of 6,000 freely rotating boxes (half a radian to one) exceeds it.
         let bulge = if turn > 0.0 { 0.125 * turn * turn * bodies.radii[i] } else { 0.0 };
-        (Bounds::of_solid::<I>(shape, end), bulge)
+        (Bounds::of_vertices::<I>(shape, end), bulge)
     };
     bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
 }

@@ -5,6 +5,15 @@ pub(crate) mod list;
 use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
 
+/// A vertex, edge pair or surface sample of a pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FeatureId {
+    /// True for a feature of the first body.
+    pub is_of_first: bool,
+    /// Index of the feature.
+    pub index: u64,
+}
+
 /// One contact point: a point on each body's surface; both coincide at zero gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
@@ -17,9 +26,8 @@ pub struct ManifoldPoint {
     pub rounding: [f64; 2],
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
-    /// Feature id: true for a feature of the first body, and its index; matches points across
-    /// frames.
-    pub sample: (bool, u64),
+    /// Matches points across frames.
+    pub feature: FeatureId,
     /// Closing speed at the time of impact, or the present closing speed of touching surfaces
     /// [m/s]; zero for separating points. Cached points skip speeds too low for an impact.
     pub approach: f64,
@@ -48,7 +56,7 @@ impl ManifoldPoint {
     pub fn middle(&self, bodies: &Bodies, pair: Pair) -> DVec3 {
         let [on_first, on_second] = self.on_surfaces(bodies, pair);
         let half = 0.5 * (on_first - on_second).dot(self.normal) * self.normal;
-        if self.sample.0 { on_first - half } else { on_second + half }
+        if self.feature.is_of_first { on_first - half } else { on_second + half }
     }
 }
 

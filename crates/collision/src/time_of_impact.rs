@@ -105,7 +105,7 @@ fn distance(body: Placed, point_world: DVec3) -> (f64, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
+    use frangible_bodies::{Motion, NewBody, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -117,7 +117,7 @@ mod tests {
             motion: Motion::Dynamic,
             pose,
             velocity: Velocity::default(),
-            contactant: Contactant::new(0.5, 0.5),
+            surface: SurfaceProperties::new(0.5, 0.5),
         });
     }
 

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_bodies::{PairContactant, Velocity};
+use frangible_bodies::{PairSurface, Velocity};
 use frangible_dynamics::{
     Clamp, ClampSide, Impulse, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
 };
@@ -65,7 +65,7 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             matrix += contact_matrix(b.inertia.inverse_mass, b.inverse_tensor(), b.lever);
             relative -= b.point_velocity(&b.velocity);
         }
-        let surfaces = PairContactant::new(restitution, 0.5);
+        let surfaces = PairSurface::new(restitution, 0.5);
         let impulse = collision_impulse(matrix, relative, random.direction(), surfaces);
         if impulse == DVec3::ZERO {
             continue;

@@ -8,7 +8,7 @@
 )]
 
 use frangible_bodies::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+    Bodies, Frame, Motion, NewBody, Pair, Pose, StepSettings, SurfaceProperties, Velocity,
 };
 use frangible_collision::{Placed, deepest};
 use frangible_dynamics::{Collisions, Displacements, Response, contact_graph, push_out};
@@ -35,7 +35,7 @@ fn body(
         motion,
         pose: Pose { position, orientation: DQuat::IDENTITY },
         velocity: Velocity { linear, angular_momentum: DVec3::ZERO },
-        contactant: Contactant { strength, ..Contactant::new(0.5, 0.5) },
+        surface: SurfaceProperties { strength, ..SurfaceProperties::new(0.5, 0.5) },
     }
 }
 

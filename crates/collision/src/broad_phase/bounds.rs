@@ -39,7 +39,7 @@ impl Bounds {
 
     /// Bounds of a shape at a pose; for a polyhedron, of its vertices. Balls and cylinders use
     /// their own bounds, which are wider than their polyhedra.
-    pub(crate) fn of_solid<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
+    pub(crate) fn of_vertices<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
         let is_round = matches!(&shape.geometry, Geometry::ClosedForm(form) if !matches!(form, ClosedForm::Box { .. }));
         let Some(hull) = shape.hull.as_ref().filter(|_| !is_round) else {
             return Self::of(shape, pose);

@@ -1,5 +1,5 @@
 use super::*;
-use frangible_bodies::{Contactant, Motion, NewBody, StepSettings, Velocity};
+use frangible_bodies::{Motion, NewBody, StepSettings, SurfaceProperties, Velocity};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use frangible_math::{Scalar, Width};
 use glam::{DQuat, DVec3};
@@ -84,8 +84,8 @@ proptest! {
         let velocity = Velocity::spinning(DVec3::from_array(linear), spin, orientation, &shape, 1.0);
         let corners = shape.hull.as_ref().unwrap().vertices().to_vec();
         let motion = Motion::Dynamic;
-        let contactant = Contactant::new(0.0, 0.0);
-        bodies.spawn(NewBody { shape: Arc::new(shape), density: 1.0, motion, pose: start, velocity, contactant });
+        let surface = SurfaceProperties::new(0.0, 0.0);
+        bodies.spawn(NewBody { shape: Arc::new(shape), density: 1.0, motion, pose: start, velocity, surface });
         let at = |time: f64| Pose {
             position: start.position + time * velocity.linear,
             orientation: turn_by(time) * start.orientation,
@@ -123,14 +123,14 @@ fn bounds_hold_all_kinds_of_bodies() {
     let around = |shape: Shape, motion: Motion, orientation: DQuat| {
         let mut bodies = Bodies::default();
         let (start, velocity) = (Pose { position: DVec3::ZERO, orientation }, Velocity::default());
-        let contactant = Contactant::new(0.0, 0.0);
+        let surface = SurfaceProperties::new(0.0, 0.0);
         bodies.spawn(NewBody {
             shape: Arc::new(shape),
             density: 1.0,
             motion,
             pose: start,
             velocity,
-            contactant,
+            surface,
         });
         // Normalise again, as every step does.
         let end = Pose { orientation: (orientation * 1.5).normalize(), ..start };
@@ -175,7 +175,7 @@ fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, position: DVec3)
         motion,
         pose,
         velocity: Velocity::default(),
-        contactant: Contactant::new(0.0, 0.0),
+        surface: SurfaceProperties::new(0.0, 0.0),
     });
 }
 

@@ -10,5 +10,5 @@ pub(crate) mod hull_pair;
 pub(crate) mod hull_point;
 pub(crate) mod placement;
 pub(crate) mod reduction;
-pub(crate) mod room;
+pub(crate) mod scratch;
 pub(crate) mod separating_axis;

@@ -1,9 +1,9 @@
 //! Contact of a ball with another body within a frame, by the signed distance of the ball's centre;
 //! without samples.
 
-use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
-use frangible_bodies::{Flight, Pose};
+use crate::manifold::{FeatureId, ManifoldPoint};
+use crate::narrow_phase::pair_motion::{MOST_STEPS, PairMotion};
+use frangible_bodies::{BallisticPath, Pose};
 use glam::DVec3;
 
 /// Separation of a touch, relative to the ball's radius [1].
@@ -19,7 +19,7 @@ const HALVINGS: u32 = 10;
 
 /// A ball and the other body's surface.
 pub(crate) struct BallContact<'a> {
-    pub(crate) encounter: &'a Encounter<'a>,
+    pub(crate) pair_motion: &'a PairMotion<'a>,
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
@@ -33,7 +33,7 @@ impl BallContact<'_> {
     /// passing bodies do not touch.
     pub(crate) fn point(&self) -> Option<ManifoldPoint> {
         let start = self.gap(0.0);
-        if start.phi > self.encounter.reach {
+        if start.phi > self.pair_motion.reach {
             return None;
         }
         let gap = self.first_touch(start);
@@ -51,27 +51,27 @@ impl BallContact<'_> {
         } else {
             (-gap.outward, anchor_other, DVec3::ZERO, [0.0, self.radius])
         };
-        let sample = (self.ball_is_first, u32::MAX.into());
+        let feature = FeatureId { is_of_first: self.ball_is_first, index: u32::MAX.into() };
         let approach = closing.max(0.0);
         Some(ManifoldPoint {
             anchor_first,
             anchor_second,
             rounding,
             normal,
-            sample,
+            feature,
             approach,
             gap: now,
         })
     }
 
-    fn ball_and_other(&self) -> [&Flight; 2] {
-        let [first, second] = self.encounter.flights;
+    fn ball_and_other(&self) -> [&BallisticPath; 2] {
+        let [first, second] = self.pair_motion.paths;
         if self.ball_is_first { [first, second] } else { [second, first] }
     }
 
     /// Both bodies at an instant of the frame.
     fn gap(&self, time: f64) -> Gap {
-        let [pose_ball, pose_other] = self.ball_and_other().map(|flight| flight.pose(time));
+        let [pose_ball, pose_other] = self.ball_and_other().map(|path| path.pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
         let (distance, gradient) = (self.surface)(center_other);
         let outward = pose_other.orientation * gradient;
@@ -80,7 +80,7 @@ impl BallContact<'_> {
 
     /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
-        let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
+        let (most_speed, dt) = (self.pair_motion.most_speed, self.pair_motion.frame.dt);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
@@ -101,7 +101,7 @@ impl BallContact<'_> {
         if self.parting(&from) >= 0.0 {
             return from;
         }
-        let (mut before, mut after) = (from, self.gap(self.encounter.frame.dt));
+        let (mut before, mut after) = (from, self.gap(self.pair_motion.frame.dt));
         if self.parting(&after) < 0.0 {
             return after;
         }

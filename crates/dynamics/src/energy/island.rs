@@ -1,6 +1,6 @@
 //! An island of touching bodies: energy allowance, anchor, and energies of its bodies.
 
-use crate::energy::tally::Tally;
+use crate::energy::frame_accounts::FrameAccounts;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair, Pose, Velocity, accelerate};
 use frangible_math::threads;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// The frame with ballistic motion after impacts: its energy is at most the opening's, plus the
 /// work up to the impacts.
 #[derive(Clone, Debug)]
-pub struct Ballistic {
+pub struct ContactFreeState {
     /// Poses at the frame's end.
     pub poses: Vec<Pose>,
     /// Velocities at the frame's end.
@@ -18,11 +18,11 @@ pub struct Ballistic {
     pub work: BTreeMap<[BodyId; 2], f64>,
 }
 
-impl Ballistic {
-    /// Ballistic motion to `poses`, with the present velocities and the work to date.
-    pub fn new(bodies: &Bodies, poses: Vec<Pose>, tally: &Tally, frame: &Frame) -> Self {
+impl ContactFreeState {
+    /// Contact-free motion to `poses`, with the present velocities and the work to date.
+    pub fn new(bodies: &Bodies, poses: Vec<Pose>, accounts: &FrameAccounts, frame: &Frame) -> Self {
         let velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
-        Self { poses, velocities, work: tally.work.clone() }
+        Self { poses, velocities, work: accounts.work.clone() }
     }
 }
 
@@ -38,8 +38,8 @@ pub(crate) struct Island {
     pub(crate) allowance: f64,
     /// [J]
     pub(crate) bank: f64,
-    /// Indices of its contacts in the tally's debts.
-    pub(crate) debts: Vec<usize>,
+    /// Indices of its contacts in [`FrameAccounts::gains`].
+    pub(crate) gains: Vec<usize>,
 }
 
 /// Static and kinematic bodies in contact with an island.

@@ -105,7 +105,7 @@ pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Pose, Velocity};
+    use frangible_bodies::{Motion, NewBody, Pose, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use std::sync::Arc;
 
@@ -120,7 +120,7 @@ mod tests {
             motion: Motion::Dynamic,
             pose: Pose { position: glam::DVec3::ZERO, orientation: glam::DQuat::IDENTITY },
             velocity: Velocity::default(),
-            contactant: Contactant::new(0.0, 0.0),
+            surface: SurfaceProperties::new(0.0, 0.0),
         };
         let ids: Vec<BodyId> = (0..10).map(|_| bodies.spawn(body())).collect();
         let gone: Vec<bool> = (0..10).map(|i| i == 3 || i == 8).collect();

@@ -10,11 +10,13 @@
 //! stores a little of an island's dissipated energy, up to a cap: a pile can rise again by the
 //! overlap it sank.
 
-use crate::energy::island::{Anchor, Ballistic, Island, energies, energy, magnitude, work_on};
+use crate::energy::contact_repayment::{cap_ejection, repay};
+use crate::energy::frame_accounts::{Cause, EnergyGain, FrameAccounts};
+use crate::energy::island::{
+    Anchor, ContactFreeState, Island, energies, energy, magnitude, work_on,
+};
+use crate::energy::island_correction::reduce_energy;
 use crate::energy::islands::Islands;
-use crate::energy::payment::{pay, restrain};
-use crate::energy::take_out::take_out;
-use crate::energy::tally::{Cause, Debt, Tally};
 use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
 
@@ -29,7 +31,7 @@ pub struct Ledger {
 
 /// Statistics of the ledger in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
+pub struct LedgerReport {
     /// Islands of touching bodies.
     pub islands: u64,
     /// Islands balanced by repayment of contacts alone.
@@ -44,18 +46,18 @@ pub struct Balance {
 
 /// Kinetic and potential energy of each dynamic body at the start of a frame [J].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Opening(PerBody<f64>);
+pub struct EnergyAtStart(PerBody<f64>);
 
-impl Opening {
+impl EnergyAtStart {
     /// Records all energies at the start of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
-        let mut opening = Self::default();
+        let mut energy_at_start = Self::default();
         for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
             if !bodies.inertias[i].is_infinite() {
-                opening.0.insert(bodies.ids[i], energy);
+                energy_at_start.0.insert(bodies.ids[i], energy);
             }
         }
-        opening
+        energy_at_start
     }
 }
 
@@ -65,27 +67,34 @@ impl Ledger {
         self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
-    /// Balances every island at the end of a frame. In the tally, broken bodies are linked to their
-    /// fragments.
+    /// Balances every island at the end of a frame. In the accounts, broken bodies are linked to
+    /// their fragments.
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
-        opening: &Opening,
-        flight: &Ballistic,
+        energy_at_start: &EnergyAtStart,
+        contact_free: &ContactFreeState,
         frame: &Frame,
-        tally: &mut Tally,
-    ) -> Balance {
-        let mut balance = Balance::default();
+        accounts: &mut FrameAccounts,
+    ) -> LedgerReport {
+        let mut balance = LedgerReport::default();
         let mut bank = PerBody::default();
         let energy_of = |bodies: &Bodies, i: usize| {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
         let now = &*bodies;
-        let (energies, islands) =
-            threads::join(now.len(), || energies(now, frame), || self.islands(now, opening, tally));
+        let (energies, islands) = threads::join(
+            now.len(),
+            || energies(now, frame),
+            || self.islands(now, energy_at_start, accounts),
+        );
         // Bodies born in this frame have no known gain.
-        let gained_by =
-            |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
+        let gained_by = |i: usize| {
+            energy_at_start
+                .0
+                .get(bodies.ids[i])
+                .map_or(0.0, |energy_at_start| energies[i] - energy_at_start)
+        };
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
         for mut island in islands {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
@@ -105,25 +114,27 @@ impl Ledger {
 
             // Restrain contacts that would fling light bodies: limit the energy left in the pair's
             // relative motion.
-            let work_before = tally.causes.work;
-            let mut debts: Vec<Debt> =
-                island.debts.iter().map(|&index| tally.debts[index]).collect();
+            let work_before = accounts.causes.work;
+            let mut gains: Vec<EnergyGain> =
+                island.gains.iter().map(|&index| accounts.gains[index]).collect();
             let is_sound = frame.settings.ledger && before.is_finite();
-            let is_restrained = is_sound && restrain(bodies, (&mut debts, &gained), frame, tally);
+            let is_restrained =
+                is_sound && cap_ejection(bodies, (&mut gains, &gained), frame, accounts);
             let mut after = before;
             if is_restrained {
-                island.allowance += tally.causes.work - work_before;
+                island.allowance += accounts.causes.work - work_before;
                 after = total(bodies, &island.members);
             }
 
             // Contacts with an energy gain repay first; the island pays the rest.
             let excess = too_much(after, &island);
             if let Some(excess) = excess {
-                let work_before = tally.causes.work;
-                pay(bodies, &debts, excess, tally);
-                island.allowance += tally.causes.work - work_before;
+                let work_before = accounts.causes.work;
+                repay(bodies, &gains, excess, accounts);
+                island.allowance += accounts.causes.work - work_before;
                 if let Some(excess) = too_much(total(bodies, &island.members), &island) {
-                    let shortened = take_out(bodies, &mut island, flight, excess, frame, tally);
+                    let shortened =
+                        reduce_energy(bodies, &mut island, contact_free, excess, frame, accounts);
                     balance.scaled += 1;
                     balance.shortened += u64::from(shortened);
                 } else {
@@ -132,17 +143,17 @@ impl Ledger {
                 after = total(bodies, &island.members);
             }
             if is_restrained || excess.is_some() {
-                let removed = before + (tally.causes.work - work_before) - after;
+                let removed = before + (accounts.causes.work - work_before) - after;
                 balance.removed += removed;
-                tally.causes.balance -= removed;
+                accounts.causes.balance -= removed;
             }
 
             // Bank the surplus up to the cap, divided among members by mass. Energy needed by
             // penetration recovery does not count as gain.
             let needed = (after - island.allowance - island.bank).max(0.0).min(island.recovered);
-            tally.recovery += needed;
-            tally.causes.add(Cause::Projection, needed);
-            tally.causes.add(Cause::Contact, -needed);
+            accounts.recovery += needed;
+            accounts.causes.add(Cause::Projection, needed);
+            accounts.causes.add(Cause::Contact, -needed);
             let left = island.allowance + island.bank + needed - after;
             let cap = frame.settings.bank_cap * mass;
             // Non-finite islands bank zero.
@@ -163,19 +174,24 @@ impl Ledger {
     }
 
     /// Islands of a frame. Broken bodies connect their fragments.
-    fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
+    fn islands(
+        &self,
+        bodies: &Bodies,
+        energy_at_start: &EnergyAtStart,
+        accounts: &FrameAccounts,
+    ) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
         let mut islands = Islands::new(bodies);
-        let mut held = Vec::new();
-        for &(a, b) in &tally.links {
+        let mut anchored = Vec::new();
+        for &(a, b) in &accounts.links {
             match (is_immobile(a), is_immobile(b)) {
                 (false, false) => {
                     let [a, b] = [a, b].map(|id| islands.node(bodies, id));
                     islands.link(a, b);
                 }
-                (false, true) => held.push((a, b)),
-                (true, false) => held.push((b, a)),
+                (false, true) => anchored.push((a, b)),
+                (true, false) => anchored.push((b, a)),
                 (true, true) => {}
             }
         }
@@ -184,31 +200,31 @@ impl Ledger {
             islands.join(node);
             (node, by)
         };
-        let held: Vec<(u32, u32)> = held.into_iter().map(&mut nodes).collect();
+        let anchored: Vec<(u32, u32)> = anchored.into_iter().map(&mut nodes).collect();
         let members = islands.members(bodies);
 
-        // Find the anchor of each island, and the debts of its mobile bodies.
-        let mut anchors = vec![Held::ByNothing; members.len()];
-        for (node, by) in held {
+        // Find the anchor of each island, and the gains of its mobile bodies.
+        let mut anchors = vec![AnchorKind::Free; members.len()];
+        for (node, by) in anchored {
             let Some(number) = islands.number(node) else { continue };
             let anchor = &mut anchors[number];
             *anchor = match *anchor {
-                Held::ByNothing => Held::By(by),
-                Held::By(other) if other == by => Held::By(by),
-                Held::By(_) | Held::ByMany => Held::ByMany,
+                AnchorKind::Free => AnchorKind::One(by),
+                AnchorKind::One(other) if other == by => AnchorKind::One(by),
+                AnchorKind::One(_) | AnchorKind::Many => AnchorKind::Many,
             };
         }
-        let mut debts = vec![Vec::new(); members.len()];
-        for (index, debt) in tally.debts.iter().enumerate() {
-            let Some(&mobile) = debt.ids.iter().find(|&&id| !is_immobile(id)) else { continue };
+        let mut gains = vec![Vec::new(); members.len()];
+        for (index, gain) in accounts.gains.iter().enumerate() {
+            let Some(&mobile) = gain.ids.iter().find(|&&id| !is_immobile(id)) else { continue };
             let node = islands.node(bodies, mobile);
             if let Some(number) = islands.number(node) {
-                debts[number].push(index);
+                gains[number].push(index);
             }
         }
 
         let mut recovered = vec![0.0; members.len()];
-        for (ids, energy) in &tally.recovered {
+        for (ids, energy) in &accounts.recovered {
             let Some(&mobile) = ids.iter().find(|&&id| !is_immobile(id)) else { continue };
             let node = islands.node(bodies, mobile);
             if let Some(number) = islands.number(node) {
@@ -222,9 +238,9 @@ impl Ledger {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, anchors[number]),
                 recovered: recovered[number].max(0.0),
-                allowance: sum(&opening.0, ids) + work_on(&tally.work, ids),
+                allowance: sum(&energy_at_start.0, ids) + work_on(&accounts.work, ids),
                 bank: sum(&self.bank, ids),
-                debts: debts[number].clone(),
+                gains: gains[number].clone(),
             }
         };
         let mut all = threads::list(members.len(), island);
@@ -235,11 +251,11 @@ impl Ledger {
 
 /// Immovable bodies in contact with an island.
 #[derive(Clone, Copy)]
-enum Held {
-    ByNothing,
+enum AnchorKind {
+    Free,
     /// One body, by dense index.
-    By(u32),
-    ByMany,
+    One(u32),
+    Many,
 }
 
 fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
@@ -247,10 +263,10 @@ fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
 }
 
 /// A single kinematic body carries an island; otherwise it is fixed.
-fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
-    match held {
-        Held::ByNothing => Anchor::Free,
-        Held::By(i) => Anchor::of(bodies, i as usize),
-        Held::ByMany => Anchor::Fixed,
+fn anchor_of(bodies: &Bodies, anchored: AnchorKind) -> Anchor {
+    match anchored {
+        AnchorKind::Free => Anchor::Free,
+        AnchorKind::One(i) => Anchor::of(bodies, i as usize),
+        AnchorKind::Many => Anchor::Fixed,
     }
 }

@@ -44,8 +44,8 @@ impl Twist {
         Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
     }
 
-    /// Work of an impulse [N s] with a moment about the world's origin [kg m^2/s], on a body in this
-    /// rigid motion [J].
+    /// Work of an impulse [N s] with a moment about the world's origin [kg m^2/s], on a body in
+    /// this rigid motion [J].
     pub(crate) fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
         self.linear.dot(impulse) + self.angular.dot(moment - self.origin.cross(impulse))
     }
@@ -97,7 +97,7 @@ impl Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody};
+    use frangible_bodies::{Motion, NewBody, SurfaceProperties};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -122,7 +122,7 @@ mod tests {
                     linear: DVec3::new(3.0 - x, x * x - 4.0, 1.0),
                     angular_momentum: DVec3::new(x, -3.0, 2.0 * x),
                 },
-                contactant: Contactant::new(0.5, 0.5),
+                surface: SurfaceProperties::new(0.5, 0.5),
             });
         }
         let members: Vec<usize> = (0..5).collect();

@@ -1,8 +1,8 @@
 //! Contact constraints: up to four points of a manifold with a common normal, with their
 //! accumulated impulses from the last frame.
 
-use frangible_bodies::{Bodies, Frame, Motion, PairContactant};
-use frangible_collision::{Carried, Manifold, ManifoldPoint};
+use frangible_bodies::{Bodies, Frame, Motion, PairSurface};
+use frangible_collision::{CachedImpulse, Manifold, ManifoldPoint};
 use glam::DVec3;
 
 /// Maximum number of points per constraint.
@@ -12,8 +12,8 @@ pub(super) const MOST_POINTS: usize = 4;
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
 
 /// A point is near if its separation is at most this fraction of gravity's displacement in a frame
-/// ([`Frame::sag`]). Near points without a cached impulse share the impulses of vanished points,
-/// and near points count as touching for sleep.
+/// ([`Frame::speculative_margin`]). Near points without a cached impulse share the impulses of
+/// vanished points, and near points count as touching for sleep.
 pub(super) const NEAR: f64 = 0.2;
 
 /// Points of a manifold in one constraint.
@@ -102,7 +102,7 @@ pub(super) struct Constraint {
     pub(super) friction_impulse: [f64; 2],
     pub(super) twist_impulse: f64,
     pub(super) rolling_impulse: [f64; 2],
-    pub(super) surface: PairContactant,
+    pub(super) surface: PairSurface,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: f64,
 }
@@ -148,7 +148,7 @@ impl<'a> IntoIterator for &'a Points {
 /// A manifold with its cached impulses.
 pub(super) struct Source<'a> {
     pub(super) manifold: &'a Manifold<'a>,
-    pub(super) carried: &'a [Carried],
+    pub(super) carried: &'a [CachedImpulse],
 }
 
 impl Source<'_> {
@@ -215,10 +215,10 @@ impl Source<'_> {
             friction_impulse: [0.0; 2],
             twist_impulse: 0.0,
             rolling_impulse: [0.0; 2],
-            surface: bodies.pair_contactant(pair.first, pair.second),
+            surface: bodies.pair_surface(pair.first, pair.second),
             gravity: (of(1) - of(0)).dot(normal),
         };
-        self.warm(&mut constraint, h, NEAR * frame.sag());
+        self.warm(&mut constraint, h, NEAR * frame.speculative_margin());
         constraint
     }
 
@@ -231,7 +231,7 @@ impl Source<'_> {
         let mut left = 0.0;
         for carried in self.carried {
             let is_it =
-                |point: &&mut ConstraintPoint| points[point.number].sample == carried.sample;
+                |point: &&mut ConstraintPoint| points[point.number].feature == carried.feature;
             let acts = &carried.force;
             let normal = h * f64::from(acts.normal);
             if let Some(point) = constraint.points.iter_mut().find(is_it) {
@@ -245,8 +245,8 @@ impl Source<'_> {
             torque -= h * acts.twist.as_dvec3();
         }
         let is_new = |point: &ConstraintPoint| {
-            let sample = points[point.number].sample;
-            point.separation < near && self.carried.iter().all(|carried| carried.sample != sample)
+            let feature = points[point.number].feature;
+            point.separation < near && self.carried.iter().all(|carried| carried.feature != feature)
         };
         let new = constraint.points.iter().filter(|point| is_new(point)).count();
         if has_all && left > 0.0 && new > 0 {

@@ -1,7 +1,7 @@
 //! Contact forces at the end of a frame.
 
 use frangible_bodies::{Bodies, Pair};
-use frangible_collision::{Manifold, WarmStart};
+use frangible_collision::{ImpulseCache, Manifold};
 use glam::DVec3;
 
 /// Force at a contact point.
@@ -20,12 +20,12 @@ pub struct ContactForce {
 pub fn contact_forces<'a>(
     bodies: &Bodies,
     manifolds: impl Iterator<Item = Manifold<'a>>,
-    carried: &WarmStart,
+    carried: &ImpulseCache,
 ) -> Vec<ContactForce> {
     let of = |manifold: Manifold| {
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
-            let force = carried.get(bodies, pair, point.sample)?.force.mean.as_dvec3();
+            let force = carried.get(bodies, pair, point.feature)?.force.mean.as_dvec3();
             let towards = |i: usize, rounding: f64| {
                 bodies.poses[i].orientation.conjugate() * (rounding * point.normal)
             };

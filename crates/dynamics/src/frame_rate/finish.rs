@@ -2,19 +2,19 @@
 
 use super::contact_batch::ContactBatch;
 use super::group::Group;
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
 use crate::energy::islands::root;
-use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::evolve;
 use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
-use frangible_collision::{Carried, Manifold, Part, PointImpulse};
+use frangible_collision::{CachedImpulse, FeatureId, ImpulseChunk, Manifold, PointImpulse};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
 
 /// Results of the substeps besides the motion of the bodies.
 pub struct Solved {
     /// Momentum from static and kinematic bodies, and energy by cause.
-    pub tally: Tally,
+    pub accounts: FrameAccounts,
     /// Gravity's impulse and its angular impulse about the world origin.
     pub gravity: (DVec3, DVec3),
     /// Number of islands with fewer substeps than their accuracy needs, limited by `most_substeps`
@@ -46,8 +46,8 @@ impl<I: Instructions> Group<I> {
         bodies: &mut Bodies,
         manifolds: &[Manifold],
         frame: &Frame,
-        tally: &mut Tally,
-    ) -> Part {
+        accounts: &mut FrameAccounts,
+    ) -> ImpulseChunk {
         let Self { bodies: mut solver_bodies, selections, batches, h, .. } = self;
         let mut places = vec![(0, 0); selections.len()];
         for (at, batch) in batches.iter().enumerate() {
@@ -62,7 +62,7 @@ impl<I: Instructions> Group<I> {
         // momentum is exact despite the single-precision velocities.
         let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
         let mut is_touched = vec![false; momenta.len()];
-        let mut part = Part::with_room(selections.len(), 4 * selections.len());
+        let mut part = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
         let mut places = places.into_iter();
         for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
             let manifold = of_manifold[0].manifold as usize;
@@ -89,19 +89,24 @@ impl<I: Instructions> Group<I> {
                         let by = [pair.second, pair.first][side];
                         let sign = if side == 0 { -1.0 } else { 1.0 };
                         let work = batch.driven_work.get(lane);
-                        tally.book_outside(bodies, [on, by], (sign * impulse, DVec3::ZERO), work);
+                        accounts.book_outside(
+                            bodies,
+                            [on, by],
+                            (sign * impulse, DVec3::ZERO),
+                            work,
+                        );
                     }
                 }
                 recovered += batch.recovery.get(lane);
-                tally.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let samples = selection.points().map(|number| points[number].sample);
-                carry(&mut part, samples, (batch, lane), (h, frame.dt));
+                accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
+                let features = selection.points().map(|number| points[number].feature);
+                carry(&mut part, features, (batch, lane), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);
             if is_acting {
-                tally.link(bodies, *pair);
-                tally.impulses += 1;
-                tally.recover(bodies, *pair, recovered);
+                accounts.link(bodies, *pair);
+                accounts.impulses += 1;
+                accounts.recover(bodies, *pair, recovered);
             }
         }
 
@@ -124,8 +129,8 @@ impl<I: Instructions> Group<I> {
 /// Appends the impulses of a lane to the cache, as world-frame forces: the last substep's and the
 /// frame's mean.
 fn carry<I: Instructions>(
-    part: &mut Part,
-    samples: impl ExactSizeIterator<Item = (bool, u64)>,
+    part: &mut ImpulseChunk,
+    features: impl ExactSizeIterator<Item = FeatureId>,
     (batch, lane): (&ContactBatch<I>, usize),
     (h, dt): (f64, f64),
 ) {
@@ -142,8 +147,8 @@ fn carry<I: Instructions>(
     let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
     // An impact before the last substep leaves no final impulse: its mean acts equally at all
     // points.
-    let equal = 1.0 / samples.len() as f64;
-    for (sample, impulse) in samples.zip(impulses) {
+    let equal = 1.0 / features.len() as f64;
+    for (feature, impulse) in features.zip(impulses) {
         let share = if total > 0.0 { impulse / total } else { equal };
         if share > 0.0 {
             let force = PointImpulse {
@@ -152,7 +157,7 @@ fn carry<I: Instructions>(
                 twist: (-(share / h) * torque).as_vec3(),
                 mean: (-(share / dt) * of_frame).as_vec3(),
             };
-            part.points.push(Carried { sample, force });
+            part.points.push(CachedImpulse { feature, force });
         }
     }
 }
@@ -175,11 +180,11 @@ pub(super) fn close_islands(
 ) {
     let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
     let mut given = 0.0;
-    for ActedIsland { members, is_held } in acted_islands(bodies, substeps, &solved.tally) {
+    for ActedIsland { members, is_held } in acted_islands(bodies, substeps, &solved.accounts) {
         debug_assert!(members.iter().all(|&i| !is_fixed[i]));
         let unexplained = angular_change(bodies, start, &members, frame, solved);
         if is_held {
-            solved.tally.outside_angular_impulse += unexplained;
+            solved.accounts.outside_angular_impulse += unexplained;
         } else if unexplained != DVec3::ZERO {
             turn_back(bodies, &members, unexplained);
         }
@@ -188,17 +193,21 @@ pub(super) fn close_islands(
                 - start.energy(bodies, i, frame.gravity);
         }
     }
-    let Tally { causes, .. } = &mut solved.tally;
+    let FrameAccounts { causes, .. } = &mut solved.accounts;
     let known = causes.work + causes.friction;
     causes.add(Cause::Contact, given - known);
 }
 
 /// Connected components of the exchanged impulses, ordered by their first body.
-fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<ActedIsland> {
+fn acted_islands(
+    bodies: &Bodies,
+    substeps: &[Substeps],
+    accounts: &FrameAccounts,
+) -> Vec<ActedIsland> {
     let mut parent: Vec<u32> = (0..bodies.len() as u32).collect();
     let is_movable = |i: usize| !bodies.inertias[i].is_infinite();
-    let mut links = Vec::with_capacity(tally.links.len());
-    for &(a, b) in &tally.links {
+    let mut links = Vec::with_capacity(accounts.links.len());
+    for &(a, b) in &accounts.links {
         if let (Some(a), Some(b)) = (bodies.index_of(a), bodies.index_of(b)) {
             links.push([a, b]);
             if is_movable(a) && is_movable(b) {

@@ -9,7 +9,7 @@ use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
 use super::touching::Touching;
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{Carried, Manifold};
+use frangible_collision::{CachedImpulse, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -53,7 +53,7 @@ impl<I: Instructions> Group<I> {
     /// all [`NOWHERE`](super::slabs::NOWHERE) before and after.
     pub(super) fn new(
         bodies: &Bodies,
-        (manifolds, carried): (&[Manifold], &[&[Carried]]),
+        (manifolds, carried): (&[Manifold], &[&[CachedImpulse]]),
         (members, substeps): (&[usize], u32),
         lines: &mut [u32],
         frame: &Frame,

@@ -3,10 +3,10 @@
 //! bodies wake the island before contact, and removing a support wakes it too.
 
 use super::constraints::NEAR;
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
-use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity};
-use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};
+use frangible_collision::{CachedImpulse, ImpulseChunk, Manifold, ManifoldPoint};
 use glam::DVec3;
 
 /// Speed limit [m/s] of a slow body: linear speed plus rim speed from rotation. Resting heaps
@@ -34,9 +34,9 @@ impl Sleep {
     /// Removes sleeping islands from `islands`. An island sleeps if all its bodies have been slow
     /// for long enough with unchanged neighbours, and at least one loaded contact is with a fixed
     /// body.
-    pub(crate) fn take_out(
+    pub(crate) fn extract(
         bodies: &Bodies,
-        (manifolds, carried): (&[Manifold], &[&[Carried]]),
+        (manifolds, carried): (&[Manifold], &[&[CachedImpulse]]),
         islands: &mut Vec<Vec<usize>>,
         frame: &Frame,
     ) -> Self {
@@ -48,7 +48,7 @@ impl Sleep {
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
         // Count near points only: distant pairs vary with the sleep state of other bodies.
-        let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.sag();
+        let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.speculative_margin();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {
@@ -89,7 +89,7 @@ impl Sleep {
         &self,
         bodies: &mut Bodies,
         manifolds: &[Manifold],
-        tally: &mut Tally,
+        accounts: &mut FrameAccounts,
     ) -> Vec<bool> {
         let mut are_asleep = vec![false; bodies.len()];
         for Pair { first, second } in self.manifolds.iter().map(|&at| manifolds[at].pair) {
@@ -97,12 +97,12 @@ impl Sleep {
                 if !std::mem::replace(&mut are_asleep[i], true) {
                     let Velocity { linear, angular_momentum } = bodies.velocities[i];
                     let momentum = bodies.masses[i] * linear;
-                    tally.outside_impulse -= momentum;
-                    tally.outside_angular_impulse -=
+                    accounts.outside_impulse -= momentum;
+                    accounts.outside_angular_impulse -=
                         bodies.poses[i].position.cross(momentum) + angular_momentum;
                     let kinetic =
                         energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], DVec3::ZERO);
-                    tally.causes.add(Cause::Contact, -kinetic);
+                    accounts.causes.add(Cause::Contact, -kinetic);
                     bodies.velocities[i] =
                         Velocity { linear: DVec3::ZERO, angular_momentum: DVec3::ZERO };
                 }
@@ -112,8 +112,12 @@ impl Sleep {
     }
 
     /// Keeps the cached impulses of sleeping contacts.
-    pub(crate) fn carried(&self, manifolds: &[Manifold], carried: &[&[Carried]]) -> Part {
-        let mut part = Part::default();
+    pub(crate) fn carried(
+        &self,
+        manifolds: &[Manifold],
+        carried: &[&[CachedImpulse]],
+    ) -> ImpulseChunk {
+        let mut part = ImpulseChunk::default();
         for &at in &self.manifolds {
             part.keep(at, manifolds[at].pair, carried[at]);
         }

@@ -4,7 +4,7 @@ use super::solver_bodies::{TURN, is_round};
 use crate::energy::islands::root;
 use crate::frame_rate::sleep::Sleep;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
-use frangible_collision::{Carried, Manifold, ManifoldPoint};
+use frangible_collision::{CachedImpulse, Manifold, ManifoldPoint};
 use frangible_math::threads;
 use std::collections::BTreeMap;
 
@@ -63,12 +63,12 @@ impl IslandGroups {
     pub(super) fn new(
         bodies: &Bodies,
         manifolds: &[Manifold],
-        carried: &[&[Carried]],
+        carried: &[&[CachedImpulse]],
         frame: &Frame,
     ) -> Self {
         let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let mut islands = islands(&is_fixed, manifolds);
-        let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, frame);
+        let sleep = Sleep::extract(bodies, (manifolds, carried), &mut islands, frame);
 
         let forgets = libm::exp2(-frame.dt / HALF_LIFE) as f32;
         let (mut bundles, mut open): (Vec<Bundle>, BTreeMap<u32, usize>) = Default::default();
@@ -199,7 +199,7 @@ pub(super) fn count(needed: f32, last: u32, manifolds: usize, frame: &Frame) -> 
 fn substeps_of_pair(
     bodies: &Bodies,
     Manifold { pair, points, .. }: &Manifold,
-    (carried, stack): (&[Carried], &Stack),
+    (carried, stack): (&[CachedImpulse], &Stack),
     frame: &Frame,
 ) -> f64 {
     let both = [pair.first, pair.second];

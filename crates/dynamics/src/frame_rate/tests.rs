@@ -6,8 +6,8 @@ use super::slabs::NOWHERE;
 use super::slabs::Slabs;
 use super::solver_islands::count;
 use super::*;
-use frangible_bodies::{Contactant, NewBody, Pair, Pose, StepSettings, Velocity};
-use frangible_collision::{ManifoldPoint, find_manifolds};
+use frangible_bodies::{NewBody, Pair, Pose, StepSettings, SurfaceProperties, Velocity};
+use frangible_collision::{FeatureId, ManifoldPoint, find_manifolds};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::DQuat;
 use std::collections::BTreeSet;
@@ -35,7 +35,7 @@ fn spawn(
         motion,
         pose: Pose { position: at, orientation: DQuat::IDENTITY },
         velocity: Velocity { linear, ..Velocity::default() },
-        contactant: Contactant::new(e, mu),
+        surface: SurfaceProperties::new(e, mu),
     });
 }
 
@@ -55,9 +55,9 @@ fn all_pairs(bodies: &Bodies) -> Vec<Pair> {
 
 /// Steps several frames and returns the last result.
 fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
-    let mut warm = WarmStart::default();
+    let mut warm = ImpulseCache::default();
     let mut last = Solved {
-        tally: Tally::default(),
+        accounts: FrameAccounts::default(),
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: 0,
     };
@@ -137,7 +137,7 @@ fn overlaps_close_at_a_bounded_speed() {
             "{} m/s",
             (height - last) / DT
         );
-        assert!(solved.tally.causes.projection >= 0.0);
+        assert!(solved.accounts.causes.projection >= 0.0);
         last = height;
     }
     assert!((0.499..0.5).contains(&last), "{last}");
@@ -186,7 +186,7 @@ fn heap() -> (Bodies, Vec<Pair>) {
 fn slabs_and_colours_share_no_body() {
     let (bodies, pairs) = heap();
     let frame = frame(G);
-    let found = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame);
+    let found = find_manifolds(&bodies, &pairs, &ImpulseCache::default(), &frame);
     let manifolds: Vec<Manifold> = found.iter().collect();
     let members: Vec<usize> = (0..manifolds.len()).collect();
     let mut lines = vec![NOWHERE; bodies.len()];
@@ -203,7 +203,7 @@ fn slabs_and_colours_share_no_body() {
         }
     }
 
-    let carried: Vec<&[frangible_collision::Carried]> = vec![&[]; manifolds.len()];
+    let carried: Vec<&[frangible_collision::CachedImpulse]> = vec![&[]; manifolds.len()];
     let group =
         Group::<Scalar>::new(&bodies, (&manifolds, &carried), (&members, 16), &mut lines, &frame);
     let mut seen = 0;
@@ -233,7 +233,7 @@ fn every_point_is_of_one_constraint() {
         anchor_second: DVec3::ZERO,
         rounding: [0.0; 2],
         normal: [DVec3::X, DVec3::Y, DVec3::Z][number % 3],
-        sample: (true, number as u64),
+        feature: FeatureId { is_of_first: true, index: number as u64 },
         approach: 0.0,
         gap: 0.0,
     };

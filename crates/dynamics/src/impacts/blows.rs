@@ -1,13 +1,13 @@
 //! Blows: impacts above a body's strength [Su09 sec. 4.2].
 
-use crate::energy::tally::{Cause, Tally};
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::impulse::pair_impulse::{
     Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
 };
-use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
+use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_collision::{
-    ContactPoint, Encounter, ManifoldFinder, ManifoldPoint, NearSamples, WarmStart, first_contact,
-    placed,
+    ContactPoint, ImpulseCache, ManifoldFinder, ManifoldPoint, NearSamples, PairMotion,
+    first_contact, placed,
 };
 use glam::DVec3;
 
@@ -71,7 +71,7 @@ pub(crate) fn blows_of(
 
 /// Strength of a body: the largest impulse before it breaks [N s].
 fn strength(bodies: &Bodies, i: usize) -> f64 {
-    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
+    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.surfaces[i].strength }
 }
 
 /// Smaller strength of a pair: the largest impulse through its contact [N s].
@@ -87,7 +87,7 @@ pub fn strike(
     pairs: &[Pair],
     predicted: &[Pose],
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
     // Without breakable bodies skip all pairs; a heap has tens of thousands.
@@ -104,7 +104,7 @@ pub fn strike(
         else {
             continue;
         };
-        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let surfaces = bodies.pair_surface(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
         let acts = (approach.contact.point, impulse.at_contact.length());
         let of_pair = blows_of(bodies, pair, acts, || {
@@ -117,7 +117,7 @@ pub fn strike(
         };
 
         // Apply the impulse up to the smaller strength.
-        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, tally);
+        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, accounts);
         for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
             broken[i] |= blow.is_some();
             blows.extend(blow);
@@ -136,8 +136,8 @@ fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     if borne.is_infinite() {
         return true;
     }
-    let [first, second] = Flight::of_pair(bodies, pair, frame);
-    borne * answer >= 2.0 * Encounter::new(bodies, pair, [&first, &second], frame).most_speed
+    let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
+    borne * answer >= 2.0 * PairMotion::new(bodies, pair, [&first, &second], frame).most_speed
 }
 
 /// A collision within the frame.
@@ -157,7 +157,7 @@ pub struct Coming {
 pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<Coming> {
     let finder = &mut ManifoldFinder::default();
     let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, finder, frame)?;
-    let surfaces = bodies.pair_contactant(pair.first, pair.second);
+    let surfaces = bodies.pair_surface(pair.first, pair.second);
     let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
     Some(Coming { approach, impulse, point: contact.point, poses })
 }
@@ -170,14 +170,14 @@ pub fn pass_on(
     approach: &Approach,
     impulse: &PairImpulse,
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) {
     let impulse = if frame.settings.impulse_clamp {
-        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut tally.clamps)
+        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut accounts.clamps)
     } else {
         *impulse
     };
-    tally.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
+    accounts.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
@@ -190,7 +190,7 @@ fn next_touch(
     frame: &Frame,
 ) -> Option<(Approach, Touch)> {
     // Find the manifold point with the earliest time of impact.
-    let manifold = finder.find(bodies, pair, &WarmStart::default(), frame);
+    let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
     let due = |point: &ManifoldPoint| {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;

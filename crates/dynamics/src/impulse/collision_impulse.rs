@@ -1,6 +1,6 @@
 //! Impulse between two touching bodies: Newton's restitution and Coulomb's friction [GBF03 sec. 5].
 
-use frangible_bodies::{PairContactant, Velocity};
+use frangible_bodies::{PairSurface, Velocity};
 use glam::{DMat3, DVec3};
 
 /// Jam threshold: if a sliding impulse per unit of normal impulse changes the normal velocity by
@@ -35,9 +35,9 @@ pub fn collision_impulse(
     contact_matrix: DMat3,
     relative_velocity: DVec3,
     normal: DVec3,
-    surfaces: PairContactant,
+    surfaces: PairSurface,
 ) -> DVec3 {
-    let PairContactant { restitution, friction, .. } = surfaces;
+    let PairSurface { restitution, friction, .. } = surfaces;
 
     // Skip separating points.
     let normal_velocity = normal.dot(relative_velocity);
@@ -130,7 +130,8 @@ pub struct Impulse {
 }
 
 impl Impulse {
-    /// An impulse [kg m/s] at `lever` from the centre of mass [m]: `j_tau = r* j + ...` [Su09 sec. 3.2].
+    /// An impulse [kg m/s] at `lever` from the centre of mass [m]: `j_tau = r* j + ...`
+    /// [Su09 sec. 3.2].
     pub fn at(lever: DVec3, impulse: DVec3) -> Self {
         Self { linear: impulse, angular: lever.cross(impulse) }
     }
@@ -160,8 +161,8 @@ mod tests {
 
     const UP: DVec3 = DVec3::Y;
 
-    fn surfaces(restitution: f64, friction: f64) -> PairContactant {
-        PairContactant::new(restitution, friction)
+    fn surfaces(restitution: f64, friction: f64) -> PairSurface {
+        PairSurface::new(restitution, friction)
     }
 
     /// A solid ball of 2 kg and 0.5 m on the ground.

@@ -5,7 +5,7 @@ use crate::impulse::collision_impulse::{
 };
 use crate::impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse, energy_given};
 use crate::impulse::pair_turn::turn_pair;
-use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
+use frangible_bodies::{Bodies, Inertia, Pair, PairSurface, Pose, Velocity};
 use frangible_collision::{ContactPoint, Penetration, contact_point, placed};
 use glam::{DMat3, DVec3};
 
@@ -71,7 +71,7 @@ pub(crate) fn impulse_for(
     approach: &Approach,
     poses: &[Pose],
     inertias: &[Inertia],
-    surfaces: PairContactant,
+    surfaces: PairSurface,
 ) -> PairImpulse {
     let k = pair_contact_matrix(pair, approach.levers, poses, inertias);
     let (relative, normal) = (approach.relative_velocity, approach.contact.normal);

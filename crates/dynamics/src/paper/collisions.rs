@@ -5,7 +5,7 @@
 //! Clamping"]. Blows above a body's strength are reported, and the engine breaks the body [Su09
 //! sec. 4.2].
 
-use crate::energy::tally::{Cause, Tally};
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::impacts::blows::{Blow, blows_of};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, predict};
@@ -36,7 +36,7 @@ pub struct Collisions {
     /// x^{n+1} by the present velocities.
     pub predicted: Vec<Pose>,
     /// Impulses and work of static and kinematic bodies.
-    pub tally: Tally,
+    pub accounts: FrameAccounts,
     /// Number of re-evolutions of each body.
     moves: Vec<u32>,
     /// Re-evolution counts of both bodies at a pair's last visit: unmoved pairs are skipped.
@@ -49,7 +49,7 @@ impl Collisions {
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
         Self {
             predicted: predict(bodies, frame),
-            tally: Tally::default(),
+            accounts: FrameAccounts::default(),
             moves: vec![0; bodies.len()],
             seen: HashMap::new(),
             penetrations: Vec::new(),
@@ -138,7 +138,7 @@ impl Collisions {
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
         let approach =
             deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
-        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let surfaces = bodies.pair_surface(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, surfaces);
         let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
@@ -147,7 +147,7 @@ impl Collisions {
                 pair,
                 &approach,
                 velocities,
-                &mut self.tally.clamps,
+                &mut self.accounts.clamps,
             );
         }
         (!impulse.is_zero()).then_some((approach, impulse))
@@ -162,7 +162,7 @@ impl Collisions {
         impulse: &PairImpulse,
         frame: &Frame,
     ) {
-        self.tally.book_impulse(
+        self.accounts.book_impulse(
             bodies,
             pair,
             approach,

@@ -4,13 +4,13 @@
 //! Penetrations are searched at the *proposed* poses; normals, levers and velocities belong to the
 //! *old* poses.
 
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::pair_energy;
-use crate::energy::tally::{Cause, Tally};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use crate::paper::contact_graph::{ContactGraph, Level};
 use crate::paper::displacements::{Displacements, Push};
 use frangible_bodies::{
-    Bodies, Frame, Inertia, Pair, PairContactant, Pose, Velocity, evolve, evolve_all,
+    Bodies, Frame, Inertia, Pair, PairSurface, Pose, Velocity, evolve, evolve_all,
 };
 use frangible_collision::{NearSamples, Penetration, placed};
 use std::collections::HashMap;
@@ -44,7 +44,7 @@ pub struct Contact<'a> {
     /// Shock propagation freezes bodies by an infinite inertia.
     pub inertias: Vec<Inertia>,
     /// Impulses and work of static and kinematic bodies.
-    pub tally: Tally,
+    pub accounts: FrameAccounts,
     /// Displacements of the position phase off the paths of the velocities, per pair.
     pub displacements: Displacements,
     near: HashMap<Pair, NearSamples>,
@@ -68,7 +68,7 @@ impl<'a> Contact<'a> {
             velocities,
             proposed,
             inertias,
-            tally: Tally::default(),
+            accounts: FrameAccounts::default(),
             displacements: Displacements::default(),
             near: HashMap::new(),
             penetrations: Vec::new(),
@@ -135,16 +135,16 @@ impl<'a> Contact<'a> {
             return false;
         };
         let surfaces =
-            PairContactant { restitution, ..self.bodies.pair_contactant(pair.first, pair.second) };
+            PairSurface { restitution, ..self.bodies.pair_surface(pair.first, pair.second) };
         let mut impulse = impulse_for(pair, &approach, old, &self.inertias, surfaces);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
-            let (velocities, tally) = (&self.velocities, &mut self.tally);
+            let (velocities, accounts) = (&self.velocities, &mut self.accounts);
             impulse = impulse.clamped_to_energy(
                 self.bodies,
                 pair,
                 &approach,
                 velocities,
-                &mut tally.clamps,
+                &mut accounts.clamps,
             );
         }
         if impulse.is_zero() {
@@ -158,7 +158,7 @@ impl<'a> Contact<'a> {
     fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
         if self.phase == Phase::Velocity {
             let before = (&self.velocities[..], Cause::Contact);
-            self.tally.book_impulse(self.bodies, pair, approach, impulse, before);
+            self.accounts.book_impulse(self.bodies, pair, approach, impulse, before);
         }
         let energy_before = self.pair_energy(pair);
         impulse.apply(pair, &self.inertias, &mut self.velocities);

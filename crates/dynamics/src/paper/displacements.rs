@@ -1,7 +1,7 @@
 //! Displacements off the velocities: effect of the position update on angular momentum, and its
 //! compensation.
 
-use crate::energy::tally::{Debt, Tally};
+use crate::energy::frame_accounts::{EnergyGain, FrameAccounts};
 use crate::impulse::collision_impulse::apply_impulse;
 use crate::impulse::pair_turn::turn_pair;
 use frangible_bodies::{Bodies, Inertia, Pair};
@@ -51,17 +51,22 @@ impl Displacements {
     }
 
     /// Restores the angular momentum of each pair of dynamic bodies by a rigid rotation; books the
-    /// share of static and kinematic bodies, and debts.
-    pub fn restore_angular_momentum(&self, bodies: &mut Bodies, tally: &mut Tally) {
+    /// share of static and kinematic bodies, and gains.
+    pub fn restore_angular_momentum(&self, bodies: &mut Bodies, accounts: &mut FrameAccounts) {
         for (&pair, gain) in &self.gains {
-            tally.link(bodies, pair);
+            accounts.link(bodies, pair);
             let indices = [pair.first, pair.second];
             if gain.energy > 0.0 {
                 let ids = indices.map(|i| bodies.ids[i]);
-                tally.debts.push(Debt { ids, point: gain.point, energy: gain.energy, net: 0.0 });
+                accounts.gains.push(EnergyGain {
+                    ids,
+                    point: gain.point,
+                    energy: gain.energy,
+                    net: 0.0,
+                });
             }
             if indices.iter().any(|&i| bodies.inertias[i].is_infinite()) {
-                tally.outside_angular_impulse += gain.angular_momentum;
+                accounts.outside_angular_impulse += gain.angular_momentum;
                 continue;
             }
             for (i, turn) in

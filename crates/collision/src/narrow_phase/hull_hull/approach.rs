@@ -4,11 +4,11 @@ use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
 use crate::narrow_phase::hull_hull::hull_point::{HullContact, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::FEW_POINTS;
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
-use frangible_bodies::Flight;
+use crate::narrow_phase::pair_motion::{MOST_STEPS, PairMotion};
+use frangible_bodies::BallisticPath;
 use frangible_geometry::Hull;
 use frangible_math::RigidTransform;
 use glam::DVec3;
@@ -19,7 +19,7 @@ const NEAR: f64 = 0.02;
 
 /// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
-    encounter: &'a Encounter<'a>,
+    pair_motion: &'a PairMotion<'a>,
     hulls: [&'a Hull; 2],
 }
 
@@ -37,44 +37,44 @@ struct Instant<'a> {
 /// the separation bound of all other features at the frame's start [m], if the points belong to the
 /// start.
 pub(crate) fn hull_points(
-    encounter: &Encounter,
+    pair_motion: &PairMotion,
     hulls: [&Hull; 2],
-    room: &mut Room,
+    scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> Option<f64> {
-    room.points.clear();
-    let approach = Approach { encounter, hulls };
-    let instant = match approach.meeting(room) {
+    scratch.points.clear();
+    let approach = Approach { pair_motion, hulls };
+    let instant = match approach.meeting(scratch) {
         Ok(instant) => instant,
         Err(apart) => {
-            room.points.clear();
+            scratch.points.clear();
             return apart;
         }
     };
-    room.points.retain(|point| approach.can_touch(&instant, point));
+    scratch.points.retain(|point| approach.can_touch(&instant, point));
     reduce(
-        &mut room.points,
-        &mut room.spare,
+        &mut scratch.points,
+        &mut scratch.spare,
         FEW_POINTS,
-        (instant.contact.normal, PREFERENCE * encounter.size),
+        (instant.contact.normal, PREFERENCE * pair_motion.size),
     );
-    points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
-    instant.lasts.then_some(encounter.search)
+    points.extend(scratch.points.iter().map(|point| approach.manifold_point(&instant, point)));
+    instant.lasts.then_some(pair_motion.search)
 }
 
 impl<'a> Approach<'a> {
-    /// Contact instant, with the points in `room`: the frame's start for near hulls, else the time
-    /// of approach (conservative advancement along separating axes [Mir96]). Hulls that pass within
-    /// the speculative margin get the instant of a separating axis. For hulls that pass further
-    /// apart the error value is their separation at the frame's start, if known.
-    fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
-        let Encounter { size, search, frame, .. } = *self.encounter;
+    /// Contact instant, with the points in `scratch`: the frame's start for near hulls, else the
+    /// time of approach (conservative advancement along separating axes [Mir96]). Hulls that pass
+    /// within the speculative margin get the instant of a separating axis. For hulls that pass
+    /// further apart the error value is their separation at the frame's start, if known.
+    fn meeting(&self, scratch: &mut Scratch) -> Result<Instant<'a>, Option<f64>> {
+        let PairMotion { size, search, frame, .. } = *self.pair_motion;
         let (mut time, enough) = (0.0, NEAR * size);
         let mut steps_left = MOST_STEPS;
         loop {
             // Advance by face axes as long as their separation is large.
             let poses =
-                [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
+                [self.pair_motion.paths[0].pose(time), self.pair_motion.paths[1].pose(time)];
             let [world_from_first, world_from_second] =
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
@@ -84,7 +84,7 @@ impl<'a> Approach<'a> {
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
             if !is_far {
-                apart = pair.contact(&axes, search, room).ok_or_else(|| at_start(search))?;
+                apart = pair.contact(&axes, search, scratch).ok_or_else(|| at_start(search))?;
             }
 
             // Advance to the earliest possible time of impact.
@@ -93,11 +93,12 @@ impl<'a> Approach<'a> {
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
             let at_end = apart.gap - closing.max(0.0) * (frame.dt - time);
-            if is_far && is_passing && at_end > self.encounter.near {
+            if is_far && is_passing && at_end > self.pair_motion.near {
                 return Err(at_start(apart.gap));
             }
             if apart.gap <= enough || is_passing || steps_left == 0 {
-                let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
+                let contact =
+                    if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
                 return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
@@ -108,17 +109,17 @@ impl<'a> Approach<'a> {
     /// Upper bound of the closing speed of any two points along a normal in the world frame, from
     /// an instant to the frame's end [m/s]; negative if all separate.
     fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
-        let [first, second] = self.encounter.flights;
-        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
+        let [first, second] = self.pair_motion.paths;
+        let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
         // Common gravity cancels.
         let falling = (second.acceleration - first.acceleration).dot(normal);
-        let most = (time * falling).max(self.encounter.frame.dt * falling);
+        let most = (time * falling).max(self.pair_motion.frame.dt * falling);
         (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
     /// True for a point that can touch within the frame from a separated start.
     fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
-        if point.gap > self.encounter.search {
+        if point.gap > self.pair_motion.search {
             return false;
         }
         if instant.time == 0.0 {
@@ -129,7 +130,7 @@ impl<'a> Approach<'a> {
 
     /// Separation at the frame's start, along the point's normal [m].
     fn gap_at_start(&self, instant: &Instant, point: &HullPoint) -> f64 {
-        let [first, second] = self.encounter.flights;
+        let [first, second] = self.pair_motion.paths;
         let on_first = first.start.world_from_body().point(point.on[0]);
         let on_second = second.start.world_from_body().point(instant.on_second(point));
         (on_first - on_second).dot(instant.world_from_first.direction(point.normal))
@@ -141,7 +142,7 @@ impl<'a> Approach<'a> {
             instant.world_from_first.point(point.on[1]),
         ];
         let normal = instant.world_from_first.direction(point.normal);
-        let [first, second] = self.encounter.flights;
+        let [first, second] = self.pair_motion.paths;
         let velocity =
             first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
         ManifoldPoint {
@@ -149,8 +150,8 @@ impl<'a> Approach<'a> {
             rounding: [0.0; 2],
             anchor_second: instant.on_second(point),
             normal,
-            sample: point.feature.sample(self.hulls[1].edges().len()),
-            approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
+            feature: point.feature.id(self.hulls[1].edges().len()),
+            approach: self.pair_motion.surface_speed(normal, -velocity.dot(normal), point.gap),
             gap: self.gap_at_start(instant, point),
         }
     }

@@ -6,7 +6,7 @@ use crate::narrow_phase::hull_hull::face_clipping::face_points;
 use crate::narrow_phase::hull_hull::feature_scan::inside;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_hull::separating_axis::{
     EdgeAxis, FaceAxis, edge_axis, face_axis, gather_ridges,
 };
@@ -46,42 +46,42 @@ impl HullPair<'_> {
     }
 
     /// Signed separation along the best axis [m]; infinite beyond `most` [m].
-    pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
+    pub(crate) fn separation(&self, most: f64, scratch: &mut Scratch) -> f64 {
         let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
-        let contact = self.contact(&axes, most, room);
+        let contact = self.contact(&axes, most, scratch);
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
     }
 
-    /// Contact of both hulls from the best face of each, with the points in `room`; `None` beyond
-    /// `most` [m].
+    /// Contact of both hulls from the best face of each, with the points in `scratch`; `None`
+    /// beyond `most` [m].
     pub(crate) fn contact(
         &self,
         axes: &[FaceAxis; 2],
         most: f64,
-        room: &mut Room,
+        scratch: &mut Scratch,
     ) -> Option<HullContact> {
         // Prefer the first hull's face, unless the second's is clearly better. Skip faces that do
         // not lie over the other hull.
         let face = axes[0].separation.max(axes[1].separation);
         let prefer_first = axes[1].separation <= axes[0].separation + self.close;
         let mut is_preferred = true;
-        self.face_points(axes, prefer_first, room);
-        if room.points.is_empty() {
+        self.face_points(axes, prefer_first, scratch);
+        if scratch.points.is_empty() {
             is_preferred = false;
-            self.face_points(axes, !prefer_first, room);
+            self.face_points(axes, !prefer_first, scratch);
         }
         if is_preferred
-            && let Some(point) = room.points.first()
-            && self.is_least((face, self.close), &room.points)
+            && let Some(point) = scratch.points.first()
+            && self.is_least((face, self.close), &scratch.points)
         {
             return Some(HullContact { normal: point.normal, gap: face });
         }
 
         // Prefer edges only if better than all faces, and clearly better than a face that lies over
         // the other hull.
-        let within = self.furthest(axes, most, &room.points);
-        gather_ridges(self, axes, within, room);
-        let of_edges = edge_axis(self, room);
+        let within = self.furthest(axes, most, &scratch.points);
+        gather_ridges(self, axes, within, scratch);
+        let of_edges = edge_axis(self, scratch);
         let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
         let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
         if gap > most {
@@ -93,12 +93,13 @@ impl HullPair<'_> {
         {
             // Keep separated points over the face: rotation about the edges brings them into
             // contact. The crossing itself adds one point.
-            room.points
+            scratch
+                .points
                 .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
-            room.points.push(point);
+            scratch.points.push(point);
             return Some(HullContact { normal: point.normal, gap });
         }
-        if let Some(point) = room.points.first() {
+        if let Some(point) = scratch.points.first() {
             let of_other = axes[0].separation.min(axes[1].separation);
             return Some(HullContact {
                 normal: point.normal,
@@ -107,19 +108,20 @@ impl HullPair<'_> {
         }
 
         // Closest points, or crossing edges for overlapping hulls.
-        let point = if gap > 0.0 { nearest_points(self, &room.ridges, within) } else { on_edges }?;
-        room.points.push(point);
+        let point =
+            if gap > 0.0 { nearest_points(self, &scratch.ridges, within) } else { on_edges }?;
+        scratch.points.push(point);
         let gap = if gap > 0.0 { point.gap } else { gap };
         (gap <= most).then_some(HullContact { normal: point.normal, gap })
     }
 
-    /// Computes the points of one hull's face in `room`.
-    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, room: &mut Room) {
+    /// Computes the points of one hull's face in `scratch`.
+    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, scratch: &mut Scratch) {
         let [a, b] = self.views();
         if of_first {
-            face_points([a, b], &axes[0], true, self.close, room);
+            face_points([a, b], &axes[0], true, self.close, scratch);
         } else {
-            face_points([b, a], &axes[1], false, self.close, room);
+            face_points([b, a], &axes[1], false, self.close, scratch);
         }
     }
 

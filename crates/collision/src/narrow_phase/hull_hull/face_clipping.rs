@@ -2,9 +2,9 @@
 
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::placement::View;
-use crate::narrow_phase::hull_hull::room::Corner;
-use crate::narrow_phase::hull_hull::room::Room;
-use crate::narrow_phase::hull_hull::room::Side;
+use crate::narrow_phase::hull_hull::scratch::Corner;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::hull_hull::scratch::Side;
 use crate::narrow_phase::hull_hull::separating_axis::FaceAxis;
 use glam::DVec3;
 
@@ -16,9 +16,9 @@ pub(crate) fn face_points(
     axis: &FaceAxis,
     reference_is_first: bool,
     close: f64,
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) {
-    let Room { polygon, clipped, points, .. } = room;
+    let Scratch { polygon, clipped, points, .. } = scratch;
     let plane = reference.plane(axis.face);
     let face = reference.hull.face(axis.face);
     let count = face.vertices.len();

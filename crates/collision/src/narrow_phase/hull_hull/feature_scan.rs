@@ -3,7 +3,7 @@
 //! between them); separations are then computed in double precision.
 
 use crate::narrow_phase::hull_hull::placement::{Placement, Ridge};
-use crate::narrow_phase::hull_hull::room::RidgeColumns;
+use crate::narrow_phase::hull_hull::scratch::RidgeColumns;
 use frangible_geometry::{Columns, HalfSpace};
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three};
 use glam::{DMat3, DVec3};

@@ -1,5 +1,6 @@
 //! Contact points of two hulls, and their features.
 
+use crate::manifold::FeatureId;
 use glam::DVec3;
 
 /// Features of a contact point. The same features have the same id for either reference hull.
@@ -21,12 +22,14 @@ impl Feature {
     }
 
     /// Feature id; `edges` is the second hull's edge count.
-    pub(crate) fn sample(self, edges: usize) -> (bool, u64) {
+    pub(crate) fn id(self, edges: usize) -> FeatureId {
         const EDGES: u32 = 1 << 31;
         match self {
-            Self::VertexOfFirst(vertex) => (true, vertex.into()),
-            Self::VertexOfSecond(vertex) => (false, vertex.into()),
-            Self::Edges(a, b) => (true, (EDGES | (a * edges as u32 + b)).into()),
+            Self::VertexOfFirst(vertex) => FeatureId { is_of_first: true, index: vertex.into() },
+            Self::VertexOfSecond(vertex) => FeatureId { is_of_first: false, index: vertex.into() },
+            Self::Edges(a, b) => {
+                FeatureId { is_of_first: true, index: (EDGES | (a * edges as u32 + b)).into() }
+            }
         }
     }
 }
@@ -43,7 +46,7 @@ pub(crate) struct HullPoint {
     pub(crate) feature: Feature,
 }
 
-/// Contact of two hulls, in the first hull's frame; its points are in a [`Room`].
+/// Contact of two hulls, in the first hull's frame; its points are in a [`Scratch`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
     /// Unit, from the second hull to the first: the normal of its points. Separated hulls are at

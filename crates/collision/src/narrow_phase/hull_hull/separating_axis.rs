@@ -6,7 +6,7 @@ use crate::narrow_phase::hull_hull::feature_scan::{
 };
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::placement::Ridge;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use frangible_geometry::HalfSpace;
 use frangible_math::with_widest;
 use glam::DVec3;
@@ -59,11 +59,16 @@ pub(crate) struct EdgeAxis {
 }
 
 /// Gathers edges of both hulls within `within` [m] of each other, from the best faces of both.
-pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
+pub(crate) fn gather_ridges(
+    pair: &HullPair,
+    axes: &[FaceAxis; 2],
+    within: f64,
+    scratch: &mut Scratch,
+) {
     // Each hull lies below its own face; the other hull begins at the separation above it. A
     // candidate edge must enter both layers.
     let views = pair.views();
-    let Room { marks, ridges, .. } = room;
+    let Scratch { marks, ridges, .. } = scratch;
 
     // Candidates of the second side must lie in the box of the first side's candidates.
     let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
@@ -132,8 +137,8 @@ impl Spot {
 
 /// Pair of edges with the largest separation, among pairs that form a face of the Minkowski
 /// difference; `None` if all such pairs are parallel.
-pub(crate) fn edge_axis(pair: &HullPair, room: &mut Room) -> Option<EdgeAxis> {
-    let Room { ridges: [first, second], ridge_columns, .. } = room;
+pub(crate) fn edge_axis(pair: &HullPair, scratch: &mut Scratch) -> Option<EdgeAxis> {
+    let Scratch { ridges: [first, second], ridge_columns, .. } = scratch;
     let [at, other] = with_widest!(pair.width, furthest_edges([first, second], ridge_columns))?;
     EdgeAxis::of(&first[at], &second[other])
 }

@@ -1,11 +1,12 @@
 use super::*;
-use crate::manifold::ManifoldPoint;
+use crate::impulse_cache::ImpulseCache;
+use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::finder::find_manifolds;
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::warm_start::WarmStart;
 use frangible_bodies::{
-    Bodies, Contactant, Flight, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+    BallisticPath, Bodies, Frame, Motion, NewBody, Pair, Pose, StepSettings, SurfaceProperties,
+    Velocity,
 };
 use frangible_geometry::Hull;
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
@@ -41,15 +42,15 @@ struct Met {
 }
 
 fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> Met {
-    let (pair, mut room) =
-        (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Room::default());
+    let (pair, mut scratch) =
+        (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Scratch::default());
     let axes = pair.face_axes(10.0).unwrap();
-    let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut room).unwrap();
-    Met { normal, gap, points: room.points }
+    let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut scratch).unwrap();
+    Met { normal, gap, points: scratch.points }
 }
 
-fn names(contact: &Met) -> BTreeSet<(bool, u64)> {
-    contact.points.iter().map(|point| point.feature.sample(100)).collect()
+fn names(contact: &Met) -> BTreeSet<FeatureId> {
+    contact.points.iter().map(|point| point.feature.id(100)).collect()
 }
 
 /// Distance by alternating projections onto the two hulls, independent of features [m].
@@ -171,12 +172,12 @@ proptest! {
             prop_assert!((with_widest!(width, inside(first, point)) - depth).abs() < CLOSE);
 
             // Compare edge axes, bit by bit.
-            let mut room = Room::default();
+            let mut scratch = Scratch::default();
             let axes = [axis, face_axis(&pair, 1)];
-            gather_ridges(&pair, &axes, 0.5, &mut room);
-            let edges = edge_axis(&pair, &mut room);
+            gather_ridges(&pair, &axes, 0.5, &mut scratch);
+            let edges = edge_axis(&pair, &mut scratch);
             let numbers = [with_widest!(width, inside(first, point)), edges.map_or(0.0, |axis| axis.separation)];
-            let ridges = room.ridges.each_ref().map(Vec::len);
+            let ridges = scratch.ridges.each_ref().map(Vec::len);
             found.insert((axes.map(|axis| [axis.face, axis.vertex]), ridges, numbers.map(f64::to_bits)));
         }
         prop_assert_eq!(found.len(), 1);
@@ -226,10 +227,10 @@ proptest! {
     fn deep_overlaps_stay_on_faces(first in hull(), second in hull(), shift in vector(0.4), turn in vector(3.0)) {
         let first_from_second = at(shift, turn);
         let pair = HullPair::new([&first, &second], &first_from_second, 1.0, Width::Avx512);
-        let (axes, mut room) = (pair.face_axes(10.0).unwrap(), Room::default());
-        let is_over = |of_first: bool, room: &mut Room| {
-            pair.face_points(&axes, of_first, room);
-            !room.points.is_empty()
+        let (axes, mut scratch) = (pair.face_axes(10.0).unwrap(), Scratch::default());
+        let is_over = |of_first: bool, scratch: &mut Scratch| {
+            pair.face_points(&axes, of_first, scratch);
+            !scratch.points.is_empty()
         };
         let met = contact(&first, &second, &first_from_second);
         let of_faces = [
@@ -238,7 +239,7 @@ proptest! {
         ];
         if met.gap < 0.0 && of_faces.iter().all(|normal| normal.dot(met.normal) < 1.0 - 1e-9) {
             let face = axes[0].separation.max(axes[1].separation);
-            let is_over = is_over(axes[1].separation <= axes[0].separation + PREFERENCE, &mut room);
+            let is_over = is_over(axes[1].separation <= axes[0].separation + PREFERENCE, &mut scratch);
             prop_assert!(!is_over || met.gap > (1.0 - DEEP_PREFERENCE) * face, "{} {face}", met.gap);
         }
     }
@@ -270,7 +271,7 @@ proptest! {
         prop_assert_eq!(names(&before), names(&after));
         prop_assert!((3..=8).contains(&before.points.len()));
         let swapped = contact(&lower, &upper, &start.inverse());
-        let of_swapped = swapped.points.iter().map(|point| point.feature.swapped().sample(100)).collect();
+        let of_swapped = swapped.points.iter().map(|point| point.feature.swapped().id(100)).collect();
         prop_assert_eq!(names(&before), of_swapped);
         prop_assert!((before.normal + start.direction(swapped.normal)).length() < 1e-12);
     }
@@ -325,8 +326,8 @@ fn spawn(
     let shape = Arc::new(Shape::closed_form(form, 0.1));
     let pose = Pose { position, orientation: DQuat::IDENTITY };
     let velocity = Velocity::spinning(linear, angular, pose.orientation, &shape, 1.0);
-    let contactant = Contactant::new(0.5, 0.5);
-    bodies.spawn(NewBody { shape, density: 1.0, motion, pose, velocity, contactant });
+    let surface = SurfaceProperties::new(0.5, 0.5);
+    bodies.spawn(NewBody { shape, density: 1.0, motion, pose, velocity, surface });
 }
 
 fn frame() -> Frame {
@@ -336,10 +337,10 @@ fn frame() -> Frame {
 /// Separations of a pair's points at the start and after a frame of flight [m].
 fn gaps(bodies: &Bodies) -> Vec<[f64; 2]> {
     let (pair, frame) = (Pair { first: 0, second: 1 }, frame());
-    let manifolds = find_manifolds(bodies, &[pair], &WarmStart::default(), &frame);
+    let manifolds = find_manifolds(bodies, &[pair], &ImpulseCache::default(), &frame);
     let mut later = bodies.clone();
     for i in 0..2 {
-        later.poses[i] = Flight::of(bodies, i, &frame).pose(frame.dt);
+        later.poses[i] = BallisticPath::of(bodies, i, &frame).pose(frame.dt);
     }
     let gap = |bodies: &Bodies, point: &ManifoldPoint| {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
@@ -376,7 +377,7 @@ fn cubes_that_come_near_have_points() {
     for (sags, expected) in [(0.5, 4), (2.0, 0), (20.0, 0)] {
         let mut bodies = Bodies::default();
         let cube = ClosedForm::Box { half: DVec3::splat(0.2) };
-        let closing = (0.1 - sags * frame.sag()) / frame.dt * DVec3::X;
+        let closing = (0.1 - sags * frame.speculative_margin()) / frame.dt * DVec3::X;
         spawn(&mut bodies, cube, Motion::Dynamic, DVec3::ZERO, closing, DVec3::ZERO);
         spawn(&mut bodies, cube, Motion::Static, 0.5 * DVec3::X, DVec3::ZERO, DVec3::ZERO);
         assert_eq!(gaps(&bodies).len(), expected, "{sags} times what gravity closes");

@@ -2,8 +2,8 @@
 
 use crate::narrow_phase::samples::ContactPoint;
 use crate::relative_motion::Placed;
+use frangible_bodies::BallisticPath;
 use frangible_bodies::Bodies;
-use frangible_bodies::Flight;
 use frangible_bodies::Frame;
 use frangible_bodies::Pair;
 use glam::DVec3;
@@ -13,13 +13,13 @@ use glam::DVec3;
 pub(crate) const MOST_STEPS: u32 = 32;
 
 /// A pair of bodies and their ballistic motion in a frame.
-pub struct Encounter<'a> {
+pub struct PairMotion<'a> {
     /// All bodies.
     pub bodies: &'a Bodies,
     /// Dense indices of both bodies.
     pub pair: Pair,
     /// Ballistic motion of both bodies.
-    pub(crate) flights: [&'a Flight; 2],
+    pub(crate) paths: [&'a BallisticPath; 2],
     /// The frame.
     pub frame: &'a Frame,
     /// Upper bound of the relative speed of any two points [m/s].
@@ -45,19 +45,24 @@ const BESIDE: f64 = 1e-2;
 /// thin discs. Their samples were then left out, and the discs fell through the ground.
 const THROUGH: f64 = 0.25;
 
-impl<'a> Encounter<'a> {
+impl<'a> PairMotion<'a> {
     /// A pair with the given ballistic motion.
     #[inline]
-    pub fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
-        let [first, second] = flights;
+    pub fn new(
+        bodies: &'a Bodies,
+        pair: Pair,
+        paths: [&'a BallisticPath; 2],
+        frame: &'a Frame,
+    ) -> Self {
+        let [first, second] = paths;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let most_speed = speed + frame.gravity.length() * frame.dt;
-        let near = frame.sag();
+        let near = frame.speculative_margin();
         let (reach, size) = (frame.dt * speed + near, first.radius.min(second.radius));
         Self {
             bodies,
             pair,
-            flights,
+            paths,
             frame,
             most_speed,
             faster: 0.0,
@@ -70,7 +75,7 @@ impl<'a> Encounter<'a> {
 
     /// Adds relative speed after an impact with other bodies [m/s].
     #[inline]
-    pub fn struck(self, faster: f64) -> Self {
+    pub fn with_speed_gain(self, faster: f64) -> Self {
         let further = faster * self.frame.dt;
         let (near, reach) = (self.near + further, self.reach + further);
         Self { near, reach, search: reach, faster, ..self }
@@ -81,7 +86,7 @@ impl<'a> Encounter<'a> {
     pub fn placed(&self) -> [Placed<'_>; 2] {
         let at = |i: usize, side: usize| Placed {
             shape: &self.bodies.shapes[i],
-            pose: &self.flights[side].start,
+            pose: &self.paths[side].start,
         };
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
@@ -89,7 +94,7 @@ impl<'a> Encounter<'a> {
     /// True if the bounding balls cannot meet within the frame; rotation stays within the ball.
     #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
-        let [first, second] = self.flights;
+        let [first, second] = self.paths;
         let way = self.frame.dt * (first.linear - second.linear).length();
         let most = first.radius + second.radius + way + self.near;
         first.start.position.distance_squared(second.start.position) > most * most
@@ -97,15 +102,15 @@ impl<'a> Encounter<'a> {
 
     /// True if any two points of the pair may meet fast enough for an impact.
     #[inline]
-    pub(crate) fn may_strike(&self) -> bool {
-        self.most_speed + self.faster > self.frame.strike_speed()
+    pub(crate) fn may_impact(&self) -> bool {
+        self.most_speed + self.faster > self.frame.impact_speed()
     }
 
     /// Closing speed after a separation `phi` [m] has closed, from a present speed `closing` [m/s]
     /// along `normal`, with gravity [m/s].
     #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
-        let [first, second] = self.flights;
+        let [first, second] = self.paths;
         let acceleration = -(first.acceleration - second.acceleration).dot(normal);
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
@@ -129,7 +134,7 @@ impl<'a> Encounter<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
+    use frangible_bodies::{Motion, NewBody, Pose, StepSettings, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, HalfSpace, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -142,7 +147,7 @@ mod tests {
             Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let fastest = |times: f64| {
-            let speed = times * (frame.strike_speed() - 9.81 * frame.dt);
+            let speed = times * (frame.impact_speed() - 9.81 * frame.dt);
             let mut bodies = Bodies::default();
             for (form, motion) in
                 [(ground, Motion::Static), (ClosedForm::Sphere { radius: 0.5 }, Motion::Dynamic)]
@@ -153,18 +158,22 @@ mod tests {
                     motion,
                     pose: Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY },
                     velocity: Velocity { linear: -speed * DVec3::Y, ..Velocity::default() },
-                    contactant: Contactant::new(0.0, 0.5),
+                    surface: SurfaceProperties::new(0.0, 0.5),
                 });
             }
             let pair = Pair { first: 0, second: 1 };
-            let [first, second] = Flight::of_pair(&bodies, pair, &frame);
-            let encounter = Encounter::new(&bodies, pair, [&first, &second], &frame);
+            let [first, second] = BallisticPath::of_pair(&bodies, pair, &frame);
+            let pair_motion = PairMotion::new(&bodies, pair, [&first, &second], &frame);
             let at = |part: i32| {
-                encounter.surface_speed(-DVec3::Y, speed, 0.01 * f64::from(part) * encounter.reach)
+                pair_motion.surface_speed(
+                    -DVec3::Y,
+                    speed,
+                    0.01 * f64::from(part) * pair_motion.reach,
+                )
             };
-            (encounter.may_strike(), (0..=100).map(at).fold(0.0, f64::max) * frame.dt)
+            (pair_motion.may_impact(), (0..=100).map(at).fold(0.0, f64::max) * frame.dt)
         };
-        let least = 2.0 * frame.sag();
+        let least = 2.0 * frame.speculative_margin();
         for times in [0.0, 0.5, 0.999] {
             let (may, comes) = fastest(times);
             assert!(!may && comes <= least, "{times}: {comes} m of {least}");

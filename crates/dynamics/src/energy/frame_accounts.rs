@@ -1,4 +1,5 @@
-//! Tally of one frame: momentum from outside, energy by cause, debts, and counts of the safeguards.
+//! Accounts of one frame: momentum from outside, energy by cause, gains, and counts of the
+//! safeguards.
 
 use crate::energy::rigid_part::Twist;
 use crate::impulse::energy_clamp::Clamps;
@@ -10,7 +11,7 @@ use std::collections::BTreeMap;
 /// Running sums over one frame. Static and kinematic bodies act from outside; the step books
 /// gravity.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct FrameAccounts {
     /// Impulses from outside on dynamic bodies [N s].
     pub outside_impulse: DVec3,
     /// Change of angular momentum about the world's origin by outside impulses [kg m^2/s].
@@ -20,7 +21,7 @@ pub struct Tally {
     /// Work on each dynamic body by each kinematic body [J].
     pub work: BTreeMap<[BodyId; 2], f64>,
     /// Contacts with an energy gain.
-    pub debts: Vec<Debt>,
+    pub gains: Vec<EnergyGain>,
     /// Energy gain of islands by penetration recovery [J].
     pub recovery: f64,
     /// Work of penetration recovery per pair [J].
@@ -95,7 +96,7 @@ impl Causes {
 
 /// A contact with an energy gain in a frame, first to repay it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Debt {
+pub struct EnergyGain {
     /// The pair.
     pub ids: [BodyId; 2],
     /// Contact point at the end of the frame, world frame [m].
@@ -107,7 +108,7 @@ pub struct Debt {
     pub net: f64,
 }
 
-impl Debt {
+impl EnergyGain {
     /// Its lighter body, then its heavier one, if both live.
     pub(crate) fn by_weight(&self, bodies: &Bodies) -> Option<[usize; 2]> {
         let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else {
@@ -118,7 +119,7 @@ impl Debt {
     }
 }
 
-impl Tally {
+impl FrameAccounts {
     /// Books an impulse on a pair with `velocities` before it, at the poses of `bodies`. `cause`
     /// applies to its normal part.
     pub(crate) fn book_impulse(
@@ -188,7 +189,7 @@ impl Tally {
         self.outside_impulse += other.outside_impulse;
         self.outside_angular_impulse += other.outside_angular_impulse;
         self.causes.add_all(&other.causes);
-        append(&mut self.debts, other.debts);
+        append(&mut self.gains, other.gains);
         for (id, work) in other.work {
             *self.work.entry(id).or_insert(0.0) += work;
         }

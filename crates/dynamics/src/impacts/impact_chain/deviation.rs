@@ -2,14 +2,14 @@
 
 /// Upper bound of a body's deviation from its ballistic path after impacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stray {
+pub(super) struct Deviation {
     /// Largest deviation [m] with the dense index of its source, and the largest deviation by any
     /// other source [m].
     pub(super) most: (f64, usize),
     pub(super) otherwise: f64,
 }
 
-impl Stray {
+impl Deviation {
     pub(super) const NONE: Self = Self { most: (0.0, usize::MAX), otherwise: 0.0 };
 
     /// Deviation with respect to `other` [m]. The impact with `other` is excluded: the pair's own
@@ -19,13 +19,13 @@ impl Stray {
     }
 
     /// Registers a deviation [m] caused by the body `by`.
-    pub(super) fn add(&mut self, stray: f64, by: usize) {
+    pub(super) fn add(&mut self, deviation: f64, by: usize) {
         if by == self.most.1 {
-            self.most.0 = self.most.0.max(stray);
-        } else if stray > self.most.0 {
-            (self.most, self.otherwise) = ((stray, by), self.most.0);
+            self.most.0 = self.most.0.max(deviation);
+        } else if deviation > self.most.0 {
+            (self.most, self.otherwise) = ((deviation, by), self.most.0);
         } else {
-            self.otherwise = self.otherwise.max(stray);
+            self.otherwise = self.otherwise.max(deviation);
         }
     }
 }

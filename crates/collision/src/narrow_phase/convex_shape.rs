@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// Collision shape of a body, or of a part.
 #[derive(Clone, Copy)]
-pub(crate) enum Solid<'a> {
+pub(crate) enum ConvexShape<'a> {
     /// Radius [m].
     Ball(f64),
     /// In the body frame.
@@ -16,7 +16,7 @@ pub(crate) enum Solid<'a> {
     Other(&'a Shape),
 }
 
-impl<'a> Solid<'a> {
+impl<'a> ConvexShape<'a> {
     #[inline]
     pub(crate) fn of(shape: &'a Shape) -> Self {
         match (&shape.geometry, &shape.hull) {

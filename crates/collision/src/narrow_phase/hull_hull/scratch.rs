@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Scratch memory of the narrow phase, reused across pairs without state.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct Scratch {
     /// Contact points of two hulls.
     pub(crate) points: Vec<HullPoint>,
     pub(crate) spare: Vec<HullPoint>,

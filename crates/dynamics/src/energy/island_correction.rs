@@ -1,9 +1,9 @@
 //! Removal of an island's excess energy: scales its relative velocities, or stops them and shortens
 //! the displacements.
 
-use crate::energy::island::{Anchor, Ballistic, Island, energy, work_on};
+use crate::energy::frame_accounts::FrameAccounts;
+use crate::energy::island::{Anchor, ContactFreeState, Island, energy, work_on};
 use crate::energy::rigid_part::Twist;
-use crate::energy::tally::Tally;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
@@ -17,13 +17,13 @@ const MOST_STEPS: u32 = 40;
 
 /// Takes `excess` [J] out of an island, and books the impulse and the work of its anchor. Returns
 /// true if displacements were shortened.
-pub(crate) fn take_out(
+pub(crate) fn reduce_energy(
     bodies: &mut Bodies,
     island: &mut Island,
-    flight: &Ballistic,
+    contact_free: &ContactFreeState,
     excess: f64,
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> bool {
     // Scale the relative velocities by the excess, or stop them and shorten the displacements.
     let motion = RelativeMotion::of(bodies, &island.members, island.anchor);
@@ -31,10 +31,10 @@ pub(crate) fn take_out(
     if shortened {
         // Motion after the ballistic state is undone, and so is the anchor's work in it.
         let ids: Vec<BodyId> = island.members.iter().map(|&i| bodies.ids[i]).collect();
-        let undone = work_on(&tally.work, &ids) - work_on(&flight.work, &ids);
+        let undone = work_on(&accounts.work, &ids) - work_on(&contact_free.work, &ids);
         island.allowance -= undone;
-        tally.causes.work -= undone;
-        shorten(bodies, island, flight, motion.momenta, frame);
+        accounts.causes.work -= undone;
+        shorten(bodies, island, contact_free, motion.momenta, frame);
     } else {
         motion.lose(bodies, &island.members, excess);
     }
@@ -42,16 +42,17 @@ pub(crate) fn take_out(
     // Book the change of momenta, and its work, to the anchor.
     if island.anchor != Anchor::Free {
         let change = motion.change(bodies, &island.members);
-        tally.outside_impulse += change.0;
-        tally.outside_angular_impulse += change.1;
+        accounts.outside_impulse += change.0;
+        accounts.outside_angular_impulse += change.1;
         let work = if shortened {
-            let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+            let flown =
+                momenta(bodies, &contact_free.poses, &contact_free.velocities, &island.members);
             let since = RelativeMotion { momenta: flown, ..motion };
             since.work(since.change(bodies, &island.members))
         } else {
             motion.work(change)
         };
-        tally.causes.work += work;
+        accounts.causes.work += work;
         island.allowance += work;
     }
     shortened
@@ -134,17 +135,17 @@ fn rigid_part(
 fn shorten(
     bodies: &mut Bodies,
     island: &Island,
-    flight: &Ballistic,
+    contact_free: &ContactFreeState,
     present: (DVec3, DVec3),
     frame: &Frame,
 ) {
-    let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+    let flown = momenta(bodies, &contact_free.poses, &contact_free.velocities, &island.members);
     let ends: Vec<Pose> = island.members.iter().map(|&i| bodies.poses[i]).collect();
     let (mut poses, mut velocities) =
         (std::mem::take(&mut bodies.poses), std::mem::take(&mut bodies.velocities));
     let place = |poses: &mut [Pose], part: f64| {
         for (&i, to) in island.members.iter().zip(&ends) {
-            let from = &flight.poses[i];
+            let from = &contact_free.poses[i];
             poses[i] = Pose {
                 position: from.position.lerp(to.position, part),
                 orientation: from.orientation.slerp(to.orientation, part),

@@ -1,6 +1,6 @@
 //! Impulse cache for warm starting, across frames.
 
-use crate::manifold::Manifold;
+use crate::manifold::{FeatureId, Manifold};
 use frangible_bodies::{Bodies, BodyId, Pair, PerBody};
 use frangible_math::threads;
 use glam::Vec3;
@@ -11,18 +11,18 @@ const SHARE: usize = 1024;
 
 /// Contact impulses of the last substep of a frame.
 #[derive(Clone, Debug, Default)]
-pub struct WarmStart {
+pub struct ImpulseCache {
     /// One list per chunk.
-    points: Vec<Vec<Carried>>,
+    points: Vec<Vec<CachedImpulse>>,
     /// Pairs with impulses, in the order of [`Pair`].
-    pairs: Vec<CarriedPair>,
+    pairs: Vec<CachedPair>,
     /// Dense index of each body in the cached frame.
     places: PerBody<usize>,
 }
 
 /// Location of a pair's points.
 #[derive(Clone, Debug)]
-struct CarriedPair {
+struct CachedPair {
     /// Dense indices in the cached frame.
     pair: Pair,
     part: usize,
@@ -31,18 +31,18 @@ struct CarriedPair {
 
 /// Cached impulses of a group of pairs.
 #[derive(Default)]
-pub struct Part {
+pub struct ImpulseChunk {
     /// Points of all pairs, concatenated.
-    pub points: Vec<Carried>,
+    pub points: Vec<CachedImpulse>,
     /// Per pair: manifold index, bodies, and end in `points`.
     pairs: Vec<(usize, Pair, usize)>,
 }
 
 /// Cached impulse of a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carried {
-    /// Feature id: true for a feature of the first body, and its index.
-    pub sample: (bool, u64),
+pub struct CachedImpulse {
+    /// Feature of the point.
+    pub feature: FeatureId,
     /// Impulses per second: the next frame may have another substep count.
     pub force: PointImpulse,
 }
@@ -60,10 +60,10 @@ pub struct PointImpulse {
     pub mean: Vec3,
 }
 
-impl WarmStart {
+impl ImpulseCache {
     /// Cached points of a pair.
     #[inline]
-    pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
+    pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[CachedImpulse] {
         let Some(pair) = self.pair_then(bodies, pair) else { return &[] };
         let found = self.pairs.binary_search_by_key(&pair, |kept| kept.pair);
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
@@ -75,12 +75,12 @@ impl WarmStart {
         Some(Pair { first: first?, second: second? })
     }
 
-    fn points_of(&self, pair: &CarriedPair) -> &[Carried] {
+    fn points_of(&self, pair: &CachedPair) -> &[CachedImpulse] {
         &self.points[pair.part][pair.points.clone()]
     }
 
     /// Cached points of all manifolds; most pairs come in the cached order.
-    pub fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
+    pub fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[CachedImpulse]> {
         let of_share = |manifolds: &[Manifold]| {
             let mut next = 0;
             let of = |manifold: &Manifold| {
@@ -96,15 +96,15 @@ impl WarmStart {
                     _ => &[],
                 }
             };
-            manifolds.iter().map(of).collect::<Vec<&[Carried]>>()
+            manifolds.iter().map(of).collect::<Vec<&[CachedImpulse]>>()
         };
         threads::map(manifolds.chunks(SHARE).collect(), manifolds.len(), of_share).concat()
     }
 
     /// Cached impulse of a point.
     #[inline]
-    pub fn get(&self, bodies: &Bodies, pair: Pair, sample: (bool, u64)) -> Option<&Carried> {
-        self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
+    pub fn get(&self, bodies: &Bodies, pair: Pair, feature: FeatureId) -> Option<&CachedImpulse> {
+        self.of_pair(bodies, pair).iter().find(|carried| carried.feature == feature)
     }
 
     /// Drops the cached impulses of contacts with the bodies `who`.
@@ -116,8 +116,8 @@ impl WarmStart {
     }
 
     /// Builds the cache from chunks that hold disjoint sets of `pairs` manifolds.
-    pub fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<Part>) -> Self {
-        let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
+    pub fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<ImpulseChunk>) -> Self {
+        let none = CachedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
         let mut all = Self {
             points: Vec::with_capacity(parts.len()),
             pairs: vec![none; pairs],
@@ -126,10 +126,10 @@ impl WarmStart {
         for (place, &id) in bodies.ids.iter().enumerate() {
             all.places.insert(id, place);
         }
-        for Part { points, pairs } in parts {
+        for ImpulseChunk { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
             for (place, pair, end) in pairs {
-                all.pairs[place] = CarriedPair { pair, part, points: begin..end };
+                all.pairs[place] = CachedPair { pair, part, points: begin..end };
                 begin = end;
             }
             all.points.push(points);
@@ -142,7 +142,7 @@ impl WarmStart {
     }
 }
 
-impl Part {
+impl ImpulseChunk {
     /// Reserves capacity.
     pub fn with_room(pairs: usize, points: usize) -> Self {
         Self { points: Vec::with_capacity(points), pairs: Vec::with_capacity(pairs) }
@@ -150,7 +150,7 @@ impl Part {
 
     /// Copies the pair's cached impulses unchanged; `place` is its manifold index.
     #[inline]
-    pub fn keep(&mut self, place: usize, pair: Pair, carried: &[Carried]) {
+    pub fn keep(&mut self, place: usize, pair: Pair, carried: &[CachedImpulse]) {
         self.points.extend_from_slice(carried);
         self.end_pair(place, pair);
     }
