@@ -56,7 +56,8 @@ fn main() {
             Rotation::SecondOrder { energy_fix: true },
             Rotation::SecondOrder { energy_fix: false },
         ];
-        // Rule by rule in each pass, so that a busy moment of the machine strikes all of them.
+        // Interleave the rules within each pass: a busy moment of the machine then affects all of
+        // them.
         let times: Vec<[f64; 3]> =
             (0..PASSES).map(|_| rules.map(|rule| pass(&bodies, rule))).collect();
         let [exact, fixed, bare] =

@@ -12,9 +12,9 @@ pub struct Activity {
 /// The substeps of an island; none if it touched nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Substeps {
-    /// How many there were.
+    /// Number of substeps taken.
     pub count: u32,
-    /// How many would have done.
+    /// Number of substeps needed.
     pub needed: f32,
 }
 
@@ -28,11 +28,11 @@ impl Substeps {
 /// The calm of a body, by which it falls asleep, from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drowsiness {
-    /// In so many frames, one after the other, it has been slow, and has touched the same others,
-    /// of which none was driven.
+    /// Number of consecutive frames as a slow body with unchanged neighbours and no driven body in
+    /// its island.
     pub slow_for: u32,
-    /// Those others, as a number: the sum of one for each.
+    /// Sum of the neighbours' hashes.
     pub touching: u64,
-    /// True if it slept in the last frame.
+    /// True if the body slept in the last frame.
     pub is_asleep: bool,
 }

@@ -11,16 +11,16 @@ use std::sync::Arc;
 pub struct BodyId {
     /// Slot.
     pub index: u32,
-    /// How many bodies had the slot before.
+    /// Number of earlier bodies in this slot.
     pub generation: u32,
 }
 
-/// What decides where a body goes.
+/// Rule for the motion of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// Never moves.
     Static,
-    /// Moves as told, whatever it meets.
+    /// Prescribed velocity, independent of contacts.
     Kinematic {
         /// [m/s]
         linear: DVec3,
@@ -31,9 +31,9 @@ pub enum Motion {
     Dynamic,
 }
 
-/// How a body's surface meets others.
+/// Surface properties of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contactant {
+pub struct SurfaceProperties {
     /// Coulomb's coefficient; a pair has the smaller of its two.
     pub friction: f64,
     /// Largest torque against rolling per normal force [m]; a pair has the larger of its two.
@@ -44,32 +44,33 @@ pub struct Contactant {
     /// Ratio of normal speeds after and before a collision, in [0, 1]; a pair has the smaller of
     /// its two.
     pub restitution: f64,
-    /// The largest impulse that the body bears in one collision [N s]; infinite if it cannot break.
+    /// Strength: the largest impulse in one collision before the body breaks [N s]; infinite for
+    /// unbreakable bodies.
     pub strength: f64,
 }
 
-/// How the surfaces of a pair meet.
+/// Combined surface properties of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairContactant {
+pub struct PairSurface {
     /// Ratio of normal speeds after and before; in [-1, 1], below 0 only a part of the approach is
     /// stopped.
     pub restitution: f64,
     /// Coulomb's coefficient.
     pub friction: f64,
-    /// See [`Contactant::rolling_friction`]; felt by the frame-rate method.
+    /// See [`SurfaceProperties::rolling_friction`]; felt by the frame-rate method.
     pub rolling_friction: f64,
-    /// See [`Contactant::spinning_friction`]; felt by the frame-rate method.
+    /// See [`SurfaceProperties::spinning_friction`]; felt by the frame-rate method.
     pub spinning_friction: f64,
 }
 
-impl PairContactant {
+impl PairSurface {
     /// Without rolling and spinning friction.
     pub fn new(restitution: f64, friction: f64) -> Self {
         Self { restitution, friction, rolling_friction: 0.0, spinning_friction: 0.0 }
     }
 }
 
-impl Contactant {
+impl SurfaceProperties {
     /// Of a body that cannot break, without rolling and spinning friction.
     pub fn new(restitution: f64, friction: f64) -> Self {
         let strength = f64::INFINITY;
@@ -91,17 +92,17 @@ pub struct NewBody {
     /// At spawn; ignored unless dynamic.
     pub velocity: Velocity,
     /// Friction, restitution, strength.
-    pub contactant: Contactant,
+    pub surface: SurfaceProperties,
 }
 
 /// Dense arrays, one entry for each living body, in order of birth.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
-    /// Who.
+    /// Ids of the bodies.
     pub ids: Vec<BodyId>,
     /// Where, at the time level of the stage that runs.
     pub poses: Vec<Pose>,
-    /// How fast, at the time level of the stage that runs.
+    /// Velocities at the time level of the running stage.
     pub velocities: Vec<Velocity>,
     /// Static, kinematic or dynamic.
     pub motions: Vec<Motion>,
@@ -113,11 +114,11 @@ pub struct Bodies {
     pub densities: Vec<f64>,
     /// Geometry, samples, mass properties.
     pub shapes: Vec<Arc<Shape>>,
-    /// Of balls around the centres of mass that hold them [m]; infinite for half-spaces.
+    /// Radii of bounding balls around the centres of mass [m]; infinite for half-spaces.
     pub radii: Vec<f64>,
     /// Friction, restitution, strength.
-    pub contactants: Vec<Contactant>,
-    /// What each did in the last frames.
+    pub surfaces: Vec<SurfaceProperties>,
+    /// Activity of each body in the last frames.
     pub activities: Vec<Activity>,
     slots: Slots,
 }
@@ -130,7 +131,7 @@ struct Slots {
     free: Vec<u32>,
 }
 
-/// Something for each of some bodies, that are all alive at one time.
+/// Sparse per-body values keyed by [`BodyId`]; stale generations read as absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerBody<T>(Vec<Option<(u32, T)>>);
 
@@ -141,14 +142,14 @@ impl<T> Default for PerBody<T> {
 }
 
 impl<T: Copy> PerBody<T> {
-    /// Of a body, if it has one.
+    /// Value of a body, if any.
     #[inline]
     pub fn get(&self, id: BodyId) -> Option<T> {
         let (generation, value) = self.0.get(id.index as usize).copied().flatten()?;
         (generation == id.generation).then_some(value)
     }
 
-    /// Gives a body one, in the place of the one that it has.
+    /// Sets or replaces the value of a body.
     #[inline]
     pub fn insert(&mut self, id: BodyId, value: T) {
         let slot = id.index as usize;
@@ -174,7 +175,7 @@ impl Bodies {
         self.ids.len()
     }
 
-    /// Whether no body lives.
+    /// True without living bodies.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty()
@@ -218,7 +219,7 @@ impl Bodies {
         self.densities.push(body.density);
         self.radii.push(body.shape.radius());
         self.shapes.push(body.shape);
-        self.contactants.push(body.contactant);
+        self.surfaces.push(body.surface);
         self.activities.push(Activity::default());
         id
     }
@@ -244,7 +245,7 @@ impl Bodies {
         retain(&mut self.densities, gone);
         retain(&mut self.shapes, gone);
         retain(&mut self.radii, gone);
-        retain(&mut self.contactants, gone);
+        retain(&mut self.surfaces, gone);
         retain(&mut self.activities, gone);
         for (dense, id) in self.ids.iter().enumerate() {
             self.slots.dense[id.index as usize] = Some(dense as u32);
@@ -293,11 +294,11 @@ impl Bodies {
         }
     }
 
-    /// How the surfaces of a pair meet.
+    /// Combined surface properties of a pair.
     #[inline]
-    pub fn pair_contactant(&self, a: usize, b: usize) -> PairContactant {
-        let (a, b) = (&self.contactants[a], &self.contactants[b]);
-        PairContactant {
+    pub fn pair_surface(&self, a: usize, b: usize) -> PairSurface {
+        let (a, b) = (&self.surfaces[a], &self.surfaces[b]);
+        PairSurface {
             restitution: a.restitution.min(b.restitution),
             friction: a.friction.min(b.friction),
             rolling_friction: a.rolling_friction.max(b.rolling_friction),

@@ -2,8 +2,7 @@
 
 use frangible_math::Width;
 
-/// Iteration counts of `Method::Paper`, as its authors ran it, and the switches that both methods
-/// have.
+/// Iteration counts of `Method::Paper` (the authors' values), and switches of both methods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSettings {
     /// Passes over all colliding pairs [GBF03 sec. 4].
@@ -28,7 +27,7 @@ pub struct StepSettings {
     /// Passes in which bodies may break; what is struck after the last of them bears the blow until
     /// the next frame.
     pub breaking_passes: u32,
-    /// How free bodies turn; the paper's way is second order with its energy fix.
+    /// Rotation of free bodies; the paper's rule is second order with its energy fix.
     pub rotation: Rotation,
     /// Clamp the impulses of collisions and of velocity contact [Su09 sec. 3].
     pub impulse_clamp: bool,
@@ -37,12 +36,12 @@ pub struct StepSettings {
     /// Least number of substeps of an island that touches anything, a power of two: 2 for a draft,
     /// 4 for a game, 8 by default, 16 for film. Overlaps fall with its square.
     pub substeps: u32,
-    /// Most substeps of an island: what is loaded or struck beyond that overlaps more.
+    /// Maximum number of substeps of an island. Loads and impacts beyond overlap further.
     pub most_substeps: u32,
     /// Speed at which overlaps close at most [m/s].
     pub recovery_speed: f64,
-    /// How much of what an island dissipated it may spend later [J/kg]: 0.1 lift it by a
-    /// centimetre, the sag of two frames.
+    /// Maximum energy that an island may bank for later use [J/kg]: 0.1 lifts it by a centimetre,
+    /// the speculative margins of two frames.
     pub bank_cap: f64,
     /// Let islands that stand still sleep; off, all bodies are awake in every frame. Only the
     /// frame-rate method does.
@@ -90,10 +89,10 @@ impl Default for StepSettings {
     }
 }
 
-/// What all stages of one frame need and none changes.
+/// Constants of one frame, common to all stages.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Length of the frame, or of the part of it that is asked about [s].
+    /// Length of the frame, or of a part of it [s].
     pub dt: f64,
     /// [m/s^2]
     pub gravity: glam::DVec3,
@@ -101,26 +100,25 @@ pub struct Frame {
     pub settings: StepSettings,
 }
 
-/// Of bodies that do not fall, or hardly [m/s^2]: what touches but for rounding must be found
-/// there, too, as it can be struck.
+/// Minimum gravity in the speculative margin [m/s^2]. Without gravity, touching bodies with
+/// rounding gaps still need contact points for impacts.
 const LEAST_GRAVITY: f64 = 1.0;
 
-/// Of how far a body falls in one frame from rest, so much is near [1]: some more than that. With
-/// nearly twice as much a heap of two layers at rest has a twelfth more rows, and takes a sixth
-/// longer.
+/// Speculative margin relative to the free fall from rest in one frame [1]. With nearly twice as
+/// much a heap of two layers at rest has a twelfth more rows, and takes a sixth longer.
 const FALL: f64 = 1.1;
 
 impl Frame {
-    /// What is this near may meet within the frame although it rests now [m].
+    /// Speculative margin: resting bodies within this separation may touch within the frame [m].
     #[inline]
-    pub fn sag(&self) -> f64 {
+    pub fn speculative_margin(&self) -> f64 {
         FALL * 0.5 * self.gravity.length().max(LEAST_GRAVITY) * self.dt * self.dt
     }
 
-    /// What comes no faster than this is no strike as far as it is within the sag [m/s]: with what
-    /// gravity adds on its way through that, it comes less than two sags further in a frame.
+    /// Minimum closing speed of an impact within the speculative margin [m/s]: with gravity's
+    /// acceleration a slower approach travels less than two margins in a frame.
     #[inline]
-    pub fn strike_speed(&self) -> f64 {
+    pub fn impact_speed(&self) -> f64 {
         (1.0 + FALL * (FALL - 1.0)).sqrt() * self.gravity.length() * self.dt
     }
 }

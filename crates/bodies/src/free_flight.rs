@@ -1,4 +1,4 @@
-//! Where bodies get to that nothing touches.
+//! Free motion of bodies without contacts.
 
 pub(crate) mod ballistic_path;
 pub(crate) mod energy_fix;

@@ -9,9 +9,9 @@ mod pair;
 mod state;
 
 pub use activity::{Activity, Drowsiness, Substeps};
-pub use bodies::{Bodies, BodyId, Contactant, Motion, NewBody, PairContactant, PerBody};
+pub use bodies::{Bodies, BodyId, Motion, NewBody, PairSurface, PerBody, SurfaceProperties};
 pub use frame::{Frame, Rotation, StepSettings};
-pub use free_flight::ballistic_path::Flight;
+pub use free_flight::ballistic_path::BallisticPath;
 pub use free_flight::energy_fix::{EnergyFix, fix_rotational_energy};
 pub use free_flight::evolve::{accelerate, evolve, evolve_all, evolve_these, half_fallen, predict};
 pub use free_flight::exact_rotation::rotate_exact;

@@ -5,7 +5,7 @@ use crate::bodies::{Bodies, BodyId};
 /// A pair of bodies, by dense index; the first has the smaller one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Pair {
-    /// An impulse `j` acts on it.
+    /// Body on which an impulse `j` acts.
     pub first: usize,
     /// `-j` acts on it.
     pub second: usize,

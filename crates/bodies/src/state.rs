@@ -1,10 +1,10 @@
-//! A body's state, split by what changes together.
+//! State of a body, split by time of change.
 
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
 
-/// Where a body is at one time level.
+/// Pose of a body at one time level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Centre of mass, world frame [m].
@@ -13,8 +13,8 @@ pub struct Pose {
     pub orientation: DQuat,
 }
 
-/// How a body moves at one time level. Angular momentum is stored and angular velocity derived, so
-/// that free flight conserves angular momentum by construction.
+/// Velocity of a body at one time level. Storing angular momentum and deriving angular velocity
+/// makes free flight conserve angular momentum by construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity {
     /// Of the centre of mass, world frame [m/s].
@@ -23,7 +23,7 @@ pub struct Velocity {
     pub angular_momentum: DVec3,
 }
 
-/// How a body resists; infinite for static and kinematic bodies.
+/// Mass and inertia of a body; infinite for static and kinematic bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// [1/kg]; zero for infinite mass.
@@ -59,7 +59,7 @@ impl Velocity {
 }
 
 impl Inertia {
-    /// What no impulse moves.
+    /// Inertia of immovable bodies.
     pub const INFINITE: Self = Self { inverse_mass: 0.0, inverse_moments: DVec3::ZERO };
 
     /// From a mass [kg] and principal moments [kg m^2], all positive.
@@ -72,7 +72,7 @@ impl Inertia {
         Self::new(density * shape.volume, density * shape.unit_moments)
     }
 
-    /// Whether impulses leave the body as it is.
+    /// True for bodies immovable by impulses.
     #[inline]
     pub fn is_infinite(&self) -> bool {
         self.inverse_mass == 0.0

@@ -1,5 +1,5 @@
-//! The closed form keeps the energy, meets analytic answers, and stays sane where it degenerates.
-//! That it meets a 40-digit reference is the claim `exact-rotation`.
+//! The closed form keeps the energy, meets analytic answers, and stays finite in degenerate cases.
+//! The claim `exact-rotation` compares it with a 40-digit reference.
 
 mod common;
 
@@ -30,8 +30,7 @@ fn rotate(
         .orientation
 }
 
-/// How much of the relative energy an error of one radian in the orientation can make: |L x omega|
-/// / (2 E).
+/// Relative energy error per radian of orientation error: |L x omega| / (2 E).
 fn energy_condition(orientation: DQuat, momentum: DVec3, inertia: &Inertia) -> f64 {
     let omega = inertia.angular_velocity(orientation, momentum);
     momentum.cross(omega).length() / inertia.rotational_energy(orientation, momentum)
@@ -194,7 +193,8 @@ fn separatrices_and_huge_steps_stay_finite_and_keep_the_energy() {
     }
 }
 
-/// What is not finite comes back as such, at once and without a panic: the quarantine looks for it.
+/// Non-finite input returns non-finite output at once and without a panic: the quarantine detects
+/// it.
 #[test]
 fn what_is_not_finite_neither_hangs_nor_panics() {
     let brick = Inertia::new(1.0, DVec3::new(1.0, 2.0, 3.0));

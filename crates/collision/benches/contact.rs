@@ -1,15 +1,15 @@
-//! Time to find who may touch, and where, on one core: `cargo bench -p frangible-collision --bench
-//! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as close
-//! as those of a pile.
+//! Time of the broad and the narrow phase on one core: `cargo bench -p frangible-collision --bench
+//! contact`. Prints medians over passes, as CSV. Rocks of 20 points lie in three layers, as dense
+//! as a pile.
 
 #[path = "../../bodies/tests/common/mod.rs"]
 mod common;
 
 use common::Random;
 use frangible_bodies::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pose, StepSettings, Velocity, predict,
+    Bodies, Frame, Motion, NewBody, Pose, StepSettings, SurfaceProperties, Velocity, predict,
 };
-use frangible_collision::{KeptPairs, WarmStart, find_swept_pairs};
+use frangible_collision::{ContactCache, ImpulseCache, find_swept_pairs};
 use frangible_geometry::{Hull, Shape};
 use glam::DVec3;
 use std::hint::black_box;
@@ -18,8 +18,7 @@ use std::time::Instant;
 
 const DT: f64 = 1.0 / 30.0;
 
-/// Between the middles of neighbours, relative to the rocks' diameter: some touch, most of them do
-/// not.
+/// Spacing of neighbours relative to the rocks' diameter: a few touch, most are apart.
 const SPACING: f64 = 0.95;
 
 /// A rock of about 0.3 m.
@@ -28,7 +27,7 @@ fn rock(random: &mut Random) -> Option<Arc<Shape>> {
     Some(Arc::new(Shape::convex(Hull::of_points(&points).ok()?, 0.1).ok()?))
 }
 
-/// `count` rocks in three layers, that move by some centimetres in a frame.
+/// `count` rocks in three layers, moving by a few centimetres per frame.
 fn pile(count: usize, random: &mut Random) -> Bodies {
     let rocks: Vec<Arc<Shape>> = (0..200).filter_map(|_| rock(random)).collect();
     let across = (count as f64 / 3.0).sqrt().ceil() as usize;
@@ -47,20 +46,20 @@ fn pile(count: usize, random: &mut Random) -> Bodies {
         let angular = 0.1 * random.vector();
         let velocity =
             Velocity::spinning(0.2 * random.vector(), angular, pose.orientation, &shape, 1000.0);
-        let contactant = Contactant::new(0.0, 0.5);
+        let surface = SurfaceProperties::new(0.0, 0.5);
         bodies.spawn(NewBody {
             shape,
             density: 1000.0,
             motion: Motion::Dynamic,
             pose,
             velocity,
-            contactant,
+            surface,
         });
     }
     bodies
 }
 
-/// Median time of a task [ms], and what it came to.
+/// Median time of a task [ms], and its last result.
 fn median<T>(passes: usize, mut task: impl FnMut() -> T) -> (f64, T) {
     let mut times = Vec::new();
     let mut last = task();
@@ -75,15 +74,15 @@ fn median<T>(passes: usize, mut task: impl FnMut() -> T) -> (f64, T) {
 
 fn main() {
     let frame = Frame { dt: DT, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
-    let (mut random, warm) = (Random::new(1), WarmStart::default());
+    let (mut random, warm) = (Random::new(1), ImpulseCache::default());
     println!("bodies,pairs,find_pairs_ms,manifolds,find_manifolds_ms,ns_per_pair");
     for (count, passes) in [(1000, 101), (9000, 21), (100_000, 5)] {
         let bodies = pile(count, &mut random);
         let ends = predict(&bodies, &frame);
         let (find_pairs, pairs) =
-            median(passes, || find_swept_pairs(&bodies, &ends, frame.sag(), &frame));
+            median(passes, || find_swept_pairs(&bodies, &ends, frame.speculative_margin(), &frame));
         let (find, manifolds) = median(passes, || {
-            KeptPairs::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
+            ContactCache::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
         });
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());

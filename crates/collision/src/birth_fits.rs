@@ -1,34 +1,31 @@
-//! How fragments fit when they are born: where the samples of their cracks overlap, nothing has
-//! moved, and nothing is to be parted.
+//! Overlaps of fragments at birth: crack samples of neighbours overlap slightly without any motion.
+//! Such overlaps must not be resolved.
 
 use crate::manifold::ManifoldPoint;
 use crate::manifold::list::Manifolds;
 use frangible_bodies::{Bodies, BodyId, Pair};
 use std::collections::BTreeMap;
 
-/// Overlaps of pairs of fragments at their birth, or less: what they have parted by since is
-/// forgotten.
+/// Tolerated overlaps of fragment pairs: the overlap at birth, or the smallest since.
 #[derive(Clone, Debug, Default)]
 pub struct BirthFits {
-    /// The deepest overlap of each pair that is still forgiven [m].
+    /// Tolerated overlap of each pair [m].
     overlaps: BTreeMap<[BodyId; 2], f64>,
 }
 
-/// Overlaps that are smaller, relative to the pieces' distance from each other, are rounding:
-/// polyhedra fit as exactly.
+/// Overlaps below this fraction of the pieces' distance are rounding errors, as between polyhedra.
 const ROUNDING: f64 = 1e-9;
 
 impl BirthFits {
-    /// Lets fragments be where they were born: their points, among those of all pairs, that overlap
-    /// no more than at their birth just touch. `are_newborn` says whether a pair has come from one
-    /// body in this frame.
+    /// Shifts contact points of fragments to zero overlap while the overlap stays within the
+    /// tolerance of the pair. `are_newborn` is true for pairs from one body broken in this frame.
     pub fn forgive(
         &mut self,
         bodies: &Bodies,
         manifolds: &mut Manifolds,
         are_newborn: impl Fn(Pair) -> bool,
     ) {
-        // Few bodies overlap from their birth on.
+        // Few bodies overlap since birth.
         let mut fits = vec![false; bodies.len()];
         self.overlaps
             .keys()

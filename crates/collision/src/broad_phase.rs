@@ -1,4 +1,4 @@
-//! Pairs of bodies whose bounds overlap.
+//! Broad phase: pairs of bodies with overlapping bounds.
 
 pub(crate) mod bounds;
 pub(crate) mod crowd;
@@ -13,8 +13,8 @@ use frangible_geometry::{Columns, Hull};
 use frangible_math::{Instructions, threads, with_widest};
 use std::slice::from_ref;
 
-/// All pairs of bodies whose bounds at `poses`, enlarged by half of `margin` [m], overlap and of
-/// which at least one is dynamic, in increasing order.
+/// All pairs with at least one dynamic body whose bounds at `poses`, enlarged by half of `margin`
+/// [m], overlap; in increasing order.
 pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
     let bounds: Vec<Bounds> = bodies
         .shapes
@@ -25,27 +25,27 @@ pub fn find_pairs(bodies: &Bodies, poses: &[Pose], margin: f64) -> Vec<Pair> {
     overlapping_pairs(bodies, &bounds, &[poses], false).0
 }
 
-/// What turns by more than this [rad] within a frame may have any turn in it.
+/// Bodies rotating by more than this in a frame [rad] get bounds for any rotation.
 const LARGE_TURN: f64 = 1.0;
 
-/// Turning by so little within a frame that no point of a body comes further than this [m], in
-/// units of the margin, it is looked at only where it starts.
+/// Rotations that move no point of a body further than this fraction of the margin are ignored:
+/// only the bounds at the start are computed [1].
 const HARDLY: f64 = 0.01;
 
-/// Where bodies come on their ways through a frame.
+/// Swept bounds of all bodies in a frame, and their overlaps.
 pub struct Swept {
-    /// Around the way of each body, enlarged by half of a margin.
+    /// Bounds around each body's path, enlarged by half of the margin.
     pub bounds: Vec<Bounds>,
-    /// Those of which at least one is dynamic and whose bounds overlap, in increasing order; of
-    /// crowds, the nearest.
+    /// Pairs with at least one dynamic body and overlapping bounds, in increasing order; in crowds
+    /// only the deepest overlaps.
     pub pairs: Vec<Pair>,
-    /// How many pairs of crowds are not among them.
+    /// Number of omitted pairs in crowds.
     pub left_out: usize,
 }
 
 impl Swept {
-    /// Of bounds around all of the bodies' ways through a `frame`, from their poses to `ends`,
-    /// around the corners of polyhedra.
+    /// Sweeps bounds along the bodies' paths through a `frame`, from their poses to `ends`;
+    /// polyhedra use their vertices.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
         let bounds =
             with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
@@ -54,7 +54,7 @@ impl Swept {
     }
 }
 
-/// The pairs of [`Swept`].
+/// Pairs of [`Swept`].
 pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Vec<Pair> {
     Swept::new(bodies, ends, margin, frame).pairs
 }
@@ -66,8 +66,7 @@ fn all_swept_bounds<I: Instructions>(
     frame: &Frame,
 ) -> Vec<Bounds> {
     threads::list(bodies.len(), |i| {
-        // The memory of the next ones is asked for meanwhile: what they are, then what that leads
-        // to, and what that does.
+        // Prefetch later bodies in three stages: shape, hull, vertex columns.
         let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
         let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
         later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
@@ -77,10 +76,10 @@ fn all_swept_bounds<I: Instructions>(
     })
 }
 
-/// Bodies between one of which memory is asked for and one of which it leads to more, or is needed.
+/// Bodies between two stages of prefetching.
 const AHEAD: usize = 4;
 
-/// Bounds around a body's way, enlarged by half of `margin` [m].
+/// Bounds around a body's path, enlarged by half of `margin` [m].
 fn swept_bounds_with<I: Instructions>(
     bodies: &Bodies,
     i: usize,
@@ -94,23 +93,23 @@ fn swept_bounds_with<I: Instructions>(
         let bounds = |pose: &Pose| Bounds::of_any_turn(shape, pose).grown(0.5 * margin);
         return bounds(start).around(&bounds(end));
     }
-    let bounds = Bounds::of_solid::<I>(shape, start);
+    let bounds = Bounds::of_vertices::<I>(shape, start);
     let turned = Pose { position: start.position, ..*end };
     let further = moved(start, &turned, bodies.radii[i]);
     let (at_end, beyond) = if further <= HARDLY * margin {
         let way = end.position - start.position;
         (Bounds { low: bounds.low + way, high: bounds.high + way }, further)
     } else {
-        // Its points go along arcs, beyond their chords by no more than this where the spin keeps
-        // its axis; of 6,000 boxes that turn freely by half a radian to one, none needs more.
+        // Points move along arcs. Arcs exceed their chords by at most this bulge if the spin keeps
+        // its axis; none of 6,000 freely rotating boxes (half a radian to one) exceeds it.
         let bulge = if turn > 0.0 { 0.125 * turn * turn * bodies.radii[i] } else { 0.0 };
-        (Bounds::of_solid::<I>(shape, end), bulge)
+        (Bounds::of_vertices::<I>(shape, end), bulge)
     };
     bounds.around(&at_end).grown(beyond).grown(0.5 * margin)
 }
 
-/// The pairs of which at least one is dynamic whose bounds overlap, for bodies that are at each of
-/// `poses`; and, if crowds are thinned, how many of them are left out.
+/// Pairs with at least one dynamic body and overlapping bounds, for bodies at each of `poses`; if
+/// crowds are thinned, also the number of omitted pairs.
 fn overlapping_pairs(
     bodies: &Bodies,
     bounds: &[Bounds],
@@ -120,7 +119,7 @@ fn overlapping_pairs(
     let moves: Vec<bool> = bodies.inertias.iter().map(|inertia| !inertia.is_infinite()).collect();
     let (mut pairs, left_out) = overlapping_bounded(bounds, &moves, thins);
 
-    // What is boundless meets everything, but for what is above ground.
+    // Unbounded bodies meet every body, except bodies above ground.
     let mut with_boundless = Vec::new();
     for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
         let ground = Ground::of(bodies, a, poses);
@@ -136,11 +135,11 @@ fn overlapping_pairs(
     (sorted(&pairs, bodies.len()), left_out)
 }
 
-/// Bodies whose pairs a thread sorts together.
+/// Bodies per sorting task.
 const SORTED: usize = 512;
 
-/// Pairs of some of `count` bodies in increasing order: by the first ones in one go, as there are
-/// few to each.
+/// Pairs of `count` bodies in increasing order: counting sort by first body, then a small sort by
+/// second body.
 fn sorted(pairs: &[Vec<Pair>], count: usize) -> Vec<Pair> {
     let mut begin = vec![0; count + 1];
     pairs.iter().flatten().for_each(|pair| begin[pair.first + 1] += 1);

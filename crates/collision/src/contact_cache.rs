@@ -1,128 +1,128 @@
-//! Pairs of polyhedra, and polyhedra on the ground, over the frames: what has hardly moved against
-//! each other since its points were found keeps them, and what was further apart than it can have
-//! come since is still apart.
+//! Contact cache: manifolds of polyhedron pairs, and of polyhedra on the ground, persist across
+//! frames while relative motion is small. Separated pairs are skipped until their accumulated
+//! motion may have closed the separation.
 
-pub(crate) mod kept;
-pub(crate) mod lookup;
+pub(crate) mod cached_manifold;
+pub(crate) mod cursor;
 pub(crate) mod prefetch;
 
-use crate::contact_cache::kept::Kept;
-use crate::contact_cache::kept::KeptPair;
-use crate::contact_cache::kept::KeptPoint;
-use crate::contact_cache::lookup::{NOWHERE, Passing, firsts};
-use crate::contact_cache::prefetch::{Ahead, Seen};
+use crate::contact_cache::cached_manifold::CacheChunk;
+use crate::contact_cache::cached_manifold::CachedManifold;
+use crate::contact_cache::cached_manifold::CachedPoint;
+use crate::contact_cache::cursor::{CacheCursor, REMOVED, first_pairs};
+use crate::contact_cache::prefetch::{CollisionShape, Prefetcher};
+use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::core::core_point;
-use crate::narrow_phase::encounter::Encounter;
 use crate::narrow_phase::finder::ManifoldFinder;
 use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::hull_point::HullPoint;
 use crate::narrow_phase::hull_plane::plane_points;
-use crate::narrow_phase::solid::Solid;
+use crate::narrow_phase::pair_motion::PairMotion;
 use crate::relative_motion::{moved, moved_between, placed, second_from_first};
-use crate::warm_start::WarmStart;
-use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
+use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_math::threads;
 
-/// Relative motion up to which a pair keeps its points, in units of the smaller body's radius:
-/// what lies on an edge sticks out over it by as much before it tips.
-const STEADY: f64 = 0.03;
+/// Maximum relative motion of a cached manifold, in units of the smaller body's radius: a body on
+/// an edge overhangs it by as much before tipping.
+const MAX_MOTION: f64 = 0.03;
 
-/// How much further than the reach points are looked for, relative to it, so that they can be kept
-/// while it varies [1]. Without it falling heaps overlap by a tenth more.
+/// Extra search distance relative to the reach, for the cache to survive a varying reach [1].
+/// Without it falling heaps overlap by a tenth more.
 const MARGIN: f64 = 0.2;
 
-/// The pairs of the last frame, in the order of their bodies' births.
+/// Manifolds of the last frame, in birth order of their bodies.
 #[derive(Clone, Debug, Default)]
-pub struct KeptPairs {
-    /// Of all bodies of the last frame.
-    ways: Vec<Way>,
-    /// One after the other.
-    kept: Vec<Kept>,
-    /// Room.
-    last: Vec<Kept>,
+pub struct ContactCache {
+    /// One entry per body of the last frame.
+    paths: Vec<PathLength>,
+    /// One chunk per task.
+    chunks: Vec<CacheChunk>,
+    /// Chunks of the previous frame.
+    last: Vec<CacheChunk>,
     finders: Vec<ManifoldFinder>,
     found: Manifolds,
 }
 
-/// Pairs that go to a thread together: a tenth of a millisecond of work.
+/// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 1024;
 
-/// How far a body has come.
+/// Accumulated motion of a body.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct PathLength {
     id: BodyId,
     pose: Pose,
-    /// No point of it has moved further since it was first seen, all frames together [m].
+    /// Upper bound of the path length of any point since the first frame, over all frames [m].
     length: f64,
 }
 
-impl KeptPairs {
-    /// The manifolds of all pairs that may touch within the frame, in the order of the pairs, which
-    /// is increasing. Points that are in `warm` carried in the last frame.
+impl ContactCache {
+    /// Finds the manifolds of all pairs that may touch within the frame. `pairs` must be in
+    /// increasing order. Points in `warm` had an impulse in the last frame.
     pub fn find_manifolds(
         &mut self,
         bodies: &Bodies,
         pairs: &[Pair],
-        warm: &WarmStart,
+        warm: &ImpulseCache,
         frame: &Frame,
     ) -> &mut Manifolds {
-        let flights = threads::list(bodies.len(), |i| Flight::of(bodies, i, frame));
-        let seen = threads::list(bodies.len(), |i| Seen::of(&bodies.shapes[i]));
-        let places = self.go_on(bodies, &flights);
+        let flights = threads::list(bodies.len(), |i| BallisticPath::of(bodies, i, frame));
+        let shapes = threads::list(bodies.len(), |i| CollisionShape::of(&bodies.shapes[i]));
+        let indices = self.begin_frame(bodies, &flights);
         let count = pairs.len().div_ceil(SHARE);
-        std::mem::swap(&mut self.last, &mut self.kept);
-        self.kept.resize_with(count, Kept::default);
+        std::mem::swap(&mut self.last, &mut self.chunks);
+        self.chunks.resize_with(count, CacheChunk::default);
         self.finders.resize_with(count, ManifoldFinder::default);
         self.found.parts.resize_with(count, Found::default);
 
-        // Each thread takes some pairs that follow each other.
-        let Self { ways, kept, last, finders, found } = self;
-        let firsts = firsts(last, &places);
-        let passing = Passing::new(last, &places, &firsts);
-        let rooms = kept.iter_mut().zip(finders).zip(&mut found.parts);
-        let mut shares: Vec<(Share, &[Pair])> = rooms
+        // Each task takes a run of consecutive pairs.
+        let Self { paths, chunks, last, finders, found } = self;
+        let first_pairs = first_pairs(last, &indices);
+        let cursor = CacheCursor::new(last, &indices, &first_pairs);
+        let buffers = chunks.iter_mut().zip(finders).zip(&mut found.parts);
+        let mut shares: Vec<(Share, &[Pair])> = buffers
             .zip(pairs.chunks(SHARE))
-            .map(|(((kept, finder), found), pairs)| {
-                (Share { ways, seen: &seen, kept, finder, found }, pairs)
+            .map(|(((chunk, finder), found), pairs)| {
+                (Share { paths, shapes: &shapes, chunk, finder, found }, pairs)
             })
             .collect();
         let find = |(share, pairs): &mut (Share, &[Pair])| {
-            share.find_manifolds(pairs, passing, (bodies, &flights), warm, frame);
+            share.find_manifolds(pairs, cursor, (bodies, &flights), warm, frame);
         };
         threads::for_each(&mut shares, pairs.len(), find);
         &mut self.found
     }
 
-    /// Follows all bodies to where they are now. Returns where those of the last frame are among
-    /// them.
-    fn go_on(&mut self, bodies: &Bodies, flights: &[Flight]) -> Vec<u32> {
-        let at_rest = |i: usize| Way { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
-        let mut ways: Vec<Way> = (0..bodies.len()).map(at_rest).collect();
-        let place = |last: &Way| {
-            let Some(i) = bodies.index_of(last.id) else { return NOWHERE };
-            ways[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
+    /// Adds this frame's motion of all bodies. Returns the new index of each body of the last
+    /// frame.
+    fn begin_frame(&mut self, bodies: &Bodies, flights: &[BallisticPath]) -> Vec<u32> {
+        let at_rest =
+            |i: usize| PathLength { id: bodies.ids[i], pose: bodies.poses[i], length: 0.0 };
+        let mut paths: Vec<PathLength> = (0..bodies.len()).map(at_rest).collect();
+        let index = |last: &PathLength| {
+            let Some(i) = bodies.index_of(last.id) else { return REMOVED };
+            paths[i].length = last.length + moved(&last.pose, &bodies.poses[i], flights[i].radius);
             i as u32
         };
-        let places = self.ways.iter().map(place).collect();
-        self.ways = ways;
-        places
+        let indices = self.paths.iter().map(index).collect();
+        self.paths = paths;
+        indices
     }
 }
 
-/// What is known of a pair from the last frame, and from when on its ways count if that still
-/// holds.
+/// Cached manifold of a pair, and its reference path length if still valid.
 struct Look<'a> {
     pair: Pair,
-    known: Option<(&'a KeptPair, &'a [KeptPoint])>,
-    since: Option<f64>,
+    known: Option<(&'a CachedManifold, &'a [CachedPoint])>,
+    path_at_capture: Option<f64>,
 }
 
-/// Some pairs that follow each other, and room for what is found.
+/// A run of consecutive pairs, with output buffers.
 struct Share<'a> {
-    ways: &'a [Way],
-    seen: &'a [Seen<'a>],
-    kept: &'a mut Kept,
+    paths: &'a [PathLength],
+    shapes: &'a [CollisionShape<'a>],
+    chunk: &'a mut CacheChunk,
     finder: &'a mut ManifoldFinder,
     found: &'a mut Found,
 }
@@ -131,142 +131,154 @@ impl Share<'_> {
     fn find_manifolds(
         &mut self,
         pairs: &[Pair],
-        mut passing: Passing,
-        (bodies, flights): (&Bodies, &[Flight]),
-        warm: &WarmStart,
+        mut cursor: CacheCursor,
+        (bodies, flights): (&Bodies, &[BallisticPath]),
+        warm: &ImpulseCache,
         frame: &Frame,
     ) {
-        self.kept.pairs.clear();
-        self.kept.points.clear();
+        self.chunk.pairs.clear();
+        self.chunk.points.clear();
         self.found.clear();
-        passing.go_to(pairs[0]);
+        cursor.skip_to(pairs[0]);
 
-        // What holds, and what is to be looked at anew.
-        let (mut looks, mut anew) = (Vec::with_capacity(pairs.len()), Vec::new());
-        let encounter = |pair: Pair| {
-            Encounter::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
+        // Split pairs into cached and recomputed manifolds.
+        let (mut looks, mut stale) = (Vec::with_capacity(pairs.len()), Vec::new());
+        let pair_motion = |pair: Pair| {
+            PairMotion::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
         };
         for &pair in pairs {
-            let encounter = encounter(pair);
-            if encounter.is_out_of_reach() {
+            let pair_motion = pair_motion(pair);
+            if pair_motion.is_out_of_reach() {
                 continue;
             }
-            let known = passing.find(pair);
-            let since = known.and_then(|(kept, points)| self.still_holds(kept, points, &encounter));
-            if since.is_none() {
-                anew.push(pair);
+            let known = cursor.find(pair);
+            let path_at_capture =
+                known.and_then(|(cached, points)| self.still_holds(cached, points, &pair_motion));
+            if path_at_capture.is_none() {
+                stale.push(pair);
             }
-            looks.push(Look { pair, known, since });
+            looks.push(Look { pair, known, path_at_capture });
         }
 
-        let mut ahead = Ahead::new(self.seen, &anew);
-        for Look { pair, known, since } in looks {
-            if let Some((kept, points)) = known
-                && let Some(since) = since
+        let mut prefetcher = Prefetcher::new(self.shapes, &stale);
+        for Look { pair, known, path_at_capture } in looks {
+            if let Some((cached, points)) = known
+                && let Some(path_at_capture) = path_at_capture
             {
                 if !points.is_empty() {
-                    let encounter = encounter(pair);
-                    self.kept.points.extend_from_slice(points);
+                    let pair_motion = pair_motion(pair);
+                    self.chunk.points.extend_from_slice(points);
                     let within_reach =
-                        points.iter().filter_map(|point| point.within_reach(&encounter));
+                        points.iter().filter_map(|point| point.within_reach(&pair_motion));
                     self.found.add(pair, within_reach);
                 }
-                self.keep(KeptPair { since, ..*kept }, pair);
+                self.keep(CachedManifold { path_at_capture, ..*cached }, pair);
                 continue;
             }
-            ahead.go_on();
-            let encounter = encounter(pair);
-            if let Some(solids) = Seen::lasting([&self.seen[pair.first], &self.seen[pair.second]]) {
-                self.find_anew(encounter, solids);
+            prefetcher.prefetch_next();
+            let pair_motion = pair_motion(pair);
+            if let Some(convex_shapes) =
+                CollisionShape::cacheable([&self.shapes[pair.first], &self.shapes[pair.second]])
+            {
+                self.refresh(pair_motion, convex_shapes);
                 continue;
             }
-            let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
-            if let Some(manifold) = self.finder.of_encounter(&encounter, has_carried) {
+            let has_carried = |feature| warm.get(bodies, pair, feature).is_some();
+            if let Some(manifold) = self.finder.of_motion(&pair_motion, has_carried) {
                 self.found.add(pair, manifold.points.iter().copied());
             }
         }
     }
 
-    /// How far the ways of a pair are together [m].
-    fn ways_of(&self, pair: Pair) -> f64 {
-        self.ways[pair.first].length + self.ways[pair.second].length
+    /// Sum of both path lengths [m].
+    fn path_length_of(&self, pair: Pair) -> f64 {
+        self.paths[pair.first].length + self.paths[pair.second].length
     }
 
-    /// If the points of a pair are still its points, and nothing else has come within reach: from
-    /// when on its ways count.
+    /// If the cached points are still valid and no other feature is within reach: the reference
+    /// path length.
     #[inline]
     fn still_holds(
         &self,
-        kept: &KeptPair,
-        points: &[KeptPoint],
-        encounter: &Encounter,
+        cached: &CachedManifold,
+        points: &[CachedPoint],
+        pair_motion: &PairMotion,
     ) -> Option<f64> {
-        let steady = STEADY * encounter.size;
-        let steady = if points.is_empty() { f64::INFINITY } else { steady };
-        let most = steady.min(kept.beyond - encounter.reach);
-        let ways = self.ways_of(encounter.pair);
-        if ways - kept.since <= most {
-            return Some(kept.since);
+        let max_motion = MAX_MOTION * pair_motion.size;
+        let max_motion = if points.is_empty() { f64::INFINITY } else { max_motion };
+        let most = max_motion.min(cached.separation_bound - pair_motion.reach);
+        let path_length = self.path_length_of(pair_motion.pair);
+        if path_length - cached.path_at_capture <= most {
+            return Some(cached.path_at_capture);
         }
         if most < 0.0 {
             return None;
         }
-        // What moves together hardly moves against each other.
-        let Encounter { bodies, pair, flights, .. } = *encounter;
+        // Test the relative motion: bodies moving together have long paths but little relative
+        // motion.
+        let PairMotion { bodies, pair, paths, .. } = *pair_motion;
         let (first, second) = placed(bodies, pair, &bodies.poses);
         let now = second_from_first(first, second);
-        let radii = [flights[0].radius, flights[1].radius];
-        let moved = moved_between(&kept.found_at, &now, radii, 0.0);
-        (moved <= most).then_some(ways - moved)
+        let radii = [paths[0].radius, paths[1].radius];
+        let moved = moved_between(&cached.found_at, &now, radii, 0.0);
+        (moved <= most).then_some(path_length - moved)
     }
 
-    /// Keeps a pair, whose points are the last ones.
-    fn keep(&mut self, kept: KeptPair, pair: Pair) {
+    /// Stores a pair with the last points of the chunk.
+    fn keep(&mut self, cached: CachedManifold, pair: Pair) {
         let bodies = [pair.first as u32, pair.second as u32];
-        self.kept.pairs.push(KeptPair { bodies, end: self.kept.points.len() as u32, ..kept });
+        self.chunk.pairs.push(CachedManifold {
+            bodies,
+            end: self.chunk.points.len() as u32,
+            ..cached
+        });
     }
 
-    /// Looks where a pair touches, and keeps it for the next frame.
-    fn find_anew(&mut self, mut encounter: Encounter, solids: [Solid; 2]) {
-        let Encounter { bodies, pair, reach, size, .. } = encounter;
-        encounter.search = (1.0 + MARGIN) * reach + STEADY * size;
-        let ManifoldFinder { room, points } = &mut *self.finder;
+    /// Runs the narrow phase for a pair, and caches the result.
+    fn refresh(&mut self, mut pair_motion: PairMotion, convex_shapes: [ConvexShape; 2]) {
+        let PairMotion { bodies, pair, reach, size, .. } = pair_motion;
+        pair_motion.search = (1.0 + MARGIN) * reach + MAX_MOTION * size;
+        let ManifoldFinder { scratch, points } = &mut *self.finder;
         points.clear();
-        let beyond = match solids {
-            [Solid::Hull(first), Solid::Hull(second)] => {
-                hull_points(&encounter, [first, second], room, points)
+        let separation_bound = match convex_shapes {
+            [ConvexShape::Hull(first), ConvexShape::Hull(second)] => {
+                hull_points(&pair_motion, [first, second], scratch, points)
             }
-            [Solid::Ground(ground), Solid::Hull(hull)] => {
-                plane_points(&encounter, hull, false, ground, room, points)
+            [ConvexShape::Ground(ground), ConvexShape::Hull(hull)] => {
+                plane_points(&pair_motion, hull, false, ground, scratch, points)
             }
             _ => None,
         };
-        core_point(&encounter, solids, points);
-        let begin = self.kept.points.len();
-        let normal_of = |seen: &HullPoint| match solids[0] {
-            Solid::Ground(ground) => -ground.normal,
-            _ => seen.normal,
+        core_point(&pair_motion, convex_shapes, points);
+        let begin = self.chunk.points.len();
+        let normal_of = |hull_point: &HullPoint| match convex_shapes[0] {
+            ConvexShape::Ground(ground) => -ground.normal,
+            _ => hull_point.normal,
         };
-        self.kept.points.extend(room.points.iter().zip(points.iter()).map(|(seen, point)| {
-            KeptPoint {
+        self.chunk.points.extend(scratch.points.iter().zip(points.iter()).map(
+            |(hull_point, point)| CachedPoint {
                 anchors: [point.anchor_first, point.anchor_second],
-                normal: normal_of(seen),
-                sample: point.sample,
-            }
-        }));
+                normal: normal_of(hull_point),
+                feature: point.feature,
+            },
+        ));
 
-        // What will meet later will do so elsewhere.
-        let beyond = if let Some(beyond) = beyond {
-            let kept = &self.kept.points[begin..];
-            let within_reach = kept.iter().filter_map(|point| point.within_reach(&encounter));
+        // Without a bound the points belong to a later instant, and the next frame needs others.
+        let separation_bound = if let Some(separation_bound) = separation_bound {
+            let new = &self.chunk.points[begin..];
+            let within_reach = new.iter().filter_map(|point| point.within_reach(&pair_motion));
             self.found.add(pair, within_reach);
-            beyond
+            separation_bound
         } else {
             self.found.add(pair, points.iter().copied());
             f64::NEG_INFINITY
         };
         let (first, second) = placed(bodies, pair, &bodies.poses);
-        let (found_at, since) = (second_from_first(first, second), self.ways_of(pair));
-        self.keep(KeptPair { bodies: [0; 2], end: 0, found_at, beyond, since }, pair);
+        let (found_at, path_at_capture) =
+            (second_from_first(first, second), self.path_length_of(pair));
+        self.keep(
+            CachedManifold { bodies: [0; 2], end: 0, found_at, separation_bound, path_at_capture },
+            pair,
+        );
     }
 }

@@ -1,11 +1,20 @@
-//! Where two bodies touch: a few points.
+//! Contact manifolds: a few points per pair.
 
 pub(crate) mod list;
 
 use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
 
-/// One point of contact: a point on each body's surface, that coincide when the gap is closed.
+/// A vertex, edge pair or surface sample of a pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FeatureId {
+    /// True for a feature of the first body.
+    pub is_of_first: bool,
+    /// Index of the feature.
+    pub index: u64,
+}
+
+/// One contact point: a point on each body's surface; both coincide at zero gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// In the first body's frame [m].
@@ -13,29 +22,27 @@ pub struct ManifoldPoint {
     /// In the second body's frame [m].
     pub anchor_second: DVec3,
     /// Distances from the anchors to the surfaces along the normal [m]: a ball's anchor is its
-    /// centre, so that it need not turn with it.
+    /// centre, independent of rotation.
     pub rounding: [f64; 2],
     /// Unit, world frame, from the second body to the first.
     pub normal: DVec3,
-    /// Which sample or feature this is, and whether of the first body, to find it again in the next
-    /// frame.
-    pub sample: (bool, u64),
-    /// Speed at which the surfaces will meet, or at which they close now if they touch already
-    /// [m/s]; zero if they separate, and for points that are kept from frame to frame also if it
-    /// cannot be a strike.
+    /// Matches points across frames.
+    pub feature: FeatureId,
+    /// Closing speed at the time of impact, or the present closing speed of touching surfaces
+    /// [m/s]; zero for separating points. Cached points skip speeds too low for an impact.
     pub approach: f64,
-    /// Between the surfaces, where the bodies were when it was found or seen again [m].
+    /// Separation of the surfaces at the poses of detection or of the last update [m].
     pub gap: f64,
 }
 
 impl ManifoldPoint {
-    /// Where it is on the two surfaces, in the world [m].
+    /// Points on both surfaces, world frame [m].
     #[inline]
     pub fn on_surfaces(&self, bodies: &Bodies, pair: Pair) -> [DVec3; 2] {
         self.on_surfaces_at([&bodies.poses[pair.first], &bodies.poses[pair.second]])
     }
 
-    /// The same for bodies at these poses.
+    /// Points on both surfaces, for bodies at these poses.
     #[inline]
     pub(crate) fn on_surfaces_at(&self, poses: [&Pose; 2]) -> [DVec3; 2] {
         let first = poses[0].world_from_body().point(self.anchor_first);
@@ -43,25 +50,24 @@ impl ManifoldPoint {
         [first - self.rounding[0] * self.normal, second + self.rounding[1] * self.normal]
     }
 
-    /// Where it acts, in the world [m]: between the surfaces, beside the corner that slides along
-    /// the other body.
+    /// Point of action, world frame [m]: halfway between the surfaces, next to the sliding vertex
+    /// or sample.
     #[inline]
     pub fn middle(&self, bodies: &Bodies, pair: Pair) -> DVec3 {
         let [on_first, on_second] = self.on_surfaces(bodies, pair);
         let half = 0.5 * (on_first - on_second).dot(self.normal) * self.normal;
-        if self.sample.0 { on_first - half } else { on_second + half }
+        if self.feature.is_of_first { on_first - half } else { on_second + half }
     }
 }
 
-/// The points of a pair.
+/// Contact points of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold<'a> {
-    /// Who.
+    /// Dense indices of both bodies.
     pub pair: Pair,
-    /// At most [`MOST_POINTS`].
+    /// At most [`MOST_POINTS`] points.
     pub points: &'a [ManifoldPoint],
 }
 
-/// Points of a pair that are kept: a face on a face needs four, a concave body in a corner some
-/// more.
+/// Maximum number of points per pair: four for face on face, more for a concave body in a corner.
 pub(crate) const MOST_POINTS: usize = 8;

@@ -1,12 +1,12 @@
-//! Where pairs touch, a file for each pair of shapes.
+//! Narrow phase: contact points of pairs, one file per pair of shapes.
 
 pub(crate) mod compound;
 pub(crate) mod convex_pairs;
+pub(crate) mod convex_shape;
 pub(crate) mod core;
-pub(crate) mod encounter;
 pub(crate) mod finder;
 pub(crate) mod hull_hull;
 pub(crate) mod hull_plane;
+pub(crate) mod pair_motion;
 pub(crate) mod samples;
-pub(crate) mod solid;
 pub(crate) mod sphere;

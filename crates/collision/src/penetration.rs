@@ -1,44 +1,45 @@
-//! How deep bodies are in each other.
+//! Penetration depths of overlapping bodies.
 
 use crate::broad_phase::find_pairs;
 use crate::narrow_phase::compound::near_parts;
+use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::samples::deepest;
-use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
 use crate::relative_motion::{placed, second_from_first};
 use frangible_bodies::{Bodies, Pair, Pose};
 use frangible_math::{RigidTransform, Width};
 
-/// For each pair of bodies that overlaps, of which at least one is dynamic, how deep [m], in
-/// increasing order of the pairs: the shortest way that parts balls, half-spaces and convex
-/// polyhedra; of compounds, the deepest of their parts; of level sets, the deepest sample.
+/// Penetration depth [m] of each overlapping pair with at least one dynamic body, in increasing
+/// order of the pairs: minimum translation for balls, half-spaces and convex polyhedra; deepest
+/// part for compounds; deepest sample for level sets.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
-    let mut room = Room::default();
-    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut room)?));
+    let mut scratch = Scratch::default();
+    let depth =
+        |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut scratch)?));
     find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
-/// The same for one pair with its bodies at the given poses; `None` if it does not overlap.
+/// Penetration depth of one pair at the given poses; `None` without overlap.
 pub(crate) fn penetration(
     bodies: &Bodies,
     pair: Pair,
     poses: &[Pose],
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) -> Option<f64> {
     let (first, second) = placed(bodies, pair, poses);
     let second_from_first = second_from_first(first, second);
-    let solids = [Solid::of(first.shape), Solid::of(second.shape)];
+    let convex_shapes = [ConvexShape::of(first.shape), ConvexShape::of(second.shape)];
     let compounds = [first, second].map(|body| body.shape.compound.as_deref());
 
-    // Part by part, where there are some.
+    // Part by part for compounds.
     let mut depth_of = |parts: [Option<usize>; 2]| {
-        let solid = |side: usize| match (compounds[side], parts[side]) {
-            (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
-            _ => solids[side],
+        let convex_shape = |side: usize| match (compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
+            _ => convex_shapes[side],
         };
         let size = first.shape.radius().min(second.shape.radius());
-        separation([solid(0), solid(1)], &second_from_first, size, room)
+        separation([convex_shape(0), convex_shape(1)], &second_from_first, size, scratch)
     };
     let least = if compounds.iter().all(Option::is_none) {
         depth_of([None; 2])
@@ -46,41 +47,41 @@ pub(crate) fn penetration(
         let of_parts = near_parts([first, second], compounds, 0.0).into_iter().map(depth_of);
         of_parts.reduce(|a, b| Some(a?.min(b?))).unwrap_or(Some(f64::INFINITY))
     };
-    // What has no features has samples.
+    // Shapes without convex features use samples.
     let phi = least.or_else(|| deepest(first, second).map(f64::from))?;
     (phi <= 0.0).then_some(-phi)
 }
 
-/// How far apart two solids are along the axis that separates them best [m]; negative if they
-/// overlap, infinite or not if they do not. `None` for those that meet by their samples.
+/// Separation along the best axis [m]; negative for overlap, possibly infinite without overlap.
+/// `None` for shapes that need samples.
 fn separation(
-    solids: [Solid; 2],
+    convex_shapes: [ConvexShape; 2],
     second_from_first: &RigidTransform,
     size: f64,
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) -> Option<f64> {
     let first_from_second = second_from_first.inverse();
-    match solids {
-        [Solid::Ball(radius), other] => {
+    match convex_shapes {
+        [ConvexShape::Ball(radius), other] => {
             Some(other.distance_and_gradient(second_from_first.translation).0 - radius)
         }
-        [other, Solid::Ball(radius)] => {
+        [other, ConvexShape::Ball(radius)] => {
             Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
         }
-        [Solid::Hull(a), Solid::Hull(b)]
+        [ConvexShape::Hull(a), ConvexShape::Hull(b)]
             if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
         {
             Some(
                 HullPair::new([a, b], &first_from_second, size, Width::Avx512)
-                    .separation(0.0, room),
+                    .separation(0.0, scratch),
             )
         }
-        [Solid::Hull(hull), Solid::Ground(ground)] => {
+        [ConvexShape::Hull(hull), ConvexShape::Ground(ground)] => {
             let heights =
                 hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));
             Some(heights.fold(f64::INFINITY, f64::min))
         }
-        [Solid::Ground(ground), Solid::Hull(hull)] => {
+        [ConvexShape::Ground(ground), ConvexShape::Hull(hull)] => {
             let heights =
                 hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
             Some(heights.fold(f64::INFINITY, f64::min))
@@ -92,12 +93,12 @@ fn separation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
+    use frangible_bodies::{Motion, NewBody, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
     use glam::{DQuat, DVec3};
     use std::sync::Arc;
 
-    /// The depth of a pair of shapes, the second one at a place, turned about y.
+    /// Penetration depth of two shapes, the second at `position`, rotated about y.
     fn depth(first: Shape, second: Shape, position: DVec3, turn: f64) -> Option<f64> {
         let mut bodies = Bodies::default();
         for (shape, position, turn) in [(first, DVec3::ZERO, 0.0), (second, position, turn)] {
@@ -107,7 +108,7 @@ mod tests {
                 motion: Motion::Dynamic,
                 pose: Pose { position, orientation: DQuat::from_rotation_y(turn) },
                 velocity: Velocity::default(),
-                contactant: Contactant::new(0.0, 0.0),
+                surface: SurfaceProperties::new(0.0, 0.0),
             });
         }
         find_penetrations(&bodies).first().map(|&(_, depth)| depth)
@@ -144,7 +145,7 @@ mod tests {
         for (first, second, at, turn, expected) in [
             (cube(), cube(), beside, 0.0, Some(0.02)),
             (cube(), cube(), beside + 0.03 * DVec3::X, 0.0, None),
-            // A corner's edge in a face.
+            // An edge of a rotated cube in a face.
             (
                 cube(),
                 cube(),

@@ -1,21 +1,21 @@
-//! Bodies where they are, and how far they have moved against each other.
+//! Bodies at their poses, and bounds of relative motion.
 
 use frangible_bodies::{Bodies, Pair, Pose};
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
 use glam::DVec4;
 
-/// A body as detection sees it: what it is and where.
+/// A body for detection: shape and pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
     /// Geometry and samples.
     pub shape: &'a Shape,
-    /// At the time level that is asked about.
+    /// Pose at the queried time level.
     pub pose: &'a Pose,
 }
 
-/// The furthest that a point of the smaller body, or within `beyond` [m] of it, can have moved
-/// relative to the other one since `second_from_first` was `then` [m].
+/// Upper bound of the relative displacement [m] of any point of the smaller body, or within
+/// `beyond` [m] of it, since `second_from_first` was `then`.
 pub(crate) fn moved_since(
     then: &RigidTransform,
     first: Placed,
@@ -30,7 +30,8 @@ pub(crate) fn moved_since(
     )
 }
 
-/// The same for bodies of these radii [m], between two instances of `second_from_first`.
+/// Upper bound of relative displacement for bodies of these radii [m], between two values of
+/// `second_from_first`.
 pub(crate) fn moved_between(
     then: &RigidTransform,
     now: &RigidTransform,
@@ -49,21 +50,20 @@ pub(crate) fn moved_between(
     shift + turn * (reach + beyond)
 }
 
-/// No point of a body of this radius [m] has moved further from one pose to the other [m].
+/// Upper bound of the displacement of any point of a body of this radius [m] between two poses [m].
 pub(crate) fn moved(from: &Pose, to: &Pose, radius: f64) -> f64 {
-    // As above, up to the sign of q; what has no bounds has no far points as long as it does not
-    // turn.
+    // As above, up to the sign of q. Unbounded bodies must not rotate.
     let (q, p) = (DVec4::from(from.orientation), DVec4::from(to.orientation));
     let turn = 2.0 * (q - p).length().min((q + p).length());
     (to.position - from.position).length() + if turn > 0.0 { turn * radius } else { 0.0 }
 }
 
-/// Takes the first body's frame to the second's.
+/// Transform from the first body's frame to the second's.
 pub(crate) fn second_from_first(first: Placed, second: Placed) -> RigidTransform {
     second.pose.world_from_body().inverse().after(&first.pose.world_from_body())
 }
 
-/// The pair's bodies at the given poses.
+/// Both bodies of a pair at the given poses.
 #[inline]
 pub fn placed<'a>(bodies: &'a Bodies, pair: Pair, poses: &'a [Pose]) -> (Placed<'a>, Placed<'a>) {
     let at = |i: usize| Placed { shape: &bodies.shapes[i], pose: &poses[i] };

@@ -1,31 +1,27 @@
-//! Where two bodies first touched on their way through a frame: where a fracture is centred [Su09
-//! sec. 4.1].
 //!
 //! Collisions are found with samples at the predicted poses, where a fast body may be deep inside
-//! another and the deepest sample lies beside the line of impact. The first touch on the way there,
-//! looked for along the surface, is the point that the eye sees.
+//! another and the deepest sample lies beside the line of impact. The first touch on the way,
+//! searched along the surface, is the visible point of impact.
 
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, contact_point, overlap};
 use crate::relative_motion::{Placed, placed};
 use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
 
-/// Parts of the way that are looked at one after the other, so that a body that passes through
-/// another is found.
+/// Number of intervals tested along the way, to find bodies passing through each other.
 const PARTS: u32 = 16;
 
-/// Halvings of the part in which they first touch: to 1/65536 of the way.
+/// Bisections of the first interval with overlap: to 1/65536 of the way.
 const HALVINGS: u32 = 12;
 
-/// Steps along the surface; each is taken, or halves the next.
+/// Maximum number of steps along the surface; a failed step halves the next.
 const SLIDES: u32 = 60;
 
-/// First step along the surface, relative to the size of the smaller body: about the distance
-/// between its samples.
+/// First step along the surface, relative to the smaller body's size: about the sample spacing.
 const FIRST_SLIDE: f64 = 0.1;
 
-/// The point and the normal of the first touch, with the poses of the pair's bodies then; `None` if
-/// they touch already at the frame's start, or nowhere on the way.
+/// Point and normal of the first touch, with the poses of both bodies; `None` if the bodies already
+/// touch at the frame's start, or never on the way.
 pub fn first_contact(
     bodies: &Bodies,
     pair: Pair,
@@ -45,7 +41,7 @@ pub fn first_contact(
         )
     };
 
-    // Narrow down the part of the way in which they first overlap.
+    // Find the first interval with overlap, then bisect.
     let (first, second) = placed(bodies, pair, &bodies.poses);
     if overlap(first, second) {
         return None;
@@ -58,7 +54,7 @@ pub fn first_contact(
         if touch(&at(middle)) { after = middle } else { before = middle }
     }
 
-    // The sample that touches is the nearest of its kind; the surface comes nearer beside it.
+    // The touching sample is the nearest sample; the surface next to it may be nearer.
     let poses = at(after);
     let first = Placed { shape: shapes[0], pose: &poses[0] };
     let second = Placed { shape: shapes[1], pose: &poses[1] };
@@ -78,8 +74,7 @@ pub fn first_contact(
     Some((ContactPoint { point, normal }, poses))
 }
 
-/// The point of `body`'s surface, near `point`, that is deepest in `other`: steepest descent along
-/// the surface.
+/// Deepest point of `body`'s surface in `other`, near `point`: steepest descent along the surface.
 fn slide_inwards(body: Placed, other: Placed, mut point: DVec3) -> DVec3 {
     let size = |shape: &frangible_geometry::Shape| (shape.bounds.1 - shape.bounds.0).length();
     let mut step = FIRST_SLIDE * size(body.shape).min(size(other.shape));
@@ -110,7 +105,7 @@ fn distance(body: Placed, point_world: DVec3) -> (f64, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Velocity};
+    use frangible_bodies::{Motion, NewBody, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -122,12 +117,12 @@ mod tests {
             motion: Motion::Dynamic,
             pose,
             velocity: Velocity::default(),
-            contactant: Contactant::new(0.5, 0.5),
+            surface: SurfaceProperties::new(0.5, 0.5),
         });
     }
 
-    /// A ball on its way through a wall first touches it on the line of its centre, however coarse
-    /// the samples.
+    /// A ball moving through a wall first touches it on the line of its centre, for any sample
+    /// spacing.
     #[test]
     fn a_ball_touches_a_wall_on_the_line_of_its_centre() {
         for (y, z) in [(0.5, 1.5), (-0.5, 0.25), (-1.03, -2.07), (0.111, 0.0)] {
@@ -150,7 +145,7 @@ mod tests {
                 let mut predicted = bodies.poses.clone();
                 predicted[usize::from(order)].position.x = 0.1;
                 let (contact, _) = first_contact(&bodies, pair, &predicted).unwrap();
-                // By the time that a sample touches, the ball has come a little further.
+                // At the time of a sample's touch the ball has moved a little further.
                 let off = contact.point - DVec3::new(0.2, y, z);
                 assert!(
                     off.with_x(0.0).length() < 1e-3 && off.x.abs() < 0.02,

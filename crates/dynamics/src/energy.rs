@@ -1,9 +1,9 @@
-//! Where energy comes from and goes, and that no island gains any.
+//! Energy accounting: causes of every change, and a guarantee of no gain per island.
 
+pub(crate) mod contact_repayment;
+pub(crate) mod frame_accounts;
 pub(crate) mod island;
+pub(crate) mod island_correction;
 pub(crate) mod islands;
 pub(crate) mod ledger;
-pub(crate) mod payment;
 pub(crate) mod rigid_part;
-pub(crate) mod take_out;
-pub(crate) mod tally;

@@ -18,10 +18,10 @@ mod solver_islands;
 mod tests;
 mod touching;
 
-use crate::energy::tally::Tally;
+use crate::energy::frame_accounts::FrameAccounts;
 use finish::{FrameStart, Solved, close_islands, fall};
 use frangible_bodies::{Activity, Bodies, Frame, Motion, Substeps, evolve};
-use frangible_collision::{Manifold, Part, WarmStart};
+use frangible_collision::{ImpulseCache, ImpulseChunk, Manifold};
 #[cfg(test)]
 use frangible_math::Scalar;
 #[cfg(not(test))]
@@ -32,30 +32,30 @@ use group::Group;
 use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
 
-/// Moves all bodies through one frame. Replaces what `warm` keeps from the last one.
+/// Advances all bodies by one frame and replaces the impulse cache `warm`.
 pub fn solve(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
-    warm: &mut WarmStart,
+    warm: &mut ImpulseCache,
     frame: &Frame,
 ) -> Solved {
     #[cfg(not(test))]
     {
         with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, frame))
     }
-    // Unit tests have one width, which saves most of their compilation; tests of whole scenes
-    // say that all widths give the same bits.
+    // Unit tests compile a single width, which saves most of their compile time; the scene tests
+    // compare the bits of all widths.
     #[cfg(test)]
     {
         solve_with::<Scalar>(bodies, manifolds, warm, frame)
     }
 }
 
-/// [`solve`] with some instructions.
+/// [`solve`] for one instruction set.
 fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
     manifolds: &[Manifold],
-    warm: &mut WarmStart,
+    warm: &mut ImpulseCache,
     frame: &Frame,
 ) -> Solved {
     let start = FrameStart::of(bodies);
@@ -63,11 +63,11 @@ fn solve_with<I: Instructions>(
     let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
 
     let mut solved = Solved {
-        tally: Tally::default(),
+        accounts: FrameAccounts::default(),
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: islands.short_of_substeps,
     };
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<ImpulseChunk> = Vec::new();
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
         let input = (manifolds, &carried[..]);
         let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
@@ -77,13 +77,13 @@ fn solve_with<I: Instructions>(
     let room = || vec![NOWHERE; bodies.len()];
     let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
     for group in groups {
-        parts.push(group.write_back(bodies, manifolds, frame, &mut solved.tally));
+        parts.push(group.write_back(bodies, manifolds, frame, &mut solved.accounts));
     }
     close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
-    let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.tally);
+    let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.accounts);
     fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);
     parts.push(islands.sleep.carried(manifolds, &carried));
-    *warm = WarmStart::of_parts(bodies, manifolds.len(), parts);
+    *warm = ImpulseCache::of_parts(bodies, manifolds.len(), parts);
     let drowsiness = islands.sleep.drowsiness(bodies, frame, &are_asleep);
     for (i, substeps) in islands.substeps.into_iter().enumerate() {
         let drowsiness = drowsiness.get(i).copied().unwrap_or_default();
@@ -92,7 +92,7 @@ fn solve_with<I: Instructions>(
     solved
 }
 
-/// Moves kinematic bodies, and those that may touch nothing.
+/// Integrates kinematic bodies, and dynamic bodies without contacts.
 fn fly(
     bodies: &mut Bodies,
     (substeps, are_asleep): (&[Substeps], &[bool]),

@@ -1,4 +1,4 @@
-//! Impacts that break bodies, and bodies that move on because they are struck.
+//! Impacts above a body's strength, and chains of impacts within a frame.
 
 pub(crate) mod blows;
-pub(crate) mod struck;
+pub(crate) mod impact_chain;

@@ -1,4 +1,4 @@
-//! The impulse between two bodies that touch at a point, of the paper's method and of blows.
+//! Impulse between two touching bodies, for the paper's method and for blows.
 
 pub(crate) mod collision_impulse;
 pub(crate) mod energy_clamp;

@@ -1,8 +1,8 @@
-//! Rigid bodies in motion that never gain energy: what contact does to them.
+//! Contact dynamics of rigid bodies, without energy gain.
 //!
-//! Each stage of a frame has a file of its own; `frangible::step` says in which order they run.
-//! Static and kinematic bodies have infinite mass and are the outside: what they do is booked in a
-//! [`Tally`].
+//! Each stage of a frame has a file of its own; `frangible::step` lists them in order. Static and
+//! kinematic bodies have infinite mass and act from outside: a [`FrameAccounts`] books their
+//! impulses and work.
 
 mod energy;
 mod frame_rate;
@@ -10,15 +10,15 @@ mod impacts;
 mod impulse;
 mod paper;
 
-pub use energy::island::Ballistic;
-pub use energy::ledger::{Balance, Ledger, Opening};
-pub use energy::payment::{energy_at, pay_at};
-pub use energy::tally::{Cause, Causes, Tally};
+pub use energy::contact_repayment::{energy_at, repay_at};
+pub use energy::frame_accounts::{Cause, Causes, FrameAccounts};
+pub use energy::island::ContactFreeState;
+pub use energy::ledger::{EnergyAtStart, Ledger, LedgerReport};
 pub use frame_rate::contact_forces::{ContactForce, contact_forces};
 pub use frame_rate::finish::Solved;
 pub use frame_rate::solve;
 pub use impacts::blows::{Blow, Coming, coming, pass_on, strike};
-pub use impacts::struck::note_struck;
+pub use impacts::impact_chain::find_impact_chain;
 pub use impulse::collision_impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 pub use impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse};
 pub use impulse::pair_impulse::{Approach, PairImpulse};

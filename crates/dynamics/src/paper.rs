@@ -1,4 +1,4 @@
-//! The paper's method [Su09] on that of [GBF03], stage by stage.
+//! The paper's method [Su09], based on [GBF03], stage by stage.
 
 pub(crate) mod collisions;
 pub(crate) mod contact;

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_bodies::PairContactant;
+use frangible_bodies::PairSurface;
 use frangible_dynamics::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ fn restitution_is_met_and_friction_stays_in_the_cone() {
                 matrix,
                 relative,
                 normal,
-                PairContactant::new(restitution, friction),
+                PairSurface::new(restitution, friction),
             );
             let approach = normal.dot(relative);
             if approach >= 0.0 {

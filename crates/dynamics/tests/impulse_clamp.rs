@@ -1,16 +1,17 @@
-//! A clamped impulse never raises the kinetic energy of the pair in the non-split state [Su09 sec. 3.2].
+//! A clamped impulse never raises the kinetic energy of the pair in the non-split state
+//! [Su09 sec. 3.2].
 
 #[path = "../../bodies/tests/common/mod.rs"]
 mod common;
 
 use common::{Random, Tensors, Toucher};
-use frangible_bodies::{PairContactant, Velocity};
+use frangible_bodies::{PairSurface, Velocity};
 use frangible_dynamics::{
     Clamp, ClampSide, Impulse, apply_impulse, clamp_impulse, collision_impulse, contact_matrix,
 };
 use glam::{DQuat, DVec3};
 
-/// What the other side of the contact is.
+/// Kind of the other body.
 #[derive(Clone, Copy, Debug)]
 enum Partner {
     Dynamic,
@@ -18,7 +19,7 @@ enum Partner {
     Kinematic,
 }
 
-/// How many of the cases came out how.
+/// Counts of outcomes.
 #[derive(Default)]
 struct Tally {
     approaching: u32,
@@ -42,8 +43,8 @@ fn on(body: &Toucher, impulse: DVec3, torque_impulse: DVec3) -> Impulse {
     Impulse { angular: at_lever.angular + torque_impulse, ..at_lever }
 }
 
-/// Collides random bodies whose split orientation differs from the non-split one by up to `split`
-/// [rad].
+/// Collides random bodies whose split orientation differs from the non-split orientation by up to
+/// `split` [rad].
 fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, torque: f64) -> Tally {
     let mut random = Random::new(3);
     let mut tally = Tally::default();
@@ -64,7 +65,7 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             matrix += contact_matrix(b.inertia.inverse_mass, b.inverse_tensor(), b.lever);
             relative -= b.point_velocity(&b.velocity);
         }
-        let surfaces = PairContactant::new(restitution, 0.5);
+        let surfaces = PairSurface::new(restitution, 0.5);
         let impulse = collision_impulse(matrix, relative, random.direction(), surfaces);
         if impulse == DVec3::ZERO {
             continue;
@@ -96,7 +97,7 @@ fn collide(tensors: Tensors, partner: Partner, split: f64, restitution: f64, tor
             "{tensors:?} {partner:?}: {before} becomes {clamped}, {clamp:?}"
         );
 
-        // A scaled impulse leaves the energy exactly as it is; a whole one was harmless; others
+        // A scaled impulse leaves the energy unchanged; a whole impulse was harmless, all others
         // were not.
         match clamp {
             Clamp::Scaled(scale) => {
@@ -142,8 +143,8 @@ fn clamped_impulses_never_raise_the_energy_and_unclamped_ones_do() {
                 println!(
                     "  {gained:.3} % gain without the clamp, {scaled:.3} % scaled, {blocked:.3} % blocked"
                 );
-                // Near-round bodies hardly ever gain; thin ones do, so that the clamp has something
-                // to do.
+                // Near-round bodies hardly ever gain energy; thin bodies do, and exercise the
+                // clamp.
                 assert!(tally.approaching > 50_000);
                 if split > 0.0 && !matches!(tensors, Tensors::Mild) {
                     assert!(

@@ -1,4 +1,4 @@
-//! Single stages on two bodies: what a blow leaves behind, and that push-out separates.
+//! Single stages on two bodies: effects of a blow, and separation by push-out.
 
 #![allow(
     clippy::unwrap_used,
@@ -8,7 +8,7 @@
 )]
 
 use frangible_bodies::{
-    Bodies, Contactant, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+    Bodies, Frame, Motion, NewBody, Pair, Pose, StepSettings, SurfaceProperties, Velocity,
 };
 use frangible_collision::{Placed, deepest};
 use frangible_dynamics::{Collisions, Displacements, Response, contact_graph, push_out};
@@ -35,11 +35,11 @@ fn body(
         motion,
         pose: Pose { position, orientation: DQuat::IDENTITY },
         velocity: Velocity { linear, angular_momentum: DVec3::ZERO },
-        contactant: Contactant { strength, ..Contactant::new(0.5, 0.5) },
+        surface: SurfaceProperties { strength, ..SurfaceProperties::new(0.5, 0.5) },
     }
 }
 
-/// Striker and struck feel the impulse that the struck one bears, no more, in opposite directions.
+/// Both bodies feel an impulse of the struck body's strength, in opposite directions.
 #[test]
 fn a_blow_passes_on_what_the_weaker_body_bears() {
     let ball = ClosedForm::Sphere { radius: 0.5 };
@@ -67,7 +67,7 @@ fn a_blow_passes_on_what_the_weaker_body_bears() {
     assert!((blow.point_body - DVec3::new(0.5, 0.0, 0.0)).length() < 0.02, "{}", blow.point_body);
 }
 
-/// The same blow on a body that must not break any more acts in full.
+/// The same blow on an unbreakable body acts in full.
 #[test]
 fn without_leave_to_break_the_whole_impulse_acts() {
     let ball = ClosedForm::Sphere { radius: 0.5 };
@@ -86,7 +86,7 @@ fn without_leave_to_break_the_whole_impulse_acts() {
     assert!(bodies.velocities[0].linear.x < -7.0, "{}", bodies.velocities[0].linear);
 }
 
-/// Two cubes that overlap by a centimetre, one on the other, no longer do.
+/// Two cubes with an overlap of a centimetre are separated.
 #[test]
 fn push_out_separates_what_overlaps() {
     let cube = ClosedForm::Box { half: DVec3::splat(0.5) };

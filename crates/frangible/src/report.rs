@@ -1,4 +1,4 @@
-//! What one frame did, with the books open.
+//! Report of one frame, with energy and momentum accounts.
 
 pub(crate) mod books;
 
@@ -15,13 +15,13 @@ pub struct StepReport {
     pub time: f64,
     /// Living bodies at the end of the frame.
     pub bodies: usize,
-    /// How many of them slept in this frame.
+    /// Number of bodies asleep in this frame.
     pub asleep: usize,
-    /// Pairs of overlapping bounds that were not looked at, because too many bodies were in one
-    /// place: each of those meets its nearest. Zero in scenes without such crowds.
+    /// Number of overlapping pairs left out in crowds, where each body keeps its nearest pairs.
+    /// Zero in scenes without crowds.
     pub pairs_left_out: usize,
-    /// Islands of bodies that took fewer substeps than they need, and overlap more: `most_substeps`
-    /// bounds them, or the work of a frame if they are large.
+    /// Number of islands with fewer substeps than their accuracy needs, and larger overlaps:
+    /// `most_substeps` is the limit, or for large islands the work of a frame.
     pub short_of_substeps: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
@@ -29,11 +29,11 @@ pub struct StepReport {
     pub energy: Energy,
     /// The momentum books.
     pub momentum: Momentum,
-    /// What the ledger had to do.
+    /// Statistics of the ledger.
     pub balance: Balance,
     /// Collision and contact impulses.
     pub impulses: Impulses,
-    /// What broke, in order.
+    /// Fractures, in order.
     pub fractures: Vec<Fracture>,
     /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     /// books.
@@ -42,7 +42,7 @@ pub struct StepReport {
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// The energy books of one frame [J].
+/// Energy accounts of one frame [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Of all dynamic bodies, at the end of the frame.
@@ -51,43 +51,41 @@ pub struct Energy {
     pub potential: f64,
     /// Their sum.
     pub total: f64,
-    /// That kinematic bodies did in this frame, and what closing overlaps needed: their depth and
-    /// `recovery_speed` bound it.
+    /// Work of kinematic bodies in this frame, plus the work of penetration recovery, which is
+    /// bounded by overlap depth and `recovery_speed`.
     pub work: f64,
-    /// What the ledger's banks grew by in this frame: energy that was dissipated and may be spent
-    /// again.
+    /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
     pub banked: f64,
     /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
     /// this frame, or, if negative, was dissipated.
     pub gain: f64,
-    /// What E(n+1) - E(n) consists of.
+    /// Components of E(n+1) - E(n).
     pub causes: Causes,
 }
 
-/// What changed the energy of the dynamic bodies in one frame [J]; the sum is E(n+1) - E(n).
+/// Energy change of the dynamic bodies in one frame, by cause [J]; the sum is E(n+1) - E(n).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Causes {
     /// Kinematic bodies.
     pub work: f64,
-    /// What stops an approach, and what comes back of it by restitution.
+    /// Impacts with restitution.
     pub collision: f64,
-    /// What keeps touching bodies from approaching.
+    /// Resting and sliding contacts, along the normal.
     pub contact: f64,
     /// Coulomb's, rolling and spinning friction.
     pub friction: f64,
     /// Moving bodies out of each other.
     pub projection: f64,
-    /// Breaking: what cracks take, and rounding.
+    /// Breaking: energy of cracks, and rounding.
     pub fracture: f64,
-    /// What the ledger took out.
+    /// Energy removed by the ledger.
     pub balance: f64,
-    /// What is left: flight and rotation, which conserve but for the rule by which bodies turn, and
-    /// rounding.
+    /// Remainder: flight and rotation (conservative up to the rotation rule), and rounding.
     pub flight: f64,
 }
 
 impl Causes {
-    /// What the stages booked, and the rest of a frame's change of energy [J].
+    /// The stages' accounts, and the remainder of a frame's energy change [J].
     pub(crate) fn of(booked: &dynamics::Causes, change: f64) -> Self {
         let dynamics::Causes { work, collision, contact, friction, projection, fracture, balance } =
             *booked;
@@ -96,12 +94,12 @@ impl Causes {
     }
 }
 
-/// What the ledger had to do in one frame.
+/// Statistics of the ledger in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Balance {
     /// Islands of touching bodies.
     pub islands: u64,
-    /// Islands in which the contacts that gave energy could pay it back.
+    /// Islands balanced by repayment of contacts alone.
     pub paid: u64,
     /// Islands whose relative velocities were scaled down.
     pub scaled: u64,
@@ -111,16 +109,16 @@ pub struct Balance {
     pub removed: f64,
 }
 
-impl From<dynamics::Balance> for Balance {
-    fn from(balance: dynamics::Balance) -> Self {
-        let dynamics::Balance { islands, paid, scaled, shortened, removed } = balance;
+impl From<dynamics::LedgerReport> for Balance {
+    fn from(balance: dynamics::LedgerReport) -> Self {
+        let dynamics::LedgerReport { islands, paid, scaled, shortened, removed } = balance;
         Self { islands, paid, scaled, shortened, removed }
     }
 }
 
-/// The momentum books. Errors are those since the world began, relative to the largest sum so far,
-/// over the bodies, of their momenta, of what gravity gives them in a frame, and of what moves them
-/// by a thousandth of their size in one.
+/// Momentum accounts. Errors accumulate from the start of the world, relative to the largest sum
+/// over bodies to date of: momentum, gravity's impulse in a frame, and the momentum of a thousandth
+/// of a body's size per frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Momentum {
     /// Of all dynamic bodies at the end of the frame, in the world frame [N s].
@@ -143,31 +141,31 @@ pub struct Impulses {
     pub clamped: u64,
     /// Dropped, for the same reason.
     pub discarded: u64,
-    /// Energy that those would have made and did not [J].
+    /// Energy gain avoided by both [J].
     pub withheld: f64,
 }
 
 /// A body broke.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fracture {
-    /// Who broke; it lives no longer.
+    /// The broken body; its id is no longer alive.
     pub body: u64,
-    /// Who struck; the body itself if its bonds gave way under what they carried.
+    /// The striker; the body itself if its bonds gave way under load.
     pub striker: u64,
     /// Where the two first touched on their way through the frame, in the world frame [m]. The
     /// fracture is centred on the material that was there then.
     pub point: [f64; 3],
     /// The impulse that would have stopped the blow [N s].
     pub impulse: f64,
-    /// The part that the body bore, and that its striker felt, before it broke [N s].
+    /// Impulse up to the strength, felt by body and striker before the break [N s].
     pub borne: f64,
-    /// What its cracks took from the motion of the two against each other [J]; zero where strength
-    /// is an impulse.
+    /// Fracture energy taken from the relative motion of both bodies [J]; zero if strength is an
+    /// impulse.
     pub energy: f64,
-    /// How many pieces its description asks for, if it does.
+    /// Number of pieces in the body's description, if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wanted: Option<usize>,
-    /// What it broke into.
+    /// Fragments of the body.
     pub fragments: Vec<u64>,
     /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the
     /// break: round-off.
@@ -184,7 +182,7 @@ impl Fracture {
 /// A body that was taken out of the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Quarantined {
-    /// The body that was taken out.
+    /// The removed body.
     pub body: u64,
     /// The fault of its numbers.
     pub cause: &'static str,

@@ -14,8 +14,9 @@ use crate::world::World;
 use frangible_bodies::{Frame, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
 use frangible_dynamics::{
-    Ballistic, Blow, Collisions, Contact, Opening, Phase, Response, Solved, Tally, contact_forces,
-    contact_graph, note_struck, propagate_shock, push_out, solve, strike,
+    Blow, Collisions, Contact, ContactFreeState, EnergyAtStart, FrameAccounts, Phase, Response,
+    Solved, contact_forces, contact_graph, find_impact_chain, propagate_shock, push_out, solve,
+    strike,
 };
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -41,13 +42,13 @@ fn advance(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
     let mut clock = StageClock::new(world.clock);
 
-    // Bonds give way to what they carry.
+    // Overloaded bonds break.
     let Freed { fractures: mut freed, blows } = free_overloaded(world, &frame);
     clock.lap("free_overloaded");
 
     // Open the books.
     let before = Totals::of(&world.bodies, &frame);
-    let opening = Opening::new(&world.bodies, &frame);
+    let energy_at_start = EnergyAtStart::new(&world.bodies, &frame);
     let bank = world.ledger.bank();
 
     // Bonds give way to blows.
@@ -62,22 +63,28 @@ fn advance(world: &mut World) -> StepReport {
     };
     let Moved {
         fractures,
-        flight,
+        contact_free,
         gravity,
-        mut tally,
+        mut accounts,
         left_out,
         short_of_substeps,
         mut quarantined,
         before: solved_from,
     } = moved;
     world.end_sparing();
-    tally.add(bonds_tally);
+    accounts.add(bonds_tally);
     broken.extend(fractures);
-    let culprits = contain(world, &solved_from, &mut tally);
+    let culprits = contain(world, &solved_from, &mut accounts);
 
     // Balance the energy of every island.
-    tally.links.extend(broken.iter().flat_map(Fracture::links));
-    let balance = world.ledger.balance(&mut world.bodies, &opening, &flight, &frame, &mut tally);
+    accounts.links.extend(broken.iter().flat_map(Fracture::links));
+    let balance = world.ledger.balance(
+        &mut world.bodies,
+        &energy_at_start,
+        &contact_free,
+        &frame,
+        &mut accounts,
+    );
     clock.lap("balance_energy");
 
     // Close the books.
@@ -86,12 +93,12 @@ fn advance(world: &mut World) -> StepReport {
     take_out_faulty(world, &mut quarantined);
     let after = Totals::of(&world.bodies, &frame);
     let banked = world.ledger.bank() - bank;
-    // What was taken out took its sums along: such a frame has nothing to compare.
+    // Frames with removed bodies have no comparable sums.
     let (energy, momentum) = if quarantined.is_empty() {
-        world.books.close(&before, &after, gravity, banked, &tally)
+        world.books.close(&before, &after, gravity, banked, &accounts)
     } else {
-        tally = Tally::default();
-        world.books.close(&after, &after, Default::default(), 0.0, &tally)
+        accounts = FrameAccounts::default();
+        world.books.close(&after, &after, Default::default(), 0.0, &accounts)
     };
     world.frame += 1;
     clock.lap("report");
@@ -107,10 +114,10 @@ fn advance(world: &mut World) -> StepReport {
         momentum,
         balance: balance.into(),
         impulses: Impulses {
-            applied: tally.impulses,
-            clamped: tally.clamps.shortened,
-            discarded: tally.clamps.dropped,
-            withheld: tally.clamps.withheld,
+            applied: accounts.impulses,
+            clamped: accounts.clamps.shortened,
+            discarded: accounts.clamps.dropped,
+            withheld: accounts.clamps.withheld,
         },
         fractures: {
             freed.extend(broken);
@@ -121,23 +128,23 @@ fn advance(world: &mut World) -> StepReport {
     }
 }
 
-/// What a frame came to before its energy is balanced.
+/// State of a frame before its energy is balanced.
 struct Moved {
-    /// What broke.
+    /// Fractures of the frame.
     fractures: Vec<Fracture>,
-    /// How it would have come without contact.
-    flight: Ballistic,
+    /// The frame without contact.
+    contact_free: ContactFreeState,
     /// Impulse and angular impulse about the world's origin that gravity gave.
     gravity: (DVec3, DVec3),
-    /// What static and kinematic bodies contributed.
-    tally: Tally,
-    /// Pairs of crowds that nobody looked at.
+    /// Impulses and work of static and kinematic bodies.
+    accounts: FrameAccounts,
+    /// Number of pairs left out in crowds.
     left_out: usize,
-    /// Islands that took fewer substeps than they need.
+    /// Number of islands with fewer substeps than needed.
     short_of_substeps: usize,
-    /// Whom the solver was spared.
+    /// Bodies removed before the solver.
     quarantined: Vec<Quarantined>,
-    /// The state that the solver began with.
+    /// State at the solver's start.
     before: Before,
 }
 
@@ -148,7 +155,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     // change v^n, and are clamped against (x^n, v^n).
     let mut collisions = Collisions::new(&world.bodies, frame);
     let fractures = collide_and_break(world, &mut collisions, frame, clock);
-    let Collisions { predicted, mut tally, .. } = collisions;
+    let Collisions { predicted, mut accounts, .. } = collisions;
     let before = Before::of(&world.bodies);
 
     // Position update, x^n to x^{n+1}: contact on velocities at n+1/2 that are then dropped.
@@ -158,14 +165,14 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     clock.lap("contact_graph");
     let half = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
     let mut contact = Contact::new(bodies, half, Phase::Position, frame);
-    let flight = Ballistic::new(bodies, contact.proposed.clone(), &tally, frame);
+    let contact_free = ContactFreeState::new(bodies, contact.proposed.clone(), &accounts, frame);
     let touching = contact.resolve(&graph);
     clock.lap("position_contact");
     propagate_shock(&mut contact, &graph);
     clock.lap("shock_propagation");
     let Contact { mut proposed, mut displacements, .. } = contact;
     push_out(bodies, &mut proposed, &graph, &mut displacements, frame);
-    let flown = Totals::at(bodies, &flight.poses, frame).energy();
+    let flown = Totals::at(bodies, &contact_free.poses, frame).energy();
     bodies.poses = proposed;
     clock.lap("push_out");
 
@@ -173,21 +180,21 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     // (x^{n+1}, v^{n+1}). The displacements took angular momentum from the pairs; gravity's share
     // of x^{n+1} is booked before it is restored.
     let gravity = gravity_impulse(bodies, frame);
-    displacements.restore_angular_momentum(bodies, &mut tally);
-    tally.causes.projection += Totals::of(bodies, frame).energy() - flown;
+    displacements.restore_angular_momentum(bodies, &mut accounts);
+    accounts.causes.projection += Totals::of(bodies, frame).energy() - flown;
     clock.lap("restore_momentum");
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
     let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, frame);
     contact.resolve(&touching);
-    let Contact { velocities, tally: velocity_tally, .. } = contact;
+    let Contact { velocities, accounts: velocity_tally, .. } = contact;
     bodies.velocities = velocities;
-    tally.add(velocity_tally);
+    accounts.add(velocity_tally);
     clock.lap("velocity_contact");
     Moved {
         fractures,
-        flight,
+        contact_free,
         gravity,
-        tally,
+        accounts,
         left_out: 0,
         short_of_substeps: 0,
         quarantined: Vec::new(),
@@ -197,19 +204,19 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
 
 /// One detection at x^n, then substeps of sequential impulses.
 fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
-    // Break what is struck too hard, fragments included, before anything moves.
-    let (mut tally, mut quarantined) = (Tally::default(), Vec::new());
+    // Break bodies hit above their strength, fragments included, before any motion.
+    let (mut accounts, mut quarantined) = (FrameAccounts::default(), Vec::new());
     let Struck { fractures, predicted, swept } =
-        strike_and_break(world, &mut tally, &mut quarantined, frame, clock);
+        strike_and_break(world, &mut accounts, &mut quarantined, frame, clock);
 
-    // What is near on the way may touch; contact takes it from there.
-    let World { bodies, warm, kept, labels, fits, .. } = world;
-    let found = kept.find_manifolds(bodies, &swept.pairs, warm, frame);
+    // Pairs near their paths may touch; the solver handles contact.
+    let World { bodies, warm, contact_cache, labels, fits, .. } = world;
+    let found = contact_cache.find_manifolds(bodies, &swept.pairs, warm, frame);
     clock.lap("find_manifolds");
 
-    // What is struck on its way strikes others.
-    note_struck(bodies, &predicted, &swept, (found, warm), frame);
-    clock.lap("note_struck");
+    // Extend manifolds along impact chains.
+    find_impact_chain(bodies, &predicted, &swept, (found, warm), frame);
+    clock.lap("impact_chain");
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
         let parent = |i: usize| labels[i].parent;
@@ -220,12 +227,12 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     });
     let manifolds: Vec<Manifold> = found.iter().collect();
     clock.lap("find_manifolds");
-    let flight = Ballistic::new(bodies, predicted, &tally, frame);
+    let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
     let before = Before::of(bodies);
-    let Solved { tally: solved_tally, gravity, short_of_substeps } =
+    let Solved { accounts: solved_tally, gravity, short_of_substeps } =
         solve(bodies, &manifolds, warm, frame);
-    tally.add(solved_tally);
-    // Glued bodies, if there are any, give way to what they carry in the next one.
+    accounts.add(solved_tally);
+    // Contact forces load the bonds of glued bodies in the next frame.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
     if are_glued.contains(&true) {
         let is_of_one =
@@ -235,7 +242,16 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     }
     clock.lap("solve");
     let left_out = swept.left_out;
-    Moved { fractures, flight, gravity, tally, left_out, short_of_substeps, quarantined, before }
+    Moved {
+        fractures,
+        contact_free,
+        gravity,
+        accounts,
+        left_out,
+        short_of_substeps,
+        quarantined,
+        before,
+    }
 }
 
 /// The state of a frame once nothing breaks any more.
@@ -250,7 +266,7 @@ struct Struck {
 /// Strikes until nothing breaks. Bodies with bad numbers are taken out before contacts are sought.
 fn strike_and_break(
     world: &mut World,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
     quarantined: &mut Vec<Quarantined>,
     frame: &Frame,
     clock: &mut StageClock,
@@ -260,11 +276,11 @@ fn strike_and_break(
     loop {
         take_out_faulty(world, quarantined);
         let predicted = predict(&world.bodies, frame);
-        let swept = Swept::new(&world.bodies, &predicted, frame.sag(), frame);
+        let swept = Swept::new(&world.bodies, &predicted, frame.speculative_margin(), frame);
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows = if may_break {
-            strike(&mut world.bodies, &swept.pairs, &predicted, frame, tally)
+            strike(&mut world.bodies, &swept.pairs, &predicted, frame, accounts)
         } else {
             Vec::new()
         };
@@ -272,7 +288,7 @@ fn strike_and_break(
         if blows.is_empty() {
             return Struck { fractures, predicted, swept };
         }
-        fractures.extend(break_and_book(world, &blows, tally, frame).0);
+        fractures.extend(break_and_book(world, &blows, accounts, frame).0);
         passes += 1;
         clock.lap("break_bodies");
     }
@@ -296,7 +312,7 @@ fn collide_and_break(
         clock.lap("collisions");
         if !pass.blows.is_empty() {
             let (broken, new_index) =
-                break_and_book(world, &pass.blows, &mut collisions.tally, frame);
+                break_and_book(world, &pass.blows, &mut collisions.accounts, frame);
             collisions.rebase(&world.bodies, &new_index, frame);
             fractures.extend(broken);
             breaking_passes += 1;
@@ -315,13 +331,13 @@ fn collide_and_break(
 fn break_and_book(
     world: &mut World,
     blows: &[Blow],
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
     frame: &Frame,
 ) -> (Vec<Fracture>, Vec<Option<usize>>) {
-    let (energy, work) = (Totals::of(&world.bodies, frame).energy(), tally.causes.work);
-    let broken = break_bodies(world, blows, tally);
-    tally.causes.fracture +=
-        Totals::of(&world.bodies, frame).energy() - energy - (tally.causes.work - work);
+    let (energy, work) = (Totals::of(&world.bodies, frame).energy(), accounts.causes.work);
+    let broken = break_bodies(world, blows, accounts);
+    accounts.causes.fracture +=
+        Totals::of(&world.bodies, frame).energy() - energy - (accounts.causes.work - work);
     broken
 }
 

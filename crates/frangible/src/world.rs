@@ -10,7 +10,7 @@ use crate::step::bonds::state::Bonds;
 use frangible_bodies::{
     Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
 };
-use frangible_collision::{BirthFits, KeptPairs, WarmStart, find_penetrations};
+use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
 use frangible_dynamics::Ledger;
 use frangible_fracture::{Fragment, Pattern, ShatterSettings};
 use frangible_geometry::Surface;
@@ -31,30 +31,30 @@ pub struct World {
     pub(crate) ledger: Ledger,
     pub(crate) method: Method,
     /// The last frame's contact impulses.
-    pub(crate) warm: WarmStart,
+    pub(crate) warm: ImpulseCache,
     /// Pairs of polyhedra as they were in the last frame.
-    pub(crate) kept: KeptPairs,
-    /// How fragments overlapped when they were born.
+    pub(crate) contact_cache: ContactCache,
+    /// Overlaps of fragments at birth.
     pub(crate) fits: BirthFits,
-    /// Bodies that do not break in the frame that runs, whatever strikes them, and what they bear
-    /// otherwise [N s].
+    /// Bodies temporarily unbreakable in the running frame, with their own strength [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
     /// The caller's [s], for the report.
     pub(crate) clock: Option<fn() -> f64>,
 }
 
-/// What the engine knows of a body and dynamics need not.
+/// Engine data of a body, unused by dynamics.
 #[derive(Clone, Debug)]
 pub struct Label {
     /// From the scene; a fragment has its parent's with a number.
     pub name: String,
-    /// Whose fragment it is.
+    /// Parent of a fragment.
     pub parent: Option<BodyId>,
-    /// What it looks like; physics does not see it.
+    /// Appearance, unused by physics.
     pub look: Option<LookDesc>,
-    /// How it breaks, if it can. Few can, and all labels are read in each frame.
+    /// Fracture data of breakable bodies. Boxed: few bodies break, and all labels are read in each
+    /// frame.
     pub breaking: Option<Box<Breaking>>,
-    /// The pieces that it is glued together of, if it is.
+    /// Glued pieces of a body, if any.
     pub bonds: Option<Box<Bonds>>,
 }
 
@@ -62,21 +62,21 @@ pub struct Label {
 /// break.
 const PIECES_WITHIN: f64 = 0.1;
 
-/// How a body breaks.
+/// Fracture data of a body.
 #[derive(Clone, Debug)]
 pub struct Breaking {
-    /// How space is prescored: first as described, then ever more coarsely, for blows that have not
-    /// the energy for so many cracks.
+    /// Patterns of prescored space: first as described, then ever coarser, for blows with less
+    /// energy than all cracks need.
     pub patterns: Vec<Arc<Pattern>>,
-    /// Into how many pieces, if that is given, and the patterns to choose from.
+    /// Number of pieces, if given, and the patterns to choose from.
     pub pieces: Option<(usize, Arc<Fineness>)>,
-    /// What it bears.
+    /// Strength of the body.
     pub strength: Strength,
     /// Resolution of the fragments.
     pub shatter: ShatterSettings,
-    /// How many times in a row, this time included.
+    /// Remaining number of consecutive breaks, including the next.
     pub generations: u32,
-    /// What is shorter does not break [m].
+    /// Minimum length of breakable bodies [m].
     pub smallest: f64,
 }
 
@@ -151,12 +151,9 @@ impl World {
         self.clock = Some(seconds);
     }
 
-    /// Gives a dynamic or kinematic body a velocity: `linear` of its centre of mass [m/s] and
-    /// `angular` [rad/s], world frame. A kinematic body keeps it until it gets another. What it
-    /// changes of energy and momentum is no step's doing, and in no report.
     ///
-    /// # Errors
-    /// If the body lives no longer or is static, or a number is out of range.
+    ///
+    /// If the body is gone or static, or a number is out of range.
     pub fn set_velocity(
         &mut self,
         id: BodyId,
@@ -187,8 +184,7 @@ impl World {
         Ok(())
     }
 
-    /// Whether a body slept in the last frame, where the scene lets bodies
-    /// [sleep](crate::SceneDesc::sleep).
+    /// True if a body slept in the last frame; see [sleep](crate::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
         let dense = self.bodies.index_of(id);
         dense.is_some_and(|dense| self.bodies.activities[dense].drowsiness.is_asleep)
@@ -221,7 +217,7 @@ impl World {
 
     /// Lets a body bear everything until the frame ends.
     pub(crate) fn spare(&mut self, dense: usize) {
-        let bears = &mut self.bodies.contactants[dense].strength;
+        let bears = &mut self.bodies.surfaces[dense].strength;
         self.spared.push((self.bodies.ids[dense], std::mem::replace(bears, f64::INFINITY)));
     }
 
@@ -229,7 +225,7 @@ impl World {
     pub(crate) fn end_sparing(&mut self) {
         for (id, bears) in std::mem::take(&mut self.spared) {
             if let Some(dense) = self.bodies.index_of(id) {
-                self.bodies.contactants[dense].strength = bears;
+                self.bodies.surfaces[dense].strength = bears;
             }
         }
     }
@@ -245,7 +241,7 @@ impl World {
         self.bodies.remove(gone)
     }
 
-    /// What all stages of the next frame need.
+    /// Constants of the next frame, common to all stages.
     pub(crate) fn frame_constants(&self) -> Frame {
         Frame { dt: self.dt, gravity: self.gravity, settings: self.settings }
     }

@@ -166,7 +166,7 @@ fn an_anchored_wall_loses_what_is_struck() {
     assert!(standing > 0.4 && standing < 1.79, "{standing} m^3 of 1.8 stand");
 }
 
-/// What a user gets wrong is said with its place and the rule.
+/// User errors are reported with their place and the rule.
 #[test]
 fn wrong_bonds_are_explained() {
     let error = |body: BodyDesc| {

@@ -1,4 +1,4 @@
-//! Every joule is booked: what the stages say they did to the energy is what happened to it.
+//! Every joule is booked: the stages' accounts match the real energy changes.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! What breaks, when, into how much, and what it takes from the blow.
+//! Fracture: conditions, number of pieces, and momentum and energy taken from the blow.
 
 #![allow(
     clippy::unwrap_used,
@@ -79,8 +79,7 @@ fn a_thin_pane_slows_the_ball_a_little_and_a_thick_wall_stops_it() {
     assert!(speeds[2] < 0.2 * 20.0, "{speeds:?}");
 }
 
-/// What the ball loses is what the pieces of the wall gain; and what the wall loses is what the
-/// pieces of the ball gain.
+/// The ball's momentum loss equals the gain of the wall's pieces, and vice versa.
 #[test]
 fn momentum_is_exact_through_a_break_both_ways() {
     for method in [Method::FrameRate, Method::Paper] {
@@ -120,7 +119,7 @@ fn momentum_is_exact_through_a_break_both_ways() {
     }
 }
 
-/// Runs until something breaks; the report of that frame.
+/// Runs until a fracture; returns the report of this frame.
 fn first_fracture(world: &mut World) -> Option<StepReport> {
     (0..30).map(|_| step(world)).find(|report| !report.fractures.is_empty())
 }

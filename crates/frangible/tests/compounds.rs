@@ -53,7 +53,7 @@ fn run(scene: &SceneDesc, frames: u32, mut look: impl FnMut(&World, &StepReport)
     world
 }
 
-/// How the bodies of a scene stand in the end.
+/// Final poses of a scene's bodies.
 fn ends(method: Method, bodies: Vec<BodyDesc>, frames: u32) -> (Vec<Pose>, Vec<Velocity>) {
     let world = run(&scene(method, bodies), frames, |_, _| ());
     (world.bodies().poses[1..].to_vec(), world.bodies().velocities[1..].to_vec())

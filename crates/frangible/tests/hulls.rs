@@ -156,7 +156,7 @@ fn a_card_that_is_struck_at_its_edge_is_stopped() {
     }
 }
 
-/// How far the lowest vertex of all bodies is below the ground [m].
+/// Depth of the lowest vertex of all bodies below the ground [m].
 fn deepest_below_ground(world: &World) -> f64 {
     let bodies = world.bodies();
     let mut depth = 0.0_f64;
@@ -168,8 +168,8 @@ fn deepest_below_ground(world: &World) -> f64 {
     depth
 }
 
-/// Whether cubes are polyhedra, with four points on each face, or sampled on grids, with eight, a
-/// stack of them stands, upright and shifted to alternating sides.
+/// Cubes as polyhedra (four points per face) or on grids (eight): a stack of them stands, upright
+/// and with alternating shifts.
 #[test]
 fn stacks_stand_whatever_their_cubes_are_made_of() {
     for voxels in [None, Some([16; 3])] {
@@ -276,7 +276,7 @@ fn a_hull_stands_where_its_points_are() {
     }
 }
 
-/// What breaks is sampled on a grid, and its pieces are all of it.
+/// A breaking body is sampled on a grid, and its pieces add up to it.
 #[test]
 fn a_hull_breaks() {
     for method in [Method::Paper, Method::FrameRate] {
@@ -308,9 +308,8 @@ fn a_hull_breaks() {
     }
 }
 
-/// A row of bodies with gaps between them, of which the first one is struck: each strikes the next
-/// one, and none gets into it, let alone through it. Ballistic ways do not tell that they would
-/// meet.
+/// A row of separated bodies, the first under impact: each hits the next, without penetration.
+/// Ballistic paths alone do not predict these contacts.
 #[test]
 fn what_is_struck_strikes_on_in_the_same_frame() {
     const SIZE: f64 = 0.2;

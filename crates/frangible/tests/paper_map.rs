@@ -151,7 +151,7 @@ fn every_citation_has_its_reference_and_every_reference_is_cited() {
         assert!(sources.iter().any(cited), "[{tag}] is not cited anywhere");
     }
 
-    // What a tag is, and is not.
+    // Valid and invalid tags.
     let text =
         "[Xy12] [Xyz34 sec. 5] [XY56: z] [M1] [Vec32; 4] [a12] [Long2009] [DVec3; 10] no Xy99]";
     assert_eq!(tags(text).collect::<Vec<_>>(), ["Xy12", "Xyz34", "XY56"]);

@@ -1,5 +1,4 @@
-//! What is wrong with a scene is said in one sentence; what cannot be broken does not swallow its
-//! collision.
+//! Scene errors are reported in one sentence; unbreakable bodies still collide.
 
 #![allow(
     clippy::unwrap_used,
@@ -143,7 +142,7 @@ fn a_grid_that_misses_the_shape_is_refused() {
     assert!(text.contains("to fit in memory"), "{text}");
 }
 
-/// What is given a velocity moves with it; what cannot have one says why.
+/// A body follows its given velocity; bodies without one report a reason.
 #[test]
 fn a_body_moves_as_it_is_told() {
     let mut scene = SceneDesc::new("test");

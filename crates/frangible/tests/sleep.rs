@@ -1,4 +1,4 @@
-//! What sleeps, where the scene lets it, and what wakes it.
+//! Sleeping, if enabled in the scene, and waking.
 
 #![allow(
     clippy::unwrap_used,
@@ -42,8 +42,8 @@ fn asleep(world: &World) -> Vec<bool> {
     world.bodies().ids.iter().map(|&id| world.is_asleep(id)).collect()
 }
 
-/// A stack, and a cube beside it, sleep until a ball falls onto the stack: it wakes all of the
-/// stack, and nothing else. What sleeps stays where it is, to the bit.
+/// A stack, and a cube beside it, sleep until a ball falls onto the stack: all of the stack wakes,
+/// and the cube does not. Sleeping bodies keep their pose to the bit.
 #[test]
 fn what_stands_still_sleeps_until_it_is_touched() {
     const STACK: usize = 5;
@@ -79,12 +79,12 @@ fn what_stands_still_sleeps_until_it_is_touched() {
     let report = run(&mut world, 600);
     assert_eq!(report.asleep, world.bodies().len() - 1, "{:?}", asleep(&world));
 
-    // Unless the scene says so, nothing sleeps.
+    // Sleep is off by default.
     let mut world = World::build(&SceneDesc { sleep: false, ..scene }).unwrap();
     assert_eq!(run(&mut world, 60).asleep, 0);
 }
 
-/// What stands on a platform sleeps, and goes with it when that begins to move.
+/// Bodies on a platform sleep, and move along once it begins to move.
 #[test]
 fn a_platform_that_moves_wakes_what_stands_on_it() {
     let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
@@ -101,7 +101,7 @@ fn a_platform_that_moves_wakes_what_stands_on_it() {
     assert_eq!(run(&mut world, 60).asleep, 1);
 }
 
-/// What gets a velocity wakes, however slow it is.
+/// Setting a velocity wakes a body, even a slow velocity.
 #[test]
 fn what_gets_a_velocity_wakes() {
     let bodies = [BodyDesc { friction: 0.0, ..BodyDesc::ground(0.0) }, cube([0.0, 0.5, 0.0])];
@@ -113,7 +113,7 @@ fn what_gets_a_velocity_wakes() {
     let way = world.bodies().poses[1].position.x;
     assert!((way - 0.004 / 3.0).abs() < 1e-4, "{way} m");
 
-    // As it falls asleep, what it loses is booked.
+    // Momentum lost on falling asleep is booked.
     let mass = world.bodies().masses[1];
     let mut lost = 0.0;
     for _ in 0..20 {
@@ -125,8 +125,8 @@ fn what_gets_a_velocity_wakes() {
     assert!((lost + 0.5 * mass * 0.004 * 0.004).abs() < 1e-2 * mass * 0.004 * 0.004, "{lost} J");
 }
 
-/// What has been slow while its platform tilted has not been at rest: it takes half a second on the
-/// platform that has stopped.
+/// Slow bodies on a tilting platform are not at rest: sleep follows half a second after the
+/// platform stops.
 #[test]
 fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
     let platform = ShapeDesc::Box { size: [4.0, 0.5, 4.0], resolution: Resolution::default() };
@@ -142,8 +142,7 @@ fn what_stood_on_a_tilting_platform_does_not_sleep_at_once() {
     assert_eq!(run(&mut world, 12).asleep, 1);
 }
 
-/// What glides past a wall where nothing falls, nearer than contacts are looked for, is not stopped
-/// by it.
+/// A body gliding past a wall without gravity, within the speculative margin, is not stopped by it.
 #[test]
 fn what_glides_past_a_wall_does_not_sleep() {
     let wall = ShapeDesc::Box { size: [9.0, 1.0, 9.0], resolution: Resolution::default() };
@@ -163,8 +162,7 @@ fn the_papers_method_refuses_to_sleep() {
     assert!(error.contains("sleep") && error.contains("paper"), "{error}");
 }
 
-/// What touches nothing that stands still never sleeps: two cubes that drift side by side where
-/// nothing falls.
+/// Bodies without a fixed support never sleep: two cubes drifting side by side without gravity.
 #[test]
 fn what_floats_does_not_sleep() {
     let mut bodies = [cube([0.0, 0.0, 0.0]), cube([0.0, 1.0, 0.0])];

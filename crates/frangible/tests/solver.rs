@@ -1,4 +1,4 @@
-//! What a scene says of the solver.
+//! Solver settings of a scene.
 
 #![allow(
     clippy::unwrap_used,
@@ -19,7 +19,7 @@ fn resting(solver: SolverDesc) -> SceneDesc {
     SceneDesc { solver, bodies, ..SceneDesc::new("resting") }
 }
 
-/// How far it sinks [m].
+/// Sinking depth [m].
 fn sinks(solver: SolverDesc) -> f64 {
     let mut world = World::build(&resting(solver)).unwrap();
     for _ in 0..60 {
@@ -37,7 +37,7 @@ fn quality_is_stiffness() {
     assert!(depths.is_sorted_by(|a, b| *b < 0.5 * a), "{depths:?}");
 }
 
-/// An island that is held to fewer substeps than it needs is reported.
+/// An island with fewer substeps than needed is reported.
 #[test]
 fn what_is_short_of_substeps_is_reported() {
     let short = |most_substeps: u32| {

@@ -100,9 +100,9 @@ impl Bvh {
         Self::new(&diagonals)
     }
 
-    /// Calls `visit` with the position in the list, in an order of the tree's own, of everything in
-    /// a leaf that `enters` its box, given by the lowest and the highest corner [m], and those of
-    /// all the nodes above it. What is visited need not enter by itself.
+    /// Calls `visit` with the list position of every item in a leaf whose box, and all boxes above
+    /// it, pass `enters` (lowest and highest corner [m]), in tree order. A visited item itself need
+    /// not pass.
     pub fn visit(
         &self,
         mut enters: impl FnMut(DVec3, DVec3) -> bool,
@@ -140,7 +140,7 @@ impl Bvh {
         self.closest_of(point, bound_squared, |_| true)
     }
 
-    /// The same of those triangles, given by their positions in the list, that are `wanted`.
+    /// Closest of the `wanted` triangles, given by their list positions.
     #[inline]
     pub fn closest_of(
         &self,

@@ -83,9 +83,9 @@ fn clean(raw: &TriMesh, tolerances: &[f64]) -> CleanMesh {
 /// The parts of a mesh on their way to solids.
 struct Assembly {
     work: TriMesh,
-    /// For each vertex the one that stands for it.
+    /// Representative of each vertex.
     place_of: Vec<u32>,
-    /// For each triangle the raw one.
+    /// Raw triangle of each triangle.
     source: Vec<u32>,
     turned: Vec<bool>,
     closed: rims::Closed,

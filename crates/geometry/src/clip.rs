@@ -53,8 +53,8 @@ impl Clip {
         &self.half_spaces
     }
 
-    /// Largest signed distance [m] to any of the planes at a point in lattice units; minus infinity
-    /// without any. What is above `most` [m] need only be known to be so.
+    /// Largest signed distance [m] to any plane at a point in lattice units; minus infinity without
+    /// planes. Values above `most` [m] are only lower bounds.
     #[inline]
     pub(crate) fn value(&self, lattice: Vec3, most: f32) -> f32 {
         let mut largest = f32::NEG_INFINITY;
@@ -67,7 +67,7 @@ impl Clip {
         largest
     }
 
-    /// The same, whatever it is, and its unit gradient.
+    /// The exact largest distance, and its unit gradient.
     pub(crate) fn value_and_gradient(&self, lattice: Vec3) -> (f32, Vec3) {
         let mut farthest = (f32::NEG_INFINITY, Vec3::Y);
         for (&(slope, at_origin), half_space) in self.planes.iter().zip(&self.half_spaces) {
@@ -88,8 +88,7 @@ impl Clip {
         scratch: &mut RowScratch,
         row: &mut [f32],
     ) {
-        // The distance is nowhere below `least`, so that a plane which is not above it at either
-        // end is never the farthest.
+        // Planes below `least` at both ends are never the farthest.
         scratch.ends.clear();
         let last = (row.len() - 1) as f64;
         let mut least = f64::NEG_INFINITY;
@@ -115,7 +114,7 @@ impl Clip {
     }
 }
 
-/// What [`Clip::lower_row`] works on.
+/// Scratch memory of [`Clip::lower_row`].
 #[derive(Default)]
 pub(crate) struct RowScratch {
     /// Distances to each plane at both ends of the row [m].

@@ -1,4 +1,4 @@
-//! Convex polyhedra that are one body.
+//! Compounds of convex polyhedra.
 
 use crate::bvh::Bvh;
 use crate::half_space::HalfSpace;
@@ -9,8 +9,8 @@ use crate::mesh::Surface;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
 
-/// Convex polyhedra in one frame. They may touch, and where they share a face they are *glued*:
-/// what is between them is inside. Where they overlap, their mass counts twice.
+/// Convex polyhedra in one frame. Parts may touch; common faces are *glued*: the space between is
+/// inside. The mass of overlaps counts twice.
 #[derive(Clone, Debug)]
 pub struct Compound {
     parts: Vec<Part>,
@@ -24,24 +24,22 @@ pub struct Part {
     pub hull: Hull,
     /// Lowest and highest corner [m].
     pub bounds: (DVec3, DVec3),
-    /// For each face, whether other parts cover all of it.
+    /// Per face: true if other parts cover it completely.
     pub glued: Vec<bool>,
 }
 
-/// What is closer than this, relative to the compound's longest side, touches: fragments' corners
-/// are rounded on their way from frame to frame, and decompositions are read from files in single
-/// precision.
+/// Parts closer than this fraction of the compound's longest side touch: frame changes round
+/// fragments' vertices, and decompositions come from files in single precision.
 const TOUCHING: f64 = 1e-6;
 
-/// Part of a face that may stay uncovered for it to count as glued.
+/// Maximum uncovered fraction of a glued face.
 const UNCOVERED: f64 = 1e-3;
 
-/// A normal leans this much towards a part that is beside it (sine of the angle) before it counts
-/// as one into that part.
+/// Minimum lean of a normal towards a neighbouring part (sine of the angle) to point into the part.
 const LEANING: f64 = 0.02;
 
 impl Compound {
-    /// Of polyhedra in one frame.
+    /// A compound of polyhedra in one frame.
     pub fn new(hulls: Vec<Hull>) -> Self {
         let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
         let tree = Bvh::of_boxes(&bounds);
@@ -149,9 +147,9 @@ impl Compound {
         self.least(point, most).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
-    /// The least distance that is not more than `most` [m], and the first part that has it.
+    /// Least distance up to `most` [m], and the first part with it.
     fn least(&self, point: DVec3, most: f64) -> Option<(f64, usize)> {
-        // A box that is further away than the best part so far holds no better one.
+        // Skip boxes further away than the best part.
         let best = std::cell::Cell::new((most, usize::MAX));
         let away = |low: DVec3, high: DVec3| (point - point.clamp(low, high)).length();
         self.tree.visit(
@@ -177,7 +175,7 @@ impl Compound {
         let mut samples = Vec::new();
         for (index, part) in self.parts.iter().enumerate() {
             for sample in hull_samples(&part.hull, spacing) {
-                // What is in another part is none, and what two parts share counts once.
+                // Drop samples inside other parts; keep one of coincident samples.
                 let point = sample.as_dvec3();
                 let mut faces = part.hull.faces().zip(&part.glued);
                 let is_outer =
@@ -205,9 +203,8 @@ impl Compound {
         surface
     }
 
-    /// Whether nothing outside can touch a point of a part's surface from where `normal` points to,
-    /// because another part is beside it and reaches further that way: the normal is not one of the
-    /// compound's there.
+    /// True if a neighbouring part covers a surface point in the direction of `normal`: the normal
+    /// is then not a surface normal of the compound.
     pub fn is_covered(&self, part: usize, point: DVec3, normal: DVec3) -> bool {
         let close = self.close();
         let reaches_further = |other: usize| {
@@ -222,13 +219,13 @@ impl Compound {
         near.into_iter().any(|other| other != part && reaches_further(other))
     }
 
-    /// What touches [m].
+    /// Tolerance of touching [m].
     fn close(&self) -> f64 {
         let (low, high) = self.bounds();
         TOUCHING * (high - low).max_element()
     }
 
-    /// For each face of a part, whether others cover it.
+    /// Per face of a part: true if others cover it.
     fn glued(&self, index: usize) -> Vec<bool> {
         let (part, close) = (&self.parts[index], self.close());
         let near = self.parts_near(part.bounds.0 - close, part.bounds.1 + close);

@@ -11,7 +11,7 @@ pub(crate) struct Vertex {
     pub(crate) normal: DVec3,
     /// 1 on a smooth face, 2 on an edge, 3 at a corner.
     pub(crate) sharpness: u8,
-    /// Whether the outline knows all of the surface around.
+    /// True if the outline contains all of the surface nearby.
     pub(crate) in_outline: bool,
 }
 
@@ -26,12 +26,12 @@ pub(crate) struct Quad {
     pub(crate) piece: Option<usize>,
 }
 
-/// The part of the surface in one cell that is connected there.
+/// A connected part of the surface within one cell.
 #[derive(Clone, Copy)]
 pub(crate) struct Sheet {
     /// Index of the cell's lowest node.
     pub(crate) cell: usize,
-    /// Bit for each corner that is inside.
+    /// One bit per inside corner.
     pub(crate) inside: u8,
     /// Indices of its crossings.
     pub(crate) crossings: [u32; 12],

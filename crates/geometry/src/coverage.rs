@@ -1,4 +1,4 @@
-//! How much of each voxel is material.
+//! Volume fraction of each voxel.
 
 use crate::grid::Grid;
 use crate::level_set::LevelSet;
@@ -46,7 +46,7 @@ pub(crate) fn exact_coverage(
     })
 }
 
-/// One value for each node, x fastest.
+/// Computes a value per node, x fastest.
 fn for_each_voxel(grid: &Grid, fraction: impl Fn([usize; 3]) -> f64 + Sync) -> Vec<f32> {
     let [nx, ny, _] = grid.dims;
     let mut coverage = vec![0.0; grid.len()];
@@ -178,7 +178,7 @@ mod tests {
             prop_assert!((exact - counted).abs() < 2e-3, "{exact} {counted}");
         }
 
-        /// As components vanish, the volume tends to that of the plane without them.
+        /// With vanishing components the volume tends to the plane's without them.
         #[test]
         fn vanishing_components_change_nothing(value in -0.6..0.6f64, y in 0.0..1.0f64, tiny in -300.0..-14.0f64) {
             let tiny = libm::exp10(tiny);

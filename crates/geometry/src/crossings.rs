@@ -8,8 +8,7 @@ use crate::sampled_normal::sampled_normal;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A grid with one further layer of nodes around it, which are all outside: what touches the border
-/// is closed there.
+/// A grid padded by one layer of outside nodes: solids at the border are closed there.
 pub(crate) struct PaddedSigns<'a> {
     pub(crate) grid: Grid,
     level_set: &'a LevelSet,
@@ -22,7 +21,7 @@ pub(crate) struct Crossing {
     /// Index of the edge's lower node in the padded grid.
     pub(crate) node: usize,
     pub(crate) axis: usize,
-    /// Whether the lower node is inside.
+    /// True if the lower node is inside.
     pub(crate) outward: bool,
     /// In the grid frame [m].
     pub(crate) point: DVec3,
@@ -50,7 +49,7 @@ impl<'a> PaddedSigns<'a> {
         within.then(|| f64::from(self.level_set.at(node[0] - 1, node[1] - 1, node[2] - 1)))
     }
 
-    /// For each node of the padded grid whether it is inside.
+    /// Per node of the padded grid: true inside.
     pub(crate) fn inside(&self) -> Vec<bool> {
         let inner = self.level_set.grid();
         let mut inside = vec![false; self.grid.len()];

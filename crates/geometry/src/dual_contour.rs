@@ -23,7 +23,7 @@ pub(crate) struct DualContour<'a> {
     pub(crate) quads: Vec<Quad>,
 }
 
-/// The cells that the surface passes through.
+/// Cells crossed by the surface.
 struct ActiveCells {
     /// Lowest node and inside corners of each.
     cells: Vec<(usize, u8)>,
@@ -58,8 +58,8 @@ impl ActiveCells {
         active
     }
 
-    /// For each cell the faces whose outside corners are kept apart: those that would else be
-    /// passed twice by one sheet of either cell, so that four quads would meet in an edge.
+    /// Per cell, faces with separate outside corners: otherwise a sheet would pass such a face
+    /// twice, and four quads would meet in an edge.
     fn joined_faces(&self, strides: [usize; 3]) -> Vec<u8> {
         let mut joined = vec![0u8; self.cells.len()];
         for here in 0..self.cells.len() {

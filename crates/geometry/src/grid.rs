@@ -35,7 +35,7 @@ impl Grid {
         Self { origin: 0.5 * (min + max) - half, spacing, dims }
     }
 
-    /// The same nodes and some further layers around them.
+    /// The grid with additional layers of nodes.
     pub fn widened(&self, layers: usize) -> Self {
         let origin = self.origin - DVec3::splat(layers as f64 * self.spacing);
         Self { origin, dims: self.dims.map(|n| n + 2 * layers), ..*self }
@@ -46,7 +46,7 @@ impl Grid {
         self.dims[0] * self.dims[1] * self.dims[2]
     }
 
-    /// Whether there is no node.
+    /// True without nodes.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -57,7 +57,7 @@ impl Grid {
         i + self.dims[0] * (j + self.dims[1] * k)
     }
 
-    /// The node that [`Grid::index`] maps to `index`.
+    /// Coordinates of the node with index `index`; inverse of [`Grid::index`].
     #[inline]
     pub fn coordinates(&self, index: usize) -> [usize; 3] {
         let row = index / self.dims[0];
@@ -76,7 +76,7 @@ impl Grid {
         (point - self.origin) / self.spacing
     }
 
-    /// How far along x its middle is from the first node, in units of the spacing.
+    /// Distance of the grid's middle from the first node along x, in units of the spacing.
     pub fn middle_along_x(&self) -> f64 {
         0.5 * (self.dims[0] - 1) as f64
     }

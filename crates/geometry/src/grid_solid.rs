@@ -32,9 +32,9 @@ pub struct GridSolid {
     shift: [i64; 3],
     /// The solid lies in any of these; if there are none, it is all of the field.
     parts: Vec<Clip>,
-    /// Whether it is known to be a convex body, however the grid resolves it.
+    /// True for a known convex body, independent of the grid's resolution.
     convex: bool,
-    /// What the fragments of a solid share out exactly.
+    /// Exact content, divided among fragments.
     held: Held,
     /// The exact surfaces behind the samples, so that edges stay sharp.
     pub outline: Outline,
@@ -104,7 +104,7 @@ impl GridSolid {
         Self { convex: true, ..convex }
     }
 
-    /// What the samples enclose; `level_set` is also the exact surface behind them.
+    /// A solid from samples; `level_set` is also the exact surface behind them.
     pub fn from_level_set(level_set: LevelSet) -> Self {
         let coverage = coverage::voxel_coverage(&level_set);
         Self::with_coverage(level_set, &coverage)
@@ -147,7 +147,7 @@ impl GridSolid {
             }
         }
         if part.parts.is_empty() {
-            // Nothing but surface voxels of a region that ends within them.
+            // Drop regions with surface voxels only that end within them.
             let first = old.iter().zip(regions).map(|(own, region)| own.iter().chain(*region));
             let everywhere = part.grid.bounds();
             part.parts.extend(first.flat_map(|planes| Clip::new(&part.grid, planes, everywhere)));
@@ -232,7 +232,7 @@ impl GridSolid {
         &self.grid
     }
 
-    /// Which voxels of [`GridSolid::grid`] are this solid's, and how much of them.
+    /// Material of each voxel of [`GridSolid::grid`] in this solid.
     pub fn material(&self) -> &Material {
         self.held.material()
     }
@@ -258,8 +258,7 @@ impl GridSolid {
         self.material().coverage(&self.grid)
     }
 
-    /// Whether the solid is a convex body, however the grid resolves it; `false` if that is not
-    /// known.
+    /// True for a known convex body, independent of the grid's resolution; `false` if unknown.
     pub fn is_convex(&self) -> bool {
         self.convex
     }
@@ -284,8 +283,8 @@ impl GridSolid {
         self.nodes.get_or_init(|| Arc::new(self.sample_nodes(None)))
     }
 
-    /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. What is above `most`
-    /// [m] need only be known to be so.
+    /// Signed distance [m] at a point of [`GridSolid::grid`] in lattice units. Values above `most`
+    /// [m] are only lower bounds.
     #[inline]
     pub fn value_at_lattice(&self, lattice: Vec3, most: f32) -> f32 {
         if self.parts.is_empty() {
@@ -439,8 +438,8 @@ impl GridSolid {
     }
 }
 
-/// Makes nodes that are others' read as outside: just so on a crack, else by half a cell at least,
-/// so that two pieces without a crack between them meet halfway between their nodes.
+/// Makes nodes of other pieces outside: barely on a crack, else by at least half a cell. Two pieces
+/// without a crack between them then meet halfway between their nodes.
 fn force_outside(phi: &mut [f32], on_crack: f32, half_cell: f32) {
     for phi in phi {
         if *phi <= -on_crack {

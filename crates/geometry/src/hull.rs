@@ -25,7 +25,7 @@ use loops::Loops;
 use net::Net;
 use std::sync::Arc;
 
-/// A convex polyhedron: vertices, the polygons between them and the edges between those.
+/// A convex polyhedron: vertices, polygonal faces and edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     vertices: Vec<DVec3>,
@@ -44,7 +44,7 @@ pub struct HullFace<'a> {
     pub vertices: &'a [u32],
     /// Edge indices: from each of the vertices to the next.
     pub edges: &'a [u32],
-    /// Whether a cut made it.
+    /// True for cut faces.
     pub inner: bool,
 }
 
@@ -78,7 +78,7 @@ impl Hull {
         self.columns.get_or_find(&self.vertices, &self.planes)
     }
 
-    /// The same if they have been asked for before, for who asks for memory before it is needed.
+    /// Columns already computed, for prefetching.
     #[inline]
     pub fn known_columns(&self) -> Option<&Columns> {
         self.columns.get()
@@ -120,8 +120,7 @@ impl Hull {
         self.net.edges()
     }
 
-    /// What tells where the lists of its faces and edges are, for who asks for memory before it is
-    /// needed.
+    /// Index of the face and edge lists, for prefetching.
     #[inline]
     pub fn net(&self) -> &[impl Sized + use<>] {
         std::slice::from_ref(&*self.net)
@@ -170,7 +169,7 @@ impl Hull {
 
     /// Volume, centre and inertia at unit density, by the divergence theorem.
     pub fn mass_properties(&self) -> MassProperties {
-        // From the middle of the vertices, so that nothing large cancels.
+        // Relative to the mean vertex, to avoid cancellation.
         let middle = self.vertices.iter().sum::<DVec3>() / self.vertices.len() as f64;
         let mut sums = Tetrahedra::default();
         for face in 0..self.planes.len() {
@@ -188,7 +187,7 @@ impl Hull {
 
     /// [m^3]
     pub fn volume(&self) -> f64 {
-        // Tetrahedra from a vertex, so that nothing large cancels.
+        // Tetrahedra from a vertex, to avoid cancellation.
         let origin = self.vertices[0];
         let tetrahedron = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize] - origin);
@@ -248,7 +247,7 @@ impl Hull {
         let mut corners = Vec::with_capacity(vertices.len());
         loops.renumber(vertices, &mut corners);
 
-        // Euler's formula tells a sphere from anything else that is closed.
+        // Euler's formula distinguishes a sphere from other closed surfaces.
         let net = Net::of(&loops)?;
         let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == net.edges().len() + 2;
         is_sphere.then(|| Self::new(corners, planes, net))

@@ -1,8 +1,6 @@
-//! How often closed surfaces wind around points, without rounding: by counting how often a line
-//! along x passes through them.
 //!
-//! A line that meets an edge or a vertex is moved aside by less than any number, first along y and
-//! by far less along z [EM90]: it passes through exactly one of two triangles that share an edge.
+//! Lines through an edge or a vertex are displaced symbolically, first along y and by far less
+//! along z [EM90]: exactly one of two triangles with a common edge is crossed.
 
 use crate::bvh::Bvh;
 use crate::grid::Grid;
@@ -21,7 +19,7 @@ const MOST_BOXES_OF_FEW: usize = 200_000;
 /// Boxes are larger by this part of the largest coordinate: halving rounds.
 const CLEAR: f64 = 1e-14;
 
-/// Closed surfaces with the lines through them.
+/// Closed surfaces and their line crossings.
 pub(crate) struct LineCrossings<'a> {
     triangles: &'a [[DVec3; 3]],
     /// Of boxes that hold the triangles, and whose box each is.
@@ -92,8 +90,7 @@ impl<'a> LineCrossings<'a> {
         });
     }
 
-    /// How many times the surfaces wind around a point; of one that lies on them, around one
-    /// beside it.
+    /// Winding number around a point; for a point on a surface, around a neighbouring point.
     pub(crate) fn winding(&self, point: DVec3) -> i32 {
         let mut winding = 0;
         let enters = |low: DVec3, high: DVec3| {
@@ -109,7 +106,7 @@ impl<'a> LineCrossings<'a> {
         winding
     }
 
-    /// How many times the surfaces wind around each node of a grid.
+    /// Winding number around each node of a grid.
     pub(crate) fn at_nodes(&self, grid: &Grid) -> Vec<i32> {
         let [nx, ny, _] = grid.dims;
         let mut winding = vec![0; grid.len()];
@@ -207,7 +204,7 @@ fn met_at(point: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let way = point - a;
     let x = a.x - (normal.y * way.y + normal.z * way.z) / normal.x;
-    // `max` and `min` drop what is not a number.
+    // `max` and `min` drop NaN.
     x.max(a.x.min(b.x).min(c.x)).min(a.x.max(b.x).max(c.x))
 }
 

@@ -58,8 +58,7 @@ pub(crate) fn inertia_from_second_moments(second: DMat3) -> DMat3 {
     0.5 * (inertia + inertia.transpose())
 }
 
-/// What a mass adds to the inertia tensor about a point at `lever` from its centre: Steiner's
-/// parallel-axis term.
+/// Inertia tensor of a point mass at `lever` from the centre: Steiner's parallel-axis term.
 pub fn parallel_axis(mass: f64, lever: DVec3) -> DMat3 {
     mass * (DMat3::from_diagonal(DVec3::splat(lever.length_squared())) - outer(lever, lever))
 }

@@ -1,4 +1,4 @@
-//! What of a grid's voxels is material, row by row in runs.
+//! Material of a grid's voxels, row by row in runs.
 
 use crate::grid::Grid;
 use crate::level_set::LevelSet;
@@ -21,7 +21,7 @@ pub(crate) struct Held {
     shift: [i64; 3],
     rows_y: [usize; 2],
     rows: usize,
-    /// How far along x the middle of the holder's grid is ahead of that of the source's.
+    /// Offset along x of the holder's grid middle from the source's.
     ahead: f64,
     own: OnceLock<Arc<Material>>,
     moved: OnceLock<Vec<Run>>,
@@ -102,7 +102,7 @@ impl Held {
     fn moved(&self, run: &Run) -> Run {
         let along = |i: u32| (i64::from(i) - self.shift[0]) as u32;
         let across = |axis: usize| (i64::from(run.row[axis]) - self.shift[axis + 1]) as u32;
-        // What lies ahead of the middle of a grid lies less far ahead of that of one further on.
+        // Offsets from a grid's middle shrink by the distance between both middles.
         let [volume, first, second] = run.moments;
         let ahead = self.ahead;
         Run {
@@ -203,7 +203,7 @@ impl Material {
         self.first_of_row.len() - 1
     }
 
-    /// The spans of one row, `j + dims[1] * k`.
+    /// Spans of one row, `j + dims[1] * k`.
     #[inline]
     pub fn row(&self, row: usize) -> &[Span] {
         &self.spans[self.first_of_row[row] as usize..self.first_of_row[row + 1] as usize]
@@ -214,7 +214,7 @@ impl Material {
         self.spans.len()
     }
 
-    /// Whether there is nothing.
+    /// True without material.
     pub fn is_empty(&self) -> bool {
         self.spans.is_empty()
     }
@@ -238,8 +238,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// What a part on a grid of its own holds is what its runs held of the whole, moments
-        /// included.
+        /// A part on a grid of its own has the content of its runs in the whole, moments included.
         #[test]
         fn runs_of_a_part_are_those_of_its_spans(
             phi in prop::collection::vec(prop::sample::select(vec![-1.0f32, 1.0]), 60),
@@ -273,8 +272,8 @@ mod tests {
             }
         }
 
-        /// Spans hold what the nodes held, each is as long as it can be, and only nodes with
-        /// something are in one.
+        /// Spans have the content of their nodes, are maximal, and only nodes with content are in
+        /// spans.
         #[test]
         fn spans_are_the_nodes(
             phi in prop::collection::vec(prop::sample::select(vec![-1.0f32, 0.0, 1.0]), 60),

@@ -17,9 +17,9 @@ pub struct TriMesh {
 /// [`polygonize`](crate::polygonize::polygonize).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// In the frame of the function that made it [m].
+    /// Mesh in the frame of its function [m].
     pub mesh: TriMesh,
-    /// For each triangle, whether a crack made it.
+    /// Per triangle: true if a crack made it.
     pub interior: Vec<bool>,
     /// For each corner of each triangle, texture coordinates [m]: of an inner one in its crack's
     /// own plane, of an outer one along the axes of the grid frame.
@@ -97,13 +97,13 @@ pub(crate) struct Tetrahedra {
     squares: [[f64; LANES]; 3],
     /// and the products of x y, y z, z x.
     products: [[f64; LANES]; 3],
-    /// Those that wait for others: their corners, and how many there are.
+    /// Tetrahedra not yet added: their vertices, and their count.
     waiting: [[DVec3; 3]; LANES],
     count: usize,
 }
 
 impl Tetrahedra {
-    /// Adds the one to a triangle that is seen counter-clockwise from outside.
+    /// Adds the tetrahedron of a triangle, counter-clockwise seen from outside.
     #[inline]
     pub(crate) fn add(&mut self, corners: [DVec3; 3]) {
         self.waiting[self.count] = corners;
@@ -131,9 +131,9 @@ impl Tetrahedra {
         self.count = 0;
     }
 
-    /// Of all of them, if the origin that they have a corner in is here.
+    /// Mass properties of all tetrahedra with a common vertex at `origin`.
     pub(crate) fn mass_properties(mut self, origin: DVec3) -> MassProperties {
-        // What is left waits with tetrahedra of no volume.
+        // Pad the last batch with tetrahedra of zero volume.
         self.waiting[self.count..].fill([DVec3::ZERO; 3]);
         self.sum_up();
         let sum = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();

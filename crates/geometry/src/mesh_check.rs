@@ -1,9 +1,9 @@
-//! What a mesh must satisfy, and the sentences for one that does not.
+//! Rules of a mesh, and messages for violations.
 
 use crate::mesh::TriMesh;
 use glam::DVec3;
 
-/// The file endings that [`crate::mesh_io::load`] reads.
+/// File endings readable by [`crate::mesh_io::load`].
 pub(crate) const KNOWN_ENDINGS: &str = ".obj, .ply, .stl, .gltf, .glb";
 
 /// Largest coordinate [m]: areas and volumes of larger ones lose their digits, and then overflow.
@@ -84,7 +84,7 @@ pub enum MeshError {
     TooManyTriangles {
         /// File or "the mesh".
         mesh: String,
-        /// How many there are.
+        /// Number of triangles.
         triangles: usize,
     },
     /// NaN or infinite.
@@ -124,9 +124,9 @@ pub enum MeshError {
     NothingClosed {
         /// File or "the mesh".
         mesh: String,
-        /// How many there are.
+        /// Number of parts.
         parts: usize,
-        /// Of all of them [m^2].
+        /// Total area [m^2].
         area: f64,
     },
     /// Of a plate, zero or less, or no number.
@@ -140,8 +140,8 @@ pub enum MeshError {
 }
 
 impl TriMesh {
-    /// The most triangles that a file may have: cleaning takes some 700 bytes and 7 microseconds
-    /// for each, breaking several times that.
+    /// Maximum number of triangles in a file: cleaning takes about 700 bytes and 7 microseconds for
+    /// each, breaking several times as much.
     pub const MOST_TRIANGLES: usize = 3_000_000;
 
     /// Refuses more triangles than may be worked on. `name` begins the sentence.

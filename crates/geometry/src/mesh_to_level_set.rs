@@ -44,7 +44,7 @@ pub enum MeshToLevelSetError {
         spacing: f64,
         /// Of the mesh, if it is a plate [m].
         thickness: f64,
-        /// Voxels along the longest side that would resolve it, if there can be so many.
+        /// Voxels along the longest side for full resolution, if feasible.
         enough: Option<usize>,
     },
 }

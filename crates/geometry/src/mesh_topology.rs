@@ -1,10 +1,10 @@
-//! How the triangles of a mesh hang together.
+//! Connectivity of a mesh's triangles.
 
 use crate::mesh::TriMesh;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 
-/// What there is to know about a mesh at a glance.
+/// Summary of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshInfo {
     /// Number of vertices.
@@ -13,7 +13,7 @@ pub struct MeshInfo {
     pub triangles: usize,
     /// Number of parts that share no vertex position.
     pub parts: usize,
-    /// Whether each edge of a triangle is met by one of a neighbour in the opposite direction.
+    /// True if each edge has an opposite edge in a neighbouring triangle.
     pub watertight: bool,
     /// Lowest and highest corner of the bounding box [m].
     pub bounds: (DVec3, DVec3),
@@ -41,8 +41,7 @@ impl TriMesh {
         }
     }
 
-    /// Whether each directed edge of the triangles is met by an opposite one, vertices at equal
-    /// positions being one.
+    /// True if each directed edge has an opposite edge; vertices at equal positions count as equal.
     pub fn is_watertight(&self) -> bool {
         // An edge and its opposite differ only in the sign, so that in sorted order they lie side
         // by side.

@@ -81,7 +81,7 @@ impl VoxelMoments {
     }
 }
 
-/// What some runs of a grid hold together, and the box that they lie in.
+/// Content of runs of a grid, and their bounding box.
 #[derive(Clone, Copy, Debug)]
 pub struct RunSums {
     grid: Grid,
@@ -110,7 +110,7 @@ impl RunSums {
         }
     }
 
-    /// Of some runs of a grid.
+    /// Sums over runs of a grid.
     pub(crate) fn of(grid: &Grid, runs: &[Run]) -> Self {
         let mut sums = Self::new(grid);
         runs.iter().for_each(|run| sums.add(run));
@@ -157,7 +157,7 @@ impl RunSums {
         self.moments.volume
     }
 
-    /// Whether any node is inside.
+    /// True if any node is inside.
     pub fn has_inside(&self) -> bool {
         self.has_inside
     }
@@ -175,7 +175,7 @@ impl RunSums {
     }
 }
 
-/// What runs of neighbouring rows hold together.
+/// Content of runs of neighbouring rows.
 #[derive(Clone, Copy, Debug)]
 pub struct RowSums {
     /// Nodes inside.
@@ -227,7 +227,7 @@ pub struct Portion {
 }
 
 impl Portion {
-    /// Nothing yet of a grid, with room for so many runs.
+    /// Empty sums of a grid, with capacity for `runs`.
     pub fn with_capacity(grid: &Grid, runs: usize) -> Self {
         Self { runs: Vec::with_capacity(runs), sums: RunSums::new(grid) }
     }
@@ -246,7 +246,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Neighbouring rows add up to what their runs do one by one.
+        /// Sums of neighbouring rows equal the sums of their runs.
         #[test]
         fn rows_together_hold_what_each_does(
             runs in prop::collection::vec((0..30_u32, 1..9_u32, 0.0..1.0_f64, 0..3_u32), 1..8),

@@ -8,7 +8,7 @@ use crate::level_set::LevelSet;
 use crate::sampled_normal::sampled_normal;
 use glam::DVec3;
 
-/// One smooth surface; the solid lies where all of them are negative.
+/// A smooth surface; the solid lies on the negative side of all of them.
 enum Piece<'a> {
     Plane(HalfSpace),
     Sphere {
@@ -25,7 +25,7 @@ enum Piece<'a> {
 /// The pieces of an outline that can be met within a grid.
 pub(crate) struct OutlinePieces<'a> {
     pieces: Vec<Piece<'a>>,
-    /// So many pieces come from the root, the others from cuts.
+    /// Number of pieces from the root; the others come from cuts.
     of_root: usize,
 }
 
@@ -55,12 +55,12 @@ impl<'a> OutlinePieces<'a> {
         self.pieces.len()
     }
 
-    /// Whether a crack made this piece.
+    /// True for pieces from cracks.
     pub(crate) fn is_cut(&self, piece: usize) -> bool {
         piece >= self.of_root
     }
 
-    /// Whether there is any crack.
+    /// True with any crack.
     pub(crate) fn has_cuts(&self) -> bool {
         self.of_root < self.pieces.len()
     }
@@ -70,12 +70,12 @@ impl<'a> OutlinePieces<'a> {
         (0..self.of_root).find(|&piece| !self.is_formula(piece))
     }
 
-    /// Whether a piece is a formula, known at every point, not samples.
+    /// True for formulas, known at every point, unlike samples.
     pub(crate) fn is_formula(&self, piece: usize) -> bool {
         !matches!(self.pieces[piece], Piece::Sampled(_))
     }
 
-    /// Whether a piece's normal is the same everywhere.
+    /// True for planes.
     pub(crate) fn is_plane(&self, piece: usize) -> bool {
         matches!(self.pieces[piece], Piece::Plane(_))
     }
@@ -155,7 +155,7 @@ impl Piece<'_> {
         direction.try_normalize().unwrap_or(DVec3::Y)
     }
 
-    /// Whether the piece can be zero in a grid or a layer around it.
+    /// True if the piece may be zero in a grid or a layer around it.
     fn reaches(&self, grid: &Grid) -> bool {
         let (low, high) = grid.bounds();
         let reach = 0.5 * (high - low).length() + 2.0 * grid.spacing;

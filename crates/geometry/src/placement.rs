@@ -10,7 +10,8 @@ use glam::{DMat3, DVec3};
 /// Noise in sampled normals bends a face by up to 35 degrees [JLSW02].
 const SAMPLED_TRUNCATION: f64 = 0.1;
 
-/// From a cell's middle, in cells: on samples alone no edge is so sharp that it leads further.
+/// Maximum distance of a sampled vertex from the cell's middle, in cells: samples resolve no
+/// sharper edges.
 const SAMPLED_REACH: f64 = 0.55;
 
 /// A corner of the outline that a vertex could be moved to.
@@ -39,7 +40,7 @@ pub(crate) fn settle_corners(vertices: &mut [Vertex], mut claims: Vec<CornerClai
     }
 }
 
-/// What a vertex's place follows from.
+/// Inputs of a vertex position.
 pub(crate) struct Placement<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) pieces: &'a OutlinePieces<'a>,
@@ -47,7 +48,7 @@ pub(crate) struct Placement<'a> {
 }
 
 impl Placement<'_> {
-    /// The point of a sheet that lies on all surfaces that pass through it.
+    /// Point of a sheet on all surfaces that pass through it.
     pub(crate) fn vertex(&self, sheet: &Sheet) -> Vertex {
         let spacing = self.grid.spacing;
         let [i, j, k] = self.grid.coordinates(sheet.cell);
@@ -100,8 +101,8 @@ impl Placement<'_> {
         Vertex { position, normal, sharpness: sharpness.clamp(1, 3) as u8, in_outline }
     }
 
-    /// The point nearest to `start`, in cells from the cell's middle, that lies on all formulas,
-    /// and those that cut it off; with the directions in which it is free to move on them.
+    /// Point nearest to `start` (in cells from the cell's middle) on all formulas and on formulas
+    /// that cut it off, with the remaining free directions.
     fn meet_formulas(
         &self,
         sheet: &Sheet,
@@ -258,8 +259,8 @@ impl Placement<'_> {
         None
     }
 
-    /// The formula that a point of a sheet lies furthest outside of, not one of `known`, and one
-    /// that bounds the solid here.
+    /// The formula with the largest distance outside of a sheet's point, not in `known`, among
+    /// formulas that bound the solid here.
     fn cut_off_by(&self, sheet: &Sheet, point: DVec3, known: &[usize]) -> Option<usize> {
         let spacing = self.grid.spacing;
         (0..self.pieces.len())
@@ -271,8 +272,8 @@ impl Placement<'_> {
             .map(|(_, piece)| piece)
     }
 
-    /// Whether all inside corners of a cell are inside of a piece; not so where a sliver from
-    /// beyond it was merged.
+    /// True if all inside corners of a cell are inside a piece; merged slivers from beyond break
+    /// this.
     fn bounds_cell(&self, sheet: &Sheet, piece: usize) -> bool {
         let [i, j, k] = self.grid.coordinates(sheet.cell);
         (0..8).filter(|corner| sheet.inside >> corner & 1 == 1).all(|corner| {
@@ -281,7 +282,7 @@ impl Placement<'_> {
         })
     }
 
-    /// How many different surfaces a point lies on.
+    /// Number of different surfaces at a point.
     fn pieces_meeting(&self, point: DVec3) -> usize {
         let mut normals: Vec<DVec3> = Vec::with_capacity(3);
         for piece in (0..self.pieces.len()).filter(|&piece| self.pieces.is_formula(piece)) {

@@ -37,10 +37,10 @@ struct Clipper {
     points: Vec<DVec3>,
     /// Mean normal, a unit.
     normal: DVec3,
-    /// Neighbours that are left.
+    /// Remaining neighbours.
     before: Vec<usize>,
     after: Vec<usize>,
-    /// How often a corner's neighbours changed; `None` once it is clipped off.
+    /// Number of changes of a corner's neighbours; `None` for clipped corners.
     version: Vec<Option<u32>>,
 }
 
@@ -94,7 +94,7 @@ impl Clipper {
         let count = self.points.len();
         let mut triangles = Vec::with_capacity(count - 2);
         while triangles.len() + 3 < count {
-            // Corners that are convex stay so; the others are what can lie in an ear.
+            // Convex corners stay convex; only others can lie in an ear.
             let left: Vec<usize> = (0..count).filter(|&n| self.version[n].is_some()).collect();
             let is_reflex = |&n: &usize| self.turn(self.before[n], n, self.after[n]) <= 0.0;
             let reflex: Vec<usize> = left.iter().copied().filter(is_reflex).collect();

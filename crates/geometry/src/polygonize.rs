@@ -34,9 +34,8 @@ pub fn polygonize(solid: &GridSolid) -> Surface {
     Surface::with_coordinates(TriMesh { positions, triangles }, interior, &normals)
 }
 
-/// Normal of the surface that a triangle of a quad lies on, and whether a crack made it. At a rim
-/// the quad's two triangles may lie on two sides of it: one whose corners are all on a flat crack
-/// is a part of that crack, and one with a corner off it is none.
+/// Surface normal at a triangle of a quad, and true for a crack. At a rim the quad's two triangles
+/// may lie on two sides: a triangle with all corners on a flat crack belongs to the crack.
 fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64) -> (DVec3, bool) {
     // Relative to the spacing; and the cosine of how far a triangle may lean from its crack.
     const ON_CRACK: f64 = 1e-3;
@@ -64,7 +63,7 @@ fn side_of(contour: &DualContour, quad: &Quad, triangle: [u32; 3], spacing: f64)
     }
 }
 
-/// Whether a quad's diagonal from its first vertex is the better one.
+/// True if a quad's diagonal from its first vertex is the better choice.
 fn splits_at_first(contour: &DualContour, quad: &Quad, spacing: f64) -> bool {
     let [a, b, c, d] = quad.vertices.map(|vertex| contour.vertices[vertex as usize].position);
 
@@ -321,7 +320,7 @@ mod tests {
             prop_assert!(is_closed(&surface));
             let nodes_inside = solid.level_set().phi().iter().filter(|&&phi| phi < 0.0).count();
             prop_assert!(volume(&surface) > 0.0 || nodes_inside < 5);
-            // Whatever the outline says.
+            // Independent of the outline.
             let normal = DVec3::new(x, 1.0, 0.3).normalize();
             solid.outline = Outline {
                 root: Root::Sampled(Arc::new(solid.level_set().clone())),

@@ -20,7 +20,7 @@ impl Qef {
         self.right_side += normal * normal.dot(point);
     }
 
-    /// Whether there is no plane.
+    /// True without planes.
     pub(crate) fn is_empty(&self) -> bool {
         self.normal_matrix == DMat3::ZERO
     }
@@ -59,15 +59,15 @@ impl Qef {
         (0..3).filter(weak).fold(DMat3::ZERO, |sum, n| sum + outer(axes.col(n)))
     }
 
-    /// How many directions count.
+    /// Number of significant directions.
     pub(crate) fn rank(&self, truncation: f64) -> usize {
         let (eigenvalues, _) = symmetric_eigen(&self.normal_matrix);
         let least = truncation * eigenvalues.max_element();
         eigenvalues.to_array().iter().filter(|&&eigenvalue| eigenvalue > least).count()
     }
 
-    /// Newton's step along each eigenvector in turn. The first one's eigenvalue, the largest, and
-    /// those of the others must exceed the two that `least` gives for it.
+    /// Newton's step along each eigenvector in turn. The largest eigenvalue and all others must
+    /// exceed the two thresholds that `least` returns for it.
     fn descend(&self, start: DVec3, reach: f64, least: impl Fn(f64) -> [f64; 2]) -> DVec3 {
         let (eigenvalues, axes) = symmetric_eigen(&self.normal_matrix);
         let mut order = [0, 1, 2];

@@ -1,4 +1,4 @@
-//! Reading files that somebody named.
+//! Reading of user files.
 
 use std::io::{Error, Read, Result};
 use std::path::Path;

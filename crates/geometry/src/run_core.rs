@@ -1,4 +1,4 @@
-//! Runs that are cut again and again.
+//! Runs for repeated cutting.
 
 use crate::runs::{Run, Span};
 
@@ -20,7 +20,7 @@ pub struct RunCore {
     behind: Sums,
 }
 
-/// How many nodes are inside, and the moments of some spans.
+/// Number of inside nodes, and moments of the spans.
 #[derive(Clone, Copy, Debug)]
 struct Sums {
     inside: u32,
@@ -67,7 +67,7 @@ impl Sums {
 }
 
 impl RunCore {
-    /// Of a run and its spans, in a grid that has its middle so many nodes along x.
+    /// Sums of a run and its spans, in a grid with its middle `middle` nodes along x.
     pub(crate) fn of(run: &Run, spans: &[Span], middle: f64) -> Self {
         let longest =
             (0..spans.len()).rev().max_by_key(|&at| spans[at].end - spans[at].start).unwrap_or(0);

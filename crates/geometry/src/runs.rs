@@ -9,12 +9,12 @@ pub struct Span {
     pub end: u32,
     /// Fraction of each voxel that is material, in [0, 1].
     pub coverage: f32,
-    /// Whether the nodes are inside: their signed distance is at most zero.
+    /// True for inside nodes: signed distance at most zero.
     pub inside: bool,
 }
 
 impl Span {
-    /// Whether a span behind this one goes on in the same way.
+    /// True if the next span continues this one unchanged.
     pub(crate) fn continues_in(&self, next: &Self) -> bool {
         self.end == next.start && self.coverage == next.coverage && self.inside == next.inside
     }
@@ -29,7 +29,7 @@ pub struct Run {
     pub start: u32,
     /// One past the last.
     pub end: u32,
-    /// How many of the nodes are inside.
+    /// Number of inside nodes.
     pub inside: u32,
     /// Volume of the material and its first and second moments along x, which counts from the
     /// middle of the grid; the unit of length is the grid's spacing.
@@ -57,12 +57,12 @@ impl Run {
         self.moments[2] += volume * (place * place + (count * count - 1.0) * (1.0 / 12.0));
     }
 
-    /// Whether nodes from `start` on, of a row, follow this run's.
+    /// True if nodes of a row, from `start` on, continue this run.
     pub(crate) fn is_followed_by(&self, row: [u32; 2], start: u32) -> bool {
         self.row == row && self.end == start
     }
 
-    /// What runs are in order by: its row along z and along y, and its first node.
+    /// Sort key of runs: row along z and along y, then first node.
     #[inline]
     pub fn place(&self) -> [u32; 3] {
         [self.row[1], self.row[0], self.start]

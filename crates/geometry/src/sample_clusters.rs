@@ -1,4 +1,4 @@
-//! Surface samples in clusters, so that most of them need not be looked at.
+//! Clusters of surface samples, for culling.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 pub struct SampleCluster {
     /// Index of the first sample; the others follow it.
     pub first: u32,
-    /// How many.
+    /// Number of samples.
     pub count: u32,
     /// Of the ball [m].
     pub center: Vec3,
@@ -94,12 +94,12 @@ impl ClusteredSamples {
         let first = self.samples.len() as u32;
         self.samples.extend(samples);
         let count = self.samples.len() as u32 - first;
-        // What moved was rounded: a ball that is larger by that holds it still.
+        // Enlarge the ball by the rounding error of moved samples.
         let radius = radius + 4.0 * f32::EPSILON * (center.length() + radius);
         self.clusters.push(SampleCluster { first, count, center, radius });
     }
 
-    /// Makes clusters of the samples that were added behind the last one.
+    /// Clusters the samples appended since the last cluster.
     pub fn cluster_rest(&mut self) {
         let mut first = self.clusters.last().map_or(0, |last| last.first + last.count) as usize;
         while first < self.samples.len() {

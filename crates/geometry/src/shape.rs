@@ -1,4 +1,4 @@
-//! What a body is made of: immutable, shared by all bodies that look alike.
+//! Shapes: immutable, shared by equal bodies.
 
 use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::closed_form_surface;
@@ -30,10 +30,10 @@ pub struct Shape {
     pub volume: f64,
     /// Principal moments at unit density [m^5].
     pub unit_moments: DVec3,
-    /// What is a convex polyhedron, or breaks as one, as such, in the body frame; `None` for all
-    /// else.
+    /// Convex polyhedron of the shape or of its fracture, in the body frame; `None` for other
+    /// shapes.
     pub hull: Option<Arc<Hull>>,
-    /// What is made of several of them, as such, in the body frame; `None` for all else.
+    /// Compound of convex polyhedra, in the body frame; `None` for other shapes.
     pub compound: Option<Arc<Compound>>,
     /// The ball or the cylinder that a polyhedron is a part of, in the frame of both: what its
     /// surface is drawn as.
@@ -50,7 +50,7 @@ pub enum Geometry {
     ClosedForm(ClosedForm),
     /// A convex polyhedron: exact, also where it breaks.
     Hull(Arc<Hull>),
-    /// Convex polyhedra that are one body.
+    /// Compound of convex polyhedra.
     Compound(Arc<Compound>),
     /// Samples on a grid: can break.
     Grid(Box<GridSolid>),
@@ -270,8 +270,7 @@ impl Shape {
         })
     }
 
-    /// How far apart the samples of a formula or a polyhedron lie [m]; zero for a grid's, which
-    /// were given.
+    /// Sample spacing of a formula or a polyhedron [m]; zero for grids with given samples.
     pub fn sample_spacing(&self) -> f64 {
         self.sample_spacing
     }
@@ -406,8 +405,7 @@ mod tests {
         )
         .unwrap();
 
-        // Moments are those of the formula in some order, and the corner lies where the formula has
-        // it, up to signs.
+        // Moments match the formula's in any order, and the vertex matches up to signs.
         let exact = Shape::closed_form(form, 0.1);
         let sorted = |v: DVec3| {
             let mut sorted = v.abs().to_array();

@@ -1,7 +1,6 @@
-//! How the surface passes through one cell of a dual contour.
 //!
-//! A cell's corner has the number `x + 2 y + 4 z`, and the edge along axis `a` the number `4 a + p + 2 q`, with `p` and
-//! `q` its place along the next two axes, cyclically. A face is `2 a + side`.
+//! Corner index `x + 2 y + 4 z`; edge index along axis `a`: `4 a + p + 2 q`, with `p` and `q` its
+//! position along the next two axes, cyclically; face index `2 a + side`.
 
 /// Edges along each of a face's own two axes: `edges[0][q]` runs along the first axis at place `q`
 /// of the second, `edges[1][p]` along the second at place `p` of the first.
@@ -23,8 +22,7 @@ fn is_inside(inside: u8, corner: usize) -> bool {
     inside >> corner & 1 == 1
 }
 
-/// Whether a face's inside corners are two opposite ones, so that the surface can pass it in two
-/// ways.
+/// True for a face with two opposite inside corners: the surface can pass it in two ways.
 pub(crate) fn is_ambiguous(inside: u8, face: usize) -> bool {
     let at = |p, q| is_inside(inside, face_corner(face, p, q));
     at(0, 0) == at(1, 1) && at(0, 1) == at(1, 0) && at(0, 0) != at(1, 0)
@@ -84,7 +82,7 @@ pub(crate) fn sheets(inside: u8, joined: u8) -> ([u8; 12], u8) {
     (sheet_of_edge, count)
 }
 
-/// Whether both arcs across an ambiguous face belong to the same sheet.
+/// True if both arcs across an ambiguous face belong to the same sheet.
 pub(crate) fn passes_twice(inside: u8, joined: u8, face: usize) -> bool {
     let (sheet, _) = sheets(inside, joined);
     let [[a, b], [c, d]] = face_edges(face);

@@ -8,8 +8,7 @@ use crate::line_crossings::LineCrossings;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How far in front of a triangle its front side is probed, in cells: less than any thickness that
-/// a grid resolves.
+/// Probe distance in front of a triangle, in cells: less than any resolved thickness.
 const PROBE: f64 = 1e-4;
 /// Length in cells from which on a part of a triangle that another surface crosses is divided: the
 /// error at the crease.
@@ -44,7 +43,7 @@ pub(crate) fn boundary_triangles(
             let height = self::normal(&corners).length() / longest_edge(&corners);
             let border = BORDER * spacing.min(height);
             let probe = Probe { surfaces, deep, normal, spacing, border };
-            // Whole where it separates as a whole.
+            // Keep triangles whole if they separate as a whole.
             if probe.gather(&corners, &lines, &mut pieces) {
                 pieces = vec![corners];
             }
@@ -111,7 +110,7 @@ fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near:
     let apart = |other_low: DVec3, other_high: DVec3| {
         other_low.cmpgt(high).any() || other_high.cmplt(low).any()
     };
-    // Boxes beside the triangle's plane hold nothing that meets it.
+    // Skip boxes beside the triangle's plane.
     let enters = |other_low: DVec3, other_high: DVec3| {
         let height = (0.5 * (other_low + other_high) - own[0]).dot(normal);
         let reach = (0.5 * (other_high - other_low)).dot(normal.abs());
@@ -153,8 +152,8 @@ fn meeting_lines(surfaces: &LineCrossings, triangle: usize, normal: DVec3, near:
     lines
 }
 
-/// How much of a line lies in a convex polygon in the same plane, farther than `border` [m] from
-/// its edges; zero if none.
+/// Length of a line inside a convex polygon in the same plane, farther than `border` [m] from its
+/// edges; zero if none.
 fn length_within(line: &Line, polygon: &[DVec3], normal: DVec3, border: f64) -> f64 {
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);
     for (from, &corner) in polygon.iter().enumerate() {
@@ -229,14 +228,15 @@ impl Probe<'_> {
         self.surfaces.winding(point + self.normal * (PROBE * self.spacing)) == 0
     }
 
-    /// Collects the parts of a convex polygon that separate, in triangles; returns whether all of
-    /// it does. `lines` may divide it.
+    /// Collects the separating parts of a convex polygon, in triangles; returns true if all of it
+    /// separates. `lines` may divide it.
     fn gather(&self, polygon: &[DVec3], lines: &[Line], pieces: &mut Vec<[DVec3; 3]>) -> bool {
         if polygon.len() < 3 || self.deep.holds(polygon) {
             return polygon.len() < 3;
         }
 
-        // Divide it along the line that most of lies in it: beside a line the answers may differ.
+        // Divide along the line with the largest length inside: beside a line the answers may
+        // differ.
         let size = (highest(polygon) - lowest(polygon)).max_element();
         let within = |line: &Line| length_within(line, polygon, self.normal, self.border);
         let own: Vec<(f64, Line)> = if size > CREASE * self.spacing {
@@ -246,7 +246,7 @@ impl Probe<'_> {
         };
         let longest = (0..own.len()).max_by(|&a, &b| own[a].0.total_cmp(&own[b].0));
         if let Some(longest) = longest {
-            // It divides once, whatever rounding says of its distance from the parts' borders.
+            // Use each line once, regardless of rounding in its distance from the parts' borders.
             let mut own: Vec<Line> = own.into_iter().map(|line| line.1).collect();
             let longest = own.remove(longest);
             let [left, right] = divided(polygon, &longest, self.normal);

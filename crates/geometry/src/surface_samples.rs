@@ -39,7 +39,7 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
     accepted.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect()
 }
 
-/// Moves a vertex along the normal onto the surface that it stands for.
+/// Moves a vertex along the normal onto its surface.
 fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> DVec3 {
     const MAX_STEPS: usize = 8;
     // A distance has slope 1, but on a ridge the slope of its samples vanishes. Down to 1/30 it is
@@ -68,7 +68,7 @@ fn on_surface(vertex: &Vertex, contour: &DualContour, level_set: &LevelSet) -> D
     known.or_else(|| project(&to_samples)).unwrap_or(vertex.position)
 }
 
-/// Points by the cubes they lie in, to find those near another.
+/// Points hashed by cube, for neighbour queries.
 struct Buckets {
     grid: Grid,
     of_cube: Vec<Vec<u32>>,
@@ -98,7 +98,7 @@ impl Buckets {
         self.vertices.push(vertex);
     }
 
-    /// Whether a point that `counts` lies closer than `distance`.
+    /// True if a point accepted by `counts` lies closer than `distance`.
     fn any_near(&self, position: DVec3, distance: f64, counts: impl Fn(&Vertex) -> bool) -> bool {
         let cube = self.cube(position);
         let around = |axis: usize| {

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// No triangle is known yet.
 pub(crate) const UNKNOWN: u32 = u32::MAX;
 
-/// What is known at each node of a grid about the nearest of some triangles.
+/// Nearest triangle per node of a grid.
 pub(crate) struct Nearest {
     /// [m]; infinite where nothing is known.
     pub(crate) distance: Vec<f32>,
@@ -16,14 +16,13 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    /// Hands the nearest triangle on from node to node, in the order of the fast sweeping method
-    /// [Zha05], so that each node farther than `exact` [m] gets the distance to a triangle that is
-    /// nearest to one of its neighbours. That is the nearest one to the node too, or misses it by
-    /// much less than a cell.
+    /// Propagates the nearest triangle from node to node by fast sweeping [Zha05]: each node
+    /// farther than `exact` [m] gets the best triangle of its neighbours. The result is the nearest
+    /// triangle, or misses it by much less than a cell.
     pub(crate) fn sweep(&mut self, grid: &Grid, triangles: &[[DVec3; 3]], exact: f32) {
         let [nx, ny, nz] = grid.dims;
         for direction in 0..8 {
-            // One sweep for each octant that the way from the surface may point into.
+            // One sweep per octant of directions from the surface.
             let upward = [0, 1, 2].map(|axis| direction >> axis & 1 == 0);
             let along = |axis: usize, count: usize| {
                 if upward[axis] { count } else { grid.dims[axis] - 1 - count }

@@ -238,7 +238,7 @@ fn noise_is_welded_and_thin_plates_are_not() {
     );
 }
 
-/// Parts that touch at a vertex, an edge or a face stay two, whether they share vertices or not.
+/// Parts in contact at a vertex, an edge or a face stay two, with or without common vertices.
 #[test]
 fn what_touches_stays_two() {
     for way in [DVec3::ONE, DVec3::new(1.0, 1.0, 0.0), DVec3::X, DVec3::new(1.0, 0.3, 0.0)] {
@@ -289,8 +289,7 @@ fn nested_parts_are_solids_and_cavities() {
     assert_eq!(clean.solid.iter().max(), Some(&1));
 }
 
-/// A rim that is not flat is closed in the same way, whatever the order of the file, and whether it
-/// is drawn once or twice.
+/// A non-planar rim is closed in the same way for any order of the file, drawn once or twice.
 #[test]
 fn a_bent_rim_is_closed_in_one_way() {
     const SIDES: u32 = 8;

@@ -47,7 +47,7 @@ fn an_l_of_two_boxes_has_its_textbook_mass() {
     assert_eq!(Shape::compound(Compound::new(Vec::new()), 0.1).unwrap_err(), NoMass);
 }
 
-/// Eight cubes that make one: the mass, the distance, the samples and the surface of the one.
+/// Eight cubes that form one: equal mass, distance, samples and surface.
 #[test]
 fn cubes_that_make_a_cube_are_one() {
     let (parts, whole) = (cubelets(), Hull::cuboid(DVec3::splat(0.5)));
@@ -84,7 +84,7 @@ fn cubes_that_make_a_cube_are_one() {
     assert!(info.watertight, "{info:?}");
 }
 
-/// A face that another part covers only half is not glued, one that two others cover is.
+/// A half-covered face is not glued; a face covered by two other parts is.
 #[test]
 fn glued_faces_are_those_that_are_covered() {
     let (low, high) = (DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));

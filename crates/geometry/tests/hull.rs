@@ -390,8 +390,7 @@ fn a_hull_on_a_grid_keeps_its_edges() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Parts carved out of a hull are those that a clipper leaves, whether cuts pass by vertices or
-    /// through them.
+    /// Carved parts equal clipped parts, for cuts beside vertices or through them.
     #[test]
     fn carved_parts_are_the_clipped_ones(
         points in points(), cuts in prop::collection::vec((vector(1.0), -0.2..0.8f64), 1..12), through in 0..3_usize,
@@ -405,7 +404,7 @@ proptest! {
         };
         let cuts: Vec<HalfSpace> = cuts.into_iter().enumerate().map(cut).collect();
         let mut carver = Carver::new(&hull);
-        // What was carved before does not matter.
+        // Earlier carving has no effect.
         carver.part(&cuts[..1]);
         let (carved, clipped) = (carver.part(&cuts), Clipper::default().clipped(&hull, &cuts));
         prop_assert_eq!(carved.is_some(), clipped.is_some());

@@ -75,7 +75,7 @@ fn images_of_ply_are_materials() {
     let materials: Vec<_> = said.faces.iter().map(|face| face.material).collect();
     assert_eq!(materials, [Some(1), Some(0), None, None]);
 
-    // One image without numbers is that of all faces.
+    // An image without an index applies to all faces.
     let faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
     let (_, said) =
         load("a.ply", (header("comment TextureFile wood.png\n", "") + faces).as_bytes());

@@ -1,4 +1,4 @@
-//! Mesh files: what is read, and the sentence for what is not.
+//! Mesh files: accepted content, and messages for errors.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;
@@ -402,7 +402,8 @@ fn stl_refusals_name_the_line() {
     );
 }
 
-// --- What all formats share ----------------------------------------------------------------------------------------------
+// --- Common to all formats
+// ----------------------------------------------------------------------------
 
 #[test]
 fn mesh_that_faces_inward_is_turned() {

@@ -1,4 +1,4 @@
-//! glTF files: what is read, and the sentence for what is not.
+//! glTF files: accepted content, and messages for errors.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod common;

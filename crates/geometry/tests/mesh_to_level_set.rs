@@ -46,7 +46,7 @@ fn brute_force_distance(mesh: &TriMesh, point: DVec3) -> f64 {
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a ray along x leaves the mesh more often than it enters.
+/// True if a ray along x leaves the mesh more often than it enters.
 fn brute_force_inside(mesh: &TriMesh, point: DVec3) -> bool {
     let mut crossings = 0;
     for triangle in 0..mesh.triangles.len() {
@@ -225,7 +225,7 @@ fn rods_that_cross_are_one_solid() {
     };
     let set = level_set(&mesh, [80, 80, 80], 2);
     let spacing = set.grid().spacing;
-    // Where rods meet, their faces are divided along the line that they meet in.
+    // Faces of crossing rods are divided along their intersection.
     let crease = 0.01 * spacing;
     let (mut inside, mut outside) = (0, 0);
     for (point, cells) in nodes(&set) {

@@ -14,7 +14,7 @@ pub(crate) mod simd128;
 #[allow(unsafe_code, reason = "the compiler does not turn these loops into vectors by itself")]
 pub(crate) mod x86;
 
-/// As many as the widest registers hold.
+/// Number of lanes: the single-precision lanes of the widest registers.
 pub const LANES: usize = 8;
 
 /// A number in each lane, as it lies in memory; or as many numbers of one lane.
@@ -44,7 +44,7 @@ impl Singles {
     pub const ZERO: Self = Self([0.0; LANES]);
 }
 
-/// What is done to all lanes at once.
+/// Operations on all lanes at once.
 pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'static {
     /// The sums.
     fn add(a: Numbers, b: Numbers) -> Numbers;
@@ -56,7 +56,7 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
     fn div(a: Numbers, b: Numbers) -> Numbers;
     /// The roots.
     fn sqrt(a: Numbers) -> Numbers;
-    /// A bit for each lane: whether `a` is greater than `b`.
+    /// Lane bits of `a > b`.
     fn above(a: Numbers, b: Numbers) -> u8;
     /// In each lane whose bit is set `yes`, else `no`.
     fn select(mask: u8, yes: Numbers, no: Numbers) -> Numbers;
@@ -70,9 +70,9 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
     fn div_singles(a: Singles, b: Singles) -> Singles;
     /// The roots.
     fn sqrt_singles(a: Singles) -> Singles;
-    /// The smaller ones; `b` where one is not a number, or both are equal.
+    /// Lane minima; `b` for NaN or equal values.
     fn min_singles(a: Singles, b: Singles) -> Singles;
-    /// The larger ones; `b` where one is not a number, or both are equal.
+    /// Lane maxima; `b` for NaN or equal values.
     fn max_singles(a: Singles, b: Singles) -> Singles;
     /// As [`Self::above`].
     fn above_singles(a: Singles, b: Singles) -> u8;
@@ -82,7 +82,7 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
     fn transpose(rows: [Numbers; LANES]) -> [Numbers; LANES];
     /// As [`Self::transpose`].
     fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
-    /// Asks for what will be needed soon; changes nothing.
+    /// Prefetches memory; no other effect.
     fn prefetch<T>(soon: &[T]);
     /// Runs a kernel with these instructions. Only for what
     /// [`with_widest`](crate::with_widest) has chosen: the machine must have them.

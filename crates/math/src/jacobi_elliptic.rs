@@ -33,7 +33,7 @@ impl Series {
         Self { coefficients: [(a + b) * (1.0 / 3.0), c2, c3, c4, c5, c6, c7, c8, c9] }
     }
 
-    /// Its sum to so many terms.
+    /// Sum of the first `TERMS` terms.
     #[inline]
     pub fn at<const TERMS: usize>(&self, t_squared: f64) -> f64 {
         let terms = self.coefficients[..TERMS].iter().rev();

@@ -1,5 +1,4 @@
-//! Several numbers at a time. No lane sees another, so it does not matter how many of them the
-//! machine does at once.
+//! SIMD lanes. Lanes are independent: results do not depend on the register width.
 
 use crate::instructions::{Instructions, LANES, Numbers, Singles};
 use crate::number::Number;
@@ -45,7 +44,7 @@ pub struct Symmetric<N> {
     pub off: Three<N>,
 }
 
-/// What a [`Mask`] selects.
+/// Types a [`Mask`] selects between.
 pub trait Blend: Copy {
     /// In each lane whose bit is set `yes`, else `no`.
     fn blend(mask: u8, yes: Self, no: Self) -> Self;
@@ -163,7 +162,7 @@ impl<I: Instructions> Single<I> {
         Self(Singles([value; LANES]), PhantomData)
     }
 
-    /// Of all lanes, by pairs, so that no comparison waits for many others.
+    /// Maximum of all lanes, by pairwise reduction for a short dependency chain.
     #[inline(always)]
     pub fn largest(self) -> f32 {
         let mut largest = self.0.0;
@@ -203,13 +202,13 @@ impl<I: Instructions> Single<I> {
         I::transpose_singles(singles)
     }
 
-    /// The larger one; `other` where this is not a number.
+    /// Lane maxima; `other` where this is NaN.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         Self(I::max_singles(self.0, other.0), PhantomData)
     }
 
-    /// The smaller one; `other` where this is not a number.
+    /// Lane minima; `other` where this is NaN.
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {
         Self(I::min_singles(self.0, other.0), PhantomData)
@@ -220,7 +219,7 @@ impl Mask {
     /// No lane.
     pub const NONE: Self = Self(0);
 
-    /// Whether the lane is in.
+    /// True if the mask contains the lane.
     #[inline(always)]
     pub fn get(self, lane: usize) -> bool {
         self.0 >> lane & 1 == 1
@@ -232,32 +231,32 @@ impl Mask {
         self.0 = self.0 & !(1 << lane) | u8::from(value) << lane;
     }
 
-    /// In each lane that is in `yes`, else `no`.
+    /// Lanes of `yes` inside the mask, of `no` outside.
     #[inline(always)]
     pub fn select<T: Blend>(self, yes: T, no: T) -> T {
         T::blend(self.0, yes, no)
     }
 
-    /// The lanes that are in both.
+    /// Intersection of two masks.
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// The lanes that are in one of them, or in both.
+    /// Union of two masks.
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// The lanes that are out.
+    /// Complement of the mask.
     #[allow(clippy::should_implement_trait, reason = "it follows `and` and `or` in chains")]
     #[inline(always)]
     pub fn not(self) -> Self {
         Self(!self.0)
     }
 
-    /// Whether any lane is in.
+    /// True if any lane is set.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.0 != 0

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 /// Cyclic Jacobi rotations [Golub & Van Loan, Matrix Computations, sec. 8.5] keep small eigenvalues
 /// accurate beside large ones.
 pub fn symmetric_eigen(matrix: &DMat3) -> (DVec3, DMat3) {
-    // They converge quadratically, so a dozen sweeps are more than ever needed.
+    // Maximum number of sweeps: convergence is quadratic, and a dozen sweeps always suffice.
     const MAX_SWEEPS: usize = 12;
     let mut tensor = matrix.to_cols_array_2d();
     let mut axes = DMat3::IDENTITY.to_cols_array_2d();

@@ -1,10 +1,6 @@
-//! Work on the threads of the pool that this is called in. What comes out is the same, to the bit,
-//! on any number of them: each item is worked on by one thread, and results are put together in the
-//! order of the items.
 //!
-//! The pool sees numbers of items and one kind of call. If it saw the kernels themselves, each
-//! would be compiled three times for each place that shares out its work, and that was two fifths
-//! of what there was to compile.
+//! The pool only sees item numbers and a single call type. With generic kernels each call site
+//! would be compiled three times, two fifths of the whole compile time.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,16 +9,15 @@ use std::sync::{Mutex, PoisonError};
 /// Things, pairs or bodies, of which fewer than this are not worth sharing out.
 const FEW: usize = 256;
 
-/// Whether so many things are worth sharing out, and there is anybody to share with: from outside
-/// of the pool, the way into it costs more than most of this work.
+/// True if the work is worth sharing and the pool has several threads. From outside of the pool,
+/// entry costs more than most of this work.
 pub fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
-/// Calls something about once for each thread, with numbers up to a count, of which each comes
-/// once. A thread begins with a stretch of its own, which is the same one for as many things the
-/// next time, as it may have them in its caches; who is done goes on with what others have not
-/// begun.
+/// Calls `call` about once per thread, with an iterator over numbers below `count`; each number
+/// comes once. A thread starts with its own range (the same range for the same count, for warm
+/// caches), then steals unstarted numbers of other threads.
 fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) {
     let stretches = rayon::current_num_threads().min(count);
     let end = |stretch: usize| (stretch + 1) * count / stretches;
@@ -41,13 +36,13 @@ fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) 
     (0..stretches).into_par_iter().with_max_len(1).for_each(of_thread);
 }
 
-/// Something that one thread has at a time. A panic goes on in the thread that waits for all of
-/// them, and nobody sees what it left behind.
+/// Locks a value that one thread uses at a time. Panics propagate to the waiting thread, and the
+/// state left behind is never read.
 fn with<T, R>(locked: &Mutex<T>, call: impl FnOnce(&mut T) -> R) -> R {
     call(&mut locked.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Does something with each item, that hold so many things between them.
+/// Visits each item in parallel; `things` is the total amount of work.
 pub fn for_each<T: Send>(items: &mut [T], things: usize, visit: impl Fn(&mut T) + Send + Sync) {
     for_each_with(items, things, || (), |(), item| visit(item));
 }
@@ -73,8 +68,8 @@ pub fn for_each_with<T: Send, R>(
     }
 }
 
-/// Does two things at a time, that hold so many things between them, if somebody is there for the
-/// second one.
+/// Runs two closures in parallel if the amount of work, `things`, is worth it, else one after the
+/// other.
 pub fn join<A: Send, B: Send>(
     things: usize,
     one: impl FnOnce() -> A + Send,
@@ -83,7 +78,7 @@ pub fn join<A: Send, B: Send>(
     if is_shared(things) { rayon::join(one, other) } else { (one(), other()) }
 }
 
-/// What each item gives.
+/// Maps each item in parallel.
 pub fn map<T: Send, R: Send>(
     items: Vec<T>,
     things: usize,
@@ -111,7 +106,7 @@ pub fn map_with<T: Send, R: Send, O>(
     slots.into_iter().filter_map(|(_, result)| result).collect()
 }
 
-/// A list of so many things, each by its number.
+/// A list of `count` values, computed in parallel by index.
 pub fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
     if is_shared(count) {
         let of: &(dyn Fn(usize) -> R + Sync) = &of;
@@ -125,7 +120,7 @@ pub fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec
 mod tests {
     use super::*;
 
-    /// However many there are, though shares are within shares.
+    /// Every number comes once for any count, even with nested calls.
     #[test]
     fn each_number_comes_once() {
         let counts = |of_each: &[AtomicUsize]| -> Vec<usize> {
@@ -148,8 +143,7 @@ mod tests {
                     });
                 });
                 assert_eq!(counts(&times), vec![1; count]);
-                // Within each call, and of these there is one for each thread that has something to
-                // do.
+                // Each call runs once per thread with work.
                 assert_eq!(counts(&within), vec![threads.min(count); count]);
             }
         }

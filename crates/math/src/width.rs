@@ -1,13 +1,12 @@
-//! The widest instruction set that a machine has.
+//! Widest instruction set of the machine.
 
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::Instructions;
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::x86::Sse2;
 
-/// How many numbers are computed at a time in double precision, up to eight in single precision; a
-/// machine that has not as many uses what it has. Elsewhere than on x86-64 it is known when the
-/// engine is compiled, and nothing follows from what is asked for.
+/// SIMD width: up to eight lanes in single precision; narrower machines use their own width. Other
+/// than on x86-64 the width is fixed at compile time, and this setting has no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// One.
@@ -20,7 +19,7 @@ pub enum Width {
     Avx512,
 }
 
-/// Asks for what will be needed soon, whatever the instructions; changes nothing.
+/// Prefetches memory with any instruction set; no other effect.
 #[inline(always)]
 pub fn prefetch<T>(soon: &[T]) {
     #[cfg(target_arch = "x86_64")]
@@ -29,7 +28,7 @@ pub fn prefetch<T>(soon: &[T]) {
     let _ = soon;
 }
 
-/// The widest that the machine has, or the one that is asked for if that is narrower.
+/// The widest available width, at most `asked`.
 #[cfg(target_arch = "x86_64")]
 pub fn available(asked: Width) -> Width {
     let has_avx512 = is_x86_feature_detected!("avx512f")
@@ -50,8 +49,8 @@ pub type Only = crate::instructions::simd128::Simd128;
 #[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
 pub type Only = crate::instructions::scalar::Scalar;
 
-/// Calls a function of some instructions: on x86-64 with the widest that the machine has, up to a
-/// width, elsewhere with those of `Only`.
+/// Calls a generic function with the widest available instruction set up to a width on x86-64, and
+/// with `Only` elsewhere.
 #[macro_export]
 macro_rules! with_widest {
     ($asked:expr, $function:ident($($argument:expr),*)) => {{

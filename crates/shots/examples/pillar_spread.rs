@@ -1,6 +1,6 @@
-//! How ten pillars spread, at the frame rate and at a hundredth of its step; half an hour of one
-//! core, less of several: `cargo run --release -p frangible-shots --example pillar_spread >
-//! bench/results/pillar.csv`. With an argument only what has that many steps per second.
+//! Spread of ten pillars, at the frame rate and at a hundredth of its step; half an hour of one
+//! core, less with several: `cargo run --release -p frangible-shots --example pillar_spread >
+//! bench/results/pillar.csv`. An argument selects a single number of steps per second.
 
 use frangible::Method;
 use frangible_shots::ShotOptions;

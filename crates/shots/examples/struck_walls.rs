@@ -1,6 +1,6 @@
-//! What ten balls leave of a wall of bricks, at the frame rate and at a hundredth of its step; an
-//! hour of one core, less of several: `cargo run --release -p frangible-shots --example
-//! struck_walls > bench/results/walls.csv`. With an argument only what has that many steps per
+//! Remains of a brick wall after ten balls, at the frame rate and at a hundredth of its step; an
+//! hour of one core, less with several: `cargo run --release -p frangible-shots --example
+//! struck_walls > bench/results/walls.csv`. An argument selects a single number of steps per
 //! second.
 
 use frangible_shots::ShotOptions;

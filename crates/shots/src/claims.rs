@@ -1,7 +1,6 @@
-//! What the paper and we promise, measured: one source for the tests and for `frangible verify`.
 //!
-//! A claim builds its own small scenes, runs them and says what it found. A finding without bounds
-//! stands beside the others.
+//! A claim builds its own small scenes, runs them and returns findings. Findings without bounds are
+//! for information.
 
 mod bounce;
 mod carried;

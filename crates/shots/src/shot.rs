@@ -1,4 +1,4 @@
-//! A scene that can be run by its name, and what can be asked of it.
+//! Shots: named scenes with options.
 
 use frangible::geometry::MeshError;
 use frangible::{Method, SceneDesc};
@@ -10,18 +10,18 @@ use thiserror::Error;
 pub struct Shot {
     /// On the command line.
     pub name: &'static str,
-    /// What happens in it, in one line.
+    /// Caption of one line.
     pub caption: &'static str,
-    /// How many frames it takes at 30 frames per second, unless told otherwise.
+    /// Default number of frames at 30 frames per second.
     pub frames: u32,
-    /// Whether it breaks a mesh of the user's.
+    /// True for shots that break a user's mesh.
     pub takes_mesh: bool,
-    /// Whether it has hundreds of bodies, for which the paper's method takes minutes.
+    /// True for shots with hundreds of bodies, which take minutes with the paper's method.
     pub is_large: bool,
     pub(crate) build: fn(&ShotOptions) -> Result<SceneDesc, ShotError>,
 }
 
-/// What can be asked of any shot.
+/// Options of any shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShotOptions {
     /// For shots that break a mesh: its file.
@@ -74,7 +74,7 @@ pub enum ShotError {
 }
 
 impl Shot {
-    /// How many frames it takes at a rate [1/s].
+    /// Number of frames at a rate [1/s].
     pub fn frames_at(&self, frames_per_second: f64) -> u32 {
         (f64::from(self.frames) * frames_per_second / ShotOptions::default().frames_per_second)
             .ceil() as u32

@@ -1,5 +1,4 @@
-//! Fresh pieces lie still: a body at rest that breaks leaves its pieces at rest, whatever it was
-//! and however it was cut.
+//! Pieces of a body at rest are born at rest, for any shape and any cut.
 
 #![allow(
     clippy::unwrap_used,
@@ -17,8 +16,7 @@ use glam::DVec3;
 /// A piece that is faster pops [m/s].
 const POPS: f64 = 1e-3;
 
-/// A body at rest, and what breaks it: it bears nothing, and what strikes it weighs half a
-/// microgram's millionth.
+/// A body at rest without strength, and a projectile of half a microgram's millionth.
 fn struck(shape: ShapeDesc, pattern: PatternDesc, from: DVec3) -> World {
     let feather = ShapeDesc::Sphere { radius: 0.005, resolution: Resolution::default() };
     let mut scene = SceneDesc::new("birth");
@@ -146,7 +144,7 @@ fn pieces_of_level_sets_lie_still() {
     lie_still(breaks, 55);
 }
 
-/// What overlaps does pop.
+/// Overlapping bodies do separate with speed.
 #[test]
 fn boxes_that_overlap_pop() {
     let shape = ShapeDesc::Box { size: [1.0; 3], resolution: Resolution::default() };

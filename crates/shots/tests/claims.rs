@@ -14,8 +14,8 @@ fn holds(name: &str) {
     holds_but_for(name, &[]);
 }
 
-/// All that a claim finds holds, but for quantities that say one of some things, which do not hold
-/// yet: `docs/limits.md`.
+/// All findings of a claim hold, except quantities listed in `not_yet`, the known limits of
+/// `docs/limits.md`.
 fn holds_but_for(name: &str, not_yet: &[&str]) {
     let findings = Claim::find(name).unwrap().check();
     for finding in &findings {
@@ -78,8 +78,8 @@ fn pillar_spread() {
     holds("pillar-spread");
 }
 
-/// What the claim found at 3000 steps per second, recorded by `examples/pillar_spread.rs`, still
-/// bounds what 30 give.
+/// Findings at 3000 steps per second, recorded by `examples/pillar_spread.rs`, still bound the
+/// findings at 30.
 #[test]
 fn pillar_spreads_as_recorded() {
     let recorded: Vec<Vec<f64>> = include_str!("../../../bench/results/pillar.csv")

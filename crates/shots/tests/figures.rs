@@ -19,9 +19,9 @@ fn position(world: &World, body: usize) -> DVec3 {
     world.bodies().poses[body].position
 }
 
-/// "a prescored pillar being dropped onto the ground" [Su09 fig. 1]: 94 pieces fill it, thin plates
-/// and small shards among them, of another cut for each seed. How they fall is the claim
-/// `pillar-shards`.
+/// "a prescored pillar being dropped onto the ground" [Su09 fig. 1]: 94 pieces fill it, including
+/// thin plates and small shards, with different cuts per seed. The claim `pillar-shards` covers the
+/// fall.
 #[test]
 fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
     for seed in 0..20 {
@@ -52,9 +52,10 @@ fn figure_1_the_pillar_is_prescored_into_94_snug_pieces() {
     }
 }
 
-/// A chip that a block presses into the ground has much energy passing through it, and keeps none: no piece of the rubble squirts out. Without
-/// what restrains it (docs/adr/009-ledger.md) each of these six threw one up at 9 to 18 m/s; with it 5 of 256 pillars have one that is faster than 8.5, and with a step of 1/240 s
-/// none of 24 one that is faster than 7.
+/// A chip pressed into the ground by a block transmits much energy but keeps none: no piece of the
+/// rubble squirts out. Without restraint (docs/adr/009-ledger.md) each of these six threw a piece
+/// up at 9 to 18 m/s; with it 5 of 256 pillars have a piece faster than 8.5 m/s, and with a step of
+/// 1/240 s none of 24 a piece faster than 7 m/s.
 #[test]
 fn figure_1_no_chip_squirts_out_of_the_rubble() {
     for seed in [7, 14, 42, 58, 61, 62] {

@@ -42,7 +42,7 @@ fn dynamic_mass(world: &World) -> f64 {
     world.bodies().masses.iter().filter(|mass| mass.is_finite()).sum()
 }
 
-/// Runs a shot; all that broke.
+/// Runs a shot and returns all fractures.
 fn run(world: &mut World, frames: usize) -> Vec<Fracture> {
     let mass = dynamic_mass(world);
     (0..frames).flat_map(|_| checked(world, mass).fractures).collect()

@@ -103,7 +103,7 @@ fn pieces_have_closed_surfaces_that_enclose_the_whole() {
     assert!((sum - whole).abs() < 0.02 * whole, "{sum} m^3 of {whole}");
 }
 
-/// Whether every directed edge has its opposite.
+/// True if every directed edge has its opposite.
 fn is_closed(mesh: &TriMesh) -> bool {
     let directed = |triangle: &[u32; 3]| {
         let [a, b, c] = *triangle;

@@ -15,7 +15,7 @@ fn scene() -> SceneDesc {
     Shot::find("masonry").unwrap().scene(&ShotOptions::default()).unwrap()
 }
 
-/// With mortar this many times as strong.
+/// Mortar with a multiple of its strength.
 fn with_strength(times: f64) -> SceneDesc {
     let mut scene = scene();
     let bonds = scene.bodies[1].bonds.as_mut().unwrap();
@@ -67,7 +67,7 @@ impl Run {
             .collect()
     }
 
-    /// The volume of what is anchored, in as many bodies [m^3].
+    /// Volume of the anchored bodies [m^3], and their number.
     fn standing(&self) -> (f64, usize) {
         let (bodies, labels) = (self.world.bodies(), self.world.labels());
         let stands =
@@ -82,7 +82,7 @@ impl Run {
 const VOLUME: f64 = 3.2 * 2.2 * 0.24;
 const HALF: f64 = 0.12;
 
-/// The ball goes through a hole of some bricks; those leave the wall, and what is left is anchored.
+/// The ball knocks a few bricks out of the wall; the rest stays anchored.
 #[test]
 fn a_ball_knocks_a_hole() {
     let run = Run::of(&scene(), 45);

@@ -77,7 +77,7 @@ fn a_heap_in_halves_ends_in_the_same_state() {
     assert_eq!(after(&heap, 24, Width::Sse2, 2).state_hash(), alone.state_hash(), "with SSE2");
 }
 
-/// What sleeps sleeps in the same frames.
+/// The same bodies sleep in the same frames.
 #[test]
 fn a_heap_that_may_sleep_ends_in_the_same_state() {
     let mut heap = scene("pile-spread");

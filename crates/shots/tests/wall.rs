@@ -21,7 +21,7 @@ fn world(name: &str) -> World {
     World::build(&scene).unwrap()
 }
 
-/// Steps until something breaks.
+/// Steps until a fracture.
 fn break_it(world: &mut World) -> Fracture {
     for _ in 0..30 {
         let mut report = step(world);
@@ -34,8 +34,8 @@ fn break_it(world: &mut World) -> Fracture {
     panic!("nothing broke within a second");
 }
 
-/// How many living fragments come within one voxel of a point of the unbroken wall, which stood
-/// with its centre in the origin: the fragments' own grids are still in that frame.
+/// Number of living fragments within one voxel of a point of the unbroken wall, centred at the
+/// origin: fragments' own grids keep this frame.
 fn fragments_at(world: &World, point: DVec3) -> usize {
     let at = |shape: &frangible::geometry::Shape| match &shape.geometry {
         Geometry::Grid(solid) => f64::from(solid.value(point)) < VOXEL,
@@ -160,7 +160,7 @@ fn the_ball_breaks_if_it_is_the_weaker() {
     }
 }
 
-/// A wall that bears the blow does not break: it is the impulse that decides.
+/// A wall above the blow's impulse does not break.
 #[test]
 fn below_its_strength_the_wall_stays_whole() {
     let mut scene = Shot::find("wall").unwrap().scene(&ShotOptions::default()).unwrap();
@@ -186,12 +186,11 @@ fn threads_change_nothing() {
     assert_eq!(hash(1), hash(4));
 }
 
-/// What a ball leaves of a wall of loose bricks goes on standing, as it does with 240 steps a
-/// second, after which its bricks are 0.72 to 0.73 m high; where points are found anew too often it
-/// has fallen by then. The ball presses bricks into each other, and parting them lifts the wall:
-/// only as fast as there is energy for it, or the ledger would stop all that moves, frame after
-/// frame. By chance it does in some frames: in 29 when this was written, in some 150 where overlaps
-/// close whether that is paid for or not.
+/// The remains of a loose brick wall after a ball keep standing, as with 240 steps a second (bricks
+/// then end 0.72 to 0.73 m high); with too frequent contact refresh they fell. The ball presses
+/// bricks into each other, and penetration recovery lifts the wall: beyond the available energy the
+/// ledger would stop all motion, frame after frame. This happens in a few frames by chance: in 29
+/// when this was written, in about 150 without an energy limit on recovery.
 #[test]
 fn loose_bricks_that_a_ball_has_pressed_together_go_on_standing() {
     let balls = [1.0, 1.003, 1.006, 1.009];

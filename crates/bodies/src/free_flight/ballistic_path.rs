@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// A body's way from the frame's start: ballistic, its spin taken as constant.
 #[derive(Clone, Copy)]
-pub struct Flight {
+pub struct BallisticPath {
     /// At the frame's start.
     pub start: Pose,
     /// Of the centre of mass, at the start [m/s].
@@ -24,20 +24,20 @@ pub struct Flight {
     pub spin_speed: f64,
 }
 
-impl Flight {
+impl BallisticPath {
     /// Of both bodies of a pair.
     #[inline]
     pub fn of_pair(bodies: &Bodies, pair: Pair, frame: &Frame) -> [Self; 2] {
         [pair.first, pair.second].map(|i| Self::of(bodies, i, frame))
     }
 
-    /// Of a body from where it is.
+    /// Path of a body from its present state.
     #[inline]
     pub fn of(bodies: &Bodies, i: usize, frame: &Frame) -> Self {
         Self::from(bodies, i, (bodies.poses[i], &bodies.velocities[i]), frame)
     }
 
-    /// Of a body that has come to another pose and velocity than that of `bodies`.
+    /// Path of a body from another pose and velocity than in `bodies`.
     #[inline]
     pub fn from(
         bodies: &Bodies,
@@ -55,7 +55,7 @@ impl Flight {
             }
         };
         let (spin, radius) = (angular.length(), bodies.radii[i]);
-        // What has no bounds does not spin.
+        // Unbounded bodies have no spin.
         let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
         Self { start, linear, angular, acceleration, radius, spin_speed }
     }

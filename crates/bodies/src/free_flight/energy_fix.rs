@@ -7,23 +7,23 @@
 use crate::state::Inertia;
 use glam::{DQuat, DVec3};
 
-/// What the fix did.
+/// Result of the energy fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EnergyFix {
     /// The energy was right already, as far as an orientation in `f64` can tell.
     WithinRounding,
-    /// The energy is so small that its square has no normal `f64`. Nothing was done [Su09 sec. 2.3].
+    /// The energy is too small for a normal `f64` square: no correction [Su09 sec. 2.3].
     TooSlow,
     /// Rotated about L x omega, by `angle` [rad].
     Corrected {
-        /// How far, all rounds together [rad].
+        /// Total angle of all rounds [rad].
         angle: f64,
     },
     /// Rotated at least once in the plane of L and a principal axis [Su09 sec. 2.4].
     CorrectedByPrincipalAxis {
-        /// How far, all rounds together [rad].
+        /// Total angle of all rounds [rad].
         angle: f64,
-        /// How many rotations in a row.
+        /// Number of consecutive rotations.
         rounds: u32,
     },
     /// No orientation has this energy with this angular momentum, or a number is not finite. The
@@ -110,15 +110,16 @@ struct BodyState {
     omega: DVec3,
 }
 
-/// A rotation about the unit vector `axis` by the angle whose tangent is `sine / cosine`; `cosine >= 0`.
+/// A rotation about the unit vector `axis` by the angle whose tangent is `sine / cosine`; `cosine
+/// >= 0`.
 struct Turn {
     axis: DVec3,
     cosine: f64,
     sine: f64,
 }
 
-/// The energy on the circle that turning about an axis leads along, in the letters of [Su09 sec. 2.2] [J]:
-/// `KE(eps) = KE cos^2 - a sin cos + b sin^2` [eq. 3], `c = KE - b`.
+/// The energy on the circle that turning about an axis leads along, in the letters of
+/// [Su09 sec. 2.2] [J]: `KE(eps) = KE cos^2 - a sin cos + b sin^2` [eq. 3], `c = KE - b`.
 struct Circle {
     axis: DVec3,
     a: f64,
@@ -156,8 +157,9 @@ impl BodyState {
         Circle { axis, a: signed_slope.abs(), c: self.energy() - b }
     }
 
-    /// About `s = L x omega / |L x omega|`, along which the energy changes fastest [Su09 sec. 2.4]. `None` if its
-    /// direction is not robust or its circle does not reach the energy sought [sec. 2.3].
+    /// About `s = L x omega / |L x omega|`, along which the energy changes fastest [Su09 sec. 2.4].
+    /// `None` if its direction is not robust or its circle does not reach the energy sought
+    /// [sec. 2.3].
     fn turn_about_best_axis(&self, excess: f64) -> Option<Turn> {
         let axis = self.momentum_cross_omega().try_normalize()?;
         let circle = self.circle(axis);

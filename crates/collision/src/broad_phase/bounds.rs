@@ -1,4 +1,4 @@
-//! Boxes along the axes around bodies, and half-spaces that lie below some.
+//! Axis-aligned bounds of bodies, and static half-spaces.
 
 use crate::narrow_phase::hull_hull::feature_scan::extents;
 use frangible_bodies::{Bodies, Motion, Pose};
@@ -6,7 +6,7 @@ use frangible_geometry::{ClosedForm, Geometry, Shape};
 use frangible_math::{Instructions, RigidTransform};
 use glam::DVec3;
 
-/// An axis-aligned box [m], in the world frame unless told otherwise.
+/// An axis-aligned box [m], by default in the world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lowest corner.
@@ -16,7 +16,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of a shape at a pose; infinite for a half-space.
+    /// Bounds of a shape at a pose; infinite for a half-space.
     pub fn of(shape: &Shape, pose: &Pose) -> Self {
         let (low, high) = shape.bounds;
         if !low.is_finite() || !high.is_finite() {
@@ -25,7 +25,7 @@ impl Bounds {
         Self { low, high }.seen_from(&pose.world_from_body())
     }
 
-    /// Around this box, which lies along another frame's axes.
+    /// Bounds of this box in another frame.
     pub(crate) fn seen_from(&self, to_from_other: &RigidTransform) -> Self {
         let Self { low, high } = *self;
         let center = to_from_other.point(0.5 * (low + high));
@@ -37,9 +37,9 @@ impl Bounds {
         Self { low: center - reach, high: center + reach }
     }
 
-    /// Of a shape at a pose; of a polyhedron, around its corners. Balls and cylinders are wider
-    /// than the polyhedra that they break as.
-    pub(crate) fn of_solid<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
+    /// Bounds of a shape at a pose; for a polyhedron, of its vertices. Balls and cylinders use
+    /// their own bounds, which are wider than their polyhedra.
+    pub(crate) fn of_vertices<I: Instructions>(shape: &Shape, pose: &Pose) -> Self {
         let is_round = matches!(&shape.geometry, Geometry::ClosedForm(form) if !matches!(form, ClosedForm::Box { .. }));
         let Some(hull) = shape.hull.as_ref().filter(|_| !is_round) else {
             return Self::of(shape, pose);
@@ -50,25 +50,25 @@ impl Bounds {
         Self { low: pose.position + low, high: pose.position + high }
     }
 
-    /// Of a shape at a position, however it is turned.
+    /// Bounds of a shape at a position, for any rotation.
     pub(crate) fn of_any_turn(shape: &Shape, pose: &Pose) -> Self {
         let reach = DVec3::splat(shape.radius());
         Self { low: pose.position - reach, high: pose.position + reach }
     }
 
-    /// The box around this and another.
+    /// Union of two boxes.
     #[inline]
     pub fn around(&self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Larger by `margin` [m] on every side.
+    /// The box grown by `margin` [m] on every side.
     #[inline]
     pub fn grown(&self, margin: f64) -> Self {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
-    /// Whether it has no end on some side.
+    /// True if any side is infinite.
     #[inline]
     pub fn is_boundless(&self) -> bool {
         !(self.is_nan() || self.low.is_finite() && self.high.is_finite())
@@ -78,22 +78,21 @@ impl Bounds {
         self.low.is_nan() || self.high.is_nan()
     }
 
-    /// Whether the boxes have a point in common.
+    /// True if both boxes share a point.
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
 }
 
-/// A half-space that does not move.
+/// A static half-space.
 pub struct Ground {
-    /// In each of some lists of all bodies' poses: its normal, where it is [m], and how far from
-    /// there it reaches along the normal [m].
+    /// Per list of poses: normal, position [m], and offset along the normal [m].
     planes: Vec<(DVec3, DVec3, f64)>,
 }
 
 impl Ground {
-    /// Of a body, if it is one.
+    /// Half-space of a static body, if it has this shape.
     pub fn of(bodies: &Bodies, i: usize, poses: &[&[Pose]]) -> Option<Self> {
         let Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)) = &bodies.shapes[i].geometry
         else {
@@ -107,7 +106,7 @@ impl Ground {
         does_not_move.then(|| Self { planes: poses.iter().map(plane).collect() })
     }
 
-    /// Whether a box lies above it.
+    /// True for a box above the half-space.
     #[inline]
     pub fn is_below(&self, bounds: &Bounds) -> bool {
         self.planes.iter().all(|&(normal, position, offset)| {

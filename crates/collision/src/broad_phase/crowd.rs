@@ -1,31 +1,28 @@
-//! Crowds: so many bodies in one place that looking at each pair of them takes time and memory
-//! without an end.
 //!
-//! The deepest overlaps count. When bodies have parted from those, the others get their turn.
+//! Only the deepest overlaps are kept. After those bodies separate, others follow.
 
 use crate::broad_phase::bounds::Bounds;
 use frangible_bodies::Pair;
 
-/// Pairs of each body that are looked at in a crowd. Twelve equal balls fit around one.
+/// Pairs kept per body in a crowd. Twelve equal balls fit around a ball.
 const NEAREST: usize = 24;
 
-/// As many pairs are soon looked at, and no crowd.
+/// Pair count below which no thinning takes place.
 const FEWEST: usize = 10_000;
 
-/// More pairs than this of so many bodies are a crowd: twice as many as it keeps, more than
-/// neighbours have room for.
+/// Maximum number of pairs without thinning: twice the kept number, beyond any number of
+/// neighbours.
 pub(super) fn most_pairs(bodies: usize) -> usize {
     2 * NEAREST * bodies + FEWEST
 }
 
-/// How deep two boxes overlap: the shortest way that parts them along an axis [m].
+/// Overlap of two boxes: minimum translation along an axis [m].
 fn depth(a: &Bounds, b: &Bounds) -> f64 {
     (a.high.min(b.high) - a.low.max(b.low)).min_element()
 }
 
-/// Of all pairs, which `visit` goes through in the same order each time, those that are among the
-/// deepest of one of their bodies, and how many were left out. A body with few pairs keeps all of
-/// them.
+/// Pairs among the deepest of either body, and the number of omitted pairs. `visit` must iterate
+/// over all pairs in the same order each time. A body with few pairs keeps all.
 pub(super) fn thinned(
     bounds: &[Bounds],
     visit: impl Fn(&mut dyn FnMut(Pair)),
@@ -39,8 +36,8 @@ pub(super) fn thinned(
     });
     let has_few = |i: usize| count[i] as usize <= NEAREST;
 
-    // The deepest of each body, the deepest first; of equals those next in order, so that not all
-    // choose the same.
+    // Collect each body's deepest pairs in descending order; break ties by index distance, to
+    // spread the choice.
     let mut deepest: Vec<Vec<(f64, usize)>> = vec![Vec::new(); bounds.len()];
     let mut pairs = Vec::new();
     visit(&mut |pair| {
@@ -81,8 +78,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Each of a crowd keeps as many pairs as it may, its nearest ones among them, and whoever
-    /// stands aside keeps all.
+    /// Each body of a crowd keeps its quota including its nearest neighbours, and a body aside
+    /// keeps all pairs.
     #[test]
     fn each_keeps_its_nearest() {
         let cube = |x: f64| Bounds {

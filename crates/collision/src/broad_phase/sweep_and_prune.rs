@@ -1,6 +1,6 @@
-//! Boxes that overlap: strips across the axis along which they lie furthest apart, and in each of
-//! them a sweep along the next one [Bar92]. Time grows as the number of boxes and of overlaps, in
-//! flat piles, tall ones and rows.
+//! Overlapping boxes: strips across the axis of largest extent, and within each strip a sweep along
+//! the next axis [Bar92]. Time is linear in the number of boxes plus overlaps, for flat piles,
+//! towers and rows.
 
 use crate::broad_phase::bounds::Bounds;
 use crate::broad_phase::crowd::{most_pairs, thinned};
@@ -8,40 +8,38 @@ use frangible_bodies::Pair;
 use frangible_math::threads;
 use glam::DVec3;
 
-/// A box in a strip, along the axes in the order in which they are used [m]: rounded outwards, so
-/// that none is missed.
+/// A box in a strip, along the permuted axes [m], rounded outwards to never miss an overlap.
 #[derive(Clone, Copy, Default)]
 struct Entry {
-    /// Lowest and highest, along the axis of the sweep.
+    /// Lower and upper bound along the sweep axis.
     along: [f32; 2],
-    /// Along the axis that the strips lie across.
+    /// Bounds across the strips.
     across: [f32; 2],
-    /// Along the third.
+    /// Bounds along the third axis.
     third: [f32; 2],
     index: u32,
-    /// Where the box begins.
+    /// First strip of the box.
     first_strip: u32,
     moves: bool,
 }
 
-/// How boxes are distributed.
+/// Distribution of boxes into strips.
 struct Layout {
-    /// Of the strips, of the sweep, and the third.
+    /// Axis across the strips, sweep axis, third axis.
     axes: [usize; 3],
-    /// Where the first strip begins, along the first axis [m].
+    /// Begin of the first strip [m].
     begin: f64,
-    /// Of a strip [m].
+    /// Width of a strip [m].
     width: f64,
     strips: usize,
 }
 
-/// Lists of pairs, as many as there may be threads.
+/// Number of pair lists, at least the number of threads.
 const SHARES: usize = 16;
 
-/// All pairs of boxes that have an end on each side, overlap, and of which at least one moves; in
-/// no order. Boxes that are apart by no more than the rounding of single precision may count as
-/// overlapping. Of crowds, if they are to be thinned, the [deepest](thinned); how many are left out
-/// comes with them.
+/// All overlapping pairs of finite boxes of which at least one moves, unordered. Boxes within
+/// single-precision rounding may count as overlapping. With `thins`, crowds keep the
+/// [deepest](thinned) pairs; also returns the number of omitted pairs.
 pub(crate) fn overlapping_bounded(
     bounds: &[Bounds],
     moves: &[bool],
@@ -52,7 +50,7 @@ pub(crate) fn overlapping_bounded(
     let bounded: Vec<usize> = (0..bounds.len()).filter(is_bounded).collect();
     let layout = Layout::of(bounds, &bounded);
 
-    // By where they begin along the sweep; the index tells equal ones apart.
+    // Sort by lower bound along the sweep axis, ties by index.
     let sweep = layout.axes[1];
     let key = |&index: &usize| {
         u64::from(ascending(round_down(bounds[index].low[sweep]))) << 32 | index as u64
@@ -60,7 +58,7 @@ pub(crate) fn overlapping_bounded(
     let mut order: Vec<u64> = bounded.iter().map(key).collect();
     order.sort_unstable();
 
-    // Into each strip that they come into, in that order.
+    // Copy into each overlapped strip, in this order.
     let placed = threads::list(order.len(), |at| {
         let index = order[at] as u32;
         let bounds = &bounds[index as usize];
@@ -112,10 +110,9 @@ pub(crate) fn overlapping_bounded(
     (vec![pairs], left_out)
 }
 
-/// The pairs that overlap and whose later one begins in this strip; no more once there are more
-/// than `most`.
+/// Overlapping pairs whose later box begins in this strip; stops once `pairs` exceeds `most`.
 fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>) {
-    // Which ones overlap nobody can foresee: all are noted, and those that do not are written over.
+    // Overlap is unpredictable: write every candidate without a branch, and overwrite misses.
     let mut with = vec![0; entries.len()];
     for (at, a) in entries.iter().enumerate() {
         let mut count = 0;
@@ -141,7 +138,7 @@ fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>
     }
 }
 
-/// Those of one box with later ones.
+/// Overlapping pairs of one box with later boxes.
 fn sweep_one(entries: &[Entry], at: usize, strip: u32, pairs: &mut Vec<Pair>) {
     let a = &entries[at];
     let later = entries[at + 1..].iter().take_while(|b| b.along[0] <= a.along[1]);
@@ -160,8 +157,8 @@ fn sweep_one(entries: &[Entry], at: usize, strip: u32, pairs: &mut Vec<Pair>) {
 }
 
 impl Layout {
-    /// Strips are as wide as the boxes in the mean, so that those come into two each, and no more
-    /// than there are boxes.
+    /// Strip width is the mean box width (about two strips per box), with at most one strip per
+    /// box.
     fn of(bounds: &[Bounds], bounded: &[usize]) -> Self {
         let count = bounded.len().max(1) as f64;
         let boxes = || bounded.iter().map(|&index| &bounds[index]);
@@ -180,9 +177,9 @@ impl Layout {
         Self { axes, begin: low, width, strips }
     }
 
-    /// The first and the last strip that a box comes into.
+    /// First and last strip of a box.
     fn strips_of(&self, bounds: &Bounds) -> [usize; 2] {
-        // What is not a number is the first.
+        // NaN maps to the first strip.
         let axis = self.axes[0];
         let strip = |x: f64| (((x - self.begin) / self.width) as usize).min(self.strips - 1);
         [strip(bounds.low[axis]), strip(bounds.high[axis])]
@@ -196,13 +193,13 @@ impl Layout {
     }
 }
 
-/// The largest number of single precision that is not above.
+/// Largest single-precision number not above `x`.
 fn round_down(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) > x { near.next_down() } else { near }
 }
 
-/// A number whose order is that of the floats, both zeros being one.
+/// Integer with the order of floats; both zeros map to one value.
 fn ascending(x: f32) -> u32 {
     let bits = (x + 0.0).to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }

@@ -1,18 +1,18 @@
 use super::*;
-use frangible_bodies::{Contactant, Motion, NewBody, StepSettings, Velocity};
+use frangible_bodies::{Motion, NewBody, StepSettings, SurfaceProperties, Velocity};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use frangible_math::{Scalar, Width};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Around a body's way.
+/// Swept bounds of a body.
 fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Frame) -> Bounds {
     with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
 }
 
-/// Boxes that lie flat, tall, in a row or anywhere, some of them large or in the same place, and
-/// one far away.
+/// Boxes in flat, tall, linear or arbitrary arrangements, with large boxes, coincident boxes, and
+/// an outlier.
 fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
     let one = (
         prop::array::uniform3(-1.0..1.0_f64),
@@ -41,7 +41,7 @@ fn boxes() -> impl Strategy<Value = Vec<(Bounds, bool)>> {
 }
 
 proptest! {
-    /// Every pair of boxes that overlaps is found once; those that do not are apart by rounding at
+    /// Every overlapping pair of boxes is found once; other reported pairs are apart by rounding at
     /// most.
     #[test]
     fn strips_find_what_overlaps(boxes in boxes()) {
@@ -61,9 +61,8 @@ proptest! {
 }
 
 proptest! {
-    /// Bounds along the way of a polyhedron hold all of its corners wherever it is there, near the
-    /// origin of its frame or far, and are no larger than that needs; with all instructions they
-    /// are the same.
+    /// Swept bounds of a polyhedron contain all its vertices at any time of the frame, near the
+    /// origin or far away, are tight, and are equal for all instruction sets.
     #[test]
     fn bounds_of_polyhedra_are_tight(
         corners in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 8..40),
@@ -85,8 +84,8 @@ proptest! {
         let velocity = Velocity::spinning(DVec3::from_array(linear), spin, orientation, &shape, 1.0);
         let corners = shape.hull.as_ref().unwrap().vertices().to_vec();
         let motion = Motion::Dynamic;
-        let contactant = Contactant::new(0.0, 0.0);
-        bodies.spawn(NewBody { shape: Arc::new(shape), density: 1.0, motion, pose: start, velocity, contactant });
+        let surface = SurfaceProperties::new(0.0, 0.0);
+        bodies.spawn(NewBody { shape: Arc::new(shape), density: 1.0, motion, pose: start, velocity, surface });
         let at = |time: f64| Pose {
             position: start.position + time * velocity.linear,
             orientation: turn_by(time) * start.orientation,
@@ -116,24 +115,24 @@ proptest! {
     }
 }
 
-/// Bounds hold what a body is to those that it meets, whatever it breaks as; what has none has none
-/// however it moves along.
+/// Bounds contain the collision shape of breakable bodies; half-spaces stay unbounded in any
+/// motion.
 #[test]
 fn bounds_hold_all_kinds_of_bodies() {
     let frame = frame();
     let around = |shape: Shape, motion: Motion, orientation: DQuat| {
         let mut bodies = Bodies::default();
         let (start, velocity) = (Pose { position: DVec3::ZERO, orientation }, Velocity::default());
-        let contactant = Contactant::new(0.0, 0.0);
+        let surface = SurfaceProperties::new(0.0, 0.0);
         bodies.spawn(NewBody {
             shape: Arc::new(shape),
             density: 1.0,
             motion,
             pose: start,
             velocity,
-            contactant,
+            surface,
         });
-        // Normalised once more, as by every step.
+        // Normalise again, as every step does.
         let end = Pose { orientation: (orientation * 1.5).normalize(), ..start };
         swept_bounds(&bodies, 0, &end, 0.0, &frame)
     };
@@ -144,7 +143,7 @@ fn bounds_hold_all_kinds_of_bodies() {
             DQuat::from_scaled_axis(0.3 * f64::from(step) * DVec3::new(0.3, 0.5, 0.8));
         for form in [ball, cylinder] {
             let bounds = around(Shape::breakable(form, 0.1).unwrap(), Motion::Dynamic, orientation);
-            // Of a cylinder along its axis, of a ball along all.
+            // Half extents to contain: along the axis for a cylinder, along all axes for a ball.
             let half = DVec3::splat(0.5 - 1e-12);
             let held = if form == ball { half } else { 0.5 * (orientation * DVec3::Y).abs() };
             assert!(
@@ -176,12 +175,11 @@ fn spawn(bodies: &mut Bodies, form: ClosedForm, motion: Motion, position: DVec3)
         motion,
         pose,
         velocity: Velocity::default(),
-        contactant: Contactant::new(0.0, 0.0),
+        surface: SurfaceProperties::new(0.0, 0.0),
     });
 }
 
-/// Ground meets what comes down to it, wherever that is; two grounds, and what is taken out of the
-/// world, meet nobody.
+/// The ground pairs with every body not above it; two grounds, and removed bodies, form no pairs.
 #[test]
 fn ground_meets_what_is_not_above_it() {
     let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.5 });
@@ -189,7 +187,7 @@ fn ground_meets_what_is_not_above_it() {
     let mut bodies = Bodies::default();
     spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(1000.0, 0.0, 0.0));
     spawn(&mut bodies, ground, Motion::Static, DVec3::ZERO);
-    // On the slope of 0.1 rad the second one is above the ground, the third one is not.
+    // On the slope of 0.1 rad the second ball is above the ground, the third is not.
     spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(-10.0, 1.2, 0.0));
     spawn(&mut bodies, ball, Motion::Dynamic, DVec3::new(10.0, 1.2, 0.0));
     spawn(&mut bodies, ground, Motion::Static, DVec3::new(0.0, -10.0, 0.0));
@@ -197,7 +195,7 @@ fn ground_meets_what_is_not_above_it() {
     let of =
         |pairs: Vec<Pair>| pairs.iter().map(|pair| [pair.first, pair.second]).collect::<Vec<_>>();
     assert_eq!(of(find_pairs(&bodies, &bodies.poses, 0.0)), [[0, 1], [0, 4], [1, 3]]);
-    // The second one falls onto it within the frame.
+    // The second ball falls onto it within the frame.
     let mut ends = bodies.poses.clone();
     ends[2].position.y = -0.5;
     assert_eq!(

@@ -1,64 +1,65 @@
-//! Shapes of pairs that are looked at anew: a heap's do not fit into the nearer caches, so that
-//! their memory is asked for ahead.
+//! Prefetching of shapes for recomputed pairs: a heap's shapes exceed the near caches.
 
-use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
+use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use frangible_bodies::Pair;
 use frangible_geometry::{Columns, Hull, Shape};
 use frangible_math::prefetch;
 use std::slice::from_ref;
 
-/// What a body is to those it meets.
-pub(super) struct Seen<'a> {
-    solid: Solid<'a>,
-    /// Of a polyhedron.
+/// Collision shape of a body.
+pub(super) struct CollisionShape<'a> {
+    convex_shape: ConvexShape<'a>,
+    /// Number of edges; 0 except for polyhedra.
     edges: usize,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> CollisionShape<'a> {
     pub(super) fn of(shape: &'a Shape) -> Self {
-        let solid = Solid::of(shape);
-        let edges = if let Solid::Hull(hull) = solid { hull.edges().len() } else { 0 };
-        Self { solid, edges }
+        let convex_shape = ConvexShape::of(shape);
+        let edges = if let ConvexShape::Hull(hull) = convex_shape { hull.edges().len() } else { 0 };
+        Self { convex_shape, edges }
     }
 
-    /// Two whose points may last for some frames: polyhedra, or one on the ground.
-    pub(super) fn lasting([first, second]: [&Self; 2]) -> Option<[Solid<'a>; 2]> {
-        let lasts = match (first.solid, second.solid) {
-            (Solid::Hull(_), Solid::Hull(_)) => first.edges * second.edges <= MOST_EDGE_PAIRS,
-            (Solid::Ground(_), Solid::Hull(_)) => true,
+    /// Shapes of a cacheable pair: two polyhedra, or a polyhedron on the ground.
+    pub(super) fn cacheable([first, second]: [&Self; 2]) -> Option<[ConvexShape<'a>; 2]> {
+        let is_cacheable = match (first.convex_shape, second.convex_shape) {
+            (ConvexShape::Hull(_), ConvexShape::Hull(_)) => {
+                first.edges * second.edges <= MOST_EDGE_PAIRS
+            }
+            (ConvexShape::Ground(_), ConvexShape::Hull(_)) => true,
             _ => false,
         };
-        lasts.then_some([first.solid, second.solid])
+        is_cacheable.then_some([first.convex_shape, second.convex_shape])
     }
 }
 
-/// Pairs between one that is asked for and one that it then leads to: each takes about as long as
-/// memory does.
+/// Pairs between two stages of prefetching: processing them takes about as long as a memory access.
 const STEP: usize = 2;
 
-/// Pairs that are looked at one after the other.
-pub(super) struct Ahead<'a> {
-    seen: &'a [Seen<'a>],
+/// Prefetcher over a list of pairs.
+pub(super) struct Prefetcher<'a> {
+    shapes: &'a [CollisionShape<'a>],
     pairs: &'a [Pair],
-    /// The next one that is asked for.
+    /// Next pair to prefetch.
     next: usize,
 }
 
-impl<'a> Ahead<'a> {
-    pub(super) fn new(seen: &'a [Seen<'a>], pairs: &'a [Pair]) -> Self {
-        let mut ahead = Self { seen, pairs, next: 0 };
-        (0..3 * STEP).for_each(|_| ahead.go_on());
-        ahead
+impl<'a> Prefetcher<'a> {
+    pub(super) fn new(shapes: &'a [CollisionShape<'a>], pairs: &'a [Pair]) -> Self {
+        let mut prefetcher = Self { shapes, pairs, next: 0 };
+        (0..3 * STEP).for_each(|_| prefetcher.prefetch_next());
+        prefetcher
     }
 
-    /// Asks for one more pair: its hulls, then what they refer to, and what that does.
+    /// Prefetches one more pair in three stages: hulls, their arrays, and edges.
     #[inline]
-    pub(super) fn go_on(&mut self) {
-        let Self { seen, pairs, next } = *self;
+    pub(super) fn prefetch_next(&mut self) {
+        let Self { shapes, pairs, next } = *self;
         let hulls = |back: usize| -> [Option<&Hull>; 2] {
             let pair = next.checked_sub(back).and_then(|at| pairs.get(at));
-            let hull =
-                |i: usize| if let Solid::Hull(hull) = seen[i].solid { Some(hull) } else { None };
+            let hull = |i: usize| {
+                if let ConvexShape::Hull(hull) = shapes[i].convex_shape { Some(hull) } else { None }
+            };
             pair.map_or([None; 2], |pair| [hull(pair.first), hull(pair.second)])
         };
         for hull in hulls(0).into_iter().flatten() {

@@ -1,16 +1,16 @@
-//! The manifolds of many pairs, in lists that threads fill side by side.
+//! Manifolds of many pairs, in lists filled in parallel.
 
 use crate::manifold::{Manifold, ManifoldPoint};
 use frangible_bodies::Pair;
 
-/// The manifolds of some pairs, in the order of the pairs, which is increasing.
+/// Manifolds in increasing order of their pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Manifolds {
-    /// One after the other: each thread finds some.
+    /// One chunk per task, in order.
     pub(crate) parts: Vec<Found>,
 }
 
-/// The manifolds of pairs that follow each other, their points in one list.
+/// Manifolds of consecutive pairs, with a common list of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Found {
     pairs: Vec<FoundPair>,
@@ -20,29 +20,29 @@ pub(crate) struct Found {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FoundPair {
     pair: Pair,
-    /// Its last point, among those of all pairs.
+    /// End of its points in the list.
     end: usize,
-    /// See [`ManifoldPoint::approach`]: the fastest.
+    /// Fastest approach of its points; see [`ManifoldPoint::approach`].
     approach: f64,
 }
 
 impl Manifolds {
-    /// One by one.
+    /// Iterates over all manifolds.
     pub fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
         self.parts.iter().flat_map(Found::iter)
     }
 
-    /// Pairs and their points.
+    /// Iterates over pairs and their points.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
         self.parts.iter_mut().flat_map(Found::iter_mut)
     }
 
-    /// Pairs and how fast they approach each other [m/s].
+    /// Iterates over pairs and their approach speeds [m/s].
     pub fn approaches(&self) -> impl Iterator<Item = (Pair, f64)> {
         self.parts.iter().flat_map(|part| &part.pairs).map(|found| (found.pair, found.approach))
     }
 
-    /// Puts other points in the place of a pair's, or adds the pair, for pairs in increasing order.
+    /// Replaces or inserts the points of pairs in increasing order.
     pub fn replace(&mut self, pairs: &[(Pair, Vec<ManifoldPoint>)]) {
         let mut merged = Found::default();
         let mut new = pairs.iter().peekable();
@@ -59,12 +59,12 @@ impl Manifolds {
         self.parts = vec![merged];
     }
 
-    /// How many there are.
+    /// Number of manifolds.
     pub fn len(&self) -> usize {
         self.parts.iter().map(|part| part.pairs.len()).sum()
     }
 
-    /// Whether there are none.
+    /// True without manifolds.
     pub fn is_empty(&self) -> bool {
         self.parts.iter().all(|part| part.pairs.is_empty())
     }
@@ -89,7 +89,7 @@ impl Found {
         })
     }
 
-    /// Adds the points of a pair, if there are any.
+    /// Appends the points of a pair, if any.
     pub(crate) fn add(&mut self, pair: Pair, points: impl IntoIterator<Item = ManifoldPoint>) {
         let begin = self.points.len();
         self.points.extend(points);

@@ -1,52 +1,51 @@
-//! Where a compound of convex polyhedra touches another body: part by part, without what glued
-//! parts hide of each other.
+//! Contact points of convex compounds: part by part, without points hidden by glued neighbours.
 
 use crate::broad_phase::bounds::Bounds;
-use crate::manifold::{MOST_POINTS, ManifoldPoint};
+use crate::manifold::{FeatureId, MOST_POINTS, ManifoldPoint};
 use crate::narrow_phase::convex_pairs::exact_points;
-use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::FEW_POINTS;
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::narrow_phase::hull_hull::room::Room;
-use crate::narrow_phase::solid::Solid;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::pair_motion::PairMotion;
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 use glam::DVec3;
 
-/// Normals that differ by less (cosine of the angle) are those of one flat contact, which needs
-/// four points however many parts it goes over.
+/// Normals within this cosine belong to the same flat contact, which needs four points for any
+/// number of parts.
 const FLAT: f64 = 0.9998;
 
-/// Gaps of one flat contact differ by less, relative to the smaller body's size.
+/// Maximum difference of separations within a flat contact, relative to the smaller body's size.
 const LEVEL: f64 = 5e-3;
 
-/// Adds the points of a pair of which one is a compound; `false` if none is, or they meet by their
+/// Appends the points of a pair with a compound; `false` without a compound, or if the pair needs
 /// samples.
 pub(crate) fn compound_points(
-    encounter: &Encounter,
-    room: &mut Room,
+    pair_motion: &PairMotion,
+    scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
-    let Encounter { bodies, pair, .. } = *encounter;
+    let PairMotion { bodies, pair, .. } = *pair_motion;
     let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
     let compounds = [shapes[0].compound.as_deref(), shapes[1].compound.as_deref()];
     let meets_by_samples = |side: usize| {
-        compounds[side].is_none() && matches!(Solid::of(shapes[side]), Solid::Other(_))
+        compounds[side].is_none() && matches!(ConvexShape::of(shapes[side]), ConvexShape::Other(_))
     };
     if compounds.iter().all(Option::is_none) || meets_by_samples(0) || meets_by_samples(1) {
         return false;
     }
 
     let (mut all, mut of_parts) = (Vec::new(), Vec::new());
-    for parts in near_parts(encounter.placed(), compounds, encounter.reach) {
-        let solid = |side: usize| match (compounds[side], parts[side]) {
-            (Some(compound), Some(part)) => Solid::Hull(&compound.parts()[part].hull),
-            _ => Solid::of(shapes[side]),
+    for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
+        let convex_shape = |side: usize| match (compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
+            _ => ConvexShape::of(shapes[side]),
         };
         of_parts.clear();
-        if !exact_points(encounter, [solid(0), solid(1)], room, &mut of_parts) {
+        if !exact_points(pair_motion, [convex_shape(0), convex_shape(1)], scratch, &mut of_parts) {
             return false;
         }
         for point in &of_parts {
@@ -56,20 +55,19 @@ pub(crate) fn compound_points(
                 };
                 let at = if side == 0 { point.anchor_first } else { point.anchor_second };
                 let outward = if side == 0 { -point.normal } else { point.normal };
-                let body_from_world = encounter.flights[side].start.world_from_body().inverse();
+                let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
                 compound.is_covered(part, at, body_from_world.direction(outward))
             };
             if !is_inner(0) && !is_inner(1) {
-                all.push(ManifoldPoint { sample: sample_of(point.sample, parts), ..*point });
+                all.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
             }
         }
     }
-    points.extend(few(encounter, &all, room));
+    points.extend(few(pair_motion, &all, scratch));
     true
 }
 
-/// The pairs of parts, of those that are compounds, whose bounds come within `reach` [m] of each
-/// other.
+/// Pairs of parts (for bodies with parts) with bounds within `reach` [m] of each other.
 pub(crate) fn near_parts(
     placed: [Placed; 2],
     compounds: [Option<&Compound>; 2],
@@ -98,7 +96,7 @@ pub(crate) fn near_parts(
             } else {
                 (placed[0].shape, second_from_first)
             };
-            let parts = if let Solid::Ground(ground) = Solid::of(other) {
+            let parts = if let ConvexShape::Ground(ground) = ConvexShape::of(other) {
                 let normal = compound_from_other.direction(ground.normal);
                 let offset = ground.offset + normal.dot(compound_from_other.translation) + reach;
                 compound.parts_in(&HalfSpace { normal, offset })
@@ -114,28 +112,28 @@ pub(crate) fn near_parts(
     }
 }
 
-/// In the body frame.
+/// Bounds in the body frame.
 fn bounds_of(shape: &Shape) -> Bounds {
     let (low, high) = shape.bounds;
     Bounds { low, high }
 }
 
-/// What a point is known by: which parts, and which of their features.
-fn sample_of((of_first, feature): (bool, u64), parts: [Option<usize>; 2]) -> (bool, u64) {
+/// Feature id of a point of two parts: part indices and the part's own feature id.
+fn feature_of(FeatureId { is_of_first, index }: FeatureId, parts: [Option<usize>; 2]) -> FeatureId {
     let [first, second] = parts.map(|part| part.unwrap_or_default() as u64 & 0xffff);
-    (of_first, feature | first << 48 | second << 32)
+    FeatureId { is_of_first, index: index | first << 48 | second << 32 }
 }
 
-/// A few points of each flat contact, from whichever parts: as many as two hulls, or a hull and the
-/// ground, would have.
+/// Reduces each flat contact to as many points as two hulls, or a hull on the ground, would have.
 pub(crate) fn few(
-    encounter: &Encounter,
+    pair_motion: &PairMotion,
     points: &[ManifoldPoint],
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) -> Vec<ManifoldPoint> {
-    let (size, [first, second]) = (encounter.size, encounter.flights);
-    let is_ground = |body: Placed| matches!(Solid::of(body.shape), Solid::Ground(_));
-    let most = if encounter.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };
+    let (size, [first, second]) = (pair_motion.size, pair_motion.paths);
+    let is_ground = |body: Placed| matches!(ConvexShape::of(body.shape), ConvexShape::Ground(_));
+    let most =
+        if pair_motion.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };
     let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
     for (index, point) in points.iter().enumerate() {
         let on = point.on_surfaces_at([&first.start, &second.start]);
@@ -151,7 +149,7 @@ pub(crate) fn few(
         }
     }
     for (normal, _, candidates) in &mut flats {
-        reduce(candidates, &mut room.spare, most, (*normal, PREFERENCE * size));
+        reduce(candidates, &mut scratch.spare, most, (*normal, PREFERENCE * size));
     }
     let index = |point: HullPoint| match point.feature {
         Feature::VertexOfFirst(index) => Some(index as usize),

@@ -1,38 +1,39 @@
-//! Pairs of balls, polyhedra and planes, each by the way that is exact for it.
+//! Exact contacts between balls, polyhedra and planes.
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::Encounter;
+use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use crate::narrow_phase::hull_hull::approach::hull_points;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_plane::plane_points;
-use crate::narrow_phase::solid::{MOST_EDGE_PAIRS, Solid};
+use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::sphere::BallContact;
 use glam::DVec3;
 
-/// Adds the points of a pair of which one is a ball, or that has features; `false` for others.
+/// Appends the points of a pair with a ball, or of two shapes with convex features; `false` for
+/// other pairs.
 pub(crate) fn exact_points(
-    encounter: &Encounter,
-    solids: [Solid; 2],
-    room: &mut Room,
+    pair_motion: &PairMotion,
+    convex_shapes: [ConvexShape; 2],
+    scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
-    let ball = |ball_is_first: bool, radius: f64, other: Solid| {
+    let ball = |ball_is_first: bool, radius: f64, other: ConvexShape| {
         let surface = &|point: DVec3| other.distance_and_gradient(point);
-        BallContact { encounter, ball_is_first, radius, surface }.point()
+        BallContact { pair_motion, ball_is_first, radius, surface }.point()
     };
-    match solids {
-        [Solid::Ball(radius), other] => points.extend(ball(true, radius, other)),
-        [other, Solid::Ball(radius)] => points.extend(ball(false, radius, other)),
-        [Solid::Hull(a), Solid::Hull(b)]
+    match convex_shapes {
+        [ConvexShape::Ball(radius), other] => points.extend(ball(true, radius, other)),
+        [other, ConvexShape::Ball(radius)] => points.extend(ball(false, radius, other)),
+        [ConvexShape::Hull(a), ConvexShape::Hull(b)]
             if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
         {
-            let _ = hull_points(encounter, [a, b], room, points);
+            let _ = hull_points(pair_motion, [a, b], scratch, points);
         }
-        [Solid::Hull(hull), Solid::Ground(ground)] => {
-            let _ = plane_points(encounter, hull, true, ground, room, points);
+        [ConvexShape::Hull(hull), ConvexShape::Ground(ground)] => {
+            let _ = plane_points(pair_motion, hull, true, ground, scratch, points);
         }
-        [Solid::Ground(ground), Solid::Hull(hull)] => {
-            let _ = plane_points(encounter, hull, false, ground, room, points);
+        [ConvexShape::Ground(ground), ConvexShape::Hull(hull)] => {
+            let _ = plane_points(pair_motion, hull, false, ground, scratch, points);
         }
         _ => return false,
     }

@@ -1,43 +1,45 @@
-//! The core of a body that turns far within a frame: the largest ball around its centre of mass
-//! that it holds. Corners turn away from where they were found; the core stays.
+//! Core of a fast-rotating body: the largest inscribed ball around its centre of mass. Vertices
+//! rotate away from their detected points; the core does not.
 
-use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::Encounter;
-use crate::narrow_phase::solid::Solid;
+use crate::manifold::{FeatureId, ManifoldPoint};
+use crate::narrow_phase::convex_shape::ConvexShape;
+use crate::narrow_phase::pair_motion::PairMotion;
 use glam::DVec3;
 
-/// Bodies that turn by less in a frame [rad] meet the ground with the corners that were found. Of
-/// 100 random worlds eleven had a body below the ground without cores, and six with them.
+/// Minimum rotation per frame [rad] for a core contact. Of 100 random worlds eleven had a body
+/// below the ground without cores, and six with them.
 const TURN: f64 = 0.25;
 
-/// Adds the point at which a core touches a half-space, or may within the frame.
+/// Appends the contact of a core with a half-space, if within reach in the frame.
 pub(crate) fn core_point(
-    encounter: &Encounter,
-    solids: [Solid; 2],
+    pair_motion: &PairMotion,
+    convex_shapes: [ConvexShape; 2],
     points: &mut Vec<ManifoldPoint>,
 ) {
-    let (side, body, ground) = match solids {
-        [Solid::Ground(_), Solid::Ground(_)] | [Solid::Ball(_), _] | [_, Solid::Ball(_)] => return,
-        [Solid::Ground(ground), body] => (1, body, ground),
-        [body, Solid::Ground(ground)] => (0, body, ground),
+    let (side, body, ground) = match convex_shapes {
+        [ConvexShape::Ground(_), ConvexShape::Ground(_)]
+        | [ConvexShape::Ball(_), _]
+        | [_, ConvexShape::Ball(_)] => return,
+        [ConvexShape::Ground(ground), body] => (1, body, ground),
+        [body, ConvexShape::Ground(ground)] => (0, body, ground),
         _ => return,
     };
-    let (flight, of_ground) = (encounter.flights[side], encounter.flights[1 - side]);
-    let turns = flight.spin_speed * encounter.frame.dt > TURN * flight.radius;
-    if !turns && encounter.faster == 0.0 {
+    let (path, of_ground) = (pair_motion.paths[side], pair_motion.paths[1 - side]);
+    let turns = path.spin_speed * pair_motion.frame.dt > TURN * path.radius;
+    if !turns && pair_motion.faster == 0.0 {
         return;
     }
     let radius = -body.distance_and_gradient(DVec3::ZERO).0;
     let world_from_ground = of_ground.start.world_from_body();
-    let center_ground = world_from_ground.inverse().point(flight.start.position);
+    let center_ground = world_from_ground.inverse().point(path.start.position);
     let gap = ground.distance(center_ground) - radius;
-    if radius <= 0.0 || gap > encounter.reach {
+    if radius <= 0.0 || gap > pair_motion.reach {
         return;
     }
     let on_ground = center_ground - (gap + radius) * ground.normal;
     let outward = world_from_ground.direction(ground.normal);
-    let at = flight.start.position;
-    let closing = (of_ground.velocity(at, 0.0) - flight.velocity(at, 0.0)).dot(outward);
+    let at = path.start.position;
+    let closing = (of_ground.velocity(at, 0.0) - path.velocity(at, 0.0)).dot(outward);
     let (normal, anchors, rounding) = if side == 0 {
         (outward, [DVec3::ZERO, on_ground], [radius, 0.0])
     } else {
@@ -48,8 +50,8 @@ pub(crate) fn core_point(
         anchor_second: anchors[1],
         rounding,
         normal,
-        sample: (side == 0, u64::MAX),
-        approach: encounter.surface_speed(normal, closing, gap),
+        feature: FeatureId { is_of_first: side == 0, index: u64::MAX },
+        approach: pair_motion.surface_speed(normal, closing, gap),
         gap,
     });
 }

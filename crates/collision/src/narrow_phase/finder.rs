@@ -1,29 +1,28 @@
-//! Where a pair touches, or may touch within the frame: a few points, found once at the frame's
-//! start. Balls and convex polyhedra have ways of their own; everything else meets by the samples
-//! of each body in the level set of the other [GBF03 sec. 3].
+//! Contact points of a pair, found once at the frame's start. Balls and convex polyhedra have exact
+//! methods; all other shapes use samples of each body in the level set of the other [GBF03 sec. 3].
 
+use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};
-use crate::manifold::{MOST_POINTS, Manifold, ManifoldPoint};
+use crate::manifold::{FeatureId, MOST_POINTS, Manifold, ManifoldPoint};
 use crate::narrow_phase::compound::{compound_points, few};
 use crate::narrow_phase::convex_pairs::exact_points;
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::core::core_point;
-use crate::narrow_phase::encounter::Encounter;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
-use crate::narrow_phase::solid::Solid;
 use crate::penetration::penetration;
 use crate::relative_motion::Placed;
-use crate::warm_start::WarmStart;
-use frangible_bodies::{Bodies, Flight, Frame, Pair, Pose};
+use frangible_bodies::{BallisticPath, Bodies, Frame, Pair, Pose};
 use frangible_geometry::Geometry;
 use glam::DVec3;
 
-/// The manifolds of all pairs that may touch within the frame, in the order of the pairs. Points
-/// that are in `warm` carried in the last frame.
+/// Manifolds of all pairs that may touch within the frame, in the order of the pairs. Points in
+/// `warm` had an impulse in the last frame.
 pub fn find_manifolds(
     bodies: &Bodies,
     pairs: &[Pair],
-    warm: &WarmStart,
+    warm: &ImpulseCache,
     frame: &Frame,
 ) -> Manifolds {
     let (mut finder, mut found) = (ManifoldFinder::default(), Found::default());
@@ -35,67 +34,67 @@ pub fn find_manifolds(
     Manifolds { parts: vec![found] }
 }
 
-/// Finds manifolds one by one, in room that it keeps; what it finds does not depend on what it
-/// found before.
+/// Finds manifolds with reused memory; results do not depend on earlier calls.
 #[derive(Clone, Debug, Default)]
 pub struct ManifoldFinder {
-    pub(crate) room: Room,
+    pub(crate) scratch: Scratch,
     pub(crate) points: Vec<ManifoldPoint>,
 }
 
 impl ManifoldFinder {
-    /// Where a pair may touch within the frame, if it may. Points that are in `warm` carried in the
+    /// Manifold of a pair that may touch within the frame. Points in `warm` had an impulse in the
     /// last frame.
     pub fn find(
         &mut self,
         bodies: &Bodies,
         pair: Pair,
-        warm: &WarmStart,
+        warm: &ImpulseCache,
         frame: &Frame,
     ) -> Option<Manifold<'_>> {
-        let [first, second] = Flight::of_pair(bodies, pair, frame);
-        let has_carried = |sample| warm.get(bodies, pair, sample).is_some();
-        self.of_encounter(&Encounter::new(bodies, pair, [&first, &second], frame), has_carried)
+        let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
+        let has_carried = |feature| warm.get(bodies, pair, feature).is_some();
+        self.of_motion(&PairMotion::new(bodies, pair, [&first, &second], frame), has_carried)
     }
 
-    /// Where a pair may touch on its way, if it may. Samples that have carried are kept.
-    pub fn of_encounter(
+    /// Manifold of a pair that may touch in its motion. Samples with a cached impulse are kept.
+    pub fn of_motion(
         &mut self,
-        encounter: &Encounter,
-        has_carried: impl Fn((bool, u64)) -> bool,
+        pair_motion: &PairMotion,
+        has_carried: impl Fn(FeatureId) -> bool,
     ) -> Option<Manifold<'_>> {
-        let Encounter { bodies, pair, .. } = *encounter;
-        let Self { room, points } = self;
+        let PairMotion { bodies, pair, .. } = *pair_motion;
+        let Self { scratch, points } = self;
         points.clear();
-        if encounter.is_out_of_reach() {
+        if pair_motion.is_out_of_reach() {
             return None;
         }
-        // Balls, polyhedra and planes need no samples; everything else has some.
-        let solids =
-            [Solid::of(&bodies.shapes[pair.first]), Solid::of(&bodies.shapes[pair.second])];
-        if !compound_points(encounter, room, points)
-            && !exact_points(encounter, solids, room, points)
+        // Balls, polyhedra and planes need no samples; all other shapes have samples.
+        let convex_shapes = [
+            ConvexShape::of(&bodies.shapes[pair.first]),
+            ConvexShape::of(&bodies.shapes[pair.second]),
+        ];
+        if !compound_points(pair_motion, scratch, points)
+            && !exact_points(pair_motion, convex_shapes, scratch, points)
         {
-            let candidates = find_candidates(encounter);
+            let candidates = find_candidates(pair_motion);
             let chosen = choose(&candidates, has_carried);
             let chosen: Vec<ManifoldPoint> =
-                chosen.into_iter().map(|index| candidates[index].point(encounter)).collect();
-            points.extend(few(encounter, &chosen, room));
+                chosen.into_iter().map(|index| candidates[index].point(pair_motion)).collect();
+            points.extend(few(pair_motion, &chosen, scratch));
         }
-        core_point(encounter, solids, points);
+        core_point(pair_motion, convex_shapes, points);
         (!points.is_empty()).then_some(Manifold { pair, points })
     }
 
-    /// How deep a pair is in each other with its bodies at the given poses [m]; `None` if it does
-    /// not overlap.
+    /// Penetration depth of a pair at the given poses [m]; `None` without overlap.
     pub fn penetration(&mut self, bodies: &Bodies, pair: Pair, poses: &[Pose]) -> Option<f64> {
-        penetration(bodies, pair, poses, &mut self.room)
+        penetration(bodies, pair, poses, &mut self.scratch)
     }
 }
 
 /// A sample that may touch within the frame.
 struct Candidate {
-    sample: (bool, u64),
+    feature: FeatureId,
     contact: ContactPoint,
     /// Signed distance from the other body at the frame's start [m].
     phi: f64,
@@ -104,14 +103,14 @@ struct Candidate {
 }
 
 /// All samples of a pair that may touch within the frame.
-fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
-    let (frame, [first, second]) = (encounter.frame, encounter.placed());
-    if is_out_of_reach(first, second, encounter.reach)
-        || is_out_of_reach(second, first, encounter.reach)
+fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
+    let (frame, [first, second]) = (pair_motion.frame, pair_motion.placed());
+    if is_out_of_reach(first, second, pair_motion.reach)
+        || is_out_of_reach(second, first, pair_motion.reach)
     {
         return Vec::new();
     }
-    let reach = encounter.reach as f32;
+    let reach = pair_motion.reach as f32;
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, reach).find_penetrations(
         first,
@@ -122,29 +121,31 @@ fn find_candidates(encounter: &Encounter) -> Vec<Candidate> {
     let candidate = |penetration: &Penetration| {
         let contact = contact_point(first, second, penetration);
         let phi = f64::from(penetration.phi);
-        let [of_first, of_second] =
-            encounter.flights.map(|flight| flight.velocity(contact.point, 0.0));
+        let [of_first, of_second] = pair_motion.paths.map(|path| path.velocity(contact.point, 0.0));
         let closing = (of_second - of_first).dot(contact.normal);
-        let approach = encounter.surface_speed(contact.normal, closing, phi);
-        let sample = (penetration.sample_of_first, penetration.sample.into());
-        // What separates, or is too far to get there, is left out.
-        let touches = phi <= 0.0 || phi < frame.dt * closing + encounter.near;
-        let touches = touches && !encounter.is_beside(sample.0, &contact);
-        touches.then_some(Candidate { sample, contact, phi, approach })
+        let approach = pair_motion.surface_speed(contact.normal, closing, phi);
+        let feature = FeatureId {
+            is_of_first: penetration.sample_of_first,
+            index: penetration.sample.into(),
+        };
+        // Skip separating samples and samples beyond reach.
+        let touches = phi <= 0.0 || phi < frame.dt * closing + pair_motion.near;
+        let touches = touches && !pair_motion.is_beside(feature.is_of_first, &contact);
+        touches.then_some(Candidate { feature, contact, phi, approach })
     };
     penetrations.iter().filter_map(candidate).collect()
 }
 
-/// Whether a closed form is further than its reach [m] from a ball around another body.
+/// True if a closed form is further than `reach` [m] from the bounding ball of another body.
 fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
     let Geometry::ClosedForm(form) = &of.shape.geometry else { return false };
     let grid_from_world = of.pose.world_from_body().after(&of.shape.body_from_grid).inverse();
     form.distance(grid_from_world.point(other.pose.position)) > other.shape.radius() + reach
 }
 
-/// Indices of the candidates that are kept: the deepest, those that have carried, and then always
-/// the one that is furthest from those that are kept.
-fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -> Vec<usize> {
+/// Indices of the kept candidates: the deepest, then candidates with a cached impulse, then
+/// repeatedly the candidate furthest from all kept.
+fn choose(candidates: &[Candidate], has_carried: impl Fn(FeatureId) -> bool) -> Vec<usize> {
     let distance = |a: usize, b: usize| {
         candidates[a].contact.point.distance_squared(candidates[b].contact.point)
     };
@@ -163,7 +164,7 @@ fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -
 
     let mut room = true;
     for (index, candidate) in candidates.iter().enumerate() {
-        if room && away[index] > 0.0 && has_carried(candidate.sample) {
+        if room && away[index] > 0.0 && has_carried(candidate.feature) {
             room = keep(index, &mut away);
         }
     }
@@ -175,23 +176,23 @@ fn choose(candidates: &[Candidate], has_carried: impl Fn((bool, u64)) -> bool) -
 }
 
 impl Candidate {
-    /// Its anchors: the sample, and the foot of its distance on the other body.
-    fn point(&self, encounter: &Encounter) -> ManifoldPoint {
+    /// Contact point between the sample and its foot on the other body.
+    fn point(&self, pair_motion: &PairMotion) -> ManifoldPoint {
         let ContactPoint { point, normal } = self.contact;
-        let [on_first, on_second] = if self.sample.0 {
+        let [on_first, on_second] = if self.feature.is_of_first {
             [point, point - self.phi * normal]
         } else {
             [point + self.phi * normal, point]
         };
         let into_body = |side: usize, point: DVec3| {
-            encounter.flights[side].start.world_from_body().inverse().point(point)
+            pair_motion.paths[side].start.world_from_body().inverse().point(point)
         };
         ManifoldPoint {
             anchor_first: into_body(0, on_first),
             anchor_second: into_body(1, on_second),
             rounding: [0.0; 2],
             normal,
-            sample: self.sample,
+            feature: self.feature,
             approach: self.approach,
             gap: self.phi,
         }

@@ -1,5 +1,5 @@
-//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
-//! edges across edges [Gregorius13].
+//! Contacts of convex polyhedra within a frame: separating axes, then face clipping, or edge
+//! against edge [Gregorius13].
 
 pub(crate) mod approach;
 pub(crate) mod closest_points;
@@ -10,5 +10,5 @@ pub(crate) mod hull_pair;
 pub(crate) mod hull_point;
 pub(crate) mod placement;
 pub(crate) mod reduction;
-pub(crate) mod room;
+pub(crate) mod scratch;
 pub(crate) mod separating_axis;

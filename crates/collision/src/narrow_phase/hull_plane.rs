@@ -1,50 +1,50 @@
-//! Where a convex polyhedron touches a half-space within a frame: its vertices say.
+//! Contacts of a convex polyhedron with a half-space, by its vertices.
 
-use crate::manifold::{MOST_POINTS, ManifoldPoint};
-use crate::narrow_phase::encounter::Encounter;
+use crate::manifold::{FeatureId, MOST_POINTS, ManifoldPoint};
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::{HalfSpace, Hull};
 
-/// Adds the vertices that touch a half-space, or may within the frame. Returns how far away all
-/// else is now [m], if it is so slow that these are all that are near now.
+/// Appends the vertices that touch a half-space within the frame. For slow pairs returns the
+/// separation bound of all other vertices [m]: the points then include every near vertex.
 pub(crate) fn plane_points(
-    encounter: &Encounter,
+    pair_motion: &PairMotion,
     hull: &Hull,
     hull_is_first: bool,
     half_space: HalfSpace,
-    room: &mut Room,
+    scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> Option<f64> {
-    let [first, second] = encounter.flights;
-    let (flight, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
+    let [first, second] = pair_motion.paths;
+    let (path, flight_ground) = if hull_is_first { (first, second) } else { (second, first) };
 
-    // The plane in the body's frame, now and at the frame's end.
+    // Plane in the body's frame, at a time of the frame.
     let plane_at = |time: f64| {
-        let body_from_world = flight.pose(time).world_from_body().inverse();
+        let body_from_world = path.pose(time).world_from_body().inverse();
         let body_from_ground = body_from_world.after(&flight_ground.pose(time).world_from_body());
         let normal = body_from_ground.direction(half_space.normal);
         HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
     };
-    let Encounter { near, reach, search, frame, .. } = *encounter;
+    let PairMotion { near, reach, search, frame, .. } = *pair_motion;
     let now = plane_at(0.0);
-    let is_slow = reach - near <= frame.sag();
+    let is_slow = reach - near <= frame.speculative_margin();
     let beyond = is_slow.then_some(search);
-    room.points.clear();
-    if -now.offset > flight.radius + search {
+    scratch.points.clear();
+    if -now.offset > path.radius + search {
         return beyond;
     }
     let mut then = None;
-    let world_from_body = flight.start.world_from_body();
+    let world_from_body = path.start.world_from_body();
     let outward = world_from_body.direction(now.normal);
     let closing = |point: &HullPoint| {
         let at = world_from_body.point(point.on[0]);
-        (flight_ground.velocity(at, 0.0) - flight.velocity(at, 0.0)).dot(outward)
+        (flight_ground.velocity(at, 0.0) - path.velocity(at, 0.0)).dot(outward)
     };
 
-    // What comes near now or later.
+    // Vertices near the plane at the start or the end of the frame.
     for (number, &vertex) in hull.vertices().iter().enumerate() {
         let gap = now.distance(vertex);
         if gap > search {
@@ -62,7 +62,7 @@ pub(crate) fn plane_points(
             || gap <= frame.dt * closing(&point) + near
             || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= near;
         if comes_near {
-            room.points.push(point);
+            scratch.points.push(point);
         }
     }
 
@@ -74,24 +74,24 @@ pub(crate) fn plane_points(
         } else {
             (-outward, on_ground, point.on[0])
         };
-        let (_, vertex) = point.feature.sample(0);
+        let FeatureId { index, .. } = point.feature.id(0);
         ManifoldPoint {
             anchor_first,
             anchor_second,
             rounding: [0.0; 2],
             normal,
-            sample: (hull_is_first, vertex),
-            approach: encounter.surface_speed(normal, closing(point), point.gap),
+            feature: FeatureId { is_of_first: hull_is_first, index },
+            approach: pair_motion.surface_speed(normal, closing(point), point.gap),
             gap: point.gap,
         }
     };
-    // What rests on a few of many corners would rock over the others.
+    // Keep more points than usual: a body on few of its vertices would rock over the others.
     reduce(
-        &mut room.points,
-        &mut room.spare,
+        &mut scratch.points,
+        &mut scratch.spare,
         MOST_POINTS,
-        (now.normal, PREFERENCE * flight.radius),
+        (now.normal, PREFERENCE * path.radius),
     );
-    points.extend(room.points.iter().map(manifold_point));
+    points.extend(scratch.points.iter().map(manifold_point));
     beyond
 }

@@ -1,4 +1,4 @@
-//! Surface samples of one body inside the level set of another, in both directions [GBF03 sec. 3].
+//! Surface samples of a body inside the level set of another, in both directions [GBF03 sec. 3].
 
 use crate::relative_motion::Placed;
 use crate::relative_motion::moved_since;
@@ -10,48 +10,45 @@ use glam::{DVec3, Mat3, Vec3};
 /// A sample of one body inside the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
-    /// Whether the sample belongs to the pair's first body; the level set is the other's.
+    /// True for a sample of the pair's first body; the level set is the other body's.
     pub sample_of_first: bool,
-    /// Index into that body's samples.
+    /// Sample index.
     pub sample: u32,
-    /// The level set's value there [m], not positive.
+    /// Value of the level set [m], not positive.
     pub phi: f32,
 }
 
-/// Where two bodies meet.
+/// Contact of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// World frame [m]; one point for both bodies, so that they feel opposite torques about it.
+    /// World frame [m]; a common point for both bodies, for opposite torques about it.
     pub point: DVec3,
     /// Unit, from the second body to the first.
     pub normal: DVec3,
 }
 
-/// The samples of a pair that are near the other body, found once and asked many times: while the
-/// pair moves little, only they can be inside.
+/// Samples near the other body, gathered once for many queries: while the pair moves little, no
+/// other sample can be inside.
 #[derive(Clone, Debug)]
 pub struct NearSamples {
-    /// Of the first body, near the second, and the other way round: sorted by their signed distance
-    /// when they were gathered [m].
+    /// Samples of the first body near the second, and vice versa, sorted by signed distance at
+    /// gathering [m].
     near: [Vec<(f32, u32)>; 2],
-    /// `second_from_first` when they were gathered.
+    /// `second_from_first` at gathering.
     gathered_at: RigidTransform,
-    /// The relative motion that they allow for [m].
+    /// Allowed relative motion [m].
     margin: f64,
 }
 
-/// The relative motion that near samples allow for, relative to the size of the smaller body: some
-/// frames of a resting pair, a fraction of a frame of a fast one, few samples that are near in
-/// vain.
+/// Allowed relative motion, relative to the smaller body's size: several frames of a resting pair,
+/// a fraction of a frame of a fast pair, with few extra samples.
 const MARGIN: f64 = 0.02;
 
-/// How much faster than the way a trilinear level set can change: each of the three slopes is at
-/// most 1.
+/// Maximum slope of a trilinear level set: each of the three partial slopes is at most 1.
 const STEEPEST: f64 = 1.733;
 
 impl NearSamples {
-    /// Gathers the samples of a pair that can get inside, as deep as `contour` [m] at least, while
-    /// it moves little.
+    /// Gathers samples that can get inside by at least `contour` [m] within the allowed motion.
     pub fn gather(first: Placed, second: Placed, contour: f32) -> Self {
         let gathered_at = second_from_first(first, second);
         let margin = MARGIN * first.shape.radius().min(second.shape.radius());
@@ -77,8 +74,8 @@ impl NearSamples {
         Self { near, gathered_at, margin }
     }
 
-    /// Collects every sample of either body where the other's signed distance is at most `contour`
-    /// [m]; gathers anew if the pair has moved too far.
+    /// Collects every sample of either body with a signed distance of at most `contour` [m];
+    /// gathers again beyond the allowed motion.
     pub fn find_penetrations(
         &mut self,
         first: Placed,
@@ -92,7 +89,7 @@ impl NearSamples {
             *self = Self::gather(first, second, contour);
             moved = 0.0;
         }
-        // What was further than it can have come since is not inside.
+        // Skip samples too far away for the motion since gathering.
         let reach = contour + (STEEPEST * moved) as f32;
         let [of_first, of_second] = &self.near;
         found.clear();
@@ -114,17 +111,17 @@ impl NearSamples {
     }
 }
 
-/// The samples that were not further than `reach` [m].
+/// Samples with a gathered distance of at most `reach` [m].
 fn within(sorted: &[(f32, u32)], reach: f32) -> &[(f32, u32)] {
     &sorted[..sorted.partition_point(|&(phi, _)| phi <= reach)]
 }
 
-/// Whether either body has a sample inside the other.
+/// True if either body has a sample inside the other.
 pub fn overlap(first: Placed, second: Placed) -> bool {
     deepest(first, second).is_some()
 }
 
-/// Signed distance of the deepest sample of either body in the other [m]; `None` if there is none
+/// Signed distance of the deepest sample of either body in the other [m]; `None` without samples
 /// inside.
 pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
     let relative = second_from_first(first, second);
@@ -136,8 +133,8 @@ pub fn deepest(first: Placed, second: Placed) -> Option<f32> {
     (least <= 0.0).then_some(least)
 }
 
-/// Calls `visit(sample index, signed distance)` for the samples of `body` where `other`'s signed
-/// distance is at most `contour` [m]; of those listed in `near`, if given.
+/// Calls `visit(sample index, signed distance)` for samples of `body` with a signed distance of at
+/// most `contour` [m] to `other`; limited to `near`, if given.
 fn visit_inside(
     body: &Shape,
     other: &Shape,
@@ -169,8 +166,8 @@ fn visit_inside(
     }
 }
 
-/// The inner loop over a sampled level set, in its lattice units and single precision: the
-/// coordinates are relative to the two bodies, so they are small.
+/// Inner loop over a sampled level set, in lattice units and single precision: body-relative
+/// coordinates are small.
 fn visit_inside_grid(
     body: &Shape,
     solid: &GridSolid,
@@ -183,7 +180,7 @@ fn visit_inside_grid(
     let lattice_from_body = (grid_from_body.matrix() * (1.0 / grid.spacing)).as_mat3();
     let shift = grid.lattice_from_point(grid_from_body.translation).as_vec3();
 
-    // The box of the grid, and what may be inside the contour beyond it.
+    // Box of the grid, enlarged by the contour.
     let beyond = Vec3::splat((contour / grid.spacing as f32).max(0.0));
     let top =
         Vec3::new((grid.dims[0] - 1) as f32, (grid.dims[1] - 1) as f32, (grid.dims[2] - 1) as f32);
@@ -219,8 +216,8 @@ fn visit_inside_grid(
     }
 }
 
-/// Whether the box of a body's samples misses the box from `low` to `high` along one of the
-/// latter's axes.
+/// True if the box of a body's samples misses the box from `low` to `high` along an axis of the
+/// latter.
 fn apart(shape: &Shape, lattice_from_body: Mat3, shift: Vec3, low: Vec3, high: Vec3) -> bool {
     let center = lattice_from_body * (0.5 * (shape.bounds.0 + shape.bounds.1)).as_vec3() + shift;
     let half = (0.5 * (shape.bounds.1 - shape.bounds.0)).as_vec3();
@@ -232,8 +229,7 @@ fn apart(shape: &Shape, lattice_from_body: Mat3, shift: Vec3, low: Vec3, high: V
     (center + reach).cmplt(low).any() || (center - reach).cmpgt(high).any()
 }
 
-/// The same loop over an exact distance; what is above its second argument need only be known to be
-/// so.
+/// The same loop over an exact distance, accurate up to its second argument.
 fn visit_inside_exact(
     body: &Shape,
     distance: impl Fn(DVec3, f64) -> f64,
@@ -264,8 +260,7 @@ fn visit_inside_exact(
     }
 }
 
-/// Point and normal of a penetration, seen at the given poses (which need not be those where it was
-/// found).
+/// Point and normal of a penetration at the given poses, possibly other than at its detection.
 pub fn contact_point(first: Placed, second: Placed, penetration: &Penetration) -> ContactPoint {
     let (body, other) = if penetration.sample_of_first { (first, second) } else { (second, first) };
     let sample = body.shape.samples()[penetration.sample as usize].as_dvec3();
@@ -309,8 +304,8 @@ mod tests {
     }
 
     proptest! {
-        /// However the pair moves, and whichever of the two is the ground, near samples miss
-        /// nothing.
+        /// Near samples are complete for any motion of the pair, and with either body as the
+        /// ground.
         #[test]
         fn near_samples_miss_nothing(
             pair in prop::sample::select(vec![(0, 1), (1, 0), (0, 2), (1, 2), (2, 1), (0, 3), (3, 1), (2, 3)]),
@@ -321,7 +316,7 @@ mod tests {
             let still = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
             let (first, second) = (&shapes[pair.0], &shapes[pair.1]);
             let mut pose = start;
-            // The body that is not the ground moves.
+            // Move the body other than the ground.
             let place = |pose: &Pose| if pair.1 == 0 { (*pose, still) } else { (still, *pose) };
             let (a, b) = place(&pose);
             let mut near = NearSamples::gather(at(first, &a), at(second, &b), 0.0);

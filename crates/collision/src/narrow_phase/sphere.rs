@@ -1,49 +1,48 @@
-//! Where a ball touches another body within a frame: the other's signed distance from its centre
-//! says, without samples.
+//! Contact of a ball with another body within a frame, by the signed distance of the ball's centre;
+//! without samples.
 
-use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
-use frangible_bodies::{Flight, Pose};
+use crate::manifold::{FeatureId, ManifoldPoint};
+use crate::narrow_phase::pair_motion::{MOST_STEPS, PairMotion};
+use frangible_bodies::{BallisticPath, Pose};
 use glam::DVec3;
 
-/// What counts as touching, relative to the ball's radius [1].
+/// Separation of a touch, relative to the ball's radius [1].
 const TOUCH: f64 = 1e-4;
 
-/// Part of the distance that a step goes: a sampled distance can change a little faster than the
-/// way. Without it a ball at 6 m/s does not break on a wall, 24 voxels wide both.
+/// Fraction of the distance per advancement step: a sampled distance may have a slope above 1.
+/// Without it a ball at 6 m/s does not break on a wall, 24 voxels wide both.
 const CAUTION: f64 = 0.9;
 
-/// Halvings of a frame in which two come nearest: their normal turns by less than a thousandth of
-/// what it does in all.
+/// Bisections of a frame for the time of closest approach: the normal is accurate to a thousandth
+/// of its rotation in the frame.
 const HALVINGS: u32 = 10;
 
-/// A ball and what it may touch.
+/// A ball and the other body's surface.
 pub(crate) struct BallContact<'a> {
-    pub(crate) encounter: &'a Encounter<'a>,
+    pub(crate) pair_motion: &'a PairMotion<'a>,
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
-    /// Of the other body, or of a part of it: signed distance [m] and unit gradient, in the body
-    /// frame.
+    /// Signed distance [m] and unit gradient of the other body, or of a part, in the body frame.
     pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
 }
 
 impl BallContact<'_> {
-    /// The ball's point of contact: where the two first touch on their ballistic ways through the
-    /// frame (conservative advancement [Mir96]), or come nearest to each other if they do not.
-    /// Along that normal what only passes does not touch.
+    /// Contact point of the ball: the first touch in ballistic motion (conservative advancement
+    /// [Mir96]), or the closest approach without a touch. Along the normal of closest approach,
+    /// passing bodies do not touch.
     pub(crate) fn point(&self) -> Option<ManifoldPoint> {
         let start = self.gap(0.0);
-        if start.phi > self.encounter.reach {
+        if start.phi > self.pair_motion.reach {
             return None;
         }
         let gap = self.first_touch(start);
 
-        // The ball's centre, and the material point of the other that it touches or will touch.
+        // The ball's centre, and the material point of the other body at first touch.
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
         let on_other = on_ball - gap.phi * gap.outward;
         let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
-        // Along that normal, where the two are now.
+        // Separation along this normal at the frame's start.
         let other_now = start.pose_other.world_from_body().point(anchor_other);
         let now = (start.pose_ball.position - other_now).dot(gap.outward) - self.radius;
         let closing = -self.parting(&gap);
@@ -52,37 +51,36 @@ impl BallContact<'_> {
         } else {
             (-gap.outward, anchor_other, DVec3::ZERO, [0.0, self.radius])
         };
-        let sample = (self.ball_is_first, u32::MAX.into());
+        let feature = FeatureId { is_of_first: self.ball_is_first, index: u32::MAX.into() };
         let approach = closing.max(0.0);
         Some(ManifoldPoint {
             anchor_first,
             anchor_second,
             rounding,
             normal,
-            sample,
+            feature,
             approach,
             gap: now,
         })
     }
 
-    fn ball_and_other(&self) -> [&Flight; 2] {
-        let [first, second] = self.encounter.flights;
+    fn ball_and_other(&self) -> [&BallisticPath; 2] {
+        let [first, second] = self.pair_motion.paths;
         if self.ball_is_first { [first, second] } else { [second, first] }
     }
 
-    /// The two at an instant of the frame, on their ballistic ways.
+    /// Both bodies at an instant of the frame.
     fn gap(&self, time: f64) -> Gap {
-        let [pose_ball, pose_other] = self.ball_and_other().map(|flight| flight.pose(time));
+        let [pose_ball, pose_other] = self.ball_and_other().map(|path| path.pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
         let (distance, gradient) = (self.surface)(center_other);
         let outward = pose_other.orientation * gradient;
         Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
     }
 
-    /// The instant of the first touch within the frame, after `start`, or that at which they are
-    /// nearest.
+    /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
-        let (most_speed, dt) = (self.encounter.most_speed, self.encounter.frame.dt);
+        let (most_speed, dt) = (self.pair_motion.most_speed, self.pair_motion.frame.dt);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
@@ -98,12 +96,12 @@ impl BallContact<'_> {
         gap
     }
 
-    /// The instant from one on at which they begin to part, by bisection, or the frame's end.
+    /// Closest approach after an instant, by bisection, or the frame's end.
     fn nearest(&self, from: Gap) -> Gap {
         if self.parting(&from) >= 0.0 {
             return from;
         }
-        let (mut before, mut after) = (from, self.gap(self.encounter.frame.dt));
+        let (mut before, mut after) = (from, self.gap(self.pair_motion.frame.dt));
         if self.parting(&after) < 0.0 {
             return after;
         }
@@ -114,7 +112,7 @@ impl BallContact<'_> {
         after
     }
 
-    /// Speed at which the gap opens [m/s].
+    /// Separating speed [m/s].
     fn parting(&self, gap: &Gap) -> f64 {
         let [ball, other] = self.ball_and_other();
         let on_ball = gap.pose_ball.position - self.radius * gap.outward;
@@ -128,7 +126,7 @@ struct Gap {
     time: f64,
     pose_ball: Pose,
     pose_other: Pose,
-    /// Between the surfaces [m].
+    /// Separation of the surfaces [m].
     phi: f64,
     /// Unit, world frame, from the other body to the ball.
     outward: DVec3,

@@ -1,29 +1,27 @@
-//! Islands: bodies that exchanged impulses in a frame, directly or through others.
+//! Energy islands: bodies that exchanged impulses in a frame, directly or through others.
 
 use frangible_bodies::{Bodies, BodyId};
 use std::collections::BTreeMap;
 
-/// Groups of bodies, united link by link. A living body's node is its dense index; those that are
-/// gone follow.
+/// Disjoint-set forest of bodies. A living body's node is its dense index; removed bodies follow.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Islands {
-    /// Of each node, another one of its island; its own if it stands for the island, [`NONE`] if it
-    /// is in none.
+    /// Parent of each node: a root is its own parent, [`NONE`] marks nodes without links.
     parent: Vec<u32>,
     gone: BTreeMap<BodyId, u32>,
     number: Vec<u32>,
 }
 
-/// Of what is in no island.
+/// Marks nodes without an island.
 const NONE: u32 = u32::MAX;
 
 impl Islands {
-    /// With none of some bodies in any.
+    /// A forest without links.
     pub(crate) fn new(bodies: &Bodies) -> Self {
         Self { parent: vec![NONE; bodies.len()], ..Self::default() }
     }
 
-    /// The node of a body.
+    /// Node of a body.
     pub(crate) fn node(&mut self, bodies: &Bodies, id: BodyId) -> u32 {
         if let Some(dense) = bodies.index_of(id) {
             return dense as u32;
@@ -41,24 +39,23 @@ impl Islands {
         self.join(a);
         self.join(b);
         let (a, b) = (root(&mut self.parent, a), root(&mut self.parent, b));
-        // The smaller node stands for the island, whatever the order of the links.
+        // The smaller node becomes the root, independent of the order of links.
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
-    /// Makes a node an island of its own at least.
+    /// Makes an unlinked node an island of its own.
     pub(crate) fn join(&mut self, node: u32) {
         let parent = &mut self.parent[node as usize];
         *parent = if *parent == NONE { node } else { *parent };
     }
 
-    /// The members of each island, in order of their smallest node; bodies that were never linked
-    /// are not listed.
+    /// Members of each island, in order of their smallest node; unlinked bodies are left out.
     pub(crate) fn members(&mut self, bodies: &Bodies) -> Vec<Vec<BodyId>> {
         let mut gone = vec![BodyId { index: 0, generation: 0 }; self.gone.len()];
         for (&id, &node) in &self.gone {
             gone[node as usize - bodies.len()] = id;
         }
-        // Most are small, and lists that grow cost more than counting first.
+        // Count first: most islands are small, and growing lists cost more.
         let mut sizes = Vec::new();
         self.number = vec![NONE; self.parent.len()];
         for node in 0..self.parent.len() {
@@ -82,7 +79,7 @@ impl Islands {
         members
     }
 
-    /// Which of the [`Self::members`] a node belongs to, if any.
+    /// Index of a node's island in [`Self::members`], if any.
     pub(crate) fn number(&self, node: u32) -> Option<usize> {
         self.number
             .get(node as usize)
@@ -91,7 +88,7 @@ impl Islands {
     }
 }
 
-/// Who stands for a node's island.
+/// Root of a node's island, with path halving.
 pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
     let mut at = node;
     loop {
@@ -99,7 +96,7 @@ pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
         if up == at {
             return at;
         }
-        // Shorten the way for the next time.
+        // Path halving.
         parent[at as usize] = parent[up as usize];
         at = up;
     }
@@ -108,11 +105,11 @@ pub(crate) fn root(parent: &mut [u32], node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Pose, Velocity};
+    use frangible_bodies::{Motion, NewBody, Pose, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use std::sync::Arc;
 
-    /// Whatever the order of the links, and though bodies are gone that they name.
+    /// Independent of link order and of links to removed bodies.
     #[test]
     fn links_make_islands_in_any_order() {
         let shape = Arc::new(Shape::closed_form(ClosedForm::Sphere { radius: 0.1 }, 0.1));
@@ -123,7 +120,7 @@ mod tests {
             motion: Motion::Dynamic,
             pose: Pose { position: glam::DVec3::ZERO, orientation: glam::DQuat::IDENTITY },
             velocity: Velocity::default(),
-            contactant: Contactant::new(0.0, 0.0),
+            surface: SurfaceProperties::new(0.0, 0.0),
         };
         let ids: Vec<BodyId> = (0..10).map(|_| bodies.spawn(body())).collect();
         let gone: Vec<bool> = (0..10).map(|i| i == 3 || i == 8).collect();

@@ -1,91 +1,100 @@
-//! The ledger: no island of touching bodies ends a frame with more energy than it began with, plus
+//! The ledger: no island of touching bodies ends a frame with more energy than at its start, plus
 //! the work done on it.
 //!
-//! Whatever contact, position correction and shock propagation did, the island's energy E' is
-//! compared with what it may have: its energy at the frame's start, the work of kinematic bodies,
-//! and what is left in its bank. Contacts whose light bodies would be flung by what they gave are
-//! restrained in any case; those that gave too much pay it back first; what is left is taken from
-//! the velocities relative to the island's rigid part, and, if that is not enough, from the
-//! displacements off the ballistic path; at the end of both lies the flight after collisions, whose
-//! energy is no more than it was by construction. The bank holds a little of what an island
-//! dissipated, up to a cap, so that a pile can be lifted out of the sag that it lost energy by.
+//! After contact, position correction and shock propagation the island's energy is compared with
+//! its allowance: its energy at the frame's start, the work of kinematic bodies, and its bank.
+//! Contacts that would fling light bodies are restrained in any case. Then contacts with an energy
+//! gain repay it. The remaining excess comes out of the velocities relative to the island's rigid
+//! part, and after that out of the displacements off the ballistic path. The fallback is ballistic
+//! motion after collisions, whose energy never exceeds the allowance by construction. The bank
+//! stores a little of an island's dissipated energy, up to a cap: a pile can rise again by the
+//! overlap it sank.
 
-use crate::energy::island::{Anchor, Ballistic, Island, energies, energy, magnitude, work_on};
+use crate::energy::contact_repayment::{cap_ejection, repay};
+use crate::energy::frame_accounts::{Cause, EnergyGain, FrameAccounts};
+use crate::energy::island::{
+    Anchor, ContactFreeState, Island, energies, energy, magnitude, work_on,
+};
+use crate::energy::island_correction::reduce_energy;
 use crate::energy::islands::Islands;
-use crate::energy::payment::{pay, restrain};
-use crate::energy::take_out::take_out;
-use crate::energy::tally::{Cause, Debt, Tally};
 use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
 
-/// Relative to the size of an island's energies: less is rounding.
+/// Rounding threshold relative to the magnitude of an island's energies.
 const ROUNDING: f64 = 1e-14;
 
-/// The banks of all bodies, kept over the frames.
+/// Energy banks of all bodies, kept across frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
     bank: PerBody<f64>,
 }
 
-/// What the ledger had to do in one frame.
+/// Statistics of the ledger in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
+pub struct LedgerReport {
     /// Islands of touching bodies.
     pub islands: u64,
-    /// Islands in which the contacts that gave energy could pay it back.
+    /// Islands balanced by repayment of contacts alone.
     pub paid: u64,
-    /// Islands whose relative velocities were scaled down.
+    /// Islands with scaled relative velocities.
     pub scaled: u64,
-    /// Islands whose displacements were shortened.
+    /// Islands with shortened displacements.
     pub shortened: u64,
-    /// Energy that was taken out, by restraint, payment, scaling or shortening [J].
+    /// Removed energy, by restraint, repayment, scaling or shortening [J].
     pub removed: f64,
 }
 
 /// Kinetic and potential energy of each dynamic body at the start of a frame [J].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Opening(PerBody<f64>);
+pub struct EnergyAtStart(PerBody<f64>);
 
-impl Opening {
-    /// Opens the books of a frame.
+impl EnergyAtStart {
+    /// Records all energies at the start of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
-        let mut opening = Self::default();
+        let mut energy_at_start = Self::default();
         for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
             if !bodies.inertias[i].is_infinite() {
-                opening.0.insert(bodies.ids[i], energy);
+                energy_at_start.0.insert(bodies.ids[i], energy);
             }
         }
-        opening
+        energy_at_start
     }
 }
 
 impl Ledger {
-    /// All that is in the banks [J].
+    /// Sum of all banks [J].
     pub fn bank(&self) -> f64 {
         self.bank.iter().map(|(_, amount)| amount).sum()
     }
 
-    /// Closes the books of a frame: balances every island. Bodies that broke are linked to their
-    /// fragments in the tally.
+    /// Balances every island at the end of a frame. In the accounts, broken bodies are linked to
+    /// their fragments.
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
-        opening: &Opening,
-        flight: &Ballistic,
+        energy_at_start: &EnergyAtStart,
+        contact_free: &ContactFreeState,
         frame: &Frame,
-        tally: &mut Tally,
-    ) -> Balance {
-        let mut balance = Balance::default();
+        accounts: &mut FrameAccounts,
+    ) -> LedgerReport {
+        let mut balance = LedgerReport::default();
         let mut bank = PerBody::default();
         let energy_of = |bodies: &Bodies, i: usize| {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
         let now = &*bodies;
-        let (energies, islands) =
-            threads::join(now.len(), || energies(now, frame), || self.islands(now, opening, tally));
-        // What was born in this frame has gained nothing that is known.
-        let gained_by =
-            |i: usize| opening.0.get(bodies.ids[i]).map_or(0.0, |opening| energies[i] - opening);
+        let (energies, islands) = threads::join(
+            now.len(),
+            || energies(now, frame),
+            || self.islands(now, energy_at_start, accounts),
+        );
+        // Bodies born in this frame have no known gain.
+        let gained_by = |i: usize| {
+            energy_at_start
+                .0
+                .get(bodies.ids[i])
+                .map_or(0.0, |energy_at_start| energies[i] - energy_at_start)
+        };
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
         for mut island in islands {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
@@ -103,27 +112,29 @@ impl Ledger {
             };
             balance.islands += 1;
 
-            // What a contact gave must not fling what is light: little of it may be left in the
-            // motion of its pair.
-            let work_before = tally.causes.work;
-            let mut debts: Vec<Debt> =
-                island.debts.iter().map(|&index| tally.debts[index]).collect();
+            // Restrain contacts that would fling light bodies: limit the energy left in the pair's
+            // relative motion.
+            let work_before = accounts.causes.work;
+            let mut gains: Vec<EnergyGain> =
+                island.gains.iter().map(|&index| accounts.gains[index]).collect();
             let is_sound = frame.settings.ledger && before.is_finite();
-            let is_restrained = is_sound && restrain(bodies, (&mut debts, &gained), frame, tally);
+            let is_restrained =
+                is_sound && cap_ejection(bodies, (&mut gains, &gained), frame, accounts);
             let mut after = before;
             if is_restrained {
-                island.allowance += tally.causes.work - work_before;
+                island.allowance += accounts.causes.work - work_before;
                 after = total(bodies, &island.members);
             }
 
-            // The contacts that gave the energy pay first; what they have not, the island pays.
+            // Contacts with an energy gain repay first; the island pays the rest.
             let excess = too_much(after, &island);
             if let Some(excess) = excess {
-                let work_before = tally.causes.work;
-                pay(bodies, &debts, excess, tally);
-                island.allowance += tally.causes.work - work_before;
+                let work_before = accounts.causes.work;
+                repay(bodies, &gains, excess, accounts);
+                island.allowance += accounts.causes.work - work_before;
                 if let Some(excess) = too_much(total(bodies, &island.members), &island) {
-                    let shortened = take_out(bodies, &mut island, flight, excess, frame, tally);
+                    let shortened =
+                        reduce_energy(bodies, &mut island, contact_free, excess, frame, accounts);
                     balance.scaled += 1;
                     balance.shortened += u64::from(shortened);
                 } else {
@@ -132,27 +143,27 @@ impl Ledger {
                 after = total(bodies, &island.members);
             }
             if is_restrained || excess.is_some() {
-                let removed = before + (tally.causes.work - work_before) - after;
+                let removed = before + (accounts.causes.work - work_before) - after;
                 balance.removed += removed;
-                tally.causes.balance -= removed;
+                accounts.causes.balance -= removed;
             }
 
-            // What is left goes into the bank, up to its cap, and is the members' by mass.
-            // Closing overlaps is excepted from gain, as far as it was needed.
+            // Bank the surplus up to the cap, divided among members by mass. Energy needed by
+            // penetration recovery does not count as gain.
             let needed = (after - island.allowance - island.bank).max(0.0).min(island.recovered);
-            tally.recovery += needed;
-            tally.causes.add(Cause::Projection, needed);
-            tally.causes.add(Cause::Contact, -needed);
+            accounts.recovery += needed;
+            accounts.causes.add(Cause::Projection, needed);
+            accounts.causes.add(Cause::Contact, -needed);
             let left = island.allowance + island.bank + needed - after;
             let cap = frame.settings.bank_cap * mass;
-            // An island with a body whose numbers went bad has nothing to keep.
+            // Non-finite islands bank zero.
             let kept = if left.is_finite() { left.clamp(0.0, cap) } else { 0.0 };
             for &i in &island.members {
                 bank.insert(bodies.ids[i], kept * bodies.masses[i] / mass);
             }
         }
 
-        // Bodies that touched nothing keep theirs.
+        // Bodies without contacts keep their bank.
         for (id, amount) in self.bank.iter() {
             if bodies.index_of(id).is_some() && bank.get(id).is_none() {
                 bank.insert(id, amount);
@@ -162,20 +173,25 @@ impl Ledger {
         balance
     }
 
-    /// The islands of a frame. A body that broke still stands in for its fragments.
-    fn islands(&self, bodies: &Bodies, opening: &Opening, tally: &Tally) -> Vec<Island> {
+    /// Islands of a frame. Broken bodies connect their fragments.
+    fn islands(
+        &self,
+        bodies: &Bodies,
+        energy_at_start: &EnergyAtStart,
+        accounts: &FrameAccounts,
+    ) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let is_immobile = |id: BodyId| bodies.index_of(id).is_some_and(|i| are_immobile[i]);
         let mut islands = Islands::new(bodies);
-        let mut held = Vec::new();
-        for &(a, b) in &tally.links {
+        let mut anchored = Vec::new();
+        for &(a, b) in &accounts.links {
             match (is_immobile(a), is_immobile(b)) {
                 (false, false) => {
                     let [a, b] = [a, b].map(|id| islands.node(bodies, id));
                     islands.link(a, b);
                 }
-                (false, true) => held.push((a, b)),
-                (true, false) => held.push((b, a)),
+                (false, true) => anchored.push((a, b)),
+                (true, false) => anchored.push((b, a)),
                 (true, true) => {}
             }
         }
@@ -184,31 +200,31 @@ impl Ledger {
             islands.join(node);
             (node, by)
         };
-        let held: Vec<(u32, u32)> = held.into_iter().map(&mut nodes).collect();
+        let anchored: Vec<(u32, u32)> = anchored.into_iter().map(&mut nodes).collect();
         let members = islands.members(bodies);
 
-        // What holds each of them, and what its mobile bodies owe.
-        let mut anchors = vec![Held::ByNothing; members.len()];
-        for (node, by) in held {
+        // Find the anchor of each island, and the gains of its mobile bodies.
+        let mut anchors = vec![AnchorKind::Free; members.len()];
+        for (node, by) in anchored {
             let Some(number) = islands.number(node) else { continue };
             let anchor = &mut anchors[number];
             *anchor = match *anchor {
-                Held::ByNothing => Held::By(by),
-                Held::By(other) if other == by => Held::By(by),
-                Held::By(_) | Held::ByMany => Held::ByMany,
+                AnchorKind::Free => AnchorKind::One(by),
+                AnchorKind::One(other) if other == by => AnchorKind::One(by),
+                AnchorKind::One(_) | AnchorKind::Many => AnchorKind::Many,
             };
         }
-        let mut debts = vec![Vec::new(); members.len()];
-        for (index, debt) in tally.debts.iter().enumerate() {
-            let Some(&mobile) = debt.ids.iter().find(|&&id| !is_immobile(id)) else { continue };
+        let mut gains = vec![Vec::new(); members.len()];
+        for (index, gain) in accounts.gains.iter().enumerate() {
+            let Some(&mobile) = gain.ids.iter().find(|&&id| !is_immobile(id)) else { continue };
             let node = islands.node(bodies, mobile);
             if let Some(number) = islands.number(node) {
-                debts[number].push(index);
+                gains[number].push(index);
             }
         }
 
         let mut recovered = vec![0.0; members.len()];
-        for (ids, energy) in &tally.recovered {
+        for (ids, energy) in &accounts.recovered {
             let Some(&mobile) = ids.iter().find(|&&id| !is_immobile(id)) else { continue };
             let node = islands.node(bodies, mobile);
             if let Some(number) = islands.number(node) {
@@ -222,9 +238,9 @@ impl Ledger {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, anchors[number]),
                 recovered: recovered[number].max(0.0),
-                allowance: sum(&opening.0, ids) + work_on(&tally.work, ids),
+                allowance: sum(&energy_at_start.0, ids) + work_on(&accounts.work, ids),
                 bank: sum(&self.bank, ids),
-                debts: debts[number].clone(),
+                gains: gains[number].clone(),
             }
         };
         let mut all = threads::list(members.len(), island);
@@ -233,24 +249,24 @@ impl Ledger {
     }
 }
 
-/// What an island touches besides itself.
+/// Immovable bodies in contact with an island.
 #[derive(Clone, Copy)]
-enum Held {
-    ByNothing,
-    /// One body, by its dense index.
-    By(u32),
-    ByMany,
+enum AnchorKind {
+    Free,
+    /// One body, by dense index.
+    One(u32),
+    Many,
 }
 
 fn sum(amounts: &PerBody<f64>, ids: &[BodyId]) -> f64 {
     ids.iter().filter_map(|&id| amounts.get(id)).sum()
 }
 
-/// One kinematic body moves an island along; anything else holds it.
-fn anchor_of(bodies: &Bodies, held: Held) -> Anchor {
-    match held {
-        Held::ByNothing => Anchor::Free,
-        Held::By(i) => Anchor::of(bodies, i as usize),
-        Held::ByMany => Anchor::Fixed,
+/// A single kinematic body carries an island; otherwise it is fixed.
+fn anchor_of(bodies: &Bodies, anchored: AnchorKind) -> Anchor {
+    match anchored {
+        AnchorKind::Free => Anchor::Free,
+        AnchorKind::One(i) => Anchor::of(bodies, i as usize),
+        AnchorKind::Many => Anchor::Fixed,
     }
 }

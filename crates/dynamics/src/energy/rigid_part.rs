@@ -1,10 +1,10 @@
-//! The rigid part of an island's motion, and the rest.
+//! Rigid and relative part of an island's motion.
 //!
-//! Velocities are split into those of one rigid body and what is relative to it. For a free island
-//! the rigid body is the one with the island's momentum and angular momentum; then kinetic energy
-//! is the sum of the two parts' [Koenig], and scaling the relative part changes neither momentum,
-//! and no contact that did not approach begins to. For an island that touches a static or kinematic
-//! body it is that body.
+//! Velocities split into a rigid motion and the remainder relative to it. A free island's rigid
+//! motion has the island's momentum and angular momentum; kinetic energy is then the sum of both
+//! parts' [Koenig]. Scaling the relative part keeps both momenta, and no separating contact begins
+//! to approach. The rigid motion of an island on a static or kinematic body is the motion of this
+//! body.
 
 use frangible_bodies::{Bodies, Pose, Velocity};
 use frangible_geometry::parallel_axis;
@@ -15,15 +15,15 @@ use glam::{DMat3, DVec3};
 pub(crate) struct Twist {
     /// World frame [m].
     pub(crate) origin: DVec3,
-    /// Of the origin [m/s].
+    /// Velocity of the origin [m/s].
     pub(crate) linear: DVec3,
     /// [rad/s]
     pub(crate) angular: DVec3,
 }
 
 impl Twist {
-    /// The rigid motion with the momentum [kg m/s], and the angular momentum about the world's
-    /// origin [kg m^2/s], of the given bodies.
+    /// Rigid motion with a momentum [kg m/s] and an angular momentum about the world's origin [kg
+    /// m^2/s], for the given bodies.
     pub(crate) fn of_momentum(
         bodies: &Bodies,
         poses: &[Pose],
@@ -31,7 +31,7 @@ impl Twist {
         momentum: DVec3,
         angular_momentum: DVec3,
     ) -> Self {
-        // Mass and inertia of the bodies frozen together.
+        // Mass and inertia of all bodies frozen together.
         let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
         let origin =
             members.iter().map(|&i| bodies.masses[i] * poses[i].position).sum::<DVec3>() / mass;
@@ -44,13 +44,13 @@ impl Twist {
         Self { origin, linear: momentum / mass, angular: inertia.inverse() * about_origin }
     }
 
-    /// Work of an impulse [N s], with its moment about the world's origin [kg m^2/s], by what moves
-    /// like this [J].
+    /// Work of an impulse [N s] with a moment about the world's origin [kg m^2/s], on a body in
+    /// this rigid motion [J].
     pub(crate) fn work(&self, impulse: DVec3, moment: DVec3) -> f64 {
         self.linear.dot(impulse) + self.angular.dot(moment - self.origin.cross(impulse))
     }
 
-    /// What a body would have if it moved along.
+    /// Velocity of a body in this rigid motion.
     pub(crate) fn velocity_of(&self, bodies: &Bodies, poses: &[Pose], i: usize) -> Velocity {
         let linear = self.linear + self.angular.cross(poses[i].position - self.origin);
         let tensor = bodies.inertias[i].tensor(poses[i].orientation);
@@ -97,12 +97,13 @@ impl Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody};
+    use frangible_bodies::{Motion, NewBody, SurfaceProperties};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
 
-    /// Momentum and angular momentum survive any scale, and the energy is the sum of the two parts.
+    /// Momentum and angular momentum are independent of the scale, and the energy is the sum of
+    /// both parts.
     #[test]
     fn scaling_the_relative_part_keeps_both_momenta() {
         let mut bodies = Bodies::default();
@@ -121,7 +122,7 @@ mod tests {
                     linear: DVec3::new(3.0 - x, x * x - 4.0, 1.0),
                     angular_momentum: DVec3::new(x, -3.0, 2.0 * x),
                 },
-                contactant: Contactant::new(0.5, 0.5),
+                surface: SurfaceProperties::new(0.5, 0.5),
             });
         }
         let members: Vec<usize> = (0..5).collect();

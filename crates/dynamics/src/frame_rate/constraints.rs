@@ -1,39 +1,39 @@
-//! Contact constraints: the points of a manifold that share a normal, at most four, with what
-//! they carried in the last frame.
+//! Contact constraints: up to four points of a manifold with a common normal, with their
+//! accumulated impulses from the last frame.
 
-use frangible_bodies::{Bodies, Frame, Motion, PairContactant};
-use frangible_collision::{Carried, Manifold, ManifoldPoint};
+use frangible_bodies::{Bodies, Frame, Motion, PairSurface};
+use frangible_collision::{CachedImpulse, Manifold, ManifoldPoint};
 use glam::DVec3;
 
-/// Points of a constraint.
+/// Maximum number of points per constraint.
 pub(super) const MOST_POINTS: usize = 4;
 
-/// Cosine of the angle up to which normals count as the same one: a quarter of a degree.
+/// Normals within a quarter of a degree share a constraint: the cosine of this angle.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
 
-/// A point is near if it is no further apart than this part of what gravity closes in a frame. Near
-/// ones without a carried impulse share that of points which are gone; bodies touch there that may
-/// sleep.
+/// A point is near if its separation is at most this fraction of gravity's displacement in a frame
+/// ([`Frame::speculative_margin`]). Near points without a cached impulse share the impulses of
+/// vanished points, and near points count as touching for sleep.
 pub(super) const NEAR: f64 = 0.2;
 
-/// The points of a manifold that share a constraint.
+/// Points of a manifold in one constraint.
 #[derive(Clone, Copy)]
 pub(super) struct Selection {
-    /// Its manifold's number.
+    /// Index of the manifold.
     pub(super) manifold: u32,
-    /// Of both bodies in the solver.
+    /// Solver lines of both bodies.
     pub(super) lines: [u32; 2],
     numbers: [u16; MOST_POINTS],
     count: u16,
 }
 
 impl Selection {
-    /// The numbers of its points in the manifold.
+    /// Indices of the points in the manifold.
     pub(super) fn points(&self) -> impl ExactSizeIterator<Item = usize> + Clone + '_ {
         self.numbers[..self.count.into()].iter().map(|&number| number.into())
     }
 
-    /// Adds those of a manifold. `is_done` is room.
+    /// Appends the constraints of one manifold. `is_done` is scratch memory.
     pub(super) fn all(
         selections: &mut Vec<Self>,
         (manifold, points): (usize, &[ManifoldPoint]),
@@ -52,7 +52,8 @@ impl Selection {
             let mut selection = none;
             for next in first..points.len() {
                 let has_room = !is_done[next] && usize::from(selection.count) < MOST_POINTS;
-                // Friction acts in the middle of a constraint: corners and cores are apart.
+                // Friction acts at the centre of a constraint, and contacts of corners and of cores
+                // have different centres.
                 let of_one_kind = points[first].rounding == points[next].rounding;
                 let is_along = points[first].normal.dot(points[next].normal) > SAME_NORMAL;
                 if has_room && of_one_kind && is_along {
@@ -69,21 +70,22 @@ impl Selection {
 /// One point of a constraint.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConstraintPoint {
-    /// Its number in the manifold.
+    /// Index in the manifold.
     pub(super) number: usize,
     /// From the bodies' centres, world frame [m].
     pub(super) anchors: [DVec3; 2],
     /// [m]
     pub(super) separation: f64,
-    /// Carried, per substep [N s].
+    /// Impulse of the last frame, per substep [N s].
     pub(super) impulse: f64,
-    /// From the constraint's centre [m].
+    /// Distance from the constraint's centre [m].
     pub(super) radius: f64,
 }
 
-/// See above.
+/// A contact constraint in double precision, before
+/// [`ContactBatch`](super::contact_batch::ContactBatch) packs eight of them.
 pub(super) struct Constraint {
-    /// Of both bodies in the solver.
+    /// Solver lines of both bodies.
     pub(super) lines: [u32; 2],
     /// True for kinematic bodies.
     pub(super) is_driven: [bool; 2],
@@ -91,20 +93,22 @@ pub(super) struct Constraint {
     pub(super) normal: DVec3,
     pub(super) tangent: DVec3,
     pub(super) points: Points,
-    /// Mean of the anchors [m], and from there along the normal to the middle of the gap [m].
+    /// Mean of the anchors [m], and its distance along the normal to the middle between both
+    /// surfaces [m].
     pub(super) centers: [DVec3; 2],
     pub(super) offsets: [f64; 2],
-    /// Carried, per substep: along both tangents [N s], about the normal and both tangents [N m s].
+    /// Impulses of the last frame, per substep: along both tangents [N s], about the normal and
+    /// both tangents [N m s].
     pub(super) friction_impulse: [f64; 2],
     pub(super) twist_impulse: f64,
     pub(super) rolling_impulse: [f64; 2],
-    pub(super) surface: PairContactant,
+    pub(super) surface: PairSurface,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: f64,
 }
 
 impl Constraint {
-    /// True if anything acts before bodies come nearer.
+    /// True if any impulse is nonzero before the bodies approach.
     pub(super) fn carries(&self) -> bool {
         let [along, across] = self.friction_impulse;
         let [about, other] = self.rolling_impulse;
@@ -113,7 +117,7 @@ impl Constraint {
     }
 }
 
-/// Up to [`MOST_POINTS`].
+/// Up to [`MOST_POINTS`] points.
 #[derive(Clone, Copy)]
 pub(super) struct Points {
     of: [ConstraintPoint; MOST_POINTS],
@@ -141,14 +145,14 @@ impl<'a> IntoIterator for &'a Points {
     }
 }
 
-/// A manifold on its way into the solver.
+/// A manifold with its cached impulses.
 pub(super) struct Source<'a> {
     pub(super) manifold: &'a Manifold<'a>,
-    pub(super) carried: &'a [Carried],
+    pub(super) carried: &'a [CachedImpulse],
 }
 
 impl Source<'_> {
-    /// The substep of `h` [s] in which some of its points act first.
+    /// Substep of length `h` [s] in which the first of the selected points can touch.
     pub(super) fn acts_in(&self, selection: &Selection, (h, frame): (f64, &Frame)) -> u16 {
         let fall = frame.dt * frame.gravity.length();
         let time = |number: usize| {
@@ -159,7 +163,7 @@ impl Source<'_> {
         if self.carried.is_empty() { (first / h) as u16 } else { 0 }
     }
 
-    /// The constraint of some of its points, for substeps of `h` [s].
+    /// Builds the constraint of the selected points for substeps of `h` [s].
     pub(super) fn constraint(
         &self,
         selection: &Selection,
@@ -211,15 +215,15 @@ impl Source<'_> {
             friction_impulse: [0.0; 2],
             twist_impulse: 0.0,
             rolling_impulse: [0.0; 2],
-            surface: bodies.pair_contactant(pair.first, pair.second),
+            surface: bodies.pair_surface(pair.first, pair.second),
             gravity: (of(1) - of(0)).dot(normal),
         };
-        self.warm(&mut constraint, h, NEAR * frame.sag());
+        self.warm(&mut constraint, h, NEAR * frame.speculative_margin());
         constraint
     }
 
-    /// Hands on what the pair carried: point by point, and what points that are gone carried
-    /// to those that are new and nearer than `near` [m]. Forces go on as they were in the world.
+    /// Warm starting: copies cached impulses point by point. Impulses of vanished points go to new
+    /// points with a separation below `near` [m]. Friction keeps its direction in the world frame.
     fn warm(&self, constraint: &mut Constraint, h: f64, near: f64) {
         let points = self.manifold.points;
         let has_all = constraint.points.len() == points.len();
@@ -227,7 +231,7 @@ impl Source<'_> {
         let mut left = 0.0;
         for carried in self.carried {
             let is_it =
-                |point: &&mut ConstraintPoint| points[point.number].sample == carried.sample;
+                |point: &&mut ConstraintPoint| points[point.number].feature == carried.feature;
             let acts = &carried.force;
             let normal = h * f64::from(acts.normal);
             if let Some(point) = constraint.points.iter_mut().find(is_it) {
@@ -241,8 +245,8 @@ impl Source<'_> {
             torque -= h * acts.twist.as_dvec3();
         }
         let is_new = |point: &ConstraintPoint| {
-            let sample = points[point.number].sample;
-            point.separation < near && self.carried.iter().all(|carried| carried.sample != sample)
+            let feature = points[point.number].feature;
+            point.separation < near && self.carried.iter().all(|carried| carried.feature != feature)
         };
         let new = constraint.points.iter().filter(|point| is_new(point)).count();
         if has_all && left > 0.0 && new > 0 {

@@ -7,14 +7,14 @@ use super::solver_bodies::{
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Symmetric};
 use glam::DVec3;
 
-/// Where the entry of points i and j of the symmetric 4 x 4 matrix K is stored.
+/// Storage index of entry (i, j) of the symmetric 4 x 4 matrix K.
 pub(super) const ENTRY: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
 
-/// Smallest determinant of a 2 x 2 effective mass, relative to the product of its diagonal: a
-/// sliver's is rounding.
+/// Minimum determinant of a 2 x 2 effective mass, relative to the product of its diagonal. For
+/// slivers the determinant is pure rounding error.
 const LEAST_DETERMINANT: f64 = 1e-5;
 
-/// One point of each manifold.
+/// One point of each of eight manifolds.
 #[derive(Clone, Copy)]
 pub(super) struct PointLanes<I> {
     /// From the bodies' centres at the frame's start, world frame [m].
@@ -29,7 +29,7 @@ pub(super) struct PointLanes<I> {
     pub(super) radius: Single<I>,
 }
 
-/// Rolling friction, where any of the pairs has some.
+/// Rolling friction; present if any lane has a nonzero coefficient.
 pub(super) struct RollingLanes<I> {
     /// Torque per normal force [m].
     pub(super) coefficient: Single<I>,
@@ -39,24 +39,24 @@ pub(super) struct RollingLanes<I> {
     pub(super) impulse: [Single<I>; 2],
 }
 
-/// Eight manifolds, no two of which share a body that contacts move: up to four points each,
-/// with one normal.
+/// Eight manifolds, up to four points each, one normal per manifold. No two lanes share a movable
+/// body.
 pub(super) struct ContactBatch<I> {
-    /// The first line of its slab.
+    /// First solver line of the slab.
     pub(super) first_line: usize,
-    /// Lines of the first and of the second bodies, from there on.
+    /// Solver lines of the first and second bodies, relative to `first_line`.
     pub(super) ids: [[u32; LANES]; 2],
-    /// Number of the constraint in each lane; `u32::MAX` for none.
+    /// Constraint index of each lane; `u32::MAX` for empty lanes.
     pub(super) constraints: [u32; LANES],
-    /// Points of the manifold that has most.
+    /// Largest point count of all lanes.
     pub(super) point_count: usize,
     pub(super) points: [PointLanes<I>; MOST_POINTS],
     /// World frame, from the first body to the second.
     pub(super) normal: Single3<I>,
     pub(super) tangent: Single3<I>,
-    /// Of the anchors, from the bodies' centres [m]: friction acts there.
+    /// Means of the anchors, from the bodies' centres [m]: friction acts there.
     pub(super) centers: [Single3<I>; 2],
-    /// From those along the normal to the middle between the surfaces [m].
+    /// Distances from `centers` along the normal to the middle between the surfaces [m].
     pub(super) offsets: [Single<I>; 2],
     /// The matrix K of the points: velocity at i per impulse at j [1/kg].
     pub(super) k: [Single<I>; 10],
@@ -81,22 +81,22 @@ pub(super) struct ContactBatch<I> {
     pub(super) recovery: Single<I>,
     pub(super) friction_work: Single<I>,
     pub(super) driven_work: Single<I>,
-    /// Lanes with a kinematic body, and which side that is.
+    /// Lanes with a kinematic body, by side.
     pub(super) is_driven: [Mask; 2],
-    /// Lanes in which anything acted in the frame.
+    /// Lanes with a nonzero impulse in this frame.
     pub(super) acted: Mask,
     /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
-    /// True if it has no impulses, and so nothing to begin with.
+    /// True if all accumulated impulses are zero: warm starting has no effect.
     pub(super) is_quiet: bool,
-    /// True if bodies have turned so far that it must be prepared anew before anything acts.
+    /// True if bodies have turned so far that K must be recomputed before the next solve.
     pub(super) is_stale: bool,
-    /// True if anything may come fast enough to bounce.
+    /// True if any lane may approach faster than the bounce threshold.
     pub(super) may_bounce: bool,
 }
 
 impl<I: Instructions> ContactBatch<I> {
-    /// Without manifolds: both sides of all lanes are the first line, which is fixed.
+    /// Empty lanes: both sides are the slab's first line, which is fixed.
     pub(super) fn empty(first_line: usize) -> Self {
         let (zero, zero3) = (Single::ZERO, Single3::ZERO);
         let point = PointLanes {
@@ -140,7 +140,7 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// Puts a constraint into a lane.
+    /// Packs a constraint into a lane.
     pub(super) fn fill(&mut self, lane: usize, (number, constraint): (u32, &Constraint)) {
         self.constraints[lane] = number;
         self.is_quiet &= !constraint.carries();
@@ -186,7 +186,7 @@ impl<I: Instructions> ContactBatch<I> {
         self.gravity.set(lane, constraint.gravity);
     }
 
-    /// Computes K and the effective masses of friction where the bodies are now.
+    /// Computes K and the effective masses of friction at the current poses.
     #[inline(always)]
     pub(super) fn prepare(&mut self, lines: &Lines) {
         self.is_stale = false;
@@ -251,7 +251,7 @@ impl<I: Instructions> ContactBatch<I> {
         [inverse_inertias(of, &self.ids[0]), inverse_inertias(of, &self.ids[1])]
     }
 
-    /// Where friction acts, from the bodies' centres, now [m].
+    /// Current points of friction, from the bodies' centres [m].
     #[inline(always)]
     pub(super) fn turned_centers(&self, at: &[LaneDisplacements<I>; 2]) -> [Single3<I>; 2] {
         let mut centers = self.centers;
@@ -262,7 +262,7 @@ impl<I: Instructions> ContactBatch<I> {
         centers
     }
 
-    /// The impulses of a lane's points in the last substep [N s].
+    /// Normal impulses of a lane's points in the last substep [N s].
     pub(super) fn normal_impulses(&self, lane: usize) -> [f64; MOST_POINTS] {
         let mut impulses = [0.0; MOST_POINTS];
         for (impulse, point) in impulses.iter_mut().zip(&self.points) {
@@ -271,7 +271,7 @@ impl<I: Instructions> ContactBatch<I> {
         impulses
     }
 
-    /// The normal and both tangents of a lane.
+    /// Normal and both tangents of a lane.
     pub(super) fn frame_of(&self, lane: usize) -> [DVec3; 3] {
         let (normal, tangent) = (self.normal.get(lane), self.tangent.get(lane));
         [normal, tangent, normal.cross(tangent)]
@@ -279,21 +279,21 @@ impl<I: Instructions> ContactBatch<I> {
 }
 
 impl<I> ContactBatch<I> {
-    /// Of the first and of the second bodies.
+    /// Solver lines of the first and of the second bodies.
     #[inline(always)]
     pub(super) fn lines(&self) -> [[usize; LANES]; 2] {
         self.ids.map(|of_side| of_side.map(|id| self.first_line + id as usize))
     }
 }
 
-/// 1/x, and zero where x is not positive.
+/// 1/x for positive x, else 0.
 #[inline(always)]
 pub(super) fn reciprocal<I: Instructions>(x: Single<I>) -> Single<I> {
     x.above(Single::ZERO).select(Single::same(1.0) / x, Single::ZERO)
 }
 
-/// Of a symmetric matrix by its entries xx, yy and xy: relative to its trace, as the square of
-/// what a sliver has is beyond single precision.
+/// Inverse of a symmetric matrix with entries xx, yy and xy. Dividing by the trace first keeps the
+/// squared entries of slivers within single precision.
 #[inline(always)]
 fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
     let scale = reciprocal(xx + yy);

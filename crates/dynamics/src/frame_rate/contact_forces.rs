@@ -1,31 +1,31 @@
-//! Forces that contacts carried at the end of a frame.
+//! Contact forces at the end of a frame.
 
 use frangible_bodies::{Bodies, Pair};
-use frangible_collision::{Manifold, WarmStart};
+use frangible_collision::{ImpulseCache, Manifold};
 use glam::DVec3;
 
-/// A force at a point of contact.
+/// Force at a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
-    /// Whose.
+    /// Both bodies in contact.
     pub pair: Pair,
-    /// On the surfaces of the first and of the second body, each in its body frame [m].
+    /// Contact point on the surfaces of the first and of the second body, in body frames [m].
     pub points: [DVec3; 2],
-    /// On the first body, in the world frame [N]; its opposite acts on the second.
+    /// Force on the first body, world frame [N]; the second body feels its opposite.
     pub force: DVec3,
 }
 
-/// The mean forces of the frame in which each pair was solved, this one or one before it, at the
-/// points that some manifolds had at its start, in order. Blows are in them.
+/// Mean contact forces of each pair's last solved frame (this frame or an earlier one), in the
+/// order of `manifolds` and at their points. Impacts are included.
 pub fn contact_forces<'a>(
     bodies: &Bodies,
     manifolds: impl Iterator<Item = Manifold<'a>>,
-    carried: &WarmStart,
+    carried: &ImpulseCache,
 ) -> Vec<ContactForce> {
     let of = |manifold: Manifold| {
         let pair = manifold.pair;
         let forces = manifold.points.iter().filter_map(|point| {
-            let force = carried.get(bodies, pair, point.sample)?.force.mean.as_dvec3();
+            let force = carried.get(bodies, pair, point.feature)?.force.mean.as_dvec3();
             let towards = |i: usize, rounding: f64| {
                 bodies.poses[i].orientation.conjugate() * (rounding * point.normal)
             };

@@ -1,28 +1,28 @@
-//! The frame's end: poses and velocities in double precision, momentum exact, energy booked.
+//! End of the frame: poses and velocities in double precision, exact momentum, energy by cause.
 
 use super::contact_batch::ContactBatch;
 use super::group::Group;
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
 use crate::energy::islands::root;
-use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::evolve;
 use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
-use frangible_collision::{Carried, Manifold, Part, PointImpulse};
+use frangible_collision::{CachedImpulse, FeatureId, ImpulseChunk, Manifold, PointImpulse};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
 
-/// The effects of the substeps besides the bodies' motion.
+/// Results of the substeps besides the motion of the bodies.
 pub struct Solved {
-    /// The contributions of static and kinematic bodies, and energy by cause.
-    pub tally: Tally,
-    /// Impulse and angular impulse about the world's origin that gravity gave.
+    /// Momentum from static and kinematic bodies, and energy by cause.
+    pub accounts: FrameAccounts,
+    /// Gravity's impulse and its angular impulse about the world origin.
     pub gravity: (DVec3, DVec3),
-    /// Islands that took fewer substeps than they need: `most_substeps` or the work of a frame
-    /// bounds them.
+    /// Number of islands with fewer substeps than their accuracy needs, limited by `most_substeps`
+    /// or by the work of a frame.
     pub short_of_substeps: usize,
 }
 
-/// Where all bodies were at the frame's start, and how fast.
+/// Poses and velocities of all bodies at the frame's start.
 pub(super) struct FrameStart {
     poses: Vec<Pose>,
     velocities: Vec<Velocity>,
@@ -39,15 +39,15 @@ impl FrameStart {
 }
 
 impl<I: Instructions> Group<I> {
-    /// Moves the bodies to where the substeps left them, books what acted, and returns what the
-    /// next frame begins with.
+    /// Writes the solved poses and velocities to the bodies, books impulses and energy, and returns
+    /// the impulse cache for the next frame.
     pub(super) fn write_back(
         self,
         bodies: &mut Bodies,
         manifolds: &[Manifold],
         frame: &Frame,
-        tally: &mut Tally,
-    ) -> Part {
+        accounts: &mut FrameAccounts,
+    ) -> ImpulseChunk {
         let Self { bodies: mut solver_bodies, selections, batches, h, .. } = self;
         let mut places = vec![(0, 0); selections.len()];
         for (at, batch) in batches.iter().enumerate() {
@@ -58,11 +58,11 @@ impl<I: Instructions> Group<I> {
             }
         }
 
-        // Impulses are pairs of opposites, so that momentum is exact whatever single precision
-        // made of the velocities.
+        // Each impulse acts on both bodies with opposite signs, in double precision. Linear
+        // momentum is exact despite the single-precision velocities.
         let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
         let mut is_touched = vec![false; momenta.len()];
-        let mut part = Part::with_room(selections.len(), 4 * selections.len());
+        let mut part = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
         let mut places = places.into_iter();
         for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
             let manifold = of_manifold[0].manifold as usize;
@@ -89,19 +89,24 @@ impl<I: Instructions> Group<I> {
                         let by = [pair.second, pair.first][side];
                         let sign = if side == 0 { -1.0 } else { 1.0 };
                         let work = batch.driven_work.get(lane);
-                        tally.book_outside(bodies, [on, by], (sign * impulse, DVec3::ZERO), work);
+                        accounts.book_outside(
+                            bodies,
+                            [on, by],
+                            (sign * impulse, DVec3::ZERO),
+                            work,
+                        );
                     }
                 }
                 recovered += batch.recovery.get(lane);
-                tally.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let samples = selection.points().map(|number| points[number].sample);
-                carry(&mut part, samples, (batch, lane), (h, frame.dt));
+                accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
+                let features = selection.points().map(|number| points[number].feature);
+                carry(&mut part, features, (batch, lane), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);
             if is_acting {
-                tally.link(bodies, *pair);
-                tally.impulses += 1;
-                tally.recover(bodies, *pair, recovered);
+                accounts.link(bodies, *pair);
+                accounts.impulses += 1;
+                accounts.recover(bodies, *pair, recovered);
             }
         }
 
@@ -121,11 +126,11 @@ impl<I: Instructions> Group<I> {
     }
 }
 
-/// Adds what a lane carried, in the last substep and on average over the frame, as forces in the
-/// world.
+/// Appends the impulses of a lane to the cache, as world-frame forces: the last substep's and the
+/// frame's mean.
 fn carry<I: Instructions>(
-    part: &mut Part,
-    samples: impl ExactSizeIterator<Item = (bool, u64)>,
+    part: &mut ImpulseChunk,
+    features: impl ExactSizeIterator<Item = FeatureId>,
     (batch, lane): (&ContactBatch<I>, usize),
     (h, dt): (f64, f64),
 ) {
@@ -140,9 +145,10 @@ fn carry<I: Instructions>(
         torque += along.get(lane) * tangent + across.get(lane) * other;
     }
     let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
-    // An impact acted at all of the points.
-    let equal = 1.0 / samples.len() as f64;
-    for (sample, impulse) in samples.zip(impulses) {
+    // An impact before the last substep leaves no final impulse: its mean acts equally at all
+    // points.
+    let equal = 1.0 / features.len() as f64;
+    for (feature, impulse) in features.zip(impulses) {
         let share = if total > 0.0 { impulse / total } else { equal };
         if share > 0.0 {
             let force = PointImpulse {
@@ -151,20 +157,20 @@ fn carry<I: Instructions>(
                 twist: (-(share / h) * torque).as_vec3(),
                 mean: (-(share / dt) * of_frame).as_vec3(),
             };
-            part.points.push(Carried { sample, force });
+            part.points.push(CachedImpulse { feature, force });
         }
     }
 }
 
-/// An island by what acted in the frame.
+/// An island of bodies that exchanged impulses in this frame.
 #[derive(Default)]
 struct ActedIsland {
     members: Vec<usize>,
-    /// True if it touches a body that contacts do not move.
+    /// True if a member touched a static or kinematic body.
     is_held: bool,
 }
 
-/// Closes the frame of each island: angular momentum, and energy by cause.
+/// Closes the accounts of each island: angular momentum, and energy by cause.
 pub(super) fn close_islands(
     bodies: &mut Bodies,
     start: &FrameStart,
@@ -174,11 +180,11 @@ pub(super) fn close_islands(
 ) {
     let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
     let mut given = 0.0;
-    for ActedIsland { members, is_held } in acted_islands(bodies, substeps, &solved.tally) {
+    for ActedIsland { members, is_held } in acted_islands(bodies, substeps, &solved.accounts) {
         debug_assert!(members.iter().all(|&i| !is_fixed[i]));
         let unexplained = angular_change(bodies, start, &members, frame, solved);
         if is_held {
-            solved.tally.outside_angular_impulse += unexplained;
+            solved.accounts.outside_angular_impulse += unexplained;
         } else if unexplained != DVec3::ZERO {
             turn_back(bodies, &members, unexplained);
         }
@@ -187,17 +193,21 @@ pub(super) fn close_islands(
                 - start.energy(bodies, i, frame.gravity);
         }
     }
-    let Tally { causes, .. } = &mut solved.tally;
+    let FrameAccounts { causes, .. } = &mut solved.accounts;
     let known = causes.work + causes.friction;
     causes.add(Cause::Contact, given - known);
 }
 
-/// Bodies that exchanged impulses, directly or through others, in the order of the first one.
-fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<ActedIsland> {
+/// Connected components of the exchanged impulses, ordered by their first body.
+fn acted_islands(
+    bodies: &Bodies,
+    substeps: &[Substeps],
+    accounts: &FrameAccounts,
+) -> Vec<ActedIsland> {
     let mut parent: Vec<u32> = (0..bodies.len() as u32).collect();
     let is_movable = |i: usize| !bodies.inertias[i].is_infinite();
-    let mut links = Vec::with_capacity(tally.links.len());
-    for &(a, b) in &tally.links {
+    let mut links = Vec::with_capacity(accounts.links.len());
+    for &(a, b) in &accounts.links {
         if let (Some(a), Some(b)) = (bodies.index_of(a), bodies.index_of(b)) {
             links.push([a, b]);
             if is_movable(a) && is_movable(b) {
@@ -228,8 +238,8 @@ fn acted_islands(bodies: &Bodies, substeps: &[Substeps], tally: &Tally) -> Vec<A
     islands
 }
 
-/// Books gravity's impulses, and returns what they do not explain of the change of angular
-/// momentum about the world's origin.
+/// Books gravity's impulses. Returns the change of angular momentum about the world origin minus
+/// gravity's contribution.
 fn angular_change(
     bodies: &Bodies,
     start: &FrameStart,
@@ -254,8 +264,7 @@ fn angular_change(
     unexplained
 }
 
-/// Turns an island as one rigid body, so that it loses an angular momentum. Linear momentum
-/// stays.
+/// Subtracts `angular_momentum` from an island by a rigid rotation. Linear momentum is unchanged.
 fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
     let mass: f64 = members.iter().map(|&i| bodies.masses[i]).sum();
     let weighted = |&i: &usize| bodies.masses[i] * bodies.poses[i].position;
@@ -276,7 +285,7 @@ fn turn_back(bodies: &mut Bodies, members: &[usize], angular_momentum: DVec3) {
     }
 }
 
-/// Flies a body through the frame: exactly, as nothing touches it.
+/// Integrates a body without contacts over the frame, exactly.
 pub(super) fn fall(bodies: &mut Bodies, i: usize, frame: &Frame) {
     let half = 0.5 * frame.dt * frame.gravity;
     bodies.velocities[i].linear += half;

@@ -1,4 +1,4 @@
-//! The islands that take as many substeps: their constraints in colours, and the substeps.
+//! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
@@ -9,51 +9,51 @@ use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
 use super::touching::Touching;
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{Carried, Manifold};
+use frangible_collision::{CachedImpulse, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
 use std::cell::OnceCell;
 use std::ops::Range;
 use std::slice::from_ref;
 
-/// Damping ratio of overlaps that close. With 10 [Cat24] walls keep a motion of 5 cm/s, with
-/// this of 0.2 mm/s.
+/// Damping ratio of penetration recovery. With 10 [Cat24] walls at rest keep moving at 5 cm/s, with
+/// this value at 0.2 mm/s.
 const DAMPING_RATIO: f64 = 0.5;
 
-/// Overlaps beyond what the load explains close to 1/e of them in so many frames: in two, towers
-/// of seventy cubes fall; in eight, they lean.
+/// Time constant of penetration recovery, in frames: overlap beyond the load's spring deflection
+/// decays to 1/e. With 2, towers of seventy cubes fall; with 8, they lean.
 const RECOVERY_FRAMES: f64 = 4.0;
 
-/// Slower than this nothing bounces where there is no gravity [m/s]. Where there is, approach
-/// speeds must be above what it gives in a frame: what rests approaches so fast.
+/// Minimum approach speed of a bounce without gravity [m/s]. With gravity the threshold is
+/// gravity's speed gain in a frame, the approach speed of resting contacts.
 const LEAST_BOUNCE: f64 = 1e-3;
 
-/// Constraints of which no two share a movable body are of one colour; there are so many
-/// colours before the rest has one each.
+/// Number of graph colours; constraints of one colour share no movable body. Constraints beyond get
+/// a colour each.
 const COLOURS: u32 = 128;
 
-/// Islands on their way through a frame.
+/// Islands in the substep loop.
 pub(super) struct Group<I> {
     pub(super) bodies: SolverBodies,
-    /// Of each constraint.
+    /// One entry per constraint.
     pub(super) selections: Vec<Selection>,
     pub(super) batches: Vec<ContactBatch<I>>,
-    /// First line of each slab and of the rest, and their end.
+    /// First line of each slab and of the remainder, and their end.
     starts: Vec<usize>,
-    /// The last one is the rest.
+    /// The last entry is the remainder: manifolds across more than two slabs.
     pub(super) slabs: Vec<Slab>,
-    /// Built when it is first asked.
+    /// Built on first use.
     touching: OnceCell<Touching>,
     pub(super) substeps: u32,
-    /// Of a substep [s].
+    /// Length of a substep [s].
     pub(super) h: f64,
 }
 
 impl<I: Instructions> Group<I> {
-    /// Of some manifolds. `lines` is room of one entry for each body, all of them
-    /// [`NOWHERE`](super::slabs::NOWHERE), before and after.
+    /// Builds the group of the manifolds `members`. `lines` is scratch memory, one entry per body,
+    /// all [`NOWHERE`](super::slabs::NOWHERE) before and after.
     pub(super) fn new(
         bodies: &Bodies,
-        (manifolds, carried): (&[Manifold], &[&[Carried]]),
+        (manifolds, carried): (&[Manifold], &[&[CachedImpulse]]),
         (members, substeps): (&[usize], u32),
         lines: &mut [u32],
         frame: &Frame,
@@ -77,7 +77,7 @@ impl<I: Instructions> Group<I> {
             .map(|body| body.is_some_and(|i| !bodies.inertias[i].is_infinite()))
             .collect();
 
-        // The colours of each slab, then its constraints.
+        // Colour each slab, then fill its batches.
         let acts_in = |selection: &Selection| source(selection).acts_in(selection, (h, frame));
         let colours = Colours { selections: &selections, is_movable: &is_movable };
         let room = || vec![0; slabs.body_of.len()];
@@ -161,7 +161,7 @@ impl<I: Instructions> Group<I> {
         }
     }
 
-    /// Visits all batches: those of even slabs at a time, of odd ones, and the rest.
+    /// Visits all batches: even slabs in parallel, then odd slabs in parallel, then the remainder.
     #[inline(always)]
     fn sweep(&mut self, visit: impl Fn(&mut ContactBatch<I>, &mut Lines) + Send + Sync) {
         let things = self.selections.len();
@@ -171,7 +171,8 @@ impl<I: Instructions> Group<I> {
                 #[inline(always)]
                 || {
                     for at in 0..batches.len() {
-                        // The processor does not guess which memory comes next.
+                        // Prefetch explicitly: the hardware prefetcher does not predict the next
+                        // batch.
                         if let Some(next) = batches.get(at + 1) {
                             prefetch(from_ref(next));
                         }
@@ -197,7 +198,7 @@ impl<I: Instructions> Group<I> {
         visit_batches(&mut batches[rest.batches.clone()], lines);
     }
 
-    /// Turns what spins fast exactly, and prepares what has turned too far anew.
+    /// Rotates fast-spinning bodies exactly, and marks the batches of far-turned bodies as stale.
     fn spin(&mut self, bodies: &Bodies, frame: &Frame) {
         self.bodies.spin(bodies, frame.settings.rotation, self.h);
         if self.bodies.turned.is_empty() {
@@ -211,7 +212,7 @@ impl<I: Instructions> Group<I> {
     }
 }
 
-/// A slice of which pieces are taken from the front.
+/// Splits mutable sub-slices off the front of a slice.
 struct Cut<'a, T> {
     left: &'a mut [T],
     begin: usize,
@@ -222,7 +223,7 @@ impl<'a, T> Cut<'a, T> {
         Self { left: all, begin: 0 }
     }
 
-    /// A range of the whole, behind those that were taken.
+    /// Returns `range` of the original slice; must start at or after the end of earlier ranges.
     fn take(&mut self, range: Range<usize>) -> &'a mut [T] {
         let (_, from) = std::mem::take(&mut self.left).split_at_mut(range.start - self.begin);
         let (taken, left) = from.split_at_mut(range.len());
@@ -231,16 +232,17 @@ impl<'a, T> Cut<'a, T> {
     }
 }
 
-/// Greedy colours: constraints of one colour share no movable body.
+/// Greedy graph colouring: constraints of one colour share no movable body.
 struct Colours<'a> {
     selections: &'a [Selection],
-    /// By line.
+    /// Indexed by solver line.
     is_movable: &'a [bool],
 }
 
 impl Colours<'_> {
-    /// Some constraints, by their numbers, by colour: those first that act first, and of those the
-    /// ones with most points. `taken` is room of an entry for each line, zero before and after.
+    /// Constraint indices by colour; within a colour sorted by first active substep, then by
+    /// descending point count. `taken` is scratch memory, one entry per line, zero before and
+    /// after.
     fn order(
         &self,
         members: Vec<u32>,

@@ -1,51 +1,53 @@
-//! The visits of a substep to each batch: warm starting, one soft sweep before the drift, one
-//! rigid sweep after it [Cat24].
+//! Kernels of a substep, per batch: warm starting, one soft sweep before the drift, one rigid sweep
+//! after it [Cat24].
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
 use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SPINS};
 use frangible_math::{Instructions, Mask, Single, Single3, Symmetric};
 
-/// Half of the angle [rad] up to which arms do not turn with their bodies within a frame: the
-/// error of a separation is a 500,000th of the arm then. With five times as much what lies on a
-/// turntable slips outward by 17 mm in 10 s, instead of 0.2. From half of it to five times as much
-/// the solver's time for a heap of 9,000 pieces at rest falls by a quarter.
+/// Half of the angle [rad] up to which arms keep their direction within a frame: the separation is
+/// then off by 1/500,000 of the arm. With 5 times this angle bodies on a turntable slip outward by
+/// 17 mm in 10 s, instead of 0.2. From half to 5 times this angle the solver's time for 9,000
+/// pieces at rest falls by a quarter.
 const HALF_TURN: f32 = 1e-3;
 
-/// Gauss-Seidel sweeps over the points of a manifold in a visit, there and back by turns; one point
-/// needs one. With two, a wall at rest keeps ten times the motion, for a fifteenth of the time.
+/// Gauss-Seidel sweeps over a manifold's points in a visit, alternately forward and backward; one
+/// point needs one sweep. With two, a wall at rest keeps ten times the motion and saves a fifteenth
+/// of the time.
 const POINT_SWEEPS: u32 = 4;
 
-/// Numbers that all batches of a substep share.
+/// Constants of a substep, common to all batches.
 pub(super) struct Substep<I> {
     /// [s]
     pub(super) h: Single<I>,
     /// [1/s]
     pub(super) per_second: Single<I>,
     pub(super) soft: Softness<I>,
-    /// Overlaps beyond what the load explains close by this part of them a second [1/s],
-    /// however many substeps there are: a tower that gets stiffer must not jump.
+    /// Fraction of the overlap beyond the load's spring deflection that closes per second [1/s].
+    /// The value does not depend on the substep count: a tower must not jump when its substeps
+    /// increase.
     pub(super) recovery_rate: Single<I>,
-    /// They close no faster [m/s].
+    /// Maximum speed of penetration recovery [m/s].
     pub(super) recovery_speed: Single<I>,
-    /// A faster approach bounces, if the restitution is above zero; negative [m/s].
+    /// Threshold velocity of restitution, negative: a faster approach bounces [m/s].
     pub(super) bounce_velocity: Single<I>,
 }
 
-/// How soft contacts are [Cat24].
+/// Soft-constraint coefficients [Cat24].
 pub(super) struct Softness<I> {
     /// Velocity per overlap [1/s].
     rate: Single<I>,
     /// Scale of the effective mass [1].
     mass: Single<I>,
-    /// Scale of the accumulated impulse that is given up [1].
+    /// Fraction of the accumulated impulse to remove [1].
     impulse: Single<I>,
-    /// Speed at which what is carried gives way, in units of what its impulse does [1].
+    /// Velocity at which a loaded spring yields, in units of K times its impulse [1].
     yielding: Single<I>,
 }
 
 impl<I: Instructions> Softness<I> {
-    /// A spring of this frequency [Hz] and damping ratio in substeps of `h` [s].
+    /// Spring with a frequency [Hz] and a damping ratio, in substeps of `h` [s].
     pub(super) fn new(frequency: f64, damping_ratio: f64, h: f64) -> Self {
         let omega = std::f64::consts::TAU * frequency;
         let a = 2.0 * damping_ratio + h * omega;
@@ -60,14 +62,14 @@ impl<I: Instructions> Softness<I> {
     }
 }
 
-/// Both sides of eight manifolds in a visit.
+/// Both bodies of eight manifolds during a visit.
 pub(super) struct Sides<I> {
     pub(super) of: [LaneVelocities<I>; 2],
     pub(super) inertia: [Symmetric<Single<I>>; 2],
 }
 
 impl<I: Instructions> Sides<I> {
-    /// Adds an impulse along `normal` with its moments about both centres.
+    /// Applies an impulse along `normal` with its moments about both centres.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -82,7 +84,7 @@ impl<I: Instructions> Sides<I> {
         b.angular = b.angular + self.inertia[1] * moments[1];
     }
 
-    /// Adds an impulse at points relative to both centres.
+    /// Applies an impulse at arms relative to both centres.
     #[inline(always)]
     pub(super) fn push_at(&mut self, arms: [Single3<I>; 2], impulse: Single3<I>) {
         let [a, b] = &mut self.of;
@@ -92,7 +94,7 @@ impl<I: Instructions> Sides<I> {
         b.angular = b.angular + self.inertia[1] * arms[1].cross(impulse);
     }
 
-    /// Of an impulse and its moments, by the change of velocity that it makes itself [J].
+    /// Twice the kinetic energy [J] of an impulse on bodies at rest, from its size and its moments.
     #[inline(always)]
     pub(super) fn work_of(&self, impulse: Single<I>, moments: [Single3<I>; 2]) -> Single<I> {
         let inverse_mass = self.of[0].inverse_mass + self.of[1].inverse_mass;
@@ -101,7 +103,7 @@ impl<I: Instructions> Sides<I> {
             + moments[1].dot(self.inertia[1] * moments[1])
     }
 
-    /// Shortens the change of friction along both tangents so that it stops a slip at most.
+    /// Scales the change of friction along both tangents to at most the change that stops the slip.
     #[inline(always)]
     pub(super) fn rub(
         &self,
@@ -119,7 +121,7 @@ impl<I: Instructions> Sides<I> {
         [change[0] * scale, change[1] * scale]
     }
 
-    /// Relative velocity at points relative to both centres.
+    /// Relative velocity at arms relative to both centres.
     #[inline(always)]
     pub(super) fn velocity_at(&self, arms: [Single3<I>; 2]) -> Single3<I> {
         let [a, b] = &self.of;
@@ -127,17 +129,17 @@ impl<I: Instructions> Sides<I> {
     }
 }
 
-/// The points of eight manifolds in a visit.
+/// Point velocities and targets of eight manifolds during a visit.
 struct Seen<I> {
     /// Moments of a unit impulse about both centres [m].
     arms: [[Single3<I>; 2]; MOST_POINTS],
-    /// Along the normal [m/s], and what it shall become.
+    /// Velocity along the normal [m/s], and its target.
     velocity: [Single<I>; MOST_POINTS],
     target: [Single<I>; MOST_POINTS],
-    /// Scale of the effective mass, and part of the impulse that is given up [1].
+    /// Scale of the effective mass, and fraction of the impulse to remove [1].
     mass_scale: [Single<I>; MOST_POINTS],
     given_up: [Single<I>; MOST_POINTS],
-    /// Lanes that come nearer than they shall.
+    /// Lanes with any point below its target velocity.
     acts: Mask,
 }
 
@@ -153,8 +155,8 @@ impl<I: Instructions> ContactBatch<I> {
         sides.of[1].store(lines.bodies, &self.ids[1]);
     }
 
-    /// Applies the accumulated impulses of the last substep again, but where the bodies turn too
-    /// far for them.
+    /// Warm starting: applies the accumulated impulses of the last substep again, except in lanes
+    /// with bodies that turn too far.
     #[inline(always)]
     pub(super) fn warm_start(&mut self, lines: &mut Lines, substep: &Substep<I>) {
         if self.is_quiet {
@@ -162,7 +164,7 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let mut sides = self.sides(lines);
         if self.is_turned {
-            // Those of balls begin at their centres, and turn nowhere.
+            // Impulses on balls pass through the centre: rotation leaves them unchanged.
             let turns = |side: usize| {
                 let (angular, center) = (sides.of[side].angular, self.centers[side]);
                 let has_arm = center.dot(center).above(Single::ZERO);
@@ -202,7 +204,7 @@ impl<I: Instructions> ContactBatch<I> {
         self.store(&sides, lines);
     }
 
-    /// Accumulates from nothing in some lanes.
+    /// Clears the accumulated impulses of some lanes.
     #[inline(always)]
     fn forget(&mut self, lanes: Mask) {
         let zero = Single::ZERO;
@@ -224,8 +226,8 @@ impl<I: Instructions> ContactBatch<I> {
         [centers[0] + n * self.offsets[0], centers[1] + n * self.offsets[1]]
     }
 
-    /// Solves the normal impulses of each manifold's points by one sweep over them, and after
-    /// the drift also friction. Bodies are changed once.
+    /// Solves the normal impulses of each manifold's points by Gauss-Seidel; the rigid sweep (after
+    /// the drift) also solves friction. Velocities are loaded and stored once.
     #[inline(always)]
     pub(super) fn solve<const SOFT: bool>(&mut self, lines: &mut Lines, substep: &Substep<I>) {
         let (one, zero) = (Single::<I>::same(1.0), Single::<I>::ZERO);
@@ -258,7 +260,8 @@ impl<I: Instructions> ContactBatch<I> {
             }
         }
 
-        // K is that of where the bodies were prepared. What yields more now gets less.
+        // K belongs to the poses of the last `prepare`. If the impulses' real work exceeds the
+        // expectation from K, scale them down.
         if self.is_turned {
             let mut expected = zero;
             for i in 0..self.point_count {
@@ -296,7 +299,7 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// The velocities of each manifold's points, and the targets for them.
+    /// Computes point velocities and their targets.
     #[inline(always)]
     fn see<const SOFT: bool>(
         &mut self,
@@ -327,7 +330,7 @@ impl<I: Instructions> ContactBatch<I> {
                 mass_scale[i] = is_open.select(one, substep.soft.mass);
                 given_up[i] = is_open.select(zero, substep.soft.impulse);
             } else {
-                // An approach that will bounce does so in the next substep; contact lets it pass.
+                // Keep an approach that will bounce in the next substep.
                 let bounce = substep.bounce_velocity;
                 let passes = bounce.above(velocity[i]).and(self.bounces);
                 let twice = velocity[i] + velocity[i];
@@ -345,14 +348,14 @@ impl<I: Instructions> ContactBatch<I> {
         Seen { arms, velocity, target, mass_scale, given_up, acts }
     }
 
-    /// See [`POINT_SWEEPS`].
+    /// Number of sweeps; see [`POINT_SWEEPS`].
     #[inline(always)]
     pub(super) fn point_sweeps(&self) -> u32 {
         if self.point_count > 1 { POINT_SWEEPS } else { 1 }
     }
 
-    /// Gauss-Seidel over the points, there and back, so that no corner comes first. Returns what
-    /// was added to the impulse of each.
+    /// Gauss-Seidel over the points, alternately forward and backward for symmetry. Returns the
+    /// change of each impulse.
     #[inline(always)]
     fn sweep_points(
         &mut self,
@@ -403,7 +406,8 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// Twisting, rolling, and Coulomb's friction in two dimensions at the manifold's centre.
+    /// Twisting and rolling friction, then Coulomb friction in two dimensions at the manifold's
+    /// centre.
     #[inline(always)]
     fn solve_friction(
         &mut self,
@@ -434,7 +438,7 @@ impl<I: Instructions> ContactBatch<I> {
         }
         sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
         sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
-        // Carried impulses may have overshot: friction works at the slip that is left.
+        // Warm-started impulses may overshoot: friction work uses the slip after the solve.
         let spin = sides.of[1].angular - sides.of[0].angular;
         self.friction_work = self.friction_work + twist * n.dot(spin);
         if let Some(rolling) = &self.rolling {
@@ -461,7 +465,7 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
     }
 
-    /// Adds the work that kinematic bodies do by the impulses of a substep, or of impacts.
+    /// Adds the work of kinematic bodies by the impulses of a substep or an impact.
     #[inline(always)]
     pub(super) fn note_driven_work(
         &mut self,
@@ -496,22 +500,22 @@ impl<I: Instructions> ContactBatch<I> {
     }
 }
 
-/// The part of an impulse that does no more work than was expected of it.
+/// Scale in [0, 1] that limits the work of an impulse to the expected work.
 #[inline(always)]
 pub(super) fn shortened<I: Instructions>(work: Single<I>, expected: Single<I>) -> Single<I> {
-    // Of nothing, rounding may expect less.
+    // Rounding may turn an expected work of zero negative.
     let expected = expected.max(Single::ZERO);
     work.above(expected).select(expected / work, Single::same(1.0))
 }
 
-/// True if any of the bodies has turned so far that its arms have to.
+/// True if any body has turned beyond [`HALF_TURN`].
 #[inline(always)]
 fn has_turned<I: Instructions>(at: &[LaneDisplacements<I>; 2]) -> bool {
     let squared = at[0].vector.dot(at[0].vector).max(at[1].vector.dot(at[1].vector));
     squared.above(Single::same(HALF_TURN * HALF_TURN)).any()
 }
 
-/// The accumulated impulse that stops a slip in two dimensions.
+/// Accumulated impulse that stops a two-dimensional slip.
 #[inline(always)]
 pub(super) fn stopping<I: Instructions>(
     impulse: [Single<I>; 2],
@@ -521,7 +525,7 @@ pub(super) fn stopping<I: Instructions>(
     [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)]
 }
 
-/// Shortens a vector to `most`.
+/// Clamps a vector to length `most`.
 #[inline(always)]
 pub(super) fn clamp_to_cone<I: Instructions>(
     [x, y]: [Single<I>; 2],

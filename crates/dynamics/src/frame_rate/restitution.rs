@@ -1,5 +1,5 @@
-//! Impacts that follow each other within a substep, each at its time: what bounces passes its
-//! impulse on at once, through rows of any length.
+//! Restitution: impacts within a substep, in the order of their times of impact. Impulses propagate
+//! at once through rows of any length.
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
@@ -8,17 +8,16 @@ use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodie
 use super::touching::Touching;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
 
-/// A substep's impacts visit each batch so often on average [1], and as if there were so many
-/// batches more. A row of 500 touching balls has 63 batches and takes 1,000 visits. What comes later
-/// is stopped without bouncing.
+/// Bounds the visits of a substep to `VISITS * (VISITS + batches)`. A row of 500 touching balls has
+/// 63 batches and takes 1,000 visits. Later impacts are stopped without bouncing.
 const VISITS: usize = 32;
 
-/// Slower than this against what it would touch within the substep nothing is timed [m/s].
+/// Minimum closing speed in a time of impact [m/s].
 const LEAST_SPEED: f32 = 1e-9;
 
-/// Propagates impacts until none approaches faster than the threshold. In each round of visits a
-/// pair may bounce only if neither of its bodies bounces earlier: a body that comes further than
-/// its neighbours in a substep meets the nearest one first.
+/// Propagates impacts until no contact approaches faster than the threshold. In each round a pair
+/// may bounce only if neither body has an earlier impact: a body that travels past several
+/// neighbours in a substep hits the nearest first.
 #[inline(always)]
 pub(super) fn propagate_impacts<I: Instructions>(
     batches: &mut [ContactBatch<I>],
@@ -32,7 +31,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
     let mut coming = std::mem::take(&mut timeline.coming);
     (0..batches.len()).filter(|&at| may_bounce(&batches[at])).for_each(|at| asked.insert(at));
     for (needs, batch) in timeline.needs.iter_mut().zip(batches.iter()) {
-        // Of those that are not asked nothing is known.
+        // Lanes with restitution have unknown needs: zero asks at the first change.
         *needs = std::array::from_fn(|lane| if batch.bounces.get(lane) { 0.0 } else { f32::MAX });
     }
     loop {
@@ -90,30 +89,29 @@ pub(super) fn propagate_impacts<I: Instructions>(
     timeline.end();
 }
 
-/// When bodies bounce within a substep.
+/// Impact times of bodies within a substep.
 pub(super) struct Timeline {
     round: u32,
-    /// The round in which each body was last changed.
+    /// Round of each body's last velocity change.
     changed: Vec<u32>,
-    /// When each body bounces next, as far as this round knows, and did last in this substep [s].
+    /// Time of each body's next impact in this round, and of its last impact in this substep [s].
     next: Vec<f32>,
     last: Vec<f32>,
-    /// Lines whose times are to be forgotten.
+    /// Lines with times to reset.
     claimed: Vec<usize>,
     bounced: Vec<usize>,
     is_movable: Vec<bool>,
-    /// Batches that are asked for what meets, and those in which something does; none between
-    /// substeps.
+    /// Batches to test for impacts, and batches with impacts; both empty between substeps.
     asked: Numbers,
     coming: Numbers,
-    /// Changes of velocity that a lane needs to meet fast [m/s].
+    /// Velocity change of each lane that would cause an impact [m/s].
     needs: Vec<[f32; LANES]>,
 }
 
-/// A set of numbers, of which the least ones are taken first.
+/// A set of batch indices with extraction in ascending order.
 #[derive(Default)]
 struct Numbers {
-    /// A bit for each.
+    /// One bit per index.
     words: Vec<u64>,
 }
 
@@ -134,7 +132,7 @@ impl Numbers {
         self.words.iter().all(|&word| word == 0)
     }
 
-    /// Takes out the least one from `from` on.
+    /// Removes and returns the smallest index not below `from`.
     fn take_from(&mut self, from: usize) -> Option<usize> {
         let first = self.words.get(from / 64)? & (u64::MAX << (from % 64));
         let mut at = from / 64;
@@ -149,7 +147,7 @@ impl Numbers {
     }
 }
 
-/// The lines of a batch.
+/// Solver lines of a batch.
 #[derive(Clone, Copy)]
 struct LinesOf {
     lines: [[usize; LANES]; 2],
@@ -180,7 +178,7 @@ impl Timeline {
         }
     }
 
-    /// The substep is over.
+    /// Resets all times at the end of a substep.
     fn end(&mut self) {
         self.next_round();
         for line in self.bounced.drain(..) {
@@ -194,7 +192,7 @@ impl LinesOf {
         Self { lines: batch.lines() }
     }
 
-    /// When either body of each lane bounced last [s].
+    /// Time of the last impact of either body of each lane [s].
     fn clocks(&self, timeline: &Timeline) -> [f32; LANES] {
         std::array::from_fn(|lane| {
             let [first, second] = [0, 1].map(|side| timeline.last[self.lines[side][lane]]);
@@ -208,7 +206,7 @@ impl LinesOf {
         (0..2).filter(move |&side| is_movable[side]).map(move |side| lines[side])
     }
 
-    /// The bodies whose velocities have changed, and by how much at most [m/s].
+    /// Bodies with a changed velocity, and an upper bound of the change [m/s].
     fn changed(
         self,
         timeline: &Timeline,
@@ -223,7 +221,7 @@ impl LinesOf {
         all.into_iter().flatten().flatten()
     }
 
-    /// Some lanes would bounce then [s].
+    /// Registers the times of possible impacts [s].
     fn claim(&self, timeline: &mut Timeline, lanes: Mask, times: [f32; LANES]) {
         for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
             for line in self.movable(timeline, lane) {
@@ -233,8 +231,8 @@ impl LinesOf {
         }
     }
 
-    /// Lanes of which neither body bounces earlier. A body that has bounced in this round may do
-    /// so again at the same time.
+    /// Lanes in which neither body has an earlier impact. A body may bounce several times in a
+    /// round at the same time.
     fn are_next(&self, timeline: &Timeline, lanes: Mask, times: [f32; LANES]) -> Mask {
         let mut are_next = Mask::NONE;
         for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
@@ -248,7 +246,7 @@ impl LinesOf {
         are_next
     }
 
-    /// Some lanes have bounced.
+    /// Registers the impacts of some lanes.
     fn mark(&self, timeline: &mut Timeline, lanes: Mask, times: [f32; LANES]) {
         for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
             for line in self.movable(timeline, lane) {
@@ -260,27 +258,26 @@ impl LinesOf {
     }
 }
 
-/// The points of a batch that meet within a substep.
+/// Points of a batch that meet within a substep.
 struct Meeting<I> {
     sides: Sides<I>,
     at: [LaneDisplacements<I>; 2],
-    /// Of each point: moments of a unit impulse, velocity, and what it shall become [m/s].
+    /// Per point: moments of a unit impulse, velocity, and target velocity [m/s].
     arms: [[Single3<I>; 2]; MOST_POINTS],
     approach: [Single<I>; MOST_POINTS],
     target: [Single<I>; MOST_POINTS],
-    /// When it meets [s], if it does.
+    /// Time of impact [s], and validity.
     time: [Single<I>; MOST_POINTS],
     meets: [Mask; MOST_POINTS],
-    /// Lanes in which anything meets fast, and when it does first [s].
+    /// Lanes with an impact above the threshold, and the first time of impact [s].
     hits: Mask,
     first: Single<I>,
-    /// Changes of velocity that lanes need to meet fast [m/s].
+    /// Velocity change of each lane that would cause an impact [m/s].
     needs: Single<I>,
 }
 
 impl<I: Instructions> ContactBatch<I> {
-    /// The points that will meet within the substep faster than the threshold, none before its
-    /// `clock` [s].
+    /// Finds the points that meet within the substep; none before its `clock` [s].
     #[inline(always)]
     fn meeting(&self, lines: &Lines, clock: [f32; LANES], substep: &Substep<I>) -> Meeting<I> {
         let zero = Single::<I>::ZERO;
@@ -291,7 +288,7 @@ impl<I: Instructions> ContactBatch<I> {
         let apart = n.dot(at[1].translation - at[0].translation);
         let clock = Single::of_column(&Singles(clock));
 
-        // Gravity has kicked for the whole substep.
+        // Velocities include gravity's kick of the whole substep.
         let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
         let (mut approach, mut target) = ([zero; MOST_POINTS], [zero; MOST_POINTS]);
         let (mut time, mut first) = ([zero; MOST_POINTS], substep.h);
@@ -325,8 +322,8 @@ impl<I: Instructions> ContactBatch<I> {
         Meeting { sides, at, arms, approach, target, time, meets, hits, first, needs }
     }
 
-    /// Bounces what meets, at the time at which it does, where neither body bounces earlier.
-    /// Returns by how much it changed the velocities of points of each body at most [m/s].
+    /// Bounces each lane at its time of impact unless one of its bodies has an earlier impact.
+    /// Returns an upper bound of each body's change of point velocity [m/s].
     #[inline(always)]
     fn bounce(
         &mut self,
@@ -359,8 +356,8 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let when = sum.above(zero).select(when / sum, zero);
 
-        // Shortened to what gives the pair no energy: K is that of where the bodies were
-        // prepared, and they may have turned since.
+        // K belongs to the poses of the last `prepare`, and the bodies may have turned since. Scale
+        // the impulse to add no energy to the pair.
         let mut lost = zero;
         for i in 0..self.point_count {
             lost = lost - impulses[i] * approach[i];
@@ -386,13 +383,13 @@ impl<I: Instructions> ContactBatch<I> {
         }
         self.store(&sides, lines);
 
-        // Until then the bodies went on as they were.
+        // Until the time of impact the bodies moved with their old velocities.
         let mut changes = [zero; 2];
         for side in 0..2 {
             let linear = sides.of[side].linear - before[side].linear;
             let angular = sides.of[side].angular - before[side].angular;
             at[side].retreat((lines.bodies, &self.ids[side]), hits, (linear, angular), when);
-            // Arms turn back, too, about which it spins.
+            // The body's spin also rotates arms within the substep.
             let LaneVelocities { angular: spin, radius, .. } = sides.of[side];
             let turns = angular.dot(angular).sqrt() * radius;
             let turns = turns + turns * spin.dot(spin).sqrt() * substep.h;
@@ -402,8 +399,8 @@ impl<I: Instructions> ContactBatch<I> {
         changes.map(Single::to_array)
     }
 
-    /// The impulses of all points that meet, together: towards the targets, and none that pulls.
-    /// They begin with equal ones, which faces that meet flat need.
+    /// Impulses of all meeting points together, towards the targets and never negative. The
+    /// iteration begins with equal impulses, as flat impacts of faces need.
     #[inline(always)]
     fn solve_impact(
         &self,
@@ -443,7 +440,7 @@ impl<I: Instructions> ContactBatch<I> {
         impulses
     }
 
-    /// Friction of an impact of this size, and the slip before it along both tangents.
+    /// Friction of an impact with normal impulse `sum`, and the slip before it along both tangents.
     #[inline(always)]
     fn rub_impact(
         &self,
@@ -471,8 +468,8 @@ impl<I: Instructions> ContactBatch<I> {
 mod tests {
     use super::*;
 
-    /// Numbers come out in their order from where one asks, those that come in behind that too, and
-    /// those before it stay.
+    /// Indices come out in ascending order from the query on, including later inserts; smaller
+    /// indices stay.
     #[test]
     fn numbers_are_taken_in_order() {
         let mut numbers = Numbers::below(200);

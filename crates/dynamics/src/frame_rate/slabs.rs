@@ -1,42 +1,42 @@
-//! Slabs of a group: its bodies in order along its longest axis, cut into stretches. The
-//! constraints of a slab touch its own bodies and those of the next one, so that all even slabs
-//! may be solved at a time, and then all odd ones, whichever thread takes which.
+//! Slabs of a group: its bodies sorted along the longest axis and cut into runs. Constraints of a
+//! slab touch bodies of this slab and the next. Even slabs can be solved in parallel, then odd
+//! slabs, with the same result for any number of threads.
 
 use frangible_bodies::{Bodies, Inertia, Motion};
 use frangible_collision::Manifold;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Of `NOWHERE` bodies the line in the solver is not known yet.
+/// Marks bodies without a solver line.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
-/// Bodies of a slab: enough that few pairs reach across more than two, also in a heap that falls,
-/// and few enough for eight threads to share a pile of some thousands. With 512 manifolds instead,
-/// two thirds of the batches of 9,000 falling pieces reach across more.
+/// Bodies per slab: few pairs reach across more than two slabs, even in a falling heap, and eight
+/// threads still share a pile of a few thousand. With slabs of 512 manifolds instead, two thirds of
+/// the batches of 9,000 falling pieces reach across more than two slabs.
 const SLAB: usize = 384;
 
-/// Constraints that are solved by one thread, colour by colour.
+/// Constraints of one thread, solved colour by colour.
 pub(super) struct Slab {
-    /// Among those of its group.
+    /// Range in the group's batches.
     pub(super) batches: Range<usize>,
-    /// That they touch.
+    /// First solver line of the constraints.
     pub(super) first_line: usize,
 }
 
-/// The lines of a group, and which slab each manifold is of.
+/// Solver lines of a group, and the slab of each manifold.
 pub(super) struct Slabs {
-    /// The body of each line; `None` for lines that stand for whatever is static.
+    /// Body of each line; `None` for lines of static bodies.
     pub(super) body_of: Vec<Option<usize>>,
-    /// First line of each slab, of those of the rest, and their end. The first line of a slab is
+    /// First line of each slab and of the remainder, and their end. The first line of a slab is
     /// fixed; kinematic bodies have a line in each slab that touches them.
     pub(super) starts: Vec<usize>,
-    /// Slab and lines of each manifold; the rest is the last one.
+    /// Slab and lines of each manifold; the last slab is the remainder.
     pub(super) places: Vec<(usize, [u32; 2])>,
 }
 
 impl Slabs {
-    /// Of some manifolds. `lines` is room of one entry for each body, all of them [`NOWHERE`],
-    /// before and after.
+    /// Builds the slabs of the manifolds `members`. `lines` is scratch memory, one entry per body,
+    /// all [`NOWHERE`] before and after.
     pub(super) fn new(
         bodies: &Bodies,
         manifolds: &[Manifold],
@@ -62,7 +62,7 @@ impl Slabs {
         movable.iter().enumerate().for_each(|(rank, &i)| lines[i] = slab_of_rank(rank) as u32);
         let first_rank = |slab: usize| (slab * movable.len()).div_ceil(count);
 
-        // A manifold across more than two slabs is of the rest.
+        // Manifolds across more than two slabs go to the remainder.
         let slab_of = |pair: [usize; 2]| {
             let slabs = pair.into_iter().filter(is_movable).map(|i| lines[i] as usize);
             let (least, most) = slabs.fold((count, 0), |(a, b), slab| (a.min(slab), b.max(slab)));
@@ -109,18 +109,18 @@ impl Slabs {
         all
     }
 
-    /// How many there are, without the rest.
+    /// Number of slabs, without the remainder.
     pub(super) fn count(&self) -> usize {
         self.starts.len() - 2
     }
 
-    /// First line that the constraints of a slab touch; those of the rest touch all.
+    /// First line of the slab's constraints; the remainder touches all lines.
     pub(super) fn first_line(&self, slab: usize) -> usize {
         if slab < self.count() { self.starts[slab] } else { 0 }
     }
 }
 
-/// Of the box around some points.
+/// Longest axis of the bounding box of some points.
 fn longest_axis(points: impl Iterator<Item = DVec3>) -> usize {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (low, high) = points.fold(none, |(low, high), at| (low.min(at), high.max(at)));

@@ -1,44 +1,42 @@
-//! Islands that sleep, where the scene lets them: what stands on something that does not move, and
-//! has been slow for long enough, stays where it is. It is still looked whom it may touch; so
-//! whatever comes near wakes it before it touches, and whatever goes, as a support that breaks,
-//! wakes what it held.
+//! Sleeping islands, if enabled in the scene: an island with a fixed support sleeps after all its
+//! bodies have been slow for half a second. The broad phase still reports its pairs: approaching
+//! bodies wake the island before contact, and removing a support wakes it too.
 
 use super::constraints::NEAR;
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
-use crate::energy::tally::{Cause, Tally};
 use frangible_bodies::{Bodies, BodyId, Drowsiness, Frame, Motion, Pair, Velocity};
-use frangible_collision::{Carried, Manifold, ManifoldPoint, Part};
+use frangible_collision::{CachedImpulse, ImpulseChunk, Manifold, ManifoldPoint};
 use glam::DVec3;
 
-/// Speed [m/s] below which a body is slow, its centre and what its turning adds at its rim
-/// together. Heaps fidget below it; on earth what begins to slide passes it within [`SLOW_FOR`],
-/// unless its slope is less than 0.06 degrees too steep. It does not scale with the scene.
+/// Speed limit [m/s] of a slow body: linear speed plus rim speed from rotation. Resting heaps
+/// jitter below this speed. On earth a sliding body exceeds it within [`SLOW_FOR`], unless its
+/// slope is within 0.06 degrees of the friction angle. The limit does not scale with the scene.
 const SLOW: f64 = 5e-3;
 
-/// So long all bodies of an island must have been slow [s], as in Box2D.
+/// Time [s] for which all bodies of an island must be slow before sleep, as in Box2D.
 const SLOW_FOR: f64 = 0.5;
 
-/// Who sleeps in a frame.
+/// Sleeping islands of a frame.
 #[derive(Default)]
 pub(crate) struct Sleep {
-    /// The manifolds of all islands that sleep.
+    /// Manifolds of all sleeping islands.
     pub(crate) manifolds: Vec<usize>,
-    /// Of each body, a number that says with whom it has points that are close, in any order; empty
-    /// if nothing may sleep.
+    /// Order-independent hash of each body's near neighbours; empty if sleep is disabled.
     touching: Vec<u64>,
-    /// Whether each is in an island with something that is driven.
+    /// True for bodies in an island with a moving kinematic body.
     is_stirred: Vec<bool>,
-    /// Where each was at the frame's start [m].
+    /// Positions at the frame's start [m].
     starts: Vec<DVec3>,
 }
 
 impl Sleep {
-    /// Takes those islands out that sleep in this frame: all of their bodies have been slow for
-    /// long enough, and touch the same others as they did then, of which one at least does not move
-    /// and carries something.
-    pub(crate) fn take_out(
+    /// Removes sleeping islands from `islands`. An island sleeps if all its bodies have been slow
+    /// for long enough with unchanged neighbours, and at least one loaded contact is with a fixed
+    /// body.
+    pub(crate) fn extract(
         bodies: &Bodies,
-        (manifolds, carried): (&[Manifold], &[&[Carried]]),
+        (manifolds, carried): (&[Manifold], &[&[CachedImpulse]]),
         islands: &mut Vec<Vec<usize>>,
         frame: &Frame,
     ) -> Self {
@@ -49,8 +47,8 @@ impl Sleep {
         sleep.starts = bodies.poses.iter().map(|pose| pose.position).collect();
         sleep.is_stirred = vec![false; bodies.len()];
         sleep.touching = vec![0; bodies.len()];
-        // Only what is close: who meets what is further away depends on who has settled.
-        let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.sag();
+        // Count near points only: distant pairs vary with the sleep state of other bodies.
+        let is_close = |point: &ManifoldPoint| point.gap <= NEAR * frame.speculative_margin();
         for Manifold { pair: Pair { first, second }, points, .. } in manifolds {
             if points.iter().any(is_close) {
                 for (i, other) in [(*first, *second), (*second, *first)] {
@@ -86,12 +84,12 @@ impl Sleep {
         sleep
     }
 
-    /// The bodies that sleep stand still: what they lose by that, what they stand on has given.
+    /// Zeroes velocities of sleeping bodies; the lost momentum is booked to their supports.
     pub(crate) fn hold(
         &self,
         bodies: &mut Bodies,
         manifolds: &[Manifold],
-        tally: &mut Tally,
+        accounts: &mut FrameAccounts,
     ) -> Vec<bool> {
         let mut are_asleep = vec![false; bodies.len()];
         for Pair { first, second } in self.manifolds.iter().map(|&at| manifolds[at].pair) {
@@ -99,12 +97,12 @@ impl Sleep {
                 if !std::mem::replace(&mut are_asleep[i], true) {
                     let Velocity { linear, angular_momentum } = bodies.velocities[i];
                     let momentum = bodies.masses[i] * linear;
-                    tally.outside_impulse -= momentum;
-                    tally.outside_angular_impulse -=
+                    accounts.outside_impulse -= momentum;
+                    accounts.outside_angular_impulse -=
                         bodies.poses[i].position.cross(momentum) + angular_momentum;
                     let kinetic =
                         energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], DVec3::ZERO);
-                    tally.causes.add(Cause::Contact, -kinetic);
+                    accounts.causes.add(Cause::Contact, -kinetic);
                     bodies.velocities[i] =
                         Velocity { linear: DVec3::ZERO, angular_momentum: DVec3::ZERO };
                 }
@@ -113,17 +111,21 @@ impl Sleep {
         are_asleep
     }
 
-    /// What the contacts of those that sleep carried goes on.
-    pub(crate) fn carried(&self, manifolds: &[Manifold], carried: &[&[Carried]]) -> Part {
-        let mut part = Part::default();
+    /// Keeps the cached impulses of sleeping contacts.
+    pub(crate) fn carried(
+        &self,
+        manifolds: &[Manifold],
+        carried: &[&[CachedImpulse]],
+    ) -> ImpulseChunk {
+        let mut part = ImpulseChunk::default();
         for &at in &self.manifolds {
             part.keep(at, manifolds[at].pair, carried[at]);
         }
         part
     }
 
-    /// How drowsy each body is at the frame's end, if any may sleep. What is lifted out of an
-    /// overlap moves, though it is slow in the end.
+    /// Sleep counters of all bodies at the frame's end. Penetration recovery displaces a body even
+    /// if its final velocity is small, hence the test of its displacement.
     pub(crate) fn drowsiness(
         &self,
         bodies: &Bodies,
@@ -142,8 +144,7 @@ impl Sleep {
     }
 }
 
-/// A number for a body, of which sums tell one set of bodies from another: its id through
-/// SplitMix64.
+/// SplitMix64 hash of a body id; sums of hashes distinguish sets of bodies.
 fn scattered(BodyId { index, generation }: BodyId) -> u64 {
     let mut number =
         (u64::from(generation) << 32 | u64::from(index)).wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -154,12 +155,12 @@ fn scattered(BodyId { index, generation }: BodyId) -> u64 {
 
 fn is_slow(bodies: &Bodies, i: usize) -> bool {
     let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
-    // What has no bounds does not turn.
+    // Unbounded bodies have no spin.
     let turning = if spin > 0.0 { spin * bodies.radii[i] } else { 0.0 };
     bodies.velocities[i].linear.length() + turning < SLOW
 }
 
-/// Whether it is a kinematic body that moves.
+/// True for moving kinematic bodies.
 fn is_driven(bodies: &Bodies, i: usize) -> bool {
     matches!(bodies.motions[i], Motion::Kinematic { linear, angular } if linear != DVec3::ZERO || angular != DVec3::ZERO)
 }

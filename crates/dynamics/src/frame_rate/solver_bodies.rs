@@ -1,45 +1,45 @@
-//! Bodies as the substeps see them: two cache lines of single precision each, relative to the
-//! frame's start. Poses and velocities in double precision stay outside of the loop.
+//! Solver bodies: two cache lines of single precision each, relative to the frame's start.
+//! Double-precision poses and velocities stay outside the substep loop.
 
 use frangible_bodies::{Bodies, Inertia, Motion, Pose, Rotation, Velocity, advance};
 use frangible_math::{Instructions, LANES, Single, Single3, Singles, Symmetric, Three};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::ops::Range;
 
-/// Bodies that are not round turn by no more in a substep [rad], as far as there may be so many: a
-/// top precesses within a thousandth.
+/// Target rotation of non-round bodies per substep [rad], within the maximum substep count: a top
+/// precesses within 0.1 percent.
 pub(super) const TURN: f64 = 0.05;
 
-/// Bodies that turn by more than this in a frame [rad] are followed: their constraints are
-/// prepared anew, and what is not round turns exactly from then on. Below it gyroscopic motion
-/// within a frame is a hundredth of the turn.
+/// Rotation per frame [rad] above which a body counts as spinning: its constraints are prepared
+/// again, and non-round bodies rotate exactly from then on. Below this angle gyroscopic motion
+/// within a frame is a hundredth of the rotation.
 const FAST_SPIN: f64 = 2.0 * TURN;
 
-/// Contacts of bodies that turn by more in a substep [rad], for which there are not enough
-/// substeps, begin without the impulses of the last one, which had other arms: of slivers they
-/// would make energy. Impacts turn nothing back by more.
+/// Rotation per substep [rad] above which contacts skip warm starting (reached if substeps are
+/// limited): the last substep's impulses had other arms, and would add energy to slivers. Also the
+/// maximum rotation that an impact reverts.
 pub(super) const SPINS: f32 = 4.0 * TURN as f32;
 
-/// Relative difference of principal moments up to which a body counts as round.
+/// Maximum relative difference of the principal moments of a round body.
 const ROUND: f64 = 1e-3;
 
-/// A body that gravity alone changes, or less, drifts with the mean of its speeds before and
-/// after a substep, in units of gravity's kick: free fall and sliding are exact so.
+/// Bodies with a velocity change of at most this multiple of gravity's kick drift with the mean of
+/// the velocities before and after a substep: free fall and sliding become exact.
 const SECOND_ORDER: f64 = 1.05;
 
-/// One body in the loop.
+/// A body in the substep loop.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct SolverBody {
     /// Linear velocity [m/s], angular velocity [rad/s], inverse mass [1/kg], radius [m].
     pub(super) velocity: Singles,
-    /// Since the frame's start: translation [m], rotation (x, y, z, w). The way it turned since
-    /// its constraints were prepared [rad].
+    /// Since the frame's start: translation [m], rotation (x, y, z, w). Then the rotation angle
+    /// since the last `prepare` of its constraints [rad].
     pub(super) displacement: Singles,
 }
 
 impl SolverBody {
-    /// A body that no contact moves: the other side of empty lanes.
+    /// An immovable body: the other side of empty lanes.
     const FIXED: Self = Self {
         velocity: Singles::ZERO,
         displacement: Singles([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
@@ -52,34 +52,34 @@ impl SolverBody {
 
 /// The bodies of an island group.
 pub(super) struct SolverBodies {
-    /// Dense index of each line's body; `None` for what is static.
+    /// Dense index of each line's body; `None` for static bodies.
     pub(super) body_of: Vec<Option<usize>>,
     pub(super) lines: Vec<SolverBody>,
     /// World frame: xx, yy, zz, yz, xz, xy, unused, unused [1/(kg m^2)].
     pub(super) inverse_inertias: Vec<Singles>,
     /// Linear velocities before gravity's kick of the substep [m/s].
     before_kick: Vec<Vec3>,
-    /// Bodies that turn exactly, by line.
+    /// Exactly rotated bodies, sorted by line.
     spinning: Vec<SpinningBody>,
-    /// Lines whose constraints must be prepared anew.
+    /// Lines with constraints to prepare again.
     pub(super) turned: Vec<usize>,
 }
 
-/// The lines that some batches touch.
+/// Solver lines of some batches.
 pub(super) struct Lines<'a> {
     pub(super) bodies: &'a mut [SolverBody],
     pub(super) inverse_inertias: &'a [Singles],
 }
 
-/// A body whose axes of inertia turn noticeably within a frame.
+/// A non-round body with noticeable rotation within a frame.
 pub(super) struct SpinningBody {
-    /// Its line.
+    /// Solver line.
     pub(super) line: usize,
-    /// Its dense index.
+    /// Dense body index.
     body: usize,
     angular_momentum: DVec3,
     inverse_inertia: DMat3,
-    /// As its line holds it.
+    /// In the precision of its solver line.
     angular_velocity: DVec3,
     orientation: DQuat,
 }
@@ -124,7 +124,7 @@ impl SolverBodies {
         all
     }
 
-    /// Some of them.
+    /// The lines in `range`.
     pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
         Lines {
             bodies: &mut self.lines[range.clone()],
@@ -145,7 +145,8 @@ impl SolverBodies {
         }
     }
 
-    /// Moves all bodies by their velocities over a substep `h` [s]; `kick` is gravity's [m/s].
+    /// Integrates positions and rotations over a substep `h` [s]; `kick` is gravity's velocity
+    /// change [m/s].
     pub(super) fn drift(&mut self, h: f32, kick: f32) {
         let limit = SECOND_ORDER as f32 * kick;
         self.turned.clear();
@@ -167,8 +168,8 @@ impl SolverBodies {
         }
     }
 
-    /// Turns the bodies that spin fast exactly, as [`drift`](Self::drift) has moved the others,
-    /// and follows those from now on that have begun to.
+    /// Rotates spinning bodies exactly, replacing the rotation of [`drift`](Self::drift), and adds
+    /// bodies that began to spin.
     pub(super) fn spin(&mut self, bodies: &Bodies, rotation: Rotation, h: f64) {
         for body in &mut self.spinning {
             let line = &mut self.lines[body.line];
@@ -207,8 +208,8 @@ impl SolverBodies {
         self.spinning.binary_search_by_key(&line, |body| body.line)
     }
 
-    /// Linear velocity after the impulses [N s] that acted on each body in the frame, angular
-    /// velocity and displacement as the loop left them.
+    /// Writes a line to its body: linear velocity from the frame's momentum change [N s], angular
+    /// velocity and displacement from the loop.
     pub(super) fn write_back(
         &mut self,
         bodies: &mut Bodies,
@@ -236,7 +237,7 @@ impl SolverBodies {
 }
 
 impl SpinningBody {
-    /// Adds to the angular momentum what contacts did to the angular velocity of its line.
+    /// Adds contact's change of the line's angular velocity to the angular momentum.
     fn apply(&mut self, line: &SolverBody) {
         let Singles(v) = line.velocity;
         let now = Vec3::new(v[3], v[4], v[5]).as_dvec3();
@@ -244,7 +245,7 @@ impl SpinningBody {
         self.angular_velocity = now;
     }
 
-    /// Puts its orientation and spin into its line, and returns its inverse inertia.
+    /// Stores orientation and spin in the line, and returns the inverse inertia.
     fn show(&mut self, bodies: &Bodies, line: &mut SolverBody) -> Singles {
         self.inverse_inertia = bodies.inertias[self.body].inverse_tensor(self.orientation);
         let angular = (self.inverse_inertia * self.angular_momentum).as_vec3();
@@ -258,14 +259,15 @@ impl SpinningBody {
     }
 }
 
-/// True if a body's axes of inertia may turn without being felt.
+/// True for bodies with nearly equal principal moments, whose orientation hardly changes the
+/// inertia.
 pub(super) fn is_round(inertia: &Inertia) -> bool {
     let moments = inertia.inverse_moments;
     let largest = moments.max_element();
     largest - moments.min_element() <= ROUND * largest
 }
 
-/// Moves a body by its velocity less some linear velocity [m/s] over `h` [s].
+/// Integrates a line over `h` [s] with its velocity minus `less` [m/s].
 #[inline(always)]
 fn drift(body: &mut SolverBody, h: f32, less: Vec3) {
     let Singles(v) = body.velocity;
@@ -302,7 +304,7 @@ pub(super) struct LaneVelocities<I> {
     pub(super) angular: Single3<I>,
     /// [1/kg]
     pub(super) inverse_mass: Single<I>,
-    /// Of a ball around its centre of mass [m].
+    /// Radius of the bounding ball around the centre of mass [m].
     pub(super) radius: Single<I>,
 }
 
@@ -310,7 +312,7 @@ pub(super) struct LaneVelocities<I> {
 #[derive(Clone, Copy)]
 pub(super) struct LaneDisplacements<I> {
     pub(super) translation: Single3<I>,
-    /// The rotation's quaternion.
+    /// Vector part of the rotation's quaternion.
     pub(super) vector: Single3<I>,
     scalar: Single<I>,
 }
@@ -358,7 +360,7 @@ pub(super) fn inverse_inertias<I: Instructions>(
 }
 
 impl<I: Instructions> LaneVelocities<I> {
-    /// Stores them in the lines of these bodies.
+    /// Stores the velocities in the lines `ids`.
     #[inline(always)]
     pub(super) fn store(&self, lines: &mut [SolverBody], ids: &[u32; LANES]) {
         let Self { linear: v, angular: w, inverse_mass, radius } = *self;
@@ -370,7 +372,7 @@ impl<I: Instructions> LaneVelocities<I> {
 }
 
 impl<I: Instructions> LaneDisplacements<I> {
-    /// How the rotation moves the tip of an arm [m].
+    /// Displacement of an arm's tip by the rotation [m].
     #[inline(always)]
     pub(super) fn turn_of(&self, arm: Single3<I>) -> Single3<I> {
         let across = self.vector.cross(arm);
@@ -378,7 +380,8 @@ impl<I: Instructions> LaneDisplacements<I> {
         half + half
     }
 
-    /// Moves the bodies of some lanes back by what `velocity` adds in `time` [s].
+    /// Moves the bodies of some lanes back by the displacement of a velocity change over `time`
+    /// [s].
     #[inline(always)]
     pub(super) fn retreat(
         &self,

@@ -1,60 +1,60 @@
-//! Islands of bodies that may touch within the frame, and how many substeps each takes.
+//! Solver islands of bodies that may touch within the frame, and their substep counts.
 
 use super::solver_bodies::{TURN, is_round};
 use crate::energy::islands::root;
 use crate::frame_rate::sleep::Sleep;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
-use frangible_collision::{Carried, Manifold, ManifoldPoint};
+use frangible_collision::{CachedImpulse, Manifold, ManifoldPoint};
 use frangible_math::threads;
 use std::collections::BTreeMap;
 
-/// Frequency of contacts, as a part of the substep rate [1]: higher ones vibrate [Cat24]. With half
-/// of it a wall of 1,000 bricks overlaps four times as much.
+/// Contact frequency as a fraction of the substep rate [1]: higher frequencies vibrate [Cat24].
+/// With half of it a wall of 1,000 bricks overlaps four times as far.
 pub(super) const CONTACT_RATE: f64 = 0.25;
 
-/// Overlap of a resting contact under its load, relative to the smaller body's radius [1]. With half
-/// of it 9,000 pieces in two layers overlap by 0.03 instead of 0.05 mm in the median, for a fifth
-/// more time.
+/// Overlap of a resting contact under load, relative to the smaller body's radius [1]. With half of
+/// it 9,000 pieces in two layers overlap by a median of 0.03 mm instead of 0.05, for a fifth more
+/// time.
 const RESTING_DEPTH: f64 = 2e-3;
 
-/// The same, times the height of its island, relative to the square of that radius: what is high
-/// leans until it falls if its contacts yield more. Towers of fifty cubes stand with it, and fall
-/// with twice as much.
+/// Overlap of a resting contact times island height, relative to the squared radius [1]: tall
+/// stacks lean until they fall if contacts yield more. Towers of fifty cubes stand with this value,
+/// and fall with twice as much.
 const LEANING_DEPTH: f64 = 0.03;
 
-/// Overlap by which what weighs more may press what weighs less where they meet, relative to half
-/// of the thinner one's thickness.
+/// Overlap of a heavy body's impact on a lighter body, relative to half of the thinner body's
+/// thickness [1].
 const IMPACT_DEPTH: f64 = 0.2;
 
-/// Substeps grow at once. What an island needs is forgotten by halves in so long [s], and they
-/// shrink only if this part of their half is enough: a tower that sways must not get softer by
-/// turns. With a tenth of the time, or with all of their half, a tower of fifty cubes moves with
-/// 10 or 8 J after four seconds, instead of 0.04.
+/// Half-life [s] of a solver island's substep demand. Counts grow at once, and shrink only if the
+/// demand is below [`SHRINKS_BELOW`] of half the count: a swaying tower must not alternate between
+/// stiff and soft. With a tenth of the half-life, or with a fraction of 1, a tower of fifty cubes
+/// moves with 10 or 8 J after four seconds, instead of 0.04.
 const HALF_LIFE: f64 = 0.5;
 const SHRINKS_BELOW: f64 = 0.75;
 
-/// Manifolds times substeps of an island in a frame; larger ones take fewer substeps, but never
-/// fewer than the settings say. With half of it a wall of 51 courses and 1,000 bricks falls; a wall
-/// of 1,000 that is struck takes two thirds of the time.
+/// Limit of manifolds times substeps of an island in a frame; larger islands take fewer substeps,
+/// but never below the settings' minimum. With half of it a wall of 51 courses and 1,000 bricks
+/// falls, while an impact on a wall of 1,000 takes two thirds of the time.
 const MOST_WORK: usize = 1 << 18;
 
-/// Manifolds of islands that are solved together: enough to fill the lanes of their colours, few
-/// enough for a core's own cache (0.2 MiB).
+/// Manifolds per bundle of islands: enough to fill the lanes of each colour, and small enough for a
+/// core's own cache (0.2 MiB).
 const BUNDLE: usize = 512;
 
-/// Islands that take as many substeps, and are solved together.
+/// Islands with equal substep counts, solved together.
 pub(super) struct Bundle {
     pub(super) substeps: u32,
-    /// Numbers of manifolds with points.
+    /// Indices of manifolds with points.
     pub(super) members: Vec<usize>,
 }
 
 /// All islands of a frame.
 pub(super) struct IslandGroups {
     pub(super) bundles: Vec<Bundle>,
-    /// Of each body, by dense index; none of those that touch nothing, and of those that sleep.
+    /// Per body, by dense index; zero for sleeping bodies and bodies without contacts.
     pub(super) substeps: Vec<Substeps>,
-    /// Islands that take fewer than they need.
+    /// Number of islands with fewer substeps than their demand.
     pub(super) short_of_substeps: usize,
     pub(super) sleep: Sleep,
 }
@@ -63,12 +63,12 @@ impl IslandGroups {
     pub(super) fn new(
         bodies: &Bodies,
         manifolds: &[Manifold],
-        carried: &[&[Carried]],
+        carried: &[&[CachedImpulse]],
         frame: &Frame,
     ) -> Self {
         let is_fixed: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
         let mut islands = islands(&is_fixed, manifolds);
-        let sleep = Sleep::take_out(bodies, (manifolds, carried), &mut islands, frame);
+        let sleep = Sleep::extract(bodies, (manifolds, carried), &mut islands, frame);
 
         let forgets = libm::exp2(-frame.dt / HALF_LIFE) as f32;
         let (mut bundles, mut open): (Vec<Bundle>, BTreeMap<u32, usize>) = Default::default();
@@ -106,13 +106,13 @@ impl IslandGroups {
                 }
             }
         }
-        // In the order of the pairs, whichever islands they are of.
+        // Sort by pair, independent of the islands.
         bundles.iter_mut().for_each(|bundle| bundle.members.sort_unstable());
         Self { bundles, substeps, short_of_substeps, sleep }
     }
 }
 
-/// Numbers of the manifolds with points of each island, in the order of the first one.
+/// Indices of each island's manifolds with points, ordered by first manifold.
 fn islands(is_fixed: &[bool], manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     let mut parent: Vec<u32> = (0..is_fixed.len() as u32).collect();
     let touching = || manifolds.iter().enumerate().filter(|(_, of)| !of.points.is_empty());
@@ -136,17 +136,17 @@ fn islands(is_fixed: &[bool], manifolds: &[Manifold]) -> Vec<Vec<usize>> {
     islands
 }
 
-/// The height and the weight of an island.
+/// Height and weight of an island.
 struct Stack {
-    /// How far the centres of its bodies are apart along gravity [m].
+    /// Extent of the bodies' centres along gravity [m].
     height: f64,
-    /// Its weight per mass of what touches fixed bodies [m/s^2]: the contacts of those carry as
-    /// much on average once all is at rest. New ones do not know what they will carry.
+    /// Island weight per mass of bodies on fixed bodies [m/s^2]: the mean load of ground contacts
+    /// at rest, as new contacts have no load yet.
     ground_load: f64,
 }
 
 impl Stack {
-    /// `is_counted` says of each body whether it counts already, in an island and on the ground.
+    /// `is_counted` marks bodies already counted, in the island and on the ground.
     fn of(
         bodies: &Bodies,
         pairs: impl Iterator<Item = Pair>,
@@ -175,7 +175,7 @@ impl Stack {
     }
 }
 
-/// A power of two, for so many manifolds.
+/// Substep count, the settings' minimum times a power of two, for an island of `manifolds`.
 pub(super) fn count(needed: f32, last: u32, manifolds: usize, frame: &Frame) -> u32 {
     let least = frame.settings.substeps;
     let most = frame.settings.most_substeps.max(least);
@@ -194,13 +194,12 @@ pub(super) fn count(needed: f32, last: u32, manifolds: usize, frame: &Frame) -> 
     count.max(least)
 }
 
-/// So that a contact yields by no more than it may: the stiffness of its spring is that of the
-/// lighter body's mass at the contact frequency, and its damping stops a blow in a quarter of a
-/// period.
+/// Substeps for a bounded contact overlap: the spring's stiffness follows from the lighter body's
+/// mass and the contact frequency, and its damping stops an impact in a quarter period.
 fn substeps_of_pair(
     bodies: &Bodies,
     Manifold { pair, points, .. }: &Manifold,
-    (carried, stack): (&[Carried], &Stack),
+    (carried, stack): (&[CachedImpulse], &Stack),
     frame: &Frame,
 ) -> f64 {
     let both = [pair.first, pair.second];
@@ -210,7 +209,7 @@ fn substeps_of_pair(
     let size = both.map(|i| bodies.radii[i]).into_iter().fold(f64::INFINITY, f64::min);
     let frequency = std::f64::consts::TAU * CONTACT_RATE / frame.dt;
 
-    // It carries what it carried, or the heavier body if that comes to rest on the lighter one.
+    // The load is the cached impulse, or the heavier body's weight if it rests on the lighter body.
     let force: f64 = carried.iter().map(|point| f64::from(point.force.normal)).sum();
     let first_is_heavier = bodies.masses[pair.first] == heaviest;
     let down = points.iter().map(|point| {
@@ -226,8 +225,8 @@ fn substeps_of_pair(
     at_rest.max(presses(bodies, both, points) / frequency)
 }
 
-/// Speed at which the body that weighs more where they meet may press the other one, in units of
-/// the overlap that is allowed [1/s].
+/// Speed at which the heavier body may press the lighter body, in units of the allowed overlap
+/// [1/s]; effective masses at the contact tell heavy from light.
 fn presses(bodies: &Bodies, both: [usize; 2], points: &[ManifoldPoint]) -> f64 {
     let half_extent = |i: usize| {
         let (low, high) = bodies.shapes[i].bounds;
@@ -243,7 +242,7 @@ fn presses(bodies: &Bodies, both: [usize; 2], points: &[ManifoldPoint]) -> f64 {
         };
         let [first, second] = [0, 1].map(inverse_mass);
         let (light, heavy) = (first.max(second), first.min(second));
-        // A body that does not move presses nobody.
+        // Fixed bodies have ratio 1: no pressing.
         let ratio = if heavy > 0.0 { light / heavy } else { 1.0 };
         point.approach * (ratio.sqrt() - 1.0)
     };

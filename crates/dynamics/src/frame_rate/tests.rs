@@ -1,4 +1,4 @@
-//! Analytic answers of the loop, and what its slabs and colours promise.
+//! Analytic answers of the substep loop, and the guarantees of slabs and colours.
 
 use super::constraints::Selection;
 use super::group::Group;
@@ -6,8 +6,8 @@ use super::slabs::NOWHERE;
 use super::slabs::Slabs;
 use super::solver_islands::count;
 use super::*;
-use frangible_bodies::{Contactant, NewBody, Pair, Pose, StepSettings, Velocity};
-use frangible_collision::{ManifoldPoint, find_manifolds};
+use frangible_bodies::{NewBody, Pair, Pose, StepSettings, SurfaceProperties, Velocity};
+use frangible_collision::{FeatureId, ManifoldPoint, find_manifolds};
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
 use glam::DQuat;
 use std::collections::BTreeSet;
@@ -35,7 +35,7 @@ fn spawn(
         motion,
         pose: Pose { position: at, orientation: DQuat::IDENTITY },
         velocity: Velocity { linear, ..Velocity::default() },
-        contactant: Contactant::new(e, mu),
+        surface: SurfaceProperties::new(e, mu),
     });
 }
 
@@ -53,11 +53,11 @@ fn all_pairs(bodies: &Bodies) -> Vec<Pair> {
     (0..count).flat_map(|a| (a + 1..count).map(move |b| Pair { first: a, second: b })).collect()
 }
 
-/// Some frames; what came of the last one.
+/// Steps several frames and returns the last result.
 fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
-    let mut warm = WarmStart::default();
+    let mut warm = ImpulseCache::default();
     let mut last = Solved {
-        tally: Tally::default(),
+        accounts: FrameAccounts::default(),
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: 0,
     };
@@ -69,7 +69,7 @@ fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
     last
 }
 
-/// The first of a row of elastic balls that touch stops, and the last one leaves with its velocity.
+/// In a row of touching elastic balls the first stops, and the last leaves with its velocity.
 #[test]
 fn a_row_of_elastic_balls_passes_its_motion_on() {
     for count in [2, 3, 33, 100] {
@@ -88,7 +88,7 @@ fn a_row_of_elastic_balls_passes_its_motion_on() {
     }
 }
 
-/// A ball that lies on the ground stays: it yields by less than a thousandth of its radius.
+/// A ball on the ground stays: the overlap is below a thousandth of its radius.
 #[test]
 fn a_ball_lies_still() {
     let mut bodies = Bodies::default();
@@ -99,7 +99,7 @@ fn a_ball_lies_still() {
     assert!((0.4995..0.5).contains(&height) && speed < 1e-5, "{height} m, {speed} m/s");
 }
 
-/// An elastic ball returns to where it fell from, and a ball without restitution stays below.
+/// An elastic ball returns to its initial height, and a ball without restitution stays down.
 #[test]
 fn balls_bounce_by_their_restitution() {
     let highest = |e: f64| {
@@ -120,8 +120,8 @@ fn balls_bounce_by_their_restitution() {
     assert!(highest(0.0) < 0.02);
 }
 
-/// A ball that starts deep in the ground comes out at no more than the settings' speed, and no
-/// faster afterwards.
+/// A ball deep in the ground recovers at no more than the settings' speed, and keeps no speed
+/// afterwards.
 #[test]
 fn overlaps_close_at_a_bounded_speed() {
     let mut bodies = Bodies::default();
@@ -137,13 +137,13 @@ fn overlaps_close_at_a_bounded_speed() {
             "{} m/s",
             (height - last) / DT
         );
-        assert!(solved.tally.causes.projection >= 0.0);
+        assert!(solved.accounts.causes.projection >= 0.0);
         last = height;
     }
     assert!((0.499..0.5).contains(&last), "{last}");
 }
 
-/// A ball that slides begins to roll: five sevenths of its speed are left.
+/// A sliding ball begins to roll: five sevenths of its speed remain.
 #[test]
 fn sliding_becomes_rolling() {
     let mut bodies = Bodies::default();
@@ -154,7 +154,7 @@ fn sliding_becomes_rolling() {
     assert!((speed - 2.0 * 5.0 / 7.0).abs() < 0.01, "{speed}");
 }
 
-/// Balls in layers that touch their neighbours, so many that they have several slabs.
+/// Layers of touching balls, enough for several slabs.
 fn heap() -> (Bodies, Vec<Pair>) {
     let mut bodies = Bodies::default();
     ground(&mut bodies);
@@ -180,13 +180,13 @@ fn heap() -> (Bodies, Vec<Pair>) {
     (bodies, pairs)
 }
 
-/// What a slab touches lies in its own lines and the next one's, and eight manifolds that act at
-/// the same time share no body that moves.
+/// Lines of a slab's manifolds lie in the slab or the next, and lanes of a batch share no movable
+/// body.
 #[test]
 fn slabs_and_colours_share_no_body() {
     let (bodies, pairs) = heap();
     let frame = frame(G);
-    let found = find_manifolds(&bodies, &pairs, &WarmStart::default(), &frame);
+    let found = find_manifolds(&bodies, &pairs, &ImpulseCache::default(), &frame);
     let manifolds: Vec<Manifold> = found.iter().collect();
     let members: Vec<usize> = (0..manifolds.len()).collect();
     let mut lines = vec![NOWHERE; bodies.len()];
@@ -203,7 +203,7 @@ fn slabs_and_colours_share_no_body() {
         }
     }
 
-    let carried: Vec<&[frangible_collision::Carried]> = vec![&[]; manifolds.len()];
+    let carried: Vec<&[frangible_collision::CachedImpulse]> = vec![&[]; manifolds.len()];
     let group =
         Group::<Scalar>::new(&bodies, (&manifolds, &carried), (&members, 16), &mut lines, &frame);
     let mut seen = 0;
@@ -224,8 +224,8 @@ fn slabs_and_colours_share_no_body() {
     assert_eq!(seen, manifolds.len());
 }
 
-/// Each point of a manifold is of one constraint, however many there are, and those of a constraint
-/// share their normal.
+/// Each point of a manifold belongs to exactly one constraint, and all points of a constraint share
+/// their normal.
 #[test]
 fn every_point_is_of_one_constraint() {
     let point = |number: usize| ManifoldPoint {
@@ -233,7 +233,7 @@ fn every_point_is_of_one_constraint() {
         anchor_second: DVec3::ZERO,
         rounding: [0.0; 2],
         normal: [DVec3::X, DVec3::Y, DVec3::Z][number % 3],
-        sample: (true, number as u64),
+        feature: FeatureId { is_of_first: true, index: number as u64 },
         approach: 0.0,
         gap: 0.0,
     };
@@ -249,8 +249,8 @@ fn every_point_is_of_one_constraint() {
     assert!(numbers.into_iter().eq(0..301));
 }
 
-/// Substeps are powers of two that grow at once, shrink by halves and late, and stay within the
-/// settings and the work of a frame.
+/// Substeps are powers of two: they grow at once, shrink late and by halves, and respect the
+/// settings and the work limit of a frame.
 #[test]
 fn substeps_do_not_flicker() {
     let frame = frame(G);

@@ -1,4 +1,4 @@
-//! The lanes that touch each body.
+//! Contact lanes of each body.
 
 use super::contact_batch::ContactBatch;
 use super::solver_bodies::SolverBodies;
@@ -7,7 +7,7 @@ use frangible_math::LANES;
 /// A lane of a batch.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    /// Batch and lane in one.
+    /// Batch index times lane count plus lane.
     number: u32,
 }
 
@@ -21,9 +21,9 @@ impl Place {
     }
 }
 
-/// The lanes that touch each line, those of static bodies apart.
+/// Contact lanes of each solver line, except lines of static bodies.
 pub(super) struct Touching {
-    /// Where those of each line begin, and their end.
+    /// Offset of each line's lanes in `places`, and the end.
     starts: Vec<u32>,
     places: Vec<Place>,
 }
@@ -50,7 +50,7 @@ impl Touching {
         Self { starts, places }
     }
 
-    /// In their order.
+    /// Lanes of a line, in batch order.
     pub(super) fn lanes(&self, line: usize) -> &[Place] {
         &self.places[self.starts[line] as usize..self.starts[line + 1] as usize]
     }

@@ -1,43 +1,43 @@
-//! Blows: what a body does not bear [Su09 sec. 4.2].
+//! Blows: impacts above a body's strength [Su09 sec. 4.2].
 
-use crate::energy::tally::{Cause, Tally};
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::impulse::pair_impulse::{
     Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
 };
-use frangible_bodies::{Bodies, BodyId, Flight, Frame, Pair, Pose};
+use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_collision::{
-    ContactPoint, Encounter, ManifoldFinder, ManifoldPoint, NearSamples, WarmStart, first_contact,
-    placed,
+    ContactPoint, ImpulseCache, ManifoldFinder, ManifoldPoint, NearSamples, PairMotion,
+    first_contact, placed,
 };
 use glam::DVec3;
 
-/// A collision that a body does not bear.
+/// An impact above a body's strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blow {
-    /// Who breaks.
+    /// The breaking body.
     pub body: BodyId,
-    /// Who struck.
+    /// The other body.
     pub striker: BodyId,
-    /// Where, in the body's frame [m].
+    /// Point of impact, body frame [m].
     pub point_body: DVec3,
-    /// Unit, out of the body and towards the striker, in the body's frame.
+    /// Unit vector out of the body and towards the striker, body frame.
     pub normal_body: DVec3,
-    /// Where they first touched on their way to x^{n+1}, in the world frame [m].
+    /// First touch on the way to x^{n+1}, world frame [m].
     pub point_world: DVec3,
-    /// Where the impulse acts, with the bodies where they are now, in the world frame [m].
+    /// Point of the impulse at the present poses, world frame [m].
     pub acts_at: DVec3,
-    /// The impulse that would have stopped the collision [N s].
+    /// Impulse that would have stopped the collision [N s].
     pub impulse: f64,
-    /// The part that the body bore and passed on before it broke [N s].
+    /// Impulse up to the strength, passed on before the break [N s].
     pub borne: f64,
 }
 
-/// Where a pair first touches, with the poses of its bodies then.
+/// First contact point of a pair, and the poses of both bodies at first touch.
 pub(crate) type Touch = (ContactPoint, [Pose; 2]);
 
-/// For each body of the pair, the blow if an impulse at `acts_at` of `size` [N s] is more than it
-/// bears [Su09 sec. 4.2]. The weaker one breaks; the stronger feels no more than the weaker can
-/// pass on, so it breaks only if they are equally strong.
+/// Blows of a pair, one per body, if an impulse at `acts_at` of `size` [N s] exceeds the smaller
+/// strength [Su09 sec. 4.2]. The weaker body breaks. It passes on no more than its strength, hence
+/// the stronger body breaks only at equal strength.
 pub(crate) fn blows_of(
     bodies: &Bodies,
     pair: Pair,
@@ -69,28 +69,28 @@ pub(crate) fn blows_of(
     ]
 }
 
-/// What a body bears [N s].
+/// Strength of a body: the largest impulse before it breaks [N s].
 fn strength(bodies: &Bodies, i: usize) -> f64 {
-    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.contactants[i].strength }
+    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.surfaces[i].strength }
 }
 
-/// What the weaker one of a pair bears, and so the most that passes through their contact [N s].
+/// Smaller strength of a pair: the largest impulse through its contact [N s].
 fn borne_by(bodies: &Bodies, pair: Pair) -> f64 {
     strength(bodies, pair.first).min(strength(bodies, pair.second))
 }
 
-/// The blows of a frame before anything has moved: for each pair, the impulse that would stop it
-/// where it first touches on its way to `predicted`. Both bodies receive at once what the weaker
-/// one bears. A body that breaks is left alone from then on.
+/// Finds the blows of a frame before any motion: for each pair, the impulse that would stop the
+/// first touch on the way to `predicted`. Both bodies receive an impulse up to the smaller strength
+/// at once. A broken body takes no further blows.
 pub fn strike(
     bodies: &mut Bodies,
     pairs: &[Pair],
     predicted: &[Pose],
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> Vec<Blow> {
     let mut blows = Vec::new();
-    // Where all bear everything no pair has to be looked at, and a heap has tens of thousands.
+    // Without breakable bodies skip all pairs; a heap has tens of thousands.
     if (0..bodies.len()).all(|i| strength(bodies, i).is_infinite()) {
         return blows;
     }
@@ -104,7 +104,7 @@ pub fn strike(
         else {
             continue;
         };
-        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let surfaces = bodies.pair_surface(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
         let acts = (approach.contact.point, impulse.at_contact.length());
         let of_pair = blows_of(bodies, pair, acts, || {
@@ -116,8 +116,8 @@ pub fn strike(
             continue;
         };
 
-        // What is borne acts.
-        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, tally);
+        // Apply the impulse up to the smaller strength.
+        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, accounts);
         for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
             broken[i] |= blow.is_some();
             blows.extend(blow);
@@ -126,9 +126,9 @@ pub fn strike(
     blows
 }
 
-/// Whether both bodies of a pair bear whatever happens between them within the frame: no impulse
-/// that makes no energy, and so lets `|u + K j| <= |u|` in the measure of the pair's K, is larger
-/// than twice the reduced mass times their speed.
+/// True if no impulse between a pair within the frame can exceed its smaller strength. An impulse
+/// without energy gain satisfies `|u + K j| <= |u|` in the norm of the pair's K, hence never
+/// exceeds twice the reduced mass times the relative speed.
 fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     let borne = borne_by(bodies, pair);
     let answer =
@@ -136,53 +136,52 @@ fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
     if borne.is_infinite() {
         return true;
     }
-    let [first, second] = Flight::of_pair(bodies, pair, frame);
-    borne * answer >= 2.0 * Encounter::new(bodies, pair, [&first, &second], frame).most_speed
+    let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
+    borne * answer >= 2.0 * PairMotion::new(bodies, pair, [&first, &second], frame).most_speed
 }
 
 /// A collision within the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Coming {
-    /// As seen at the frame's start.
+    /// Relative motion at the contact, at the frame's start.
     pub approach: Approach,
-    /// What would stop it.
+    /// Impulse that would stop the approach.
     pub impulse: PairImpulse,
-    /// Where the two touch, in the world frame [m], and where they are then.
+    /// Point of first touch, world frame [m].
     pub point: DVec3,
-    /// See `point`.
+    /// Poses of both bodies at first touch.
     pub poses: [Pose; 2],
 }
 
-/// The collision that a pair is about to have on its way to `predicted`, if any.
+/// The next collision of a pair on the way to `predicted`, if any.
 pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<Coming> {
     let finder = &mut ManifoldFinder::default();
     let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, finder, frame)?;
-    let surfaces = bodies.pair_contactant(pair.first, pair.second);
+    let surfaces = bodies.pair_surface(pair.first, pair.second);
     let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
     Some(Coming { approach, impulse, point: contact.point, poses })
 }
 
-/// Lets an impulse act on a pair before the frame moves it, and books it: no more of it than the
-/// energy allows.
+/// Applies an impulse to a pair before the frame's motion, clamped to the available energy, and
+/// books it.
 pub fn pass_on(
     bodies: &mut Bodies,
     pair: Pair,
     approach: &Approach,
     impulse: &PairImpulse,
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) {
     let impulse = if frame.settings.impulse_clamp {
-        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut tally.clamps)
+        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut accounts.clamps)
     } else {
         *impulse
     };
-    tally.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
+    accounts.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
-/// How a pair approaches where it will touch first within the frame, seen at its start, and the
-/// touch itself.
+/// Relative motion at the first touch within the frame, at the frame's start, and the touch.
 fn next_touch(
     bodies: &Bodies,
     pair: Pair,
@@ -190,8 +189,8 @@ fn next_touch(
     finder: &mut ManifoldFinder,
     frame: &Frame,
 ) -> Option<(Approach, Touch)> {
-    // Of the points of its manifold, the one whose gap closes first.
-    let manifold = finder.find(bodies, pair, &WarmStart::default(), frame);
+    // Find the manifold point with the earliest time of impact.
+    let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
     let due = |point: &ManifoldPoint| {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
         let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
@@ -203,7 +202,7 @@ fn next_touch(
     if let Some((time, point)) = first {
         let contact = ContactPoint { point: point.middle(bodies, pair), normal: point.normal };
         let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
-        // Gravity adds to the speed on the way.
+        // Gravity adds to the approach speed.
         let speed = approach.relative_velocity.dot(point.normal);
         approach.relative_velocity -= (speed + point.approach) * point.normal;
         let poses = [pair.first, pair.second]
@@ -216,7 +215,7 @@ fn next_touch(
         ));
     }
 
-    // What turns fast may touch though no point of it approaches now: look at the frame's end.
+    // Fast rotation may cause a contact without an approaching point: test the end of the frame.
     finder.penetration(bodies, pair, predicted)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
@@ -233,7 +232,7 @@ fn next_touch(
         .then_some((approach, (seen.contact, [predicted[pair.first], predicted[pair.second]])))
 }
 
-/// A part of the way from one pose to another.
+/// Linear interpolation of a pose by `part`, spherical for the orientation.
 fn between(from: &Pose, to: &Pose, part: f64) -> Pose {
     Pose {
         position: from.position.lerp(to.position, part),

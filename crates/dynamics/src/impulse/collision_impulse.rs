@@ -1,21 +1,19 @@
-//! The impulse between two bodies that touch at a point: Newton's restitution and Coulomb's
-//! friction [GBF03 sec. 5].
+//! Impulse between two touching bodies: Newton's restitution and Coulomb's friction [GBF03 sec. 5].
 
-use frangible_bodies::{PairContactant, Velocity};
+use frangible_bodies::{PairSurface, Velocity};
 use glam::{DMat3, DVec3};
 
-/// Where Coulomb's sliding impulse per unit of normal impulse changes the normal velocity by less
-/// than this fraction of what a frictionless one does, the contact jams: the sliding impulse would
-/// be enormous or pull.
+/// Jam threshold: if a sliding impulse per unit of normal impulse changes the normal velocity by
+/// less than this fraction of a frictionless impulse, the contact jams, as the sliding impulse
+/// would be enormous or pull.
 const JAM: f64 = 1e-6;
 
 /// Tangential velocity below this fraction of the velocity is round-off and has no direction.
 const NO_DIRECTION: f64 = 1e-12;
 
-/// How the velocity of a body's point answers an impulse at that point: `K = 1/m + r*^T I^-1 r*`
-/// [1/kg], from the inverse inertia in the world frame [1/(kg m^2)] and the lever r from the centre
-/// of mass to the point [m]. A pair's matrix is the sum over its two bodies; an infinite mass adds
-/// zero.
+/// Contact matrix of a body's point, `K = 1/m + r*^T I^-1 r*` [1/kg]: velocity change per impulse,
+/// from the inverse inertia in the world frame [1/(kg m^2)] and the lever r from the centre of mass
+/// to the point [m]. A pair's matrix is the sum over both bodies; an infinite mass adds zero.
 pub fn contact_matrix(inverse_mass: f64, inverse_inertia: DMat3, lever: DVec3) -> DMat3 {
     let cross = DMat3::from_cols(
         DVec3::new(0.0, lever.z, -lever.y),
@@ -25,23 +23,23 @@ pub fn contact_matrix(inverse_mass: f64, inverse_inertia: DMat3, lever: DVec3) -
     DMat3::from_diagonal(DVec3::splat(inverse_mass)) + cross.transpose() * inverse_inertia * cross
 }
 
-/// The impulse [kg m/s] on body a, and its opposite on body b, that turns the approach speed `-v_n`
-/// into `restitution` times itself, with friction in Coulomb's cone.
+/// Impulse [kg m/s] on body a, with its opposite on body b, for a separation speed of `restitution`
+/// times the approach speed and friction in Coulomb's cone.
 ///
-/// `contact_matrix` is the pair's K [1/kg], `relative_velocity` that of a's point less b's [m/s],
-/// `normal` the unit normal from b to a. Zero if the points separate or no mass is finite. Where
-/// friction can act in its usual way the energy can rise, by the model or in a split state [Su09
-/// sec. 3]: see [`crate::impulse::energy_clamp::clamp_impulse`]. Where it cannot (a jam, as in Painleve's paradox), it is
-/// as much as does not raise the energy.
+/// `contact_matrix` is the pair's K [1/kg], `relative_velocity` the velocity of a's point minus b's
+/// [m/s], `normal` the unit normal from b to a. Zero if the points separate or no mass is finite.
+/// In ordinary sliding or sticking the energy can rise, by the model or in a split state [Su09 sec.
+/// 3]: see [`crate::impulse::energy_clamp::clamp_impulse`]. In a jam (Painleve's paradox) the
+/// friction is limited to no energy gain.
 pub fn collision_impulse(
     contact_matrix: DMat3,
     relative_velocity: DVec3,
     normal: DVec3,
-    surfaces: PairContactant,
+    surfaces: PairSurface,
 ) -> DVec3 {
-    let PairContactant { restitution, friction, .. } = surfaces;
+    let PairSurface { restitution, friction, .. } = surfaces;
 
-    // Only an approach is resisted.
+    // Skip separating points.
     let normal_velocity = normal.dot(relative_velocity);
     let normal_change = -(1.0 + restitution) * normal_velocity;
     let normal_answer = normal.dot(contact_matrix * normal);
@@ -53,8 +51,7 @@ pub fn collision_impulse(
         return frictionless;
     }
 
-    // Stick: all of the tangential velocity stops, if the friction that this takes lies in the
-    // cone.
+    // Stick: stop the tangential velocity completely, if the friction lies in the cone.
     let tangential_velocity = relative_velocity - normal_velocity * normal;
     let Some(sticking) = solve(contact_matrix, normal_change * normal - tangential_velocity) else {
         return frictionless;
@@ -76,10 +73,10 @@ pub fn collision_impulse(
         }
     }
 
-    // Jam or reverse: sliding on cannot be, as that friction would drive the bodies together, or
-    // speed the sliding up. Friction takes the side of the cone that the sticking impulse lies
-    // beyond, along which the normal velocity always answers: from n.K j = normal_change > 0 for
-    // the sticking j, with |j_t| > mu j_n, follows n.K (n + mu j_t/|j_t|) > 0.
+    // Jam or reversal: sliding friction would drive the bodies together, or accelerate the sliding.
+    // Take the side of the cone nearest to the sticking impulse, which always changes the normal
+    // velocity: from n.K j = normal_change > 0 for the sticking j, with |j_t| > mu j_n, follows
+    // n.K (n + mu j_t/|j_t|) > 0.
     let on_cone = normal + (friction / sticking_friction) * sticking_tangent;
     let turned = (normal_change / normal.dot(contact_matrix * on_cone)) * on_cone;
     frictionless
@@ -87,9 +84,8 @@ pub fn collision_impulse(
             * (turned - frictionless)
 }
 
-/// How far to go, in [0, 1], from an impulse that does not raise the energy towards another, so
-/// that their blend does not raise it either. In the cone, and with the restitution of both, as
-/// these are convex.
+/// Fraction in [0, 1] of the way from `safe` (no energy gain) to `other` for a blend without energy
+/// gain. By convexity the blend stays in the cone and keeps the restitution.
 fn energy_limit(contact_matrix: DMat3, relative_velocity: DVec3, safe: DVec3, other: DVec3) -> f64 {
     // The energy change v.j + j.K j / 2 along the way is  constant + slope t + curvature t^2  [J].
     let way = other - safe;
@@ -100,14 +96,14 @@ fn energy_limit(contact_matrix: DMat3, relative_velocity: DVec3, safe: DVec3, ot
     if constant + slope + curvature <= 0.0 {
         return 1.0;
     }
-    // The positive root, by the form that does not cancel.
+    // Positive root, in the form without cancellation.
     let root = (slope * slope - 4.0 * curvature * constant).sqrt();
     if slope > 0.0 { -2.0 * constant / (slope + root) } else { (root - slope) / (2.0 * curvature) }
 }
 
-/// Solves `matrix x = right` for a symmetric positive definite matrix by its L D L^T factors, whose
-/// residual stays at rounding where thin bodies make the matrix ill-conditioned. `None` if it is
-/// singular to rounding.
+/// Solves `matrix x = right` for a symmetric positive definite matrix by L D L^T factors; the
+/// residual stays at rounding even for ill-conditioned matrices of thin bodies. `None` if the
+/// matrix is singular to rounding.
 fn solve(matrix: DMat3, right: DVec3) -> Option<DVec3> {
     let (m, p, q) = (matrix.x_axis, matrix.y_axis, matrix.z_axis);
     let (l_yx, l_zx) = (m.y / m.x, m.z / m.x);
@@ -124,28 +120,29 @@ fn solve(matrix: DMat3, right: DVec3) -> Option<DVec3> {
     Some(DVec3::new(right.x / m.x - l_yx * y - l_zx * z, y, z))
 }
 
-/// What acts on one body at an instant.
+/// Impulse on a body, about its centre of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
-    /// Changes the linear momentum [kg m/s].
+    /// Change of the linear momentum [kg m/s].
     pub linear: DVec3,
-    /// Changes the angular momentum about the centre of mass [kg m^2/s].
+    /// Change of the angular momentum about the centre of mass [kg m^2/s].
     pub angular: DVec3,
 }
 
 impl Impulse {
-    /// An impulse [kg m/s] at `lever` from the centre of mass [m]: `j_tau = r* j + ...` [Su09 sec. 3.2].
+    /// An impulse [kg m/s] at `lever` from the centre of mass [m]: `j_tau = r* j + ...`
+    /// [Su09 sec. 3.2].
     pub fn at(lever: DVec3, impulse: DVec3) -> Self {
         Self { linear: impulse, angular: lever.cross(impulse) }
     }
 
-    /// A part of it.
+    /// Scales both parts.
     pub fn scaled(&self, scale: f64) -> Self {
         Self { linear: scale * self.linear, angular: scale * self.angular }
     }
 }
 
-/// The velocity after an impulse. An infinite mass keeps its own.
+/// Velocity after an impulse. An infinite mass keeps its velocity.
 pub fn apply_impulse(velocity: &Velocity, inverse_mass: f64, impulse: &Impulse) -> Velocity {
     if inverse_mass == 0.0 {
         return *velocity;
@@ -164,11 +161,11 @@ mod tests {
 
     const UP: DVec3 = DVec3::Y;
 
-    fn surfaces(restitution: f64, friction: f64) -> PairContactant {
-        PairContactant::new(restitution, friction)
+    fn surfaces(restitution: f64, friction: f64) -> PairSurface {
+        PairSurface::new(restitution, friction)
     }
 
-    /// A solid ball of 2 kg and 0.5 m that touches the ground.
+    /// A solid ball of 2 kg and 0.5 m on the ground.
     fn ball_matrix() -> DMat3 {
         let inertia = Inertia::new(2.0, DVec3::splat(0.4 * 2.0 * 0.25));
         contact_matrix(inertia.inverse_mass, inertia.inverse_tensor(DQuat::IDENTITY), -0.5 * UP)
@@ -202,9 +199,9 @@ mod tests {
         assert_eq!(wall, DMat3::ZERO);
     }
 
-    /// A thin rod that slides on its lower end in the direction it leans away from [Pai95]:
-    /// Coulomb's sliding impulse would have to pull. Ours pushes, meets the restitution, stays in
-    /// the cone and makes no energy.
+    /// A thin rod sliding on its lower end, away from its lean [Pai95]: Coulomb's sliding impulse
+    /// would have to pull. Our impulse pushes, meets the restitution, stays in the cone and adds no
+    /// energy.
     #[test]
     fn painleve_rod_neither_pulls_nor_gains() {
         let (mass, half_length, lean, friction) = (1.0, 0.5, 1.0f64, 3.0);

@@ -1,4 +1,4 @@
-//! Impulses scaled so that they never raise the kinetic energy of the pair they act on [Su09 sec. 3.2].
+//! Impulses scaled to never raise the kinetic energy of the pair [Su09 sec. 3.2].
 
 use crate::impulse::collision_impulse::Impulse;
 use frangible_bodies::{Inertia, Velocity};
@@ -13,42 +13,42 @@ pub enum ClampSide {
         inertia: Inertia,
         /// `world_from_body` of the non-split state.
         orientation: DQuat,
-        /// Of the non-split state, with all earlier impulses.
+        /// Velocity in the non-split state, with all earlier impulses.
         velocity: Velocity,
-        /// About to act, computed in the split state.
+        /// Impulse to clamp, computed in the split state.
         impulse: Impulse,
     },
-    /// Static or kinematic: no impulse moves it.
+    /// Static or kinematic: immovable by impulses.
     Prescribed {
-        /// Of its point at the contact [m/s]; zero if static.
+        /// Velocity of the contact point [m/s]; zero for static bodies.
         point_velocity: DVec3,
     },
 }
 
-/// How much of an impulse may act.
+/// Allowed fraction of an impulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Clamp {
     /// All of it: the energy does not rise, to rounding.
     Whole,
-    /// This fraction, in (0, 1): the energy stays as it is.
+    /// This fraction, in (0, 1): the energy is unchanged.
     Scaled(f64),
-    /// None: any part of it would raise the energy.
+    /// Zero: any fraction would raise the energy.
     Blocked,
 }
 
-/// Impulses that would have raised the kinetic energy [Su09 sec. 3.2].
+/// Statistics of impulses that would have raised the kinetic energy [Su09 sec. 3.2].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clamps {
-    /// Shortened.
+    /// Number of shortened impulses.
     pub shortened: u64,
-    /// Dropped, because no length of them would have kept the kinetic energy.
+    /// Number of dropped impulses: any length would have raised the kinetic energy.
     pub dropped: u64,
-    /// Energy that those would have made and did not [J].
+    /// Energy gain avoided by both [J].
     pub withheld: f64,
 }
 
 impl Clamps {
-    /// Adds others.
+    /// Adds the statistics of another stage.
     pub(crate) fn add(&mut self, other: Self) {
         self.shortened += other.shortened;
         self.dropped += other.dropped;
@@ -57,7 +57,7 @@ impl Clamps {
 }
 
 impl Clamp {
-    /// The fraction that may act, in [0, 1].
+    /// Allowed fraction in [0, 1].
     pub fn scale(self) -> f64 {
         match self {
             Self::Whole => 1.0,
@@ -67,22 +67,21 @@ impl Clamp {
     }
 }
 
-/// An energy-neutral fraction this near to 1 is 1 up to rounding, as every elastic impulse without
-/// friction has it.
+/// Energy-neutral fractions above this limit count as 1: elastic frictionless impulses reach 1 only
+/// to rounding.
 const WHOLE: f64 = 1.0 - 1e-13;
 
-/// How much of the two bodies' impulses leaves the kinetic energy of the pair in the non-split
-/// state no higher than it is.
+/// Largest fraction of the pair's impulses without a kinetic energy gain in the non-split state.
 ///
-/// Against a kinematic body the energy is that in the frame that moves with the body's point, so
-/// that a lift can lift. Nothing is to be scaled between two prescribed bodies: `Whole`.
+/// With a kinematic body the energy is measured in the frame of its contact point: a lift can lift.
+/// For two prescribed bodies the answer is `Whole`.
 pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
     let (slope, curvature) = pair_energy_change(a, b);
     if curvature == 0.0 {
         return Clamp::Whole;
     }
 
-    // It is zero again at eps; beyond, it is positive.
+    // The energy change vanishes again at this fraction; beyond, it is positive.
     let neutral = -2.0 * slope / curvature;
     if neutral >= WHOLE {
         Clamp::Whole
@@ -93,14 +92,14 @@ pub fn clamp_impulse(a: &ClampSide, b: &ClampSide) -> Clamp {
     }
 }
 
-/// What both impulses in full add to the same energy [J].
+/// Energy change by the full impulses [J], in the same frame.
 pub(crate) fn energy_given(a: &ClampSide, b: &ClampSide) -> f64 {
     let (slope, curvature) = pair_energy_change(a, b);
     slope + 0.5 * curvature
 }
 
-/// The change of the pair's energy is  slope eps + curvature eps^2 / 2  if a fraction eps of its
-/// impulses acts [J].
+/// Coefficients of the pair's energy change  slope eps + curvature eps^2 / 2  for a fraction eps of
+/// its impulses [J].
 fn pair_energy_change(a: &ClampSide, b: &ClampSide) -> (f64, f64) {
     let frame_velocity = |other: &ClampSide| match other {
         ClampSide::Dynamic { .. } => DVec3::ZERO,
@@ -111,14 +110,14 @@ fn pair_energy_change(a: &ClampSide, b: &ClampSide) -> (f64, f64) {
     (slope_a + slope_b, curvature_a + curvature_b)
 }
 
-/// First and second derivative of a body's kinetic energy with respect to the fraction of the
-/// impulse that acts, at fraction zero [J].
+/// First and second derivative of a body's kinetic energy with respect to the impulse fraction, at
+/// zero [J].
 fn energy_change(side: &ClampSide, frame_velocity: DVec3) -> (f64, f64) {
     let ClampSide::Dynamic { inertia, orientation, velocity, impulse } = side else {
         return (0.0, 0.0);
     };
-    // Rotation, in the body frame: there a thin body's energy does not drown in the rounding of its
-    // tensor.
+    // Rotation in the body frame: rounding of a world-frame tensor would swamp a thin body's
+    // energy.
     let body_from_world = orientation.conjugate();
     let angular_impulse = body_from_world * impulse.angular;
     let angular_answer = inertia.inverse_moments * angular_impulse;

@@ -1,15 +1,15 @@
-//! One impulse between two bodies: from the contact point to the new velocities.
+//! Pair impulses: from a contact point to new velocities.
 
 use crate::impulse::collision_impulse::{
     Impulse, apply_impulse, collision_impulse, contact_matrix,
 };
 use crate::impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse, energy_given};
 use crate::impulse::pair_turn::turn_pair;
-use frangible_bodies::{Bodies, Inertia, Pair, PairContactant, Pose, Velocity};
+use frangible_bodies::{Bodies, Inertia, Pair, PairSurface, Pose, Velocity};
 use frangible_collision::{ContactPoint, Penetration, contact_point, placed};
 use glam::{DMat3, DVec3};
 
-/// Two bodies that approach each other at a point.
+/// Two bodies approaching at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// Point and normal.
@@ -20,8 +20,8 @@ pub struct Approach {
     pub relative_velocity: DVec3,
 }
 
-/// The deepest of the penetrations where the pair approaches: point, normal and velocities as seen
-/// at `poses` and `velocities`. Uses the penetrations up.
+/// Deepest of the penetrations with an approaching contact: point, normal and velocities at `poses`
+/// and `velocities`. Consumes the penetrations.
 pub(crate) fn deepest_approach(
     bodies: &Bodies,
     pair: Pair,
@@ -30,7 +30,7 @@ pub(crate) fn deepest_approach(
     velocities: &[Velocity],
 ) -> Option<Approach> {
     let (first, second) = placed(bodies, pair, poses);
-    // The deepest one nearly always approaches, so looking for the next deepest one is cheaper than
+    // The deepest penetration nearly always approaches: repeated minimum search is cheaper than
     // sorting.
     while let Some(deepest) =
         (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b]))
@@ -44,7 +44,7 @@ pub(crate) fn deepest_approach(
     None
 }
 
-/// Deepest first; equal depths in the order of the samples, so that the order is one only.
+/// Order by depth, deepest first; ties in sample order, for a unique order.
 fn by_depth(a: &Penetration, b: &Penetration) -> std::cmp::Ordering {
     let tie = || (a.sample_of_first, a.sample).cmp(&(b.sample_of_first, b.sample));
     a.phi.total_cmp(&b.phi).then_with(tie)
@@ -64,14 +64,14 @@ pub(crate) fn approach_at(
     Approach { contact, levers, relative_velocity: first - second }
 }
 
-/// The impulse on the first body that stops the approach with the pair's restitution, inside
-/// Coulomb's cone. `inertias` may hold bodies still that could move.
+/// Impulse on the first body that stops the approach with the pair's restitution, inside Coulomb's
+/// cone. `inertias` may freeze movable bodies.
 pub(crate) fn impulse_for(
     pair: Pair,
     approach: &Approach,
     poses: &[Pose],
     inertias: &[Inertia],
-    surfaces: PairContactant,
+    surfaces: PairSurface,
 ) -> PairImpulse {
     let k = pair_contact_matrix(pair, approach.levers, poses, inertias);
     let (relative, normal) = (approach.relative_velocity, approach.contact.normal);
@@ -95,23 +95,23 @@ pub(crate) fn pair_contact_matrix(
     of(pair.first, levers[0]) + of(pair.second, levers[1])
 }
 
-/// The impulses on the two bodies of a pair.
+/// Impulses on both bodies of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairImpulse {
-    /// At the contact point, on the first body; its opposite acts on the second [N s].
+    /// Impulse at the contact point on the first body, its opposite on the second [N s].
     pub at_contact: DVec3,
-    /// All that acts on each of them; the linear parts are opposite.
+    /// Total impulse on each body; the linear parts are opposite.
     pub on: [Impulse; 2],
 }
 
 impl PairImpulse {
-    /// Of one impulse at the contact.
+    /// From a single impulse at the contact.
     pub fn new(approach: &Approach, at_contact: DVec3) -> Self {
         let [first, second] = approach.levers;
         Self { at_contact, on: [Impulse::at(first, at_contact), Impulse::at(second, -at_contact)] }
     }
 
-    /// A part of it.
+    /// Scales all parts.
     pub fn scaled(&self, scale: f64) -> Self {
         Self {
             at_contact: scale * self.at_contact,
@@ -119,13 +119,13 @@ impl PairImpulse {
         }
     }
 
-    /// Whether nothing acts.
+    /// True for a zero impulse.
     pub(crate) fn is_zero(&self) -> bool {
         self.at_contact == DVec3::ZERO
     }
 
-    /// With levers of another time level, two dynamic bodies at the poses of `bodies` would gain or
-    /// lose angular momentum; this adds the rigid rotation of the pair that makes up for it.
+    /// Adds the rigid rotation of the pair that restores angular momentum at the poses of `bodies`,
+    /// after levers of another time level changed it. Applies to pairs of dynamic bodies.
     pub(crate) fn keeping_angular_momentum(mut self, bodies: &Bodies, pair: Pair) -> Self {
         let [first, second] = [pair.first, pair.second];
         if bodies.inertias[first].is_infinite() || bodies.inertias[second].is_infinite() {
@@ -140,15 +140,15 @@ impl PairImpulse {
         self
     }
 
-    /// Changes the velocities of those that can move.
+    /// Applies the impulse to movable bodies.
     pub fn apply(&self, pair: Pair, inertias: &[Inertia], velocities: &mut [Velocity]) {
         for (i, impulse) in [pair.first, pair.second].into_iter().zip(&self.on) {
             velocities[i] = apply_impulse(&velocities[i], inertias[i].inverse_mass, impulse);
         }
     }
 
-    /// The part that does not raise the pair's kinetic energy in the non-split state at the poses
-    /// of `bodies` and `velocities` [Su09 sec. 3.2].
+    /// Largest fraction without a gain of the pair's kinetic energy in the non-split state at the
+    /// poses of `bodies` and `velocities` [Su09 sec. 3.2].
     pub(crate) fn clamped_to_energy(
         &self,
         bodies: &Bodies,
@@ -167,8 +167,8 @@ impl PairImpulse {
         self.scaled(clamp.scale())
     }
 
-    /// What it adds to the kinetic energy of the pair at the poses of `bodies` and `velocities`,
-    /// beyond a kinematic body's work [J].
+    /// Change of the pair's kinetic energy at the poses of `bodies` and `velocities`, without the
+    /// work of a kinematic body [J].
     pub(crate) fn energy_given(
         &self,
         bodies: &Bodies,
@@ -180,8 +180,8 @@ impl PairImpulse {
         energy_given(&first, &second)
     }
 
-    /// The part of it by friction: the tangential impulse times the mean of the slip before and
-    /// after [J].
+    /// Energy change by friction: tangential impulse times the mean of the slip before and after
+    /// [J].
     pub(crate) fn energy_of_friction(
         &self,
         bodies: &Bodies,

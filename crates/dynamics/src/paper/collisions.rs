@@ -1,46 +1,45 @@
-//! Collisions: what would meet in this frame bounces before it gets there [GBF03 sec. 4].
+//! Collisions: bodies about to overlap in this frame bounce beforehand [GBF03 sec. 4].
 //!
-//! Contact points, normals, levers and angular velocities are those of the predicted poses x^{n+1};
+//! Contact points, normals, levers and angular velocities belong to the predicted poses x^{n+1};
 //! the impulses change v^n and are clamped against (x^n, v^n) [Su09 sec. 3.2, "Collision
-//! Clamping"]. A blow above a body's strength is reported, for the engine to break the body [Su09
+//! Clamping"]. Blows above a body's strength are reported, and the engine breaks the body [Su09
 //! sec. 4.2].
 
-use crate::energy::tally::{Cause, Tally};
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::impacts::blows::{Blow, blows_of};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose, evolve, half_fallen, predict};
 use frangible_collision::{NearSamples, Penetration, find_pairs, first_contact, placed};
 use std::collections::HashMap;
 
-/// What one pass over all pairs came to.
+/// Result of one pass over all pairs.
 #[derive(Clone, Debug, Default)]
 pub struct Pass {
-    /// Whether any impulse was applied.
+    /// True if any impulse was applied.
     pub any: bool,
-    /// What breaks, in order of the pairs.
+    /// Blows that break a body, in order of the pairs.
     pub blows: Vec<Blow>,
 }
 
-/// What a collision may do.
+/// Allowed response to a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
-    /// Bodies bounce, and break if they do not bear it.
+    /// Bodies bounce, and break above their strength.
     BounceAndBreak,
-    /// Bodies bounce, whatever they bear.
+    /// Bodies bounce, regardless of strength.
     Bounce,
 }
 
 /// The collisions of one frame, pass by pass.
 #[derive(Clone, Debug)]
 pub struct Collisions {
-    /// x^{n+1} as the present velocities would have it.
+    /// x^{n+1} by the present velocities.
     pub predicted: Vec<Pose>,
-    /// What static and kinematic bodies contributed.
-    pub tally: Tally,
-    /// How often each body was re-evolved.
+    /// Impulses and work of static and kinematic bodies.
+    pub accounts: FrameAccounts,
+    /// Number of re-evolutions of each body.
     moves: Vec<u32>,
-    /// The moves of both bodies when a pair was last looked at: what has not moved since needs no
-    /// second look.
+    /// Re-evolution counts of both bodies at a pair's last visit: unmoved pairs are skipped.
     seen: HashMap<(BodyId, BodyId), (u32, u32)>,
     penetrations: Vec<Penetration>,
 }
@@ -50,15 +49,14 @@ impl Collisions {
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
         Self {
             predicted: predict(bodies, frame),
-            tally: Tally::default(),
+            accounts: FrameAccounts::default(),
             moves: vec![0; bodies.len()],
             seen: HashMap::new(),
             penetrations: Vec::new(),
         }
     }
 
-    /// Goes on after bodies were broken: `new_index` maps old dense indices, and what is new stands
-    /// behind.
+    /// Continues after a break: `new_index` maps old dense indices; fragments follow at the end.
     pub fn rebase(&mut self, bodies: &Bodies, new_index: &[Option<usize>], frame: &Frame) {
         let mut moves = vec![0; bodies.len()];
         for (old, new) in new_index.iter().enumerate() {
@@ -70,7 +68,7 @@ impl Collisions {
         self.predicted = predict(bodies, frame);
     }
 
-    /// One pass over all pairs. What broke is left alone for the rest of the pass.
+    /// One pass over all pairs. A broken body is skipped for the rest of the pass.
     pub fn pass(&mut self, bodies: &mut Bodies, response: Response, frame: &Frame) -> Pass {
         let mut pass = Pass::default();
         let mut broken = vec![false; bodies.len()];
@@ -102,8 +100,7 @@ impl Collisions {
                     pass.blows.extend(blow);
                 }
             }
-            // A pair with a blow is looked at again: by the fragments, or by a body that could not
-            // be split.
+            // A pair with a blow is visited again: by the fragments, or by an unsplittable body.
             if !broken[pair.first] && !broken[pair.second] {
                 self.remember(bodies, pair);
             }
@@ -111,8 +108,8 @@ impl Collisions {
         pass
     }
 
-    /// The blow to each body of the pair; it lands where they first touched, or, if they did
-    /// before, where the impulse acts.
+    /// Blows to both bodies of the pair, at their first touch, or at the impulse's point if the
+    /// bodies already overlap at the start.
     fn blows(
         &self,
         bodies: &Bodies,
@@ -128,7 +125,7 @@ impl Collisions {
         })
     }
 
-    /// The clamped impulse at the deepest approaching point of a pair, if there is one.
+    /// Clamped impulse at the deepest approaching point of a pair, if any.
     fn next_impulse(
         &mut self,
         bodies: &Bodies,
@@ -141,7 +138,7 @@ impl Collisions {
         let (predicted, velocities) = (&self.predicted, &bodies.velocities);
         let approach =
             deepest_approach(bodies, pair, &mut self.penetrations, predicted, velocities)?;
-        let surfaces = bodies.pair_contactant(pair.first, pair.second);
+        let surfaces = bodies.pair_surface(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, predicted, &bodies.inertias, surfaces);
         let mut impulse = impulse.keeping_angular_momentum(bodies, pair);
         if frame.settings.impulse_clamp {
@@ -150,13 +147,13 @@ impl Collisions {
                 pair,
                 &approach,
                 velocities,
-                &mut self.tally.clamps,
+                &mut self.accounts.clamps,
             );
         }
         (!impulse.is_zero()).then_some((approach, impulse))
     }
 
-    /// Applies an impulse to v^n, re-evolves both bodies and books what came from outside.
+    /// Applies an impulse to v^n, re-evolves both bodies and books the outside's share.
     fn apply(
         &mut self,
         bodies: &mut Bodies,
@@ -165,7 +162,7 @@ impl Collisions {
         impulse: &PairImpulse,
         frame: &Frame,
     ) {
-        self.tally.book_impulse(
+        self.accounts.book_impulse(
             bodies,
             pair,
             approach,

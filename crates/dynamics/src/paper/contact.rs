@@ -1,59 +1,58 @@
-//! Contact: impulses that keep what touches from moving into each other [GBF03 sec. 6].
+//! Contact: impulses that keep touching bodies from interpenetrating [GBF03 sec. 6].
 //!
-//! The position phase and the velocity phase are the same computation at two places in time. What
-//! would penetrate is looked for at the *proposed* poses; normals, levers and velocities are taken
-//! at the *old* ones.
+//! The position phase and the velocity phase are the same computation at two points in time.
+//! Penetrations are searched at the *proposed* poses; normals, levers and velocities belong to the
+//! *old* poses.
 
+use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::pair_energy;
-use crate::energy::tally::{Cause, Tally};
 use crate::impulse::pair_impulse::{Approach, PairImpulse, deepest_approach, impulse_for};
 use crate::paper::contact_graph::{ContactGraph, Level};
 use crate::paper::displacements::{Displacements, Push};
 use frangible_bodies::{
-    Bodies, Frame, Inertia, Pair, PairContactant, Pose, Velocity, evolve, evolve_all,
+    Bodies, Frame, Inertia, Pair, PairSurface, Pose, Velocity, evolve, evolve_all,
 };
 use frangible_collision::{NearSamples, Penetration, placed};
 use std::collections::HashMap;
 
-/// Samples this far outside still count as penetrating [m]: an allowance for round-off, as in the
+/// Samples up to this far outside count as penetrating [m]: an allowance for round-off, as in the
 /// authors' code.
 const CONTOUR: f32 = 1e-6;
 
-/// What becomes of the impulses.
+/// Use of a phase's impulses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Only their effect on the poses stays. Not clamped: there is no non-split state to clamp
-    /// against [Su09 sec. 3.2, "Contact Clamping"].
+    /// Impulses affect only the poses. Unclamped: no non-split state exists to clamp against
+    /// [Su09 sec. 3.2, "Contact Clamping"].
     Position,
-    /// They stay; clamped against (x^{n+1}, v^{n+1}) [Su09 sec. 3.2].
+    /// Impulses stay in the velocities; clamped against (x^{n+1}, v^{n+1}) [Su09 sec. 3.2].
     Velocity,
 }
 
-/// One phase of contact: where bodies are, where they would get to, and the velocities that take
-/// them there.
+/// One phase of contact: old poses, proposed poses, and the velocities between them.
 pub struct Contact<'a> {
-    /// At the phase's old time level: normals, levers and angular velocities are taken there.
+    /// Bodies at the phase's old time level, the source of normals, levers and angular velocities.
     pub bodies: &'a Bodies,
     /// Duration, gravity, settings.
     pub frame: &'a Frame,
-    /// What becomes of the impulses.
+    /// Position or velocity phase.
     pub phase: Phase,
-    /// The velocities that the phase corrects.
+    /// Velocities to correct.
     pub velocities: Vec<Velocity>,
-    /// The old poses evolved by one frame with `velocities`.
+    /// Old poses evolved by one frame with `velocities`.
     pub proposed: Vec<Pose>,
-    /// Who can be moved; shock propagation holds bodies still by making their inertia infinite.
+    /// Shock propagation freezes bodies by an infinite inertia.
     pub inertias: Vec<Inertia>,
-    /// What static and kinematic bodies contributed.
-    pub tally: Tally,
-    /// How far the position phase moved pairs off the paths of their velocities.
+    /// Impulses and work of static and kinematic bodies.
+    pub accounts: FrameAccounts,
+    /// Displacements of the position phase off the paths of the velocities, per pair.
     pub displacements: Displacements,
     near: HashMap<Pair, NearSamples>,
     penetrations: Vec<Penetration>,
 }
 
 impl<'a> Contact<'a> {
-    /// Begins a phase at the poses of `bodies`, with the velocities that would carry them on.
+    /// Begins a phase at the poses of `bodies`, with the velocities for its motion.
     pub fn new(
         bodies: &'a Bodies,
         velocities: Vec<Velocity>,
@@ -69,16 +68,16 @@ impl<'a> Contact<'a> {
             velocities,
             proposed,
             inertias,
-            tally: Tally::default(),
+            accounts: FrameAccounts::default(),
             displacements: Displacements::default(),
             near: HashMap::new(),
             penetrations: Vec::new(),
         }
     }
 
-    /// Passes over the graph, level by level, until nothing approaches. Restitution below 0
-    /// ("epsilon scaling") lets the first passes stop a part of each approach only; the schedule is
-    /// that of the authors' code. Returns the graph of what fired.
+    /// Passes over the graph, level by level, until no pair approaches. Negative restitution
+    /// ("epsilon scaling") makes the first passes stop only a part of each approach; the schedule
+    /// follows the authors' code. Returns the graph of pairs with impulses.
     pub fn resolve(&mut self, graph: &ContactGraph) -> ContactGraph {
         let settings = self.frame.settings;
         let full = f64::from(settings.contact_passes * settings.contact_level_iterations);
@@ -100,7 +99,7 @@ impl<'a> Contact<'a> {
         fired.into_graph(graph)
     }
 
-    /// One sweep over the pairs of a level; tells for each whether an impulse was applied.
+    /// One sweep over the pairs of a level; returns true for each pair with an impulse.
     pub(crate) fn sweep_level(
         &mut self,
         level: &Level,
@@ -120,15 +119,15 @@ impl<'a> Contact<'a> {
         level.pairs.iter().map(stop).collect()
     }
 
-    /// One impulse on one pair; false if nothing approaches or the impulse comes to nothing.
+    /// One impulse on a pair; false without an approach, or if the impulse is zero.
     fn stop_deepest(&mut self, pair: Pair, restitution: f64) -> bool {
-        // Look for what would penetrate, at the proposed poses.
+        // Find penetrations at the proposed poses.
         let (first, second) = placed(self.bodies, pair, &self.proposed);
         let near =
             self.near.entry(pair).or_insert_with(|| NearSamples::gather(first, second, CONTOUR));
         near.find_penetrations(first, second, CONTOUR, &mut self.penetrations);
 
-        // The deepest that approaches, as seen at the old poses.
+        // Take the deepest approaching penetration, at the old poses.
         let (old, penetrations) = (&self.bodies.poses, &mut self.penetrations);
         let Some(approach) =
             deepest_approach(self.bodies, pair, penetrations, old, &self.velocities)
@@ -136,16 +135,16 @@ impl<'a> Contact<'a> {
             return false;
         };
         let surfaces =
-            PairContactant { restitution, ..self.bodies.pair_contactant(pair.first, pair.second) };
+            PairSurface { restitution, ..self.bodies.pair_surface(pair.first, pair.second) };
         let mut impulse = impulse_for(pair, &approach, old, &self.inertias, surfaces);
         if self.phase == Phase::Velocity && self.frame.settings.impulse_clamp {
-            let (velocities, tally) = (&self.velocities, &mut self.tally);
+            let (velocities, accounts) = (&self.velocities, &mut self.accounts);
             impulse = impulse.clamped_to_energy(
                 self.bodies,
                 pair,
                 &approach,
                 velocities,
-                &mut tally.clamps,
+                &mut accounts.clamps,
             );
         }
         if impulse.is_zero() {
@@ -155,11 +154,11 @@ impl<'a> Contact<'a> {
         true
     }
 
-    /// Applies an impulse, re-evolves both bodies and books what came from outside.
+    /// Applies an impulse, re-evolves both bodies and books the outside's share.
     fn apply(&mut self, pair: Pair, approach: &Approach, impulse: &PairImpulse) {
         if self.phase == Phase::Velocity {
             let before = (&self.velocities[..], Cause::Contact);
-            self.tally.book_impulse(self.bodies, pair, approach, impulse, before);
+            self.accounts.book_impulse(self.bodies, pair, approach, impulse, before);
         }
         let energy_before = self.pair_energy(pair);
         impulse.apply(pair, &self.inertias, &mut self.velocities);
@@ -177,13 +176,13 @@ impl<'a> Contact<'a> {
         }
     }
 
-    /// Of a pair at the proposed poses, with the velocities that it keeps [J].
+    /// Energy of a pair at the proposed poses, with its final velocities [J].
     fn pair_energy(&self, pair: Pair) -> f64 {
         pair_energy(self.bodies, pair, &self.proposed, self.frame.gravity)
     }
 }
 
-/// Which pairs of a graph fired so far.
+/// Pairs of a graph with impulses to date.
 struct Fired(Vec<Vec<bool>>);
 
 impl Fired {
@@ -191,7 +190,7 @@ impl Fired {
         Self(graph.levels.iter().map(|level| vec![false; level.pairs.len()]).collect())
     }
 
-    /// Adds one sweep's record; tells whether any pair fired in it.
+    /// Adds one sweep's record; returns true if any pair had an impulse.
     fn record(&mut self, level: usize, hit: &[bool]) -> bool {
         self.0[level].iter_mut().zip(hit).for_each(|(sum, &now)| *sum |= now);
         hit.contains(&true)

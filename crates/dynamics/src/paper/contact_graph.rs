@@ -1,4 +1,4 @@
-//! Who rests on whom [GBF03 sec. 5, 6].
+//! Contact graph: support relations between bodies [GBF03 sec. 5, 6].
 
 use frangible_bodies::{Bodies, Frame, Pair, Pose, accelerate, evolve_all};
 use frangible_collision::{overlap, placed};
@@ -6,7 +6,7 @@ use frangible_collision::{overlap, placed};
 /// Pairs in contact, by the level of their upper body: lower levels first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactGraph {
-    /// Bodies that rest on each other in a ring share a level.
+    /// Bodies in a ring of mutual support share a level.
     pub levels: Vec<Level>,
 }
 
@@ -15,12 +15,12 @@ pub struct ContactGraph {
 pub struct Level {
     /// Bodies on this level, by dense index.
     pub bodies: Vec<usize>,
-    /// Pairs whose upper body is on this level, in increasing order.
+    /// Pairs with their upper body on this level, in increasing order.
     pub pairs: Vec<Pair>,
 }
 
 /// Builds the graph from the velocities after collisions: each body in turn falls through one frame
-/// while all others move without gravity; what it falls into is below it.
+/// while all others move without gravity; bodies hit by the fall lie below.
 pub fn contact_graph(bodies: &Bodies, candidates: &[Pair], frame: &Frame) -> ContactGraph {
     let others = evolve_all(bodies, &bodies.poses, &bodies.velocities, frame);
     let falling = accelerate(bodies, &bodies.velocities, 0.5 * frame.dt, frame);
@@ -40,7 +40,7 @@ pub fn contact_graph(bodies: &Bodies, candidates: &[Pair], frame: &Frame) -> Con
     levels_of(bodies.len(), &edges)
 }
 
-/// Whether `upper`, fallen, overlaps the other body of the pair, not fallen.
+/// True if the fallen `upper` overlaps the other body of the pair, not fallen.
 fn falls_into(bodies: &Bodies, pair: Pair, upper: usize, fallen: &[Pose], others: &[Pose]) -> bool {
     let (mut first, mut second) = placed(bodies, pair, others);
     if upper == pair.first {
@@ -51,8 +51,8 @@ fn falls_into(bodies: &Bodies, pair: Pair, upper: usize, fallen: &[Pose], others
     overlap(first, second)
 }
 
-/// Levels of the graph with `count` nodes and edges `(lower, upper)`: one for each strongly
-/// connected component, in topological order.
+/// Levels of the graph with `count` nodes and edges `(lower, upper)`: one per strongly connected
+/// component, in topological order.
 fn levels_of(count: usize, edges: &[(usize, usize)]) -> ContactGraph {
     let components = strongly_connected_components(count, edges);
     let mut level_of = vec![0; count];
@@ -76,8 +76,8 @@ fn levels_of(count: usize, edges: &[(usize, usize)]) -> ContactGraph {
     ContactGraph { levels }
 }
 
-/// Tarjan's algorithm [Tar72] with its own stack; components in topological order of `from -> to`,
-/// each sorted.
+/// Tarjan's algorithm [Tar72] with an explicit stack; components in topological order of `from ->
+/// to`, each sorted.
 fn strongly_connected_components(count: usize, edges: &[(usize, usize)]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let mut next = vec![Vec::new(); count];
@@ -94,7 +94,7 @@ fn strongly_connected_components(count: usize, edges: &[(usize, usize)]) -> Vec<
         if order[root] != UNSEEN {
             continue;
         }
-        // Depth-first search; each entry is a node and how many of its edges were followed.
+        // Depth-first search; each entry is a node and its number of followed edges.
         let mut path = vec![(root, 0)];
         while let Some(&mut (node, ref mut followed)) = path.last_mut() {
             if *followed == 0 {
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn every_node_is_in_one_component_and_edges_go_up() {
-        // A small linear congruential sequence: enough graphs of every kind.
+        // A small linear congruential generator: enough for graphs of every kind.
         let mut seed = 1_u64;
         let mut random = |bound: usize| {
             seed = seed

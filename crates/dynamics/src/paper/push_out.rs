@@ -1,4 +1,4 @@
-//! Push-out: what still interpenetrates is moved apart, from the ground up [GBF03 sec. 8].
+//! Push-out: moves interpenetrating bodies apart, from the ground up [GBF03 sec. 8].
 
 use crate::energy::island::pair_energy;
 use crate::impulse::pair_impulse::pair_contact_matrix;
@@ -8,8 +8,8 @@ use frangible_bodies::{Bodies, Frame, Inertia, Pair, Pose, rotation_by};
 use frangible_collision::{NearSamples, Penetration, contact_point, placed};
 use glam::DVec3;
 
-/// Moves and turns bodies in `poses` until the pairs of the graph no longer overlap, or the sweeps
-/// are used up. The velocities and the angular momenta stay as they are.
+/// Moves and rotates bodies in `poses` until the pairs of the graph do not overlap, or the sweeps
+/// end. Velocities and angular momenta stay.
 pub fn push_out(
     bodies: &Bodies,
     poses: &mut [Pose],
@@ -21,7 +21,7 @@ pub fn push_out(
     let mut inertias = bodies.inertias.clone();
     let mut penetrations = Vec::new();
     for level in &graph.levels {
-        // Close a part of each gap first, all of it last.
+        // Close a growing fraction of each overlap, all of it in the last sweep.
         for sweep in 1..=settings.push_out_level_iterations {
             let part = f64::from(sweep) / f64::from(settings.push_out_level_iterations);
             for &pair in &level.pairs {
@@ -47,8 +47,8 @@ pub fn push_out(
     }
 }
 
-/// Moves a pair apart at its deepest point as an impulse would, by `part` of the depth. Returns
-/// where, and the push on the first body [kg m].
+/// Separates a pair at its deepest point like an impulse, by `part` of the depth. Returns the
+/// point, and the push on the first body [kg m].
 fn separate(
     bodies: &Bodies,
     poses: &mut [Pose],
@@ -61,7 +61,7 @@ fn separate(
     let contact = contact_point(first, second, deepest);
     let depth = -f64::from(deepest.phi);
 
-    // The "impulse" whose displacement closes the gap along the normal.
+    // The "impulse" whose displacement closes the overlap along the normal.
     let levers = [pair.first, pair.second].map(|i| contact.point - poses[i].position);
     let k = pair_contact_matrix(pair, levers, poses, inertias);
     let softness = contact.normal.dot(k * contact.normal);
@@ -75,7 +75,7 @@ fn separate(
     (contact.point, push)
 }
 
-/// Displaces and turns one body by `push` [kg m] at `lever`.
+/// Displaces and rotates a body by `push` [kg m] at `lever`.
 fn move_by(pose: &mut Pose, inertia: &Inertia, lever: DVec3, push: DVec3) {
     let turn = inertia.angular_velocity(pose.orientation, lever.cross(push));
     pose.position += inertia.inverse_mass * push;

@@ -2,7 +2,7 @@
 
 use crate::report::{Causes, Energy, Momentum};
 use frangible_bodies::{Bodies, Frame, Pose};
-use frangible_dynamics::Tally;
+use frangible_dynamics::FrameAccounts;
 use frangible_math::threads;
 use glam::DVec3;
 use std::ops::Range;
@@ -37,12 +37,12 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
-    /// Of the bodies as they are.
+    /// Sums over the bodies at their present poses.
     pub(crate) fn of(bodies: &Bodies, frame: &Frame) -> Self {
         Self::at(bodies, &bodies.poses, frame)
     }
 
-    /// Of the bodies as they move, elsewhere.
+    /// Sums with the present velocities at other poses.
     pub(crate) fn at(bodies: &Bodies, poses: &[Pose], frame: &Frame) -> Self {
         let share = |begin: usize| begin..(begin + SHARE).min(bodies.len());
         let shares = (0..bodies.len()).step_by(SHARE).map(share).collect();
@@ -51,7 +51,7 @@ impl Totals {
         parts.into_iter().fold(Self::default(), Self::plus)
     }
 
-    /// Of some of the bodies.
+    /// Sums over a range of bodies.
     fn of_some(bodies: &Bodies, some: Range<usize>, poses: &[Pose], frame: &Frame) -> Self {
         let mut sum = Self::default();
         for i in some {
@@ -98,12 +98,10 @@ impl Totals {
     }
 }
 
-/// What gravity gives in one frame of ballistic flight: impulse and angular impulse about the
-/// world's origin.
 ///
-/// Called between the position update and the velocity update: with x^{n+1} and the velocity v*
-/// that the collisions left, `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are
-/// the exact integral along the parabola.
+/// Called between position update and velocity update: with x^{n+1} and the velocity v* after
+/// collisions, `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are the exact
+/// integral along the parabola.
 pub(crate) fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) {
     let mut sums = (DVec3::ZERO, DVec3::ZERO);
     for i in (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()) {
@@ -125,33 +123,33 @@ pub(crate) struct Books {
 }
 
 impl Books {
-    /// Closes a frame that went from `before` to `after` received `gravity` and what `tally` says,
-    /// and put `banked` [J] aside.
+    /// Closes a frame that went from `before` to `after` received `gravity` and what `accounts`
+    /// says, and put `banked` [J] aside.
     pub(crate) fn close(
         &mut self,
         before: &Totals,
         after: &Totals,
         gravity: (DVec3, DVec3),
         banked: f64,
-        tally: &Tally,
+        accounts: &FrameAccounts,
     ) -> (Energy, Momentum) {
         let change = after.energy() - before.energy();
         let energy = Energy {
             kinetic: after.kinetic,
             potential: after.potential,
             total: after.energy(),
-            work: tally.causes.work + tally.recovery,
+            work: accounts.causes.work + accounts.recovery,
             banked,
-            gain: change + banked - tally.causes.work - tally.recovery,
-            causes: Causes::of(&tally.causes, change),
+            gain: change + banked - accounts.causes.work - accounts.recovery,
+            causes: Causes::of(&accounts.causes, change),
         };
 
-        // What neither gravity nor the outside explains.
-        self.unexplained += after.momentum - before.momentum - gravity.0 - tally.outside_impulse;
+        // Residual without gravity and outside impulses.
+        self.unexplained += after.momentum - before.momentum - gravity.0 - accounts.outside_impulse;
         self.unexplained_angular += after.angular_momentum
             - before.angular_momentum
             - gravity.1
-            - tally.outside_angular_impulse;
+            - accounts.outside_angular_impulse;
         self.momentum_scale =
             self.momentum_scale.max(before.momentum_scale).max(after.momentum_scale);
         self.angular_scale = self.angular_scale.max(before.angular_scale).max(after.angular_scale);

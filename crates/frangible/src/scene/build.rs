@@ -15,9 +15,9 @@ use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
-    Bodies, Contactant, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, Velocity,
+    Bodies, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties, Velocity,
 };
-use frangible_collision::{BirthFits, KeptPairs, WarmStart};
+use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
 use frangible_fracture::{MOST_CELLS, ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};
@@ -27,8 +27,8 @@ use std::sync::Arc;
 impl World {
     /// Checks a scene and builds it.
     ///
-    /// # Errors
-    /// The first rule that the scene breaks, with the field's path and its value; or what is wrong with a mesh file.
+    /// # Errors The first rule that the scene breaks, with the field's path and its value; or what
+    /// is wrong with a mesh file.
     pub fn build(scene: &SceneDesc) -> Result<Self, BuildError> {
         let checker = Checker::root();
         let gravity = checker.field("gravity").bounded(scene.gravity, MOST_GRAVITY, "m/s^2")?;
@@ -52,8 +52,8 @@ impl World {
             books: Books::default(),
             ledger: Ledger::default(),
             method: scene.method,
-            warm: WarmStart::default(),
-            kept: KeptPairs::default(),
+            warm: ImpulseCache::default(),
+            contact_cache: ContactCache::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),
             clock: None,
@@ -98,8 +98,8 @@ fn settings_of(scene: &SceneDesc, checker: &Checker) -> Result<StepSettings, Bui
 const LEAST_SIZE: f64 = 1e-6;
 const MOST_SIZE: f64 = 1e6;
 
-/// What a scene may ask for [m/s^2]: above it, contacts are lost to rounding in
-/// single precision, and bodies with them.
+/// Maximum gravity of a scene [m/s^2]: above it, single-precision rounding loses contacts, and
+/// bodies with them.
 const MOST_GRAVITY: f64 = 1e4;
 /// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
 const LEAST_DENSITY: f64 = 1e-6;
@@ -211,14 +211,14 @@ fn build_body(
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
-    let contactant =
-        Contactant { friction, rolling_friction, spinning_friction, restitution, strength };
+    let surface =
+        SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
     let label = Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds };
-    Ok((NewBody { shape, density, motion, pose, velocity, contactant }, label))
+    Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
 }
 
-/// What convex bodies and flat cracks make is convex, and exact. The paper's method breaks and
-/// collides level sets.
+/// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses
+/// level sets instead.
 fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     let flat = breaking.patterns.iter().all(|pattern| pattern.planar().is_some());
     if method == Method::FrameRate && flat && desc.shape.is_convex() {
@@ -244,7 +244,7 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
     at.field("generations").count(desc.generations as usize, 1, 64)?;
     let smallest = at.field("smallest").not_negative(desc.smallest)?;
 
-    // What a blow must have energy for has coarser patterns, too.
+    // Patterns of energy-limited blows need coarser alternatives.
     let at_pattern = at.field("pattern");
     let mut patterns = vec![Arc::new(build_pattern(&desc.pattern, &at_pattern)?)];
     let pieces = match desc.pieces {

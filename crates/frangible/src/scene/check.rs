@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use std::fmt::Debug;
 use thiserror::Error;
 
-/// What a scene may ask for [m/s], [rad/s]: above it, contacts are lost to rounding in single
-/// precision, and bodies with them.
+/// Maximum speed of a scene [m/s], [rad/s]: above it, single-precision rounding loses contacts, and
+/// bodies with them.
 pub(crate) const MOST_SPEED: f64 = 1e5;
 pub(crate) const MOST_SPIN: f64 = 1e4;
 
@@ -21,7 +21,7 @@ pub enum BuildError {
         path: String,
         /// As given.
         value: String,
-        /// What it must be.
+        /// Rule for the value.
         rule: String,
     },
     /// A mesh cannot be used.
@@ -49,7 +49,7 @@ pub enum BuildError {
 }
 
 impl BuildError {
-    /// The same, which also says the name of the body that it is about, given those of all bodies.
+    /// Adds the name of the affected body, from the names of all bodies.
     pub(crate) fn in_body(self, names: &[Option<String>]) -> Self {
         let name = |path: &str| {
             let (index, _) = path.strip_prefix("bodies[")?.split_once(']')?;
@@ -108,7 +108,7 @@ impl Checker {
         Self { path }
     }
 
-    /// Where it is, as in `bodies[3].shape`.
+    /// Path of the field, as in `bodies[3].shape`.
     pub(crate) fn path(&self) -> &str {
         &self.path
     }
@@ -118,12 +118,12 @@ impl Checker {
         BuildError::Rule { path: self.path.clone(), value: value.into(), rule: rule.into() }
     }
 
-    /// The error that a file that this place names cannot be used.
+    /// Error for an unusable file named at this place.
     pub(crate) fn file(&self, error: &str) -> BuildError {
         BuildError::File { path: self.path.clone(), error: error.into() }
     }
 
-    /// What is wrong with a pattern at this place: a parameter, which is a field of it, or a file.
+    /// Error for a pattern at this place: a parameter (a field of it), or a file.
     pub(crate) fn pattern(&self, error: &PatternError) -> BuildError {
         match error {
             PatternError::Parameter { parameter, value, rule } => {

@@ -1,8 +1,7 @@
-//! Patterns as fine as it takes to break a body into a number of pieces.
 //!
-//! How many pieces a pattern makes depends on the body and on the place that is struck: cells that
-//! miss the body make none. So the number of cells is searched for, and where steps between numbers
-//! of cells are too long, or the cells are given, the pattern is magnified.
+//! The number of pieces depends on the body and on the impact point: cells beside the body make no
+//! pieces. A search varies the number of cells; if its steps are too coarse, or the cells are
+//! given, the pattern is magnified.
 
 use crate::scene::desc::breaking::PatternDesc;
 use frangible_fracture::{MOST_CELLS, Pattern};
@@ -12,11 +11,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Patterns that are tried for each of the two searches.
 const MOST_TRIES: usize = 10;
 
-/// Of the patterns that made too many pieces, so many are magnified: the coarsest ones.
+/// Number of patterns to magnify: the coarsest with too many pieces.
 const MOST_MAGNIFIED: usize = 3;
 
-/// Numbers of cells above this are rounded to as many different ones in each doubling or so: bodies
-/// share patterns.
+/// Cell counts above this are rounded to about this many values per doubling: bodies then share
+/// patterns.
 const STEPS: usize = 64;
 
 /// A pattern magnified by more has hardly a crack left in the body.
@@ -26,7 +25,7 @@ const MOST_MAGNIFICATION: f64 = 16.0;
 #[derive(Debug)]
 pub struct Fineness {
     desc: PatternDesc,
-    /// The pattern as it is described.
+    /// The pattern as described.
     plain: Arc<Pattern>,
     /// By number of cells.
     made: Mutex<BTreeMap<usize, Option<Arc<Pattern>>>>,
@@ -37,9 +36,9 @@ pub struct Fineness {
 pub struct Found<T> {
     /// The pattern that made them.
     pub pattern: Arc<Pattern>,
-    /// How many there are.
+    /// Number of pieces.
     pub count: usize,
-    /// The pattern made with them.
+    /// Result of the attempt with the pattern.
     pub made: T,
 }
 
@@ -49,9 +48,9 @@ impl Fineness {
         Self { desc, plain, made: Mutex::default() }
     }
 
-    /// Tries patterns until one makes `wanted` pieces but for a part of `within`; of those that
-    /// were tried, the one that came nearest. `attempt` breaks something, and says how many pieces
-    /// there are. The same description and the same attempts find the same.
+    /// Searches the pattern with `wanted` pieces, within the fraction `within`; otherwise returns
+    /// the nearest attempt. `attempt` breaks the body and returns the number of pieces. Equal
+    /// descriptions and attempts give equal results.
     pub fn search<T>(
         &self,
         wanted: usize,
@@ -95,7 +94,7 @@ impl Fineness {
             above.extend((count > wanted).then(|| (0, self.plain.clone())));
         }
 
-        // How large they are.
+        // Sort by cell count.
         above.sort_by_key(|&(cells, _)| cells);
         for (_, pattern) in above.iter().take(MOST_MAGNIFIED) {
             let mut bracket = Bracket::new(wanted, (1.0 / MOST_MAGNIFICATION, 1.0));
@@ -113,7 +112,7 @@ impl Fineness {
         best
     }
 
-    /// The pattern with about so many cells; `None` if a parameter forbids that.
+    /// The pattern with about `cells` cells; `None` if a parameter forbids it.
     fn with_cells(&self, cells: usize) -> Option<Arc<Pattern>> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || self.desc.with_cells(cells)?.pattern().ok().map(Arc::new);
@@ -128,7 +127,7 @@ fn rounded_cells(cells: f64) -> usize {
     (cells / step * step).clamp(1, MOST_CELLS)
 }
 
-/// Where a count that rises with x is what is wanted.
+/// Bracket of x for a wanted count that rises with x.
 struct Bracket {
     wanted: f64,
     range: (f64, f64),

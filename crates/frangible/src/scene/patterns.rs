@@ -6,11 +6,11 @@ use frangible_fracture::{
     Bricks, Concrete, MOST_CELLS, Natural, Pattern, Radial, Slices, Splinters, Voronoi,
 };
 
-/// A generator that [`PatternDesc::named`] knows.
+/// A generator known to [`PatternDesc::named`].
 struct Kind {
     name: &'static str,
     caption: &'static str,
-    /// With about so many cells, and a seed.
+    /// Makes a pattern with a number of cells, and a seed.
     make: fn(Option<usize>, Option<u64>) -> PatternDesc,
 }
 
@@ -79,12 +79,11 @@ impl PatternDesc {
 }
 
 impl PatternDesc {
-    /// The same with about so many cells, its other parameters as they are; `None` for a file,
-    /// which is what it is.
+    /// The same pattern with about `cells` cells and its other parameters; `None` for a file.
     pub fn with_cells(&self, cells: usize) -> Option<Self> {
         Some(match self {
             Self::Radial(radial) => {
-                // As many rings as keep the spokes about as many as they are.
+                // Keep the number of spokes, and scale the rings.
                 let rings = (cells as f64 / radial.spokes.max(3) as f64).round().max(1.0);
                 let spokes = ((cells as f64 / rings).round() as usize).max(3);
                 Self::Radial(Radial { spokes, rings: rings as usize - 1, ..radial.clone() })
@@ -102,8 +101,8 @@ impl PatternDesc {
         })
     }
 
-    /// The same with half as many cells; `None` if that is no pattern any more: masonry breaks
-    /// along its joints, and a file is what it is.
+    /// The same pattern with half as many cells; `None` for patterns without coarser versions:
+    /// masonry breaks along its joints, and a file is fixed.
     pub(crate) fn coarser(&self) -> Option<Self> {
         let halved = |cells: usize, least: usize| (cells > least).then_some((cells / 2).max(least));
         match self {
@@ -127,7 +126,7 @@ impl PatternDesc {
     }
 }
 
-/// Twelve spokes, and as many rings as it takes; fewer spokes for fewer cells.
+/// Twelve spokes and as many rings as needed; fewer spokes for few cells.
 fn radial(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     let default = Radial::default();
     let seed = seed.unwrap_or(default.seed);
@@ -145,10 +144,10 @@ fn bricks(cells: Option<usize>, seed: Option<u64>) -> PatternDesc {
     PatternDesc::Bricks(cells.map_or(usual.clone(), |cells| more_bricks(&usual, cells)))
 }
 
-/// The bricks that come nearest to so many cells, or nearly so in better proportions: as many
-/// courses for each column as there are.
+/// Bricks with about `cells` cells, or slightly more in better proportions: the same number of
+/// courses per column.
 fn more_bricks(bricks: &Bricks, cells: usize) -> Bricks {
-    // Twice as many courses for each column are as far off as so many times as many cells.
+    // Weight of proportions: twice the courses per column count like this relative error in cells.
     const PROPORTIONS: f64 = 0.05;
     let wanted = cells.max(1) as f64;
     let proportions = bricks.courses.max(1) as f64 / bricks.columns.max(1) as f64;

@@ -27,14 +27,14 @@ const MOST_SAMPLES_ALONG: f64 = 1000.0;
 /// Parts of a compound: contact points know them by a 16-bit number.
 const MOST_PARTS: usize = 1 << 16;
 
-/// What a shape is made into.
+/// Target representation of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Make {
-    /// What it is; on a grid if a number of voxels is given.
+    /// Unbroken: exact, or on a grid for a given number of voxels.
     Whole,
-    /// What breaks into convex polyhedra.
+    /// For breaking into convex polyhedra.
     Polyhedron,
-    /// What breaks into parts of its voxels: on a grid.
+    /// For breaking by voxels: on a grid.
     Voxels,
 }
 
@@ -113,7 +113,7 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
     }
 }
 
-/// A formula, one that breaks into polyhedra, or its samples.
+/// A formula, a formula that breaks into polyhedra, or its samples.
 fn from_form(
     form: ClosedForm,
     resolution: &Resolution,
@@ -165,7 +165,7 @@ fn hull_of(points: &[[f64; 3]], at: &Checker) -> Result<Hull, BuildError> {
     Ok(hull)
 }
 
-/// Convex parts that are one body, or their samples if it breaks or a number of voxels is given.
+/// A compound of convex parts, or samples for breaking or a given number of voxels.
 fn from_parts(
     parts: &[PartDesc],
     resolution: &Resolution,

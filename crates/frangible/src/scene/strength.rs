@@ -1,4 +1,4 @@
-//! How much a body bears.
+//! Strength of bodies.
 
 use crate::scene::desc::breaking::MaterialDesc;
 use frangible_geometry::Shape;
@@ -14,18 +14,17 @@ const GROWTH_PER_BREAK: f64 = 2.0;
 pub enum Strength {
     /// An impulse, whatever the body's size [N s] [Su09 sec. 4.2].
     Impulse(f64),
-    /// What its material bears.
+    /// Strength from a material.
     Material(MaterialDesc),
 }
 
 impl Strength {
-    /// The largest impulse that a body bears in one collision [N s].
     ///
-    /// A material fails where it is set in motion faster than sigma / (rho c), with the speed of
-    /// sound c = sqrt(E / rho): the stress in a plane wave is rho c v. The impulse is that speed
-    /// times the mass that a wave has reached when it has crossed the body where it is thinnest, h:
-    /// a disc of radius h, or all of a stocky body. So a thin pane takes little from what strikes
-    /// it, and a thick wall much.
+    /// A material fails if set in motion faster than sigma / (rho c), with the speed of sound c =
+    /// sqrt(E / rho): the stress in a plane wave is rho c v. The strength is this speed times the
+    /// mass reached by a wave after crossing the thinnest extent h of the body: a disc of radius h,
+    /// or all of a stocky body. A thin pane therefore takes little momentum from a striker, and a
+    /// thick wall much.
     pub(crate) fn bears(&self, shape: &Shape, density: f64) -> f64 {
         match self {
             Self::Impulse(impulse) => *impulse,
@@ -55,7 +54,7 @@ impl Strength {
         }
     }
 
-    /// The energy that a crack takes for each square metre of it [J/m^2].
+    /// Fracture energy of a crack per area [J/m^2].
     pub(crate) fn fracture_energy(&self) -> f64 {
         match self {
             Self::Impulse(_) => 0.0,

@@ -13,13 +13,13 @@ use crate::step::bonds::rehearsal::rehearse;
 use crate::step::bonds::state::IMPACT_TIME;
 use crate::world::World;
 use frangible_bodies::{Frame, Pair};
-use frangible_dynamics::{ContactForce, Tally};
+use frangible_dynamics::{ContactForce, FrameAccounts};
 use frangible_fracture::PointLoad;
 
 /// Carried loads are forgotten below this part of the largest force [1].
 const FAINT: f64 = 1e-2;
 
-/// What came free before the frame's books were opened.
+/// Bodies freed before the energy accounts open.
 #[derive(Default)]
 pub(crate) struct Freed {
     pub(crate) fractures: Vec<Fracture>,
@@ -27,9 +27,8 @@ pub(crate) struct Freed {
     pub(crate) blows: Blows,
 }
 
-/// Breaks what its own weight and its contacts overstrain, and anchored bodies that are struck.
-/// What was anchored and comes free does so at rest, before the frame's books are opened: the world
-/// that it was a part of has no books.
+/// Breaks bonds overloaded by weight and contacts, and anchored bodies under impact. Freed bodies
+/// start at rest, before the energy accounts open: the static world has no accounts.
 pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
@@ -50,16 +49,16 @@ pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     Freed { fractures, blows }
 }
 
-/// Strikers and what they strike feel what bonds bore before they broke; then what moves freely
-/// falls apart.
+/// Applies the impulses borne by broken bonds to both bodies; then separates free bodies into their
+/// islands.
 pub(crate) fn strike_bonds(
     world: &mut World,
     blows: &Blows,
     frame: &Frame,
-) -> (Vec<Fracture>, Tally) {
-    let mut tally = Tally::default();
-    blows.act(world, frame, &mut tally);
-    (blows.break_free(world), tally)
+) -> (Vec<Fracture>, FrameAccounts) {
+    let mut accounts = FrameAccounts::default();
+    blows.act(world, frame, &mut accounts);
+    (blows.break_free(world), accounts)
 }
 
 /// Notes what the contacts of glued bodies carry, those of each pair together: their load in the

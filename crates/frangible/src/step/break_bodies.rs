@@ -3,33 +3,32 @@
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
 use crate::world::{Breaking, Label, World};
-use frangible_bodies::{Bodies, Contactant, Inertia, Motion, NewBody, Pair, Pose, Velocity};
-use frangible_dynamics::{Blow, Tally, energy_at, pay_at};
+use frangible_bodies::{Bodies, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity};
+use frangible_dynamics::{Blow, FrameAccounts, energy_at, repay_at};
 use frangible_fracture::{Fragment, Impact, Pattern, fragment_velocity, interfaces, shatter};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A body that breaks.
+/// A breaking body.
 struct Break {
     blow: Blow,
     /// By dense index.
     parent: usize,
     breaking: Breaking,
-    /// Of the patterns, the one that it had the energy for.
+    /// The chosen pattern, affordable by the blow's energy.
     pattern: Arc<Pattern>,
     fragments: Vec<Fragment>,
-    /// What its cracks took [J].
+    /// Energy spent on cracks [J].
     spent: f64,
 }
 
-/// Replaces each struck body by its fragments. What it bore has acted already, on parent and
-/// striker alike; its cracks take their energy from how the two still move against each other, and
-/// the fragments move on as the parent would. Returns what happened, and the new dense index of
-/// each old one.
+/// Replaces broken bodies by their fragments. The borne impulse has already acted on parent and
+/// striker; cracks take their energy from the remaining relative motion, and fragments continue the
+/// parent's motion. Returns the fractures, and the new dense index of each old index.
 pub(crate) fn break_bodies(
     world: &mut World,
     blows: &[Blow],
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> (Vec<Fracture>, Vec<Option<usize>>) {
     // Cut, and let the cracks take their energy: all impulses act before anybody is replaced.
     let mut gone = vec![false; world.bodies.len()];
@@ -38,7 +37,7 @@ pub(crate) fn break_bodies(
         let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else {
             continue;
         };
-        if let Some(broken) = crack(world, blow, parent, tally) {
+        if let Some(broken) = crack(world, blow, parent, accounts) {
             gone[parent] = true;
             breaks.push(broken);
         }
@@ -80,7 +79,12 @@ pub(crate) fn break_bodies(
 
 /// Lays prescored space over a body and cuts it: as finely as the blow has energy for cracks.
 /// `None` if that is not at all.
-fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Option<Break> {
+fn crack(
+    world: &mut World,
+    blow: &Blow,
+    parent: usize,
+    accounts: &mut FrameAccounts,
+) -> Option<Break> {
     let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
     let striker = world.bodies.index_of(blow.striker)?;
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
@@ -108,7 +112,7 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
         };
         if spent <= available {
             if spent > 0.0 {
-                pay_at(&mut world.bodies, pair, blow.acts_at, spent, tally);
+                repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
             }
             return Some(Break { blow: *blow, parent, breaking, pattern, fragments, spent });
         }
@@ -117,8 +121,8 @@ fn crack(world: &mut World, blow: &Blow, parent: usize, tally: &mut Tally) -> Op
         // Too little energy for this time.
         world.spare(parent);
     } else {
-        // Too small to be split: it bears whatever comes.
-        world.bodies.contactants[parent].strength = f64::INFINITY;
+        // Too small to split: unbreakable from now on.
+        world.bodies.surfaces[parent].strength = f64::INFINITY;
     }
     None
 }
@@ -144,7 +148,7 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
     }
 }
 
-/// The body that a fragment becomes: where it was in its parent, moving as it did there.
+/// Body of a fragment, with the parent's motion at its place.
 pub(crate) fn fragment_body(
     bodies: &Bodies,
     parent: usize,
@@ -176,11 +180,11 @@ pub(crate) fn fragment_body(
         motion: Motion::Dynamic,
         pose: pose_fragment,
         velocity,
-        contactant: Contactant { strength, ..bodies.contactants[parent] },
+        surface: SurfaceProperties { strength, ..bodies.surfaces[parent] },
     }
 }
 
-/// How far the fragments' sums are from the parent's.
+/// Difference between the fragments' sums and the parent's.
 pub(crate) fn imbalance<'a>(
     bodies: &Bodies,
     parent: usize,

@@ -1,13 +1,11 @@
-//! One bad body must not cost the user the world.
 //!
-//! Numbers are looked at where they could go from one body to others: before contacts are sought,
-//! so that nothing bad enters the solver; and before the frame's energy is balanced, so that
-//! nothing bad leaves it.
+//! Values are checked at transfer points between bodies: before collision detection, to keep bad
+//! values out of the solver; and before energy balancing, to keep them out of the ledger.
 
 use crate::report::{Quarantined, id_number};
 use crate::world::World;
 use frangible_bodies::{Bodies, BodyId, Inertia, Pose, Velocity};
-use frangible_dynamics::Tally;
+use frangible_dynamics::FrameAccounts;
 use std::collections::BTreeMap;
 
 /// Reciprocals of mass [1/kg] and moments [1/(kg m^2)] that single precision holds, with room for
@@ -21,7 +19,7 @@ pub(crate) fn is_representable(inertia: &Inertia) -> bool {
     holds(inertia.inverse_mass) && inertia.inverse_moments.to_array().into_iter().all(holds)
 }
 
-/// The fault of a body, if it has one.
+/// Fault of a body, if any.
 fn fault(bodies: &Bodies, i: usize) -> Option<&'static str> {
     let (pose, velocity, inertia) = (&bodies.poses[i], &bodies.velocities[i], &bodies.inertias[i]);
     match () {
@@ -66,7 +64,11 @@ impl Before {
 /// one that answers impulses most is the culprit, and the others stay for this frame as they were
 /// before. Returns the culprits, which are to be taken out once the frame is over; they are still
 /// there, as they were. The books of such a frame are void, but for the pairs that touched.
-pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> Vec<Quarantined> {
+pub(crate) fn contain(
+    world: &mut World,
+    before: &Before,
+    accounts: &mut FrameAccounts,
+) -> Vec<Quarantined> {
     let bodies = &mut world.bodies;
     let faults: Vec<Option<&str>> = (0..bodies.len()).map(|i| fault(bodies, i)).collect();
     let bad: Vec<usize> = (0..bodies.len()).filter(|&i| faults[i].is_some()).collect();
@@ -74,9 +76,9 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
         return Vec::new();
     }
 
-    // Groups of bad bodies that touch: a body is known by the first one.
+    // Groups of touching bad bodies, named by their first body.
     let mut first_of: BTreeMap<usize, usize> = bad.iter().map(|&i| (i, i)).collect();
-    let links: Vec<[usize; 2]> = (tally.links.iter())
+    let links: Vec<[usize; 2]> = (accounts.links.iter())
         .filter_map(|&(a, b)| Some([bodies.index_of(a)?, bodies.index_of(b)?]))
         .filter(|link| {
             link.iter().all(|&i| faults[i].is_some() && !bodies.inertias[i].is_infinite())
@@ -112,9 +114,9 @@ pub(crate) fn contain(world: &mut World, before: &Before, tally: &mut Tally) -> 
         (bodies.poses[i], bodies.velocities[i]) = (before.poses[i], before.velocities[i]);
     }
     world.warm.forget(&ids);
-    let links = std::mem::take(&mut tally.links);
-    *tally = Tally::default();
-    tally.links = links;
+    let links = std::mem::take(&mut accounts.links);
+    *accounts = FrameAccounts::default();
+    accounts.links = links;
     culprits
 }
 
@@ -174,25 +176,25 @@ mod tests {
         assert!(!serde_json::to_string(&report).unwrap().contains("null"));
     }
 
-    /// Of what went bad together, the one that answers impulses most goes; the others stay as they
-    /// were.
+    /// In a group of bad bodies only the body with the strongest response to impulses is removed;
+    /// the others keep their state.
     #[test]
     fn only_the_culprit_goes() {
         let mut world = world();
-        let mut tally = Tally::default();
-        tally.link(&world.bodies, frangible_bodies::Pair { first: 1, second: 2 });
+        let mut accounts = FrameAccounts::default();
+        accounts.link(&world.bodies, frangible_bodies::Pair { first: 1, second: 2 });
         let before = Before::of(&world.bodies);
         for i in [1, 2] {
             world.bodies.velocities[i].angular_momentum = DVec3::NAN;
             world.bodies.poses[i].position = DVec3::INFINITY;
         }
-        tally.causes.contact = f64::NAN;
-        let culprits = contain(&mut world, &before, &mut tally);
+        accounts.causes.contact = f64::NAN;
+        let culprits = contain(&mut world, &before, &mut accounts);
         let light =
             Quarantined { body: id_number(world.bodies.ids[2]), cause: "position not finite" };
         assert_eq!(culprits, [light]);
         assert_eq!(world.bodies.poses, before.poses);
-        assert_eq!((tally.causes.contact, tally.links.len()), (0.0, 1));
+        assert_eq!((accounts.causes.contact, accounts.links.len()), (0.0, 1));
         take_out(&mut world, &culprits);
         assert_eq!(names(&world), ["ground", "heavy", "far"]);
         assert!(step(&mut world).quarantined.is_empty());

@@ -1,4 +1,4 @@
-//! A mesh whose triangles bound solids, and how it became one.
+//! A clean mesh whose triangles bound solids, and a record of the cleaning.
 
 use crate::mesh::TriMesh;
 use crate::mesh_check::short;
@@ -10,13 +10,12 @@ pub struct CleanMesh {
     /// Closed surfaces, each with vertices of its own: the outer ones of solids face outward, those
     /// of cavities inward. Solids may still cross or touch one another, and a surface itself.
     pub mesh: TriMesh,
-    /// For each triangle the one of the raw mesh that it is, or is a part of; `None` if it closes a
-    /// hole. The corners of a whole one begin with the same; of a turned one the last two changed
-    /// places.
+    /// Raw triangle of each triangle, or of which it is a part; `None` for triangles that close
+    /// holes. Whole triangles keep their first corner; reversed triangles swap the last two.
     pub source: Vec<Option<u32>>,
-    /// For each triangle the solid that it bounds, counted from zero.
+    /// Solid of each triangle, counted from zero.
     pub solid: Vec<u32>,
-    /// For each solid the one that it lies in as a whole, if there is one.
+    /// Enclosing solid of each solid, if any.
     pub nested: Vec<Option<u32>>,
     /// The repairs.
     pub changes: MeshChanges,
@@ -25,8 +24,7 @@ pub struct CleanMesh {
 /// The changes that cleaning made to a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshChanges {
-    /// Triangles that were there before, or had two corners in one place, or belong to a surface
-    /// that was there before.
+    /// Repeated triangles, triangles with two equal corners, and triangles of repeated surfaces.
     pub repeated: usize,
     /// Triangles that were turned round to agree with their neighbours.
     pub turned: usize,
@@ -36,7 +34,7 @@ pub struct MeshChanges {
     pub sheets: Vec<Sheet>,
 }
 
-/// A part that was left out.
+/// An omitted part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
     /// Its first triangle in the raw mesh.
@@ -50,7 +48,7 @@ pub struct Sheet {
 }
 
 impl MeshChanges {
-    /// Most parts that a sentence describes.
+    /// Maximum number of parts in a message.
     const MOST_NAMED: usize = 3;
 
     /// A sentence for each kind of change.

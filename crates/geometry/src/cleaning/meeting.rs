@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Surfaces closer than this part of the bounding box's diagonal meet, and do not cross: rounding.
 const NEAR: f64 = 1e-9;
-/// How far from a triangle it is asked what lies there, relative to the diagonal.
+/// Probe distance from a triangle, relative to the diagonal.
 const PROBE: f64 = 1e-6;
-/// How far apart it is asked, relative to the diagonal.
+/// Probe spacing, relative to the diagonal.
 const SAMPLED: f64 = 1.0 / 24.0;
-/// Of more triangles only some are asked.
+/// Maximum number of probed triangles.
 const MOST_SAMPLED: usize = 20_000;
 
-/// How the surfaces of solids meet.
+/// Contacts between the surfaces of solids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Meeting {
-    /// For each solid whether another one may cross or touch it.
+    /// Per solid: true if another may cross or touch it.
     pub others: Vec<bool>,
     /// For each solid the part of its surface that lies in it and so bounds nothing, by area; zero
     /// if its surface does not cross itself.
@@ -27,7 +27,7 @@ pub struct Meeting {
 }
 
 impl CleanMesh {
-    /// Finds where solids meet one another, and where one crosses itself.
+    /// Finds contacts between solids, and self-intersections.
     pub fn meeting(&self) -> Meeting {
         let (low, high) = self.mesh.bounds();
         let diagonal = (high - low).length();
@@ -55,7 +55,7 @@ impl CleanMesh {
     }
 }
 
-/// For each surface whether another one comes near it.
+/// Per surface: true if another comes near.
 fn met(surfaces: &[Surface], near: f64) -> Vec<bool> {
     let boxes: Vec<(DVec3, DVec3)> = surfaces.iter().map(|surface| surface.bounds).collect();
     let tree = Bvh::of_boxes(&boxes);

@@ -29,16 +29,16 @@ enum Stage {
 /// to the next one.
 pub(super) struct Pairing {
     pub(super) mesh: TriMesh,
-    /// For each vertex the one that stands for all that are welded to it.
+    /// Representative of each vertex's welded group.
     pub(super) place: Vec<u32>,
     /// For each half-edge the one of the neighbour, or [`NONE`].
     pub(super) partner: Vec<u32>,
-    /// Triangles that are left out: repeated, or with two corners in one place.
+    /// Dropped triangles: repeated, or with two corners in one place.
     pub(super) dropped: Vec<bool>,
 }
 
-/// A half-edge on its way to a partner: the places that it joins, the lower one first, itself, and
-/// whether it runs from the higher to the lower one.
+/// An unpaired half-edge: its two vertices, the lower first, its index, and true if it runs from
+/// the higher to the lower vertex.
 type Open = (u32, u32, u32, bool);
 
 impl Pairing {
@@ -140,7 +140,7 @@ impl Pairing {
         welded
     }
 
-    /// Drops triangles with two corners in one place, and opens what they were paired with.
+    /// Drops triangles with two corners in one place, and unpairs their partners.
     fn drop_collapsed(&mut self) {
         for triangle in 0..self.mesh.triangles.len() {
             let [a, b, c] = self.mesh.triangles[triangle].map(|vertex| self.place[vertex as usize]);
@@ -251,8 +251,8 @@ impl Pairing {
         self.place[self.mesh.triangles[triangle][(corner + 2) % 3] as usize]
     }
 
-    /// Pairs triangles around an edge, in the order of their angles: each two that have a solid
-    /// between them, by the way that they face; then what is left by twos.
+    /// Pairs triangles around an edge by angle: first each two with a solid between them by
+    /// orientation, then the remaining ones in sequence.
     fn pair_around(&mut self, ordered: &[(u32, bool)]) {
         let mut opened: Vec<u32> = Vec::new();
         for &(half_edge, backward) in ordered.iter().chain(ordered) {
@@ -280,8 +280,8 @@ impl Pairing {
         }
     }
 
-    /// The half-edges at an edge by the angle of their triangles around it, from a gap on. Where
-    /// angles are the same, those that a solid ends at come before those that one begins at.
+    /// Half-edges at an edge by the angle of their triangles, starting at a gap. At equal angles a
+    /// solid's end comes before a solid's begin.
     fn by_angle(&self, edge: &[Open]) -> Vec<(u32, bool)> {
         let at = |place: u32| self.mesh.positions[place as usize];
         let (from, to) = (at(edge[0].0), at(edge[0].1));

@@ -6,8 +6,8 @@ use crate::polygon::triangulate;
 use frangible_math::DisjointSets;
 use glam::DVec3;
 
-/// Triangles that close what is open. Corners are numbered `3 t + k`, and those that `vertices`
-/// has united are one vertex.
+/// Triangles that close open rims. Corners have the index `3 t + k`; corners united in `vertices`
+/// are one vertex.
 pub(super) struct Closed {
     pub(super) vertices: DisjointSets,
     /// Corners of the triangles of each hole.
@@ -73,8 +73,8 @@ pub(super) fn close(pairing: &Pairing, turned: &[bool]) -> Closed {
     Closed { vertices, holes }
 }
 
-/// The same loop from the vertex whose coordinates come first, so that a rim that is not flat is
-/// closed in one way, whatever the order of the file.
+/// The loop rotated to start at its least vertex by coordinates: a non-planar rim is closed
+/// independent of the file's order.
 fn from_least(mut rim: Vec<u32>, at: &impl Fn(u32) -> DVec3) -> Vec<u32> {
     let in_order = |&(_, a): &(usize, DVec3), &(_, b): &(usize, DVec3)| {
         a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))

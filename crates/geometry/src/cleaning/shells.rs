@@ -1,4 +1,4 @@
-//! Closed surfaces, and which of them bound one solid.
+//! Closed surfaces and their grouping into solids.
 
 use crate::bvh::Bvh;
 use crate::winding_number::WindingNumber;
@@ -56,7 +56,7 @@ impl Shell {
         (self.high - self.low).length()
     }
 
-    /// Middles of some of its triangles, far from one another in their order.
+    /// Sample points on its triangles, spread over the list.
     fn samples(&self) -> impl Iterator<Item = DVec3> + '_ {
         let step = self.corners.len().div_ceil(SAMPLES).max(1);
         self.corners.iter().step_by(step).map(|&[a, b, c]| (a + b + c) / 3.0)
@@ -83,8 +83,8 @@ impl Shell {
     }
 }
 
-/// The role of each shell. Of shells in one another the inner one is a cavity if it faces the other
-/// way than the one around it, and what is in a cavity is a solid.
+/// Role of each shell. A nested shell with opposite orientation is a cavity, and a shell in a
+/// cavity is a solid.
 pub(super) fn roles(shells: &[Shell]) -> Vec<Role> {
     let boxes: Vec<(DVec3, DVec3)> = shells.iter().map(|shell| (shell.low, shell.high)).collect();
     let tree = Bvh::of_boxes(&boxes);
@@ -112,7 +112,7 @@ pub(super) fn roles(shells: &[Shell]) -> Vec<Role> {
         });
         around.sort_by_key(|&outer| std::cmp::Reverse(rank[outer]));
 
-        // The smallest of those that it lies in.
+        // Choose the smallest enclosing shell.
         for outer in around {
             if shell.repeats(&shells[outer]) {
                 roles[inner] = Role::Repeated;
@@ -133,7 +133,7 @@ pub(super) fn roles(shells: &[Shell]) -> Vec<Role> {
     roles
 }
 
-/// True if a shell lies in what another one encloses; it may touch that from inside.
+/// True if a shell lies in the volume of another; it may touch the other from inside.
 fn lies_in(shell: &Shell, outer: &WindingNumber) -> bool {
     let mut inside = 0;
     for point in shell.samples() {

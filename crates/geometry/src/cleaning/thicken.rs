@@ -117,7 +117,7 @@ struct Vertex {
     angles: f64,
     /// Of its first triangle with an area.
     normal: DVec3,
-    /// Number of the one in front of it; that behind it follows.
+    /// Index of the front vertex; the back vertex follows.
     front: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Many parts cut out of one hull, in place.
+//! Cuts many parts out of one hull, in place.
 
 use super::Hull;
 use super::clip::{Clipper, ON_THE_CUT, SAME};
@@ -10,16 +10,16 @@ use glam::DVec3;
 /// Nothing, in lists of indices.
 const NONE: u32 = u32::MAX;
 
-/// Cuts parts out of a hull by planes. A cut that has no vertex on it changes only what it goes
-/// through and what lies outside of it: it is walked around from side to side. The first cut that
-/// has one sends the part to a [`Clipper`], which takes care of what only touches.
+/// Cuts parts out of a hull by planes. A cut in general position (without vertices on it) changes
+/// only the crossed faces and the outside: the carver walks around it from side to side. From the
+/// first cut with a vertex on it, the part goes to a [`Clipper`] for degenerate cases.
 #[derive(Debug)]
 pub struct Carver<'a> {
     hull: &'a Hull,
     whole: Part,
     /// Of the whole.
     sides: &'a [Side],
-    /// What is left of it.
+    /// Remaining part.
     part: Part,
     /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by
     /// their numbers, where new ones have none.
@@ -28,7 +28,7 @@ pub struct Carver<'a> {
     /// The vertices of what was cut out, and its edges, for each of the part's vertices and sides.
     numbers: Vec<u32>,
     edge_of: Vec<u32>,
-    /// The faces of what was cut out.
+    /// Faces of the part removed.
     left: Vec<Face>,
     /// A vertex this close to a cut lies on it [m].
     close: f64,
@@ -37,11 +37,11 @@ pub struct Carver<'a> {
     clipper: Clipper,
 }
 
-/// A polyhedron as sides that know their neighbours. What was cut off stays in the lists.
+/// A polyhedron with linked sides. Removed elements stay in the lists.
 #[derive(Debug)]
 struct Part {
     vertices: Vec<Vertex>,
-    /// The vertices that are not cut off.
+    /// Remaining vertices.
     kept: Vec<Kept>,
     sides: Vec<Side>,
     faces: Vec<Face>,
@@ -50,20 +50,20 @@ struct Part {
 #[derive(Clone, Copy, Debug)]
 struct Vertex {
     position: DVec3,
-    /// A side that begins here.
+    /// A side that begins at the vertex.
     leaving: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Face {
     plane: HalfSpace,
-    /// One of its sides.
+    /// A side of the face.
     first: u32,
-    /// Whether a cut made it.
+    /// True for cut faces.
     inner: bool,
 }
 
-/// A vertex that is not cut off.
+/// A remaining vertex.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
     position: DVec3,
@@ -75,7 +75,7 @@ enum Cut {
     Inside,
     Outside,
     Through,
-    /// With a vertex on it.
+    /// The cut has a vertex on it.
     Touching,
 }
 
@@ -206,8 +206,7 @@ impl<'a> Carver<'a> {
         true
     }
 
-    /// What is left, as a hull of its own. `None` if it has an edge without a length or is not
-    /// closed.
+    /// The remaining part as a hull. `None` with a zero-length edge, or if not closed.
     fn finished(&mut self) -> Option<Hull> {
         let Self { part, numbers, edge_of, left, .. } = self;
         numbers.clear();
@@ -264,7 +263,7 @@ impl<'a> Carver<'a> {
 }
 
 impl Part {
-    /// Without anything yet, with room for what cuts add.
+    /// An empty part, with capacity for cuts.
     fn with_room_for(vertices: usize, sides: usize, faces: usize) -> Self {
         Self {
             vertices: Vec::with_capacity(2 * vertices),
@@ -290,7 +289,7 @@ impl Part {
         }
     }
 
-    /// Becomes a copy of another with some sides, in the memory it has.
+    /// Copies another part with its sides, reusing memory.
     fn copy_from(&mut self, other: &Self, sides: &[Side]) {
         self.vertices.clone_from(&other.vertices);
         self.kept.clone_from(&other.kept);

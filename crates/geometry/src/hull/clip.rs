@@ -32,7 +32,7 @@ fn side(height: f64) -> u8 {
     }
 }
 
-/// Cuts hulls, in memory that it keeps from one to the next.
+/// Cuts hulls with reused memory.
 #[derive(Debug, Default)]
 pub struct Clipper {
     /// The longest side of the hull before any cut [m].
@@ -40,28 +40,28 @@ pub struct Clipper {
     vertices: Vec<DVec3>,
     planes: Vec<HalfSpace>,
     loops: Loops,
-    // What becomes of the three above.
+    // New versions of the three lists above.
     next_vertices: Vec<DVec3>,
     next_planes: Vec<HalfSpace>,
     next_loops: Loops,
     /// Of the vertices over the cut [m].
     heights: Vec<f64>,
-    /// The same, as one of [`BELOW`], [`ON`] and [`ABOVE`].
+    /// Side of each vertex: [`BELOW`], [`ON`] or [`ABOVE`].
     sides: Vec<u8>,
-    /// What the vertices that are kept become.
+    /// New index of each kept vertex.
     number: Vec<u32>,
     /// New vertices on sides that cross the cut, in lists that begin at the lower ends.
     first_crossing: Vec<u32>,
     crossings: Vec<Crossing>,
     /// Next vertex around the cut's own face, for each vertex.
     rim: Vec<u32>,
-    /// How many of them are on it.
+    /// Number of vertices on the rim.
     on_rim: usize,
-    /// A loop that is made.
+    /// The loop under construction.
     kept: Vec<u32>,
 }
 
-/// A new vertex on a side from one below the cut to one above it.
+/// A new vertex on a side from below the cut to above it.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     upper: u32,
@@ -71,9 +71,9 @@ struct Crossing {
 }
 
 impl Hull {
-    /// The part inside a half-space; `None` if there is none. What is left of the faces keeps their
-    /// planes, the new face is an inner one, and the two sides of a cut, `cut` and `cut` turned
-    /// round, share its vertices bit for bit.
+    /// The part inside a half-space; `None` if empty. Remaining faces keep their planes, and the
+    /// new face is an inner face. Both sides of a cut (`cut` and its reverse) have bit-identical
+    /// vertices.
     pub fn clipped(&self, cut: &HalfSpace) -> Option<Self> {
         Clipper::default().clipped(self, std::slice::from_ref(cut))
     }
@@ -144,11 +144,11 @@ impl Clipper {
                 return Side::Cut;
             }
         }
-        // No polyhedron has a section that is not one loop.
+        // A polyhedron's section is always a single loop.
         Side::Inside
     }
 
-    /// What is left of each face, and the rim that they leave open.
+    /// Clips each face, and collects the open rim.
     fn clip_faces(&mut self) {
         self.number_kept();
         self.next_loops.clear();
@@ -157,7 +157,7 @@ impl Clipper {
         self.rim.resize(self.next_vertices.len(), NONE);
         self.on_rim = 0;
         for face in 0..self.loops.len() {
-            // What only touches the cut vanishes, or is the rim's.
+            // A face that only touches the cut vanishes, or is the rim.
             let corners = self.loops.of(face);
             let sides =
                 corners.iter().fold(0, |sides, &vertex| sides | self.sides[vertex as usize]);

@@ -14,7 +14,7 @@ pub struct Columns {
     pub middle: DVec3,
     /// Four for each eight faces, then three for each eight vertices.
     columns: Box<[Singles]>,
-    /// How many of them are of faces.
+    /// Number of face columns.
     of_faces: usize,
 }
 
@@ -32,7 +32,7 @@ impl Columns {
         self.columns[self.of_faces..].as_chunks().0
     }
 
-    /// All of them, for who asks for memory before it is needed.
+    /// All columns, for prefetching.
     #[inline]
     pub fn all(&self) -> &[Singles] {
         &self.columns
@@ -80,7 +80,7 @@ impl LazyColumns {
         self.0.get_or_init(|| Columns::new(vertices, planes))
     }
 
-    /// If they have been asked for.
+    /// Columns, if already computed.
     #[inline]
     pub(super) fn get(&self) -> Option<&Columns> {
         self.0.get()

@@ -1,4 +1,4 @@
-//! How far a point is from a hull.
+//! Distance of a point from a hull.
 
 use super::{Hull, HullFace};
 use crate::hull::edges::sides;
@@ -28,8 +28,8 @@ impl Hull {
         if distance > TOUCHING * extent { (distance, away / distance) } else { (distance, normal) }
     }
 
-    /// Signed distance [m] alone. What is more than `most` may come out smaller, but not less than
-    /// that.
+    /// Signed distance [m] without gradient. Values above `most` are only lower bounds, and at
+    /// least `most`.
     pub fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
         let (height, _) = self.highest_face(point);
         if height > most || height <= 0.0 { height } else { self.distance_and_gradient(point).0 }
@@ -47,7 +47,7 @@ impl Hull {
         (highest.0, self.face(highest.1))
     }
 
-    /// Whether the foot of a point on a face's plane lies in the face.
+    /// True if a point's foot on a face's plane lies in the face.
     fn is_over(&self, face: HullFace<'_>, point: DVec3) -> bool {
         sides(face.vertices).all(|[a, b]| {
             let (start, end) = (self.vertices[a as usize], self.vertices[b as usize]);

@@ -12,7 +12,7 @@ pub(super) struct Loops {
     corners: Vec<u32>,
     /// Where each loop ends in `corners`.
     ends: Vec<u32>,
-    /// Whether a cut made the face.
+    /// True for cut faces.
     inner: Vec<bool>,
 }
 
@@ -26,7 +26,7 @@ struct Side {
     face: u32,
     /// Another side from the same vertex.
     next: u32,
-    /// The side that runs along it the other way, once it is known.
+    /// The opposite side, once known.
     opposite: u32,
 }
 
@@ -85,7 +85,7 @@ impl Loops {
         self.inner[face]
     }
 
-    /// How many faces each of `count` vertices has.
+    /// Number of faces at each of `count` vertices.
     fn faces_at(&self, count: usize) -> Vec<u32> {
         let mut faces_at = vec![0_u32; count];
         for &vertex in &self.corners {
@@ -150,7 +150,7 @@ impl Loops {
         Some(collapsed)
     }
 
-    /// Copies the vertices that are used to `used`, in their order, and numbers them anew.
+    /// Copies used vertices to `used` in order, and renumbers them.
     pub(super) fn renumber(&mut self, vertices: &[DVec3], used: &mut Vec<DVec3>) {
         let mut number = self.faces_at(vertices.len());
         used.clear();
@@ -166,7 +166,7 @@ impl Loops {
     /// The edge along each side of the loops and all edges, in the order of the faces; `None` if a
     /// side does not have one that runs along it in the opposite direction.
     pub(super) fn connected(&self) -> Option<(Vec<u32>, Vec<HullEdge>)> {
-        // The sides that begin at each vertex, in lists; where they end, and whose they are.
+        // Lists of sides by start vertex, with their ends and faces.
         let count = self.corners.iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));
         let mut first_from = vec![NONE; count];
         let mut sides_of: Vec<Side> = Vec::with_capacity(self.corners.len());

@@ -1,4 +1,4 @@
-//! How a hull's faces hang together.
+//! Half-edge connectivity of a hull.
 
 use super::loops::Loops;
 use crate::hull::edges::HullEdge;
@@ -26,7 +26,7 @@ impl PartialEq for Net {
     }
 }
 
-/// Sides that know their neighbours.
+/// Linked sides.
 #[derive(Debug)]
 pub(super) struct HalfEdges {
     /// Face after face.
@@ -40,18 +40,18 @@ pub(super) struct HalfEdges {
 pub(super) struct Side {
     /// Where it begins.
     pub(super) origin: u32,
-    /// After it in its face.
+    /// Next side in its face.
     pub(super) next: u32,
     /// The same edge in the other direction, in the face beyond.
     pub(super) twin: u32,
     pub(super) face: u32,
 }
 
-/// The bit that tells faces that a cut made.
+/// Bit mark of cut faces.
 const INNER: u32 = 1 << 31;
 
 impl Loops {
-    /// Becomes those of a net, in the memory it has.
+    /// Copies a net, reusing memory.
     pub(super) fn copy_from(&mut self, net: &Net) {
         self.clear();
         for face in 0..net.faces() {
@@ -74,7 +74,7 @@ impl Net {
         Some(Self { sides, indices, edges, half_edges: OnceLock::new() })
     }
 
-    /// How many there are.
+    /// Number of faces.
     #[inline]
     pub(super) fn faces(&self) -> usize {
         self.indices.len() - 2 * self.sides
@@ -107,7 +107,7 @@ impl Net {
         &self.indices
     }
 
-    /// Whether a cut made a face.
+    /// True for cut faces.
     #[inline]
     pub(super) fn is_inner(&self, face: usize) -> bool {
         self.indices[2 * self.sides + face] & INNER != 0
@@ -171,14 +171,14 @@ fn face_end(side: usize, inner: bool) -> u32 {
 /// A net of which the sides come face after face, two for each edge.
 pub(super) struct NetBuilder {
     net: Net,
-    /// How many sides, edges and faces there are so far.
+    /// Numbers of sides, edges and faces to date.
     sides: usize,
     edges: u32,
     faces: usize,
 }
 
 impl NetBuilder {
-    /// For so many edges and faces.
+    /// A builder for `edges` and `faces`.
     pub(super) fn new(edges: usize, faces: usize) -> Self {
         let none = HullEdge { vertices: [0; 2], faces: [0; 2] };
         let indices = vec![0; 4 * edges + faces];
@@ -218,14 +218,14 @@ impl NetBuilder {
         Some(())
     }
 
-    /// Makes a face of the sides that were added since the last one.
+    /// Makes a face of the sides added since the last face.
     #[inline]
     pub(super) fn end_face(&mut self, inner: bool) {
         self.net.indices[2 * self.net.sides + self.faces] = face_end(self.sides, inner);
         self.faces += 1;
     }
 
-    /// The net if it has as many sides, edges and faces as it was made for.
+    /// The net, if complete.
     pub(super) fn finished(self) -> Option<Net> {
         let Self { net, sides, edges, faces } = self;
         (sides == net.sides && edges as usize == net.edges.len() && faces == net.faces())

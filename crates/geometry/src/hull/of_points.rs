@@ -24,7 +24,7 @@ pub enum HullError {
     /// Fewer than four.
     #[error("at least 4 points that span a volume")]
     TooFew,
-    /// One of them is infinite or not a number.
+    /// A coordinate is infinite or NaN.
     #[error("points of finite coordinates")]
     NotFinite,
     /// All of them lie on a plane, a line or a point.
@@ -71,7 +71,7 @@ impl Hull {
             planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3)
         {
             for &vertex in net.corners(face) {
-                // Along this the vertex leaves none of the planes that it is on already.
+                // Direction along which the vertex stays on all its earlier planes.
                 let taken = &mut freedom[vertex as usize];
                 let normal = plane.normal;
                 let across =
@@ -94,7 +94,7 @@ impl Hull {
     }
 }
 
-/// Triangles that grow around the points.
+/// Triangles of the growing hull.
 struct Quickhull<'a> {
     points: &'a [DVec3],
     triangles: Vec<Triangle>,
@@ -135,7 +135,7 @@ impl<'a> Quickhull<'a> {
             .collect())
     }
 
-    /// Whether a point lies strictly outside of a triangle's plane, without rounding.
+    /// True for points strictly outside a triangle's plane, exactly.
     fn sees(&self, point: u32, triangle: usize) -> bool {
         let coord = |index: u32| {
             let DVec3 { x, y, z } = self.points[index as usize];
@@ -233,8 +233,8 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
     Ok(if height(points[d as usize]) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// The faces that triangles make together: around each, beginning with the largest, all that are
-/// within `close` [m] of its plane. `None` if one of them has a hole.
+/// Merges triangles into faces, starting with the largest: all triangles within `close` [m] of its
+/// plane. `None` if a face has a hole.
 fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<HalfSpace>, Loops)> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {

@@ -33,7 +33,7 @@ pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface>
     let mut part = Clipper::default().clipped(&whole, &cracks)?;
     let planes = planes_at_vertices(form, &part);
     for (vertex, planes) in part.vertices.iter_mut().zip(&planes) {
-        // Cracks that graze the round surface meet it far away, or nowhere: they bend a little.
+        // Cracks that graze the round surface meet it far away or never: they bend slightly.
         let place = planes.as_ref().and_then(|planes| {
             on_surface(form, *vertex, planes).or_else(|| on_surface(form, *vertex, &[]))
         });

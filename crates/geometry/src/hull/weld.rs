@@ -1,4 +1,4 @@
-//! Hulls that fit without a gap.
+//! Gap-free hulls.
 
 use super::Hull;
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 /// Vertices in a bucket that are sorted by themselves.
 const CROWD: usize = 16;
 
-/// A vertex of one of the hulls.
+/// A vertex of a hull.
 #[derive(Clone, Copy)]
 struct Place {
     position: DVec3,
@@ -19,9 +19,9 @@ struct Place {
 struct Entry {
     /// Place along the direction [m].
     key: f64,
-    /// Among those of all hulls.
+    /// Index among all hulls' vertices.
     place: u32,
-    /// Which entry it is one with; itself, if it came first.
+    /// Representative entry; the first of a group represents itself.
     one_with: u32,
 }
 
@@ -114,8 +114,7 @@ fn sorted(places: &[Place]) -> Vec<Entry> {
         entries[*start as usize] = Entry { key, place, one_with: 0 };
         *start += 1;
     }
-    // Each bucket's start has become its end. Where many vertices crowd, the rest would take long
-    // one by one.
+    // Each bucket's start has become its end. In crowded places a linear search would be slow.
     let mut first = 0;
     for end in starts.into_iter().map(|end| end as usize) {
         let bucket = &mut entries[first..end];

@@ -198,8 +198,7 @@ fn read(primitive: &Primitive, buffers: &[Vec<u8>]) -> Result<(Vec<DVec3>, Vec<u
     Ok((positions, indices))
 }
 
-/// As many triangles as a primitive has at most; none if its corners cannot be in so many `bytes`,
-/// which is said when they are read.
+/// Upper bound of a primitive's triangles; 0 if its corners exceed `bytes`, reported on reading.
 fn most_triangles(primitive: &Primitive, bytes: usize) -> usize {
     let positions = || primitive.get(&Semantic::Positions);
     let corners = primitive.indices().or_else(positions).map_or(0, |accessor| accessor.count());

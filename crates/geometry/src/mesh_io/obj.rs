@@ -102,7 +102,7 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     Ok(parsed)
 }
 
-/// The first numbers of a line; `None` if there are not so many.
+/// First `N` numbers of a line; `None` if fewer.
 fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f32; N]> {
     let found: Vec<f32> = words.map_while(|word| word.parse().ok()).take(N).collect();
     found

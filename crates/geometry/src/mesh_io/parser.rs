@@ -6,7 +6,7 @@ use crate::mesh_io::attributes::Parsed;
 use crate::polygon::triangulate;
 use std::path::Path;
 
-/// Reads what a format says, without judging it.
+/// Parses a format without validation.
 pub(crate) type Parser = fn(&File) -> Result<Parsed, MeshError>;
 
 /// A file in memory.

@@ -17,7 +17,7 @@ fn smaller_or_second(a: v128, b: v128) -> v128 {
     f32x4_pmin(b, a)
 }
 
-/// As [`smaller_or_second`], of the larger ones.
+/// Like [`smaller_or_second`], for maxima.
 #[inline(always)]
 fn larger_or_second(a: v128, b: v128) -> v128 {
     f32x4_pmax(b, a)

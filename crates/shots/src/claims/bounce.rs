@@ -61,7 +61,7 @@ fn bounces() -> Result<Vec<Finding>, Obstacle> {
     Ok(findings)
 }
 
-/// Heights above rest of the first bounces [m]; those that did not come are 0.
+/// Heights above rest of the first bounces [m]; 0 for missing bounces.
 fn heights(method: Method, restitution: f64, count: usize) -> Result<Vec<f64>, BuildError> {
     let position = [0.0, HEIGHT + RADIUS, 0.0];
     let ball = BodyDesc { position, restitution, ..BodyDesc::new("ball", ball(RADIUS)) };

@@ -41,7 +41,7 @@ const MOST_SINKING: f64 = 2e-3;
 /// Of the elevator and of the belt [m/s].
 const SPEED: f64 = 2.0;
 
-/// Of the elevator [m/s^2]: a fifth of gravity, so that the stack stays on it.
+/// Acceleration of the elevator [m/s^2]: a fifth of gravity, to keep the stack on it.
 const ACCELERATION: f64 = 2.0;
 
 /// The elevator's velocity at a time [m/s]: up for 4 s, down for 4 s, and back at rest where it
@@ -55,7 +55,7 @@ fn elevator_velocity(time: f64) -> f64 {
     }
 }
 
-/// How deep any of the five cubes is in what it stands on [m].
+/// Largest overlap of any of the five cubes with its support [m].
 fn sinking(world: &World) -> f64 {
     let height = |i: usize| position(world, i).y;
     let gap = |level: usize| height(level) - height(level - 1) - if level == 1 { 0.6 } else { 1.0 };
@@ -113,7 +113,7 @@ const SEAT: f64 = 1.2;
 /// Of the turntable [m].
 const TABLE_RADIUS: f64 = 2.0;
 
-/// What the cube may slip outward in ten seconds with the frame-rate method [m].
+/// Maximum outward slip of the cube in ten seconds with the frame-rate method [m].
 const MOST_SLIP: f64 = 0.01;
 
 fn turntable() -> Result<Vec<Finding>, Obstacle> {

@@ -1,25 +1,25 @@
-//! A promise that can be checked, and what was found.
+//! Claims and their findings.
 
 use crate::shot::ShotError;
 use frangible::BuildError;
 use thiserror::Error;
 
-/// A promise that can be checked.
+/// A checkable claim.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim {
     /// On the command line.
     pub name: &'static str,
-    /// What is promised, in one line.
+    /// The claim in one line.
     pub says: &'static str,
-    /// Who says so: the paper's section, mechanics, or a record in `docs/adr`.
+    /// Source: a section of the paper, mechanics, or a record in `docs/adr`.
     pub source: &'static str,
     pub(super) measure: fn() -> Result<Vec<Finding>, Obstacle>,
 }
 
-/// One measured number and the bounds that it is held to.
+/// A measured number with its bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: String,
     /// SI; `1` for a ratio.
     pub unit: &'static str,
@@ -31,7 +31,7 @@ pub struct Finding {
     pub high: f64,
 }
 
-/// No claim has that name.
+/// Unknown claim name.
 #[derive(Debug, Error)]
 #[error("unknown claim '{name}', must be one of: {known}")]
 pub struct UnknownClaim {
@@ -44,7 +44,7 @@ pub struct UnknownClaim {
 /// Why a claim's scene could not be set up.
 #[derive(Debug, Error)]
 pub enum Obstacle {
-    /// It breaks a rule.
+    /// The scene breaks a rule.
     #[error("{0}")]
     Build(#[from] BuildError),
     /// No such shot, or it lacks a file.
@@ -53,12 +53,12 @@ pub enum Obstacle {
 }
 
 impl Finding {
-    /// Whether the bounds hold; what is not a number does not.
+    /// True within the bounds; false for NaN.
     pub fn holds(&self) -> bool {
         self.low <= self.measured && self.measured <= self.high
     }
 
-    /// Whether it is held to anything.
+    /// True with any bound.
     pub fn is_bounded(&self) -> bool {
         self.low > f64::NEG_INFINITY || self.high < f64::INFINITY
     }
@@ -97,7 +97,7 @@ impl Finding {
     }
 }
 
-/// The largest of some values; not a number if one of them is none.
+/// Largest of the values; NaN if any is NaN.
 pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(f64::NEG_INFINITY, |most, value| {
         if most.is_nan() || value <= most { most } else { value }

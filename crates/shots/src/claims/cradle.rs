@@ -1,4 +1,4 @@
-//! What balls in a row pass on.
+//! Momentum transfer through rows of balls.
 
 use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
@@ -24,11 +24,10 @@ pub(super) const ROWS: Claim = Claim {
 /// Until the balls have struck and parted [frames].
 const FRAMES: u32 = 30;
 
-/// Speeds relative to that of what came.
+/// Tolerance of speeds, relative to the striker's.
 const FEW_PER_CENT: f64 = 0.04;
 
-/// Of each ball in units of that of those that strike, from the first on; and what became of the
-/// momentum and the energy.
+/// Speed of each ball relative to the strikers', in row order; and changes of momentum and energy.
 struct Struck {
     speeds: Vec<f64>,
     momentum: f64,
@@ -134,14 +133,14 @@ fn measured() -> Result<Vec<Finding>, Obstacle> {
     Ok(findings)
 }
 
-/// How many balls, what is between them [m], and how fast the first one comes [m/s].
+/// Numbers of balls, gap between balls [m], and striker speeds [m/s].
 const ROWS_OF: [(&[usize], f64, &[f64]); 3] = [
     (&[10, 34, 100, 500], 0.0, &[1.0, 10.0, 60.0, 100.0, 300.0]),
     (&[10, 50], 1e-3, &[1.0, 10.0, 100.0]),
     (&[10, 20], 1.0, &[10.0, 100.0]),
 ];
 
-/// What a row may lose or gain, in units of what came.
+/// Maximum gain or loss of a row, relative to its input.
 const ROUNDING: f64 = 1e-5;
 
 fn rows() -> Result<Vec<Finding>, Obstacle> {

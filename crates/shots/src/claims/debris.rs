@@ -1,4 +1,4 @@
-//! What is heavy comes down on what is light.
+//! Heavy bodies fall on light bodies.
 
 use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
@@ -13,7 +13,7 @@ pub(super) const DEBRIS: Claim = Claim {
     measure: measured,
 };
 
-/// Shapes, their sizes [m], and how many of them.
+/// Shapes, sizes [m], and counts.
 const PIECES: [(Piece, f64, usize); 7] = [
     (Piece::Cube, 0.2, 1),
     (Piece::Cube, 0.1, 1),
@@ -34,10 +34,10 @@ const RATIOS: [(&str, &[f64], f64); 2] = [
 /// Of the slab [m/s].
 const SPEEDS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 
-/// Until everything lies [frames].
+/// Settling time [frames].
 const FRAMES: u32 = 90;
 
-/// What is left of an overlap [m].
+/// Maximum remaining overlap [m].
 const MOST_LEFT: f64 = 1e-3;
 
 /// The largest and the last overlap [m].

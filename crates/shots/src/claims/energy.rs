@@ -36,7 +36,7 @@ pub(super) const SAFEGUARDS: Claim = Claim {
 /// The largest gain of a frame, in units of the energy in play: round-off.
 const MOST_GAIN: f64 = 1e-9;
 
-/// What one run did.
+/// Result of a run.
 pub(super) struct Run {
     /// The largest gain of a frame, in units of the energy in play: the largest kinetic energy and
     /// the range of the potential energy.
@@ -45,9 +45,9 @@ pub(super) struct Run {
     pub(super) unexplained: f64,
     /// The largest relative change of linear or angular momentum.
     pub(super) momentum_error: f64,
-    /// How many bodies went bad.
+    /// Number of quarantined bodies.
     pub(super) quarantined: usize,
-    /// How far the centre of any body rose above where it was at first [m].
+    /// Largest rise of any body's centre above its start [m].
     pub(super) rise: f64,
     /// At the end.
     pub(super) world: World,

@@ -1,4 +1,4 @@
-//! What fits closely: pieces of a slab, a plate before a wall, a nut on its bolt.
+//! Close fits: pieces of a slab, a plate before a wall, a nut on its bolt.
 
 use super::scenes::{GRAVITY, run};
 use super::watch::step;
@@ -84,7 +84,7 @@ fn plates() -> Result<Vec<Finding>, Obstacle> {
     )])
 }
 
-/// How long the nut turns [frames].
+/// Duration of the nut's rotation [frames].
 const TURNING: u32 = 90;
 
 fn nuts() -> Result<Vec<Finding>, Obstacle> {

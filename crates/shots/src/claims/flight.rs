@@ -1,4 +1,4 @@
-//! What nothing touches loses nothing.
+//! Bodies without contacts lose nothing.
 
 use super::scenes::{METHODS, cuboid, free_world};
 use super::watch::step;

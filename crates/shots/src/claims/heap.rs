@@ -1,4 +1,4 @@
-//! How heaps come to lie.
+//! Final shapes of heaps.
 
 use super::watch::step;
 use crate::claims::claim::{Claim, Finding, Obstacle};
@@ -17,11 +17,11 @@ pub(super) const HEAP: Claim = Claim {
 /// Pieces along, up and across: of more pairs than are solved with care, and of less.
 const HEAPS: [[usize; 3]; 2] = [[8, 9, 8], [7, 7, 7]];
 
-/// Heaps over which the largest rise is averaged: what still topples in one of them is chance.
+/// Number of heaps in the mean of the largest rise: late topples are random.
 const SEEDS: u64 = 8;
 
-/// Of those so many are compared with fine steps by their mean height: one of them alone is up to
-/// 5 % higher or 1 % lower, by whether a piece rests on others where it might have rolled off.
+/// Number of heaps in the comparison of mean heights with fine steps: a single heap varies from 1 %
+/// lower to 5 % higher, by whether a piece rests on others or rolls off.
 const COMPARED: u64 = 3;
 
 /// Their mean is no more than this [m]. It is 0.02 mm; where what is jammed was parted by turns
@@ -29,10 +29,10 @@ const COMPARED: u64 = 3;
 /// instead of two, heaps rose by 0.4.
 const MOST_RISE: f64 = 6e-5;
 
-/// Until they lie [s].
+/// Settling time [s].
 const FALL: f64 = 3.0;
 
-/// How a heap came to lie.
+/// Final state of a heap.
 struct Fallen {
     /// Mean of its pieces [m].
     height: f64,

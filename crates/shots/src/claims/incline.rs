@@ -45,7 +45,7 @@ fn incline() -> Result<Vec<Finding>, Obstacle> {
     Ok(findings)
 }
 
-/// How far a cube slides in 5 s, and how far it creeps in the 10 s after [m].
+/// Sliding distance of a cube in 5 s, and its creep in the next 10 s [m].
 fn slide(method: Method, slope: f64, friction: f64, speed: f64) -> Result<(f64, f64), BuildError> {
     let tilt = DQuat::from_rotation_z(-slope);
     let down = tilt * DVec3::X;

@@ -1,4 +1,4 @@
-//! What starts inside of something else comes out.
+//! Overlapping bodies separate.
 
 use super::scenes::{ball, cube, cuboid};
 use crate::claims::claim::{Claim, Finding, Obstacle, largest};
@@ -15,16 +15,16 @@ pub(super) const INSIDE: Claim = Claim {
 /// Of all bodies [m].
 const SIZE: f64 = 0.5;
 
-/// How deep they start [m].
+/// Initial depths [m].
 const DEPTHS: [f64; 3] = [0.01, 0.05, 0.2];
 
-/// Within which they are out [frames].
+/// Time limit of separation [frames].
 const FRAMES: u32 = 60;
 
-/// What is left of the overlap then [m].
+/// Maximum remaining overlap [m].
 const MOST_LEFT: f64 = 1e-3;
 
-/// What closing may leave behind in free space [m/s].
+/// Maximum speed after separation in free space [m/s].
 const MOST_SPEED: f64 = 0.1;
 
 fn shapes() -> [(&'static str, ShapeDesc); 4] {

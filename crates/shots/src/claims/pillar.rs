@@ -1,4 +1,4 @@
-//! How the pillar spreads at the frame rate, and at a hundredth of its step [Su09 fig. 1].
+//! Spread of the pillar at the frame rate, and at a hundredth of its step [Su09 fig. 1].
 
 use super::energy::{no_safeguard, run_scene};
 use crate::claims::claim::largest;
@@ -23,16 +23,16 @@ pub(super) const UNCORRECTED: Claim = Claim {
     measure: uncorrected,
 };
 
-/// How the pieces of a pillar lie after four seconds.
+/// Distribution of a pillar's pieces after four seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Mean distance of the pieces' centres from the pillar's axis [m].
     pub mean: f64,
-    /// What 95 % of these distances are below [m].
+    /// 95th percentile of these distances [m].
     pub p95: f64,
     /// Height of the highest centre [m].
     pub highest: f64,
-    /// How far any centre rose above where it was at first, at any time [m].
+    /// Largest rise of any centre above its start, at any time [m].
     pub rise: f64,
 }
 

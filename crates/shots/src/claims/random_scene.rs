@@ -4,7 +4,7 @@ use super::scenes::{ball, cuboid};
 use crate::random::Random;
 use frangible::{BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc};
 
-/// How many bodies are thrown.
+/// Number of thrown bodies.
 const BODIES: u32 = 12;
 
 /// Concave outlines as cells of a 3 x 3 square, row by row: an L, a U, a T, a plus, and a ring.

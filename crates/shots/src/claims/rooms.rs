@@ -86,7 +86,7 @@ fn room(shape: &ShapeDesc, speed: f64, seed: u64) -> SceneDesc {
     SceneDesc { bodies, ..SceneDesc::new("claim") }
 }
 
-/// How many bodies end outside, or are taken out, and the largest error of momentum.
+/// Number of bodies outside or removed at the end, and the largest momentum error.
 fn run(scene: &SceneDesc) -> Result<[f64; 2], Obstacle> {
     let mut world = World::build(scene)?;
     let mut error = 0.0;

@@ -1,4 +1,4 @@
-//! What the claims' scenes are made of.
+//! Building blocks of the claims' scenes.
 
 use super::watch::step;
 use frangible::{BodyDesc, BuildError, Method, Resolution, SceneDesc, ShapeDesc, World};

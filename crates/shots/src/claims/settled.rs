@@ -96,7 +96,7 @@ fn lossless() -> Result<Vec<Finding>, Obstacle> {
             for _ in 0..300 {
                 removed += step(&mut world).balance.removed;
             }
-            // What lies on the ground sags by a little: its weight's energy is not its motion's.
+            // Resting bodies sink slightly: the weight's energy is not kinetic.
             let (kinetic_now, potential_now) = world.energy();
             let flies = world.bodies().len() == 1;
             let fallen = if flies { potential - potential_now } else { 0.0 };

@@ -36,13 +36,13 @@ pub(super) const ROUND: Claim = Claim {
     measure: rests,
 };
 
-/// What ten cubes may drift in 20 s [m].
+/// Maximum drift of ten cubes in 20 s [m].
 const MOST_DRIFT: f64 = 0.02;
 
-/// What counts as standing for those that are shifted, whose edges settle on edges [m].
+/// Maximum drift of shifted stacks, whose edges settle on edges [m].
 const MOST_ZIGZAG_DRIFT: f64 = 0.03;
 
-/// How far any of ten cubes gets in 20 s, each `shift` [m] off the middle to alternating sides.
+/// Largest drift of ten cubes in 20 s, each `shift` [m] off the middle to alternating sides.
 fn drift(method: Method, name: &str, shift: f64, most: f64) -> Result<Finding, Obstacle> {
     let mut bodies = vec![BodyDesc::ground(0.0)];
     for level in 0..10 {
@@ -68,7 +68,7 @@ const CYLINDERS: [[f64; 2]; 4] = [[0.5, 1.0], [0.5, 0.5], [0.5, 0.2], [0.25, 1.0
 /// Sides of prisms 1 m wide and high.
 const SIDES: [u32; 3] = [6, 8, 32];
 
-/// How many stand on each other.
+/// Numbers of stories.
 const STORIES: [u32; 3] = [4, 6, 8];
 
 /// The fastest body of a stack at rest [m/s].

@@ -1,4 +1,4 @@
-//! What stands by its shape and by friction, and falls without.
+//! Structures that stand by shape and friction, and fall without.
 
 use super::scenes::ball;
 use super::watch::step;
@@ -49,13 +49,14 @@ pub(super) const CARD_HOUSE: Claim = Claim {
     measure: card_houses,
 };
 
-/// How far anything that stands may get in 10 s [m].
+/// Maximum drift of a standing body in 10 s [m].
 const MOST_DRIFT: f64 = 0.02;
 
-/// What the highest tower, of 25 m, may sway, and what bears a load or has joints may settle [m].
+/// Maximum sway of the highest tower, of 25 m, and maximum settlement of loaded or jointed
+/// structures [m].
 const MOST_SWAY: f64 = 0.1;
 
-/// How long [frames].
+/// Duration [frames].
 const FRAMES: u32 = 300;
 
 /// The largest way of any body [m], and the largest sinking of any [m].
@@ -106,7 +107,7 @@ fn loads() -> Result<Vec<Finding>, Obstacle> {
     Ok(findings)
 }
 
-/// What 300 cubes elsewhere may change of a drift [m].
+/// Maximum influence of 300 distant cubes on a drift [m].
 const MOST_CHANGE: f64 = 1e-3;
 
 fn companies() -> Result<Vec<Finding>, Obstacle> {

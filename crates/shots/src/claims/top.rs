@@ -27,7 +27,7 @@ const EDGES: u32 = 24;
 /// Of its axis, from the vertical [rad].
 const TILT: f64 = 0.2;
 
-/// About its axis [rad/s]: twice what it needs to stay up.
+/// Spin about its axis [rad/s]: twice the minimum for an upright top.
 const SPIN: f64 = 50.0;
 
 /// A cone with its tip in the origin. Velocities are the centre of mass's and the body's.
@@ -63,7 +63,7 @@ fn precession_rate(world: &World, arm: f64) -> f64 {
 fn top() -> Result<Vec<Finding>, Obstacle> {
     let mut findings = Vec::new();
     for (method, name) in METHODS {
-        // Set it going so that it precesses and does not nod.
+        // Start in steady precession, without nutation.
         let at_rest = cone(method, DVec3::ZERO, DVec3::ZERO)?;
         let center = at_rest.bodies().poses[1].position;
         let rate = precession_rate(&at_rest, center.length());

@@ -31,7 +31,7 @@ pub(super) const STRUCK: Claim = Claim {
     measure: shots_wall,
 };
 
-/// Of each proportion of bricks one.
+/// One wall per proportion of bricks.
 const LOW: [Wall; 5] = [
     Wall { brick: WALL.brick, courses: 13, count: 20, closed: true },
     Wall { brick: [0.2; 3], courses: 11, count: 12, closed: true },
@@ -45,10 +45,10 @@ const HIGH_WALLS: [Wall; 2] = [
     Wall { brick: WALL.brick, courses: 51, count: 20, closed: true },
 ];
 
-/// How long an untouched wall stands [s].
+/// Duration of an untouched wall's test [s].
 const STANDS: f64 = 20.0;
 
-/// How far a brick of a standing wall may get [m].
+/// Maximum drift of a brick in a standing wall [m].
 const MOST_MOVED: f64 = 0.01;
 
 /// Until the ball's bricks lie [s].
@@ -57,20 +57,20 @@ const FALL: f64 = 5.0;
 /// Each strikes elsewhere along the wall.
 const BALLS: f64 = 10.0;
 
-/// What they may leave more or less of.
+/// Tolerance of the remains.
 const FEW: f64 = 0.1;
 
-/// What ten balls left at 3000 steps per second, recorded by `examples/struck_walls.rs`.
+/// Remains after ten balls at 3000 steps per second, recorded by `examples/struck_walls.rs`.
 const RECORDED: &str = include_str!("../../../../bench/results/walls.csv");
 
-/// What became of a wall.
+/// State of a wall at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallState {
     /// Median height of the bricks' centres [m].
     pub median: f64,
     /// Mean height [m].
     pub mean: f64,
-    /// Share of the bricks that end where they began, by half their height.
+    /// Fraction of bricks within half their height of their start.
     pub standing: f64,
     /// The largest way of a brick at any time [m].
     pub moved: f64,
@@ -102,9 +102,8 @@ fn state_of(scene: &SceneDesc, count: usize, seconds: f64) -> Result<WallState, 
     })
 }
 
-/// What the ball of a seed leaves of the shot's wall.
 ///
-/// # Errors
+///
 /// If its scene cannot be built.
 pub fn struck_wall(options: &ShotOptions) -> Result<WallState, Obstacle> {
     state_of(&Shot::find("bricks")?.scene(options)?, WALL.courses * WALL.count, FALL)

@@ -4,12 +4,12 @@ use crate::claims::claim::{Finding, largest};
 use frangible::{Causes, Method, StepReport, World};
 use std::cell::Cell;
 
-/// What a cause may change the energy by in a frame, in units of the energy in play. More is a
-/// solver that diverges, also where the ledger takes out again what it made.
+/// Maximum energy change of a cause in a frame, relative to the energy in play. More indicates a
+/// diverging solver, even if the ledger removes the gain.
 const MOST_CAUSE: f64 = 10.0;
 
 thread_local! {
-    /// The largest that this thread saw since it was last asked; a claim runs on one thread.
+    /// Largest value on this thread since the last query; a claim runs on one thread.
     static LARGEST: Cell<f64> = const { Cell::new(f64::NEG_INFINITY) };
 }
 
@@ -32,7 +32,7 @@ pub(super) fn step(world: &mut World) -> StepReport {
     report
 }
 
-/// What gravity can give in a frame to bodies as fast as they are [J].
+/// Maximum energy from gravity in a frame, for bodies at their present speeds [J].
 fn given_by_gravity(world: &World) -> f64 {
     let (bodies, dt) = (world.bodies(), world.dt());
     let gained = dt * world.gravity();

@@ -19,7 +19,7 @@ pub(crate) const BONDED_PILLAR: Shot = Shot {
 /// than that of the cells.
 const CELLS: usize = 1500;
 
-/// Of concrete [Pa], across a bond [CEB90]; along it about as much.
+/// Tensile strength of concrete [Pa], across a bond [CEB90]; about equal along it.
 const STRENGTH: f64 = 3e6;
 
 /// Of the ball [m], of steel [kg/m^3].

@@ -1,9 +1,9 @@
-//! Walls of loose bricks: one that stands, and one that a ball strikes.
+//! Walls of loose bricks: an untouched wall, and a wall hit by a ball.
 
 use crate::shot::{Shot, ShotError, ShotOptions};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 
-/// A wall without mortar, and what comes against it.
+/// A wall without mortar, and its projectile.
 pub(crate) const BRICKS: Shot = Shot {
     name: "bricks",
     caption: "a ball flies into a wall of 1000 loose bricks",
@@ -28,11 +28,11 @@ pub(crate) const STILL: Shot = Shot {
 pub(crate) struct Wall {
     /// Of a brick [m].
     pub(crate) brick: [f64; 3],
-    /// One on the other.
+    /// Number of courses.
     pub(crate) courses: usize,
     /// Bricks in each course.
     pub(crate) count: usize,
-    /// Whether half bricks close the shifted courses. Without, the ends of these overhang.
+    /// True for half bricks at the ends of shifted courses. Without, the ends overhang.
     pub(crate) closed: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Cards that lean against each other in pairs, with cards lying on them that bear the next storey.
+//! Cards leaning against each other in pairs, with horizontal cards as floors of the next storey.
 
 use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
@@ -13,7 +13,7 @@ pub(crate) const CARD_HOUSE: Shot = Shot {
     build: |_| Ok(card_house(FRICTION)),
 };
 
-/// As many pairs of cards are in the lowest one.
+/// Number of storeys, and of pairs of cards in the lowest.
 const STOREYS: usize = 5;
 
 /// Coulomb's coefficient of paper on paper: under a load a card that leans by an angle needs its
@@ -29,7 +29,7 @@ const LEAN: f64 = 0.35;
 /// Of a pair's feet from the next pair's, in units of those from each other.
 const APART: f64 = 0.2;
 
-/// How far the outer lying cards reach beyond what bears them [m].
+/// Overhang of the outer horizontal cards beyond their supports [m].
 const OVERHANG: f64 = 0.05;
 
 /// Between lying cards [m].

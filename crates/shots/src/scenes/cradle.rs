@@ -13,7 +13,7 @@ pub(crate) const CRADLE: Shot = Shot {
     build: |_| Ok(cradle(STRIKERS, 1.0)),
 };
 
-/// In the row, before it is struck.
+/// Number of balls in the row before impact.
 pub(crate) const ROW: usize = 5;
 
 /// In the shot.
@@ -22,7 +22,7 @@ const STRIKERS: usize = 2;
 /// Of the balls [m].
 pub(crate) const RADIUS: f64 = 0.1;
 
-/// Of the balls that strike [m/s].
+/// Speed of the strikers [m/s].
 pub(crate) const SPEED: f64 = 2.0;
 
 /// Between these and the row [m].
@@ -56,7 +56,7 @@ pub(crate) fn row(count: usize, gap: f64, speed: f64) -> SceneDesc {
     SceneDesc { bodies: (0..count).map(at).collect(), gravity: [0.0; 3], ..SceneDesc::new("") }
 }
 
-/// Balls that touch each other on smooth ground, struck along their row by some more of them.
+/// Touching balls on smooth ground, hit along their row by `strikers` more.
 pub(crate) fn cradle(strikers: usize, restitution: f64) -> SceneDesc {
     let ball = |place: f64, speed: f64| ball(place, speed, restitution);
     let mut scene = SceneDesc::new("");

@@ -1,4 +1,4 @@
-//! What is heavy comes down on what is light.
+//! Heavy bodies fall on light bodies.
 
 use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
@@ -19,11 +19,11 @@ pub(crate) const DEBRIS: Shot = Shot {
 /// A plate just above one piece on the ground, or above four.
 #[derive(Clone, Copy)]
 pub(crate) struct Debris {
-    /// What lies on the ground.
+    /// The piece on the ground.
     pub(crate) piece: Piece,
     /// Of a piece [m].
     pub(crate) size: f64,
-    /// One in the middle, or one in each quarter.
+    /// One piece in the middle, or one in each quarter.
     pub(crate) count: usize,
     /// Mass of the plate in units of all pieces'.
     pub(crate) ratio: f64,

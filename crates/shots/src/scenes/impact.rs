@@ -29,7 +29,7 @@ pub(crate) const BUNNY: Shot = Shot {
 /// largest need decides.
 const BUNNY_VOXELS: [usize; 3] = [70, 60, 45];
 
-/// The mesh's longest side becomes this long [m], so that one shot suits files in any unit.
+/// Length of the mesh's longest side after scaling [m]: one shot suits files in any unit.
 const LONGEST_SIDE: f64 = 2.0;
 
 /// Steel [kg/m^3].
@@ -41,15 +41,14 @@ const BALL_RADIUS: f64 = 0.25;
 /// [m/s]
 const SPEED: f64 = 15.0;
 
-/// How far from the mesh the ball starts [m]: far enough to see it come, near enough that it hardly
-/// falls.
+/// Initial distance of the ball from the mesh [m]: visible in flight, with little fall.
 const RUN_UP: f64 = 2.0;
 
-/// What the mesh bears [N s] for each kilogram of it: three times what gravity gives it in a frame,
-/// so that it stands.
+/// Strength of the mesh per mass [N s/kg]: three times gravity's impulse in a frame, to survive
+/// standing.
 const STRENGTH_PER_MASS: f64 = 1.0;
 
-/// What it bears at most [N s]: less than the collision of the ball.
+/// Maximum strength of the mesh [N s]: less than the impact of the ball.
 const MOST_STRENGTH: f64 = 2500.0;
 
 fn impact(

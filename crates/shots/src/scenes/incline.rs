@@ -17,7 +17,7 @@ pub(crate) const INCLINE: Shot = Shot {
 /// Of the incline [rad]: 10 degrees.
 const SLOPE: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
-/// Coulomb's coefficient: more than the slope's tangent, so that the cube stops.
+/// Coulomb's coefficient: more than the slope's tangent, to stop the cube.
 const FRICTION: f64 = 0.2;
 
 /// Edge of the cube [m].

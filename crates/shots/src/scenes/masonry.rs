@@ -23,7 +23,7 @@ const WALL: [f64; 3] = [3.2, 2.2, 0.24];
 /// Of fired clay [kg/m^3].
 const CLAY: f64 = 1800.0;
 
-/// Of joints of cement mortar [Pa]: across them, and along them with what the weight above adds.
+/// Tensile strength of cement mortar joints [Pa]; along the joints the weight above adds friction.
 const TENSION: f64 = 0.4e6;
 const SHEAR: f64 = 0.6e6;
 

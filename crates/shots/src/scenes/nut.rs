@@ -15,7 +15,7 @@ pub(crate) const NUT: Shot = Shot {
     build: |_| Ok(nut(0.0)),
 };
 
-/// What the thread rises in a turn [m].
+/// Pitch of the thread [m].
 pub(crate) const PITCH: f64 = 0.3;
 
 /// Of the bolt, in the middle of its thread [m].
@@ -100,7 +100,7 @@ fn turned(
     ShapeDesc::Triangles { positions, triangles, thickness: None, resolution }
 }
 
-/// A bolt that stands, and a nut, `friction` between them.
+/// A fixed bolt and a nut, with `friction` between them.
 pub(crate) fn nut(friction: f64) -> SceneDesc {
     let metal = |name: &str, shape: ShapeDesc| BodyDesc {
         friction,

@@ -7,7 +7,7 @@ use frangible::geometry::{Clipper, HalfSpace, Hull};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;
 
-/// The scene that engines are compared in.
+/// Scene for comparisons of engines.
 pub(crate) const TABLE: Shot = Shot {
     name: "pile-table",
     caption: "a table of 992 pieces and 1000 balls of 8 pieces each fall into a heap",
@@ -20,10 +20,10 @@ pub(crate) const TABLE: Shot = Shot {
 /// Half of the table's edge lengths [m].
 const HALF: DVec3 = DVec3::new(7.5, 0.5, 5.0);
 
-/// How far it falls [m].
+/// Drop height [m].
 const DROP: f64 = 1.0;
 
-/// It is broken into.
+/// Number of cells of the table.
 const TABLE_CELLS: usize = 992;
 
 /// Of the balls [m].
@@ -98,7 +98,7 @@ fn points_in_ball(random: &mut Random) -> Vec<DVec3> {
     points
 }
 
-/// The parts of a hull that are nearer to each of some points in it than to all others.
+/// Voronoi cells of points in a hull.
 fn cells(hull: &Hull, points: &[DVec3]) -> Vec<Hull> {
     let between = |here: DVec3, there: DVec3| {
         let normal = (there - here).normalize();

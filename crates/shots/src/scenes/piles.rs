@@ -33,7 +33,7 @@ const KINDS: usize = 64;
 /// Half the length of a piece [m]: as of a fist.
 const RADIUS: f64 = 0.1;
 
-/// From piece to piece before they fall, in units of `RADIUS`: they do not touch.
+/// Initial spacing of pieces, in units of `RADIUS`: without contact.
 const APART: f64 = 2.05;
 
 /// Thickness and height of the pit's walls [m].

@@ -16,13 +16,13 @@ pub(crate) const PILLAR: Shot = Shot {
     build: pillar,
 };
 
-/// How many pieces the pillar is in [Su09 fig. 1].
+/// Number of pieces of the pillar [Su09 fig. 1].
 const PIECES: usize = 94;
 
 /// Half of the pillar's edge lengths [m]: 1 m thick, 6 m high.
 pub(crate) const HALF: DVec3 = DVec3::new(0.5, 3.0, 0.5);
 
-/// How far it falls [m].
+/// Drop height [m].
 const DROP: f64 = 0.5;
 
 /// Height above the pillar's middle and thickness [m] of the layers that are in plates, from below.
@@ -34,10 +34,10 @@ const PLATES: usize = 6;
 /// Slope of the layers, at most.
 const TILT: f64 = 0.2;
 
-/// Corners that are chipped off the blocks.
+/// Number of corners chipped off the blocks.
 const CHIPS: usize = 12;
 
-/// How deep a chip reaches into its block, in units of the block's own depth.
+/// Depth of a chip, in units of the block's own depth.
 const CHIP_DEPTH: f64 = 0.15;
 
 /// Volume of a chip, at most, in units of its block's: a corner, not a side.
@@ -61,8 +61,7 @@ fn pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     Ok(scene)
 }
 
-/// What the pillar, with its middle in the origin, is made of: pieces that fit snugly, and what
-/// they are called.
+/// Pieces of the pillar, centred at the origin, with their names: they fit without gaps.
 fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     let mut random = Random::new(seed);
 
@@ -86,8 +85,7 @@ fn pieces(seed: u64) -> Vec<(&'static str, Hull)> {
     }
     blocks.push(above);
 
-    // The rest is cut up, mostly along the pillar, so that it does not stay a column; and it loses
-    // corners.
+    // Cut the remainder mostly along the pillar, to break up the column, and chip its corners.
     let count = PIECES - CHIPS - plates.len();
     cut_up(&mut blocks, count, &mut random, |direction| direction * DVec3::new(1.0, 0.5, 1.0));
     let mut chips = Vec::new();

@@ -28,7 +28,7 @@ const EDGE: f64 = 1.0;
 /// Of the larger box [m].
 const LARGE_EDGE: f64 = 2.0;
 
-/// How far the larger box falls [m]: four seconds, in which the stack comes to rest.
+/// Drop height of the larger box [m]: four seconds, for the stack to come to rest.
 const DROP: f64 = 70.0;
 
 /// Where the boxes of the stack start, from the middle of the base's upper side [m]: a third of

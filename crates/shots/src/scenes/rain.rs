@@ -50,16 +50,16 @@ const LEG_RADIUS: f64 = 0.2;
 /// Of the legs from the table's middle [m].
 const LEGS: [f64; 2] = [2.6, 1.5];
 
-/// Of the balls that rain [m].
+/// Radius of the raining balls [m].
 const RADIUS: f64 = 0.35;
 
-/// Where they are sampled [Su09 fig. 8].
+/// Sampling grid [Su09 fig. 8].
 const BALL_VOXELS: [usize; 3] = [55; 3];
 
 /// Of the larger ball [m].
 const LARGE: f64 = 1.0;
 
-/// Of the balls that rain [kg/m^3]: light, as in the authors' scene, so that the table bears them.
+/// Density of the raining balls [kg/m^3]: light, as in the authors' scene, to spare the table.
 const LIGHT: f64 = 100.0;
 
 /// Of the larger ball, a rock [kg/m^3].
@@ -72,11 +72,11 @@ const ABREAST: [usize; 2] = [7, 5];
 /// fall.
 const APART: f64 = 0.82;
 
-/// What a ball of the rain bears [N s]: less than what it brings when it has fallen half a metre.
+/// Strength of a raining ball [N s]: less than its impact after a fall of half a metre.
 const WEAK: f64 = 25.0;
 
-/// What the table bears [N s]: more than any ball of the rain brings, much less than the larger
-/// ball.
+/// Strength of the table [N s]: more than the impact of a raining ball, much less than the larger
+/// ball's.
 const STRONG: f64 = 2e4;
 
 /// Cells of all of prescored space around a ball of the rain, of which it has about nine.
@@ -126,7 +126,7 @@ fn rain(balls: usize, options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         });
     }
 
-    // The larger ball is thrown up, so that it comes down when the rain is over.
+    // Throw the larger ball up, to come down after the rain.
     let rained = (2.0 * (highest - top) / GRAVITY).sqrt();
     let time = rained + PAUSE;
     let start = highest + 3.0;

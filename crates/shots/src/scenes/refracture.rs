@@ -21,8 +21,7 @@ pub(crate) const REFRACTURE: Shot = Shot {
 /// frames after the first, while the large fragment that it is meant for is still where it was.
 const BALLS: [(f64, [f64; 3]); 2] = [(0.5, [10.0, -1.0, -2.0]), (0.35, [16.0, 0.7, 1.5])];
 
-/// What the wall bears [N s]: less than a ball that nothing deflects, more than a fragment that
-/// falls over.
+/// Strength of the wall [N s]: less than a direct hit of a ball, more than a toppling fragment.
 const STRENGTH: f64 = 2e4;
 
 fn refracture(options: &ShotOptions) -> Result<SceneDesc, ShotError> {

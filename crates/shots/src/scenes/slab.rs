@@ -1,4 +1,4 @@
-//! A slab that is cut up already: pieces that fit snugly, and stay.
+//! A precut slab: pieces fit without gaps, and stay.
 
 use crate::random::Random;
 use crate::scenes::pillar::cut_up;
@@ -20,10 +20,10 @@ pub(crate) const SLAB: Shot = Shot {
 /// Of the slab [m].
 const HALF: DVec3 = DVec3::new(2.0, 0.1, 2.0);
 
-/// That it is cut into.
+/// Number of pieces.
 const PIECES: usize = 100;
 
-/// What is left of the upward part of a cut's normal: cracks are a little tilted.
+/// Remaining upward component of a cut's normal: cracks are slightly tilted.
 const UPRIGHT: f64 = 0.3;
 
 fn slab(options: &ShotOptions) -> Result<SceneDesc, ShotError> {

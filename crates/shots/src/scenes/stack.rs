@@ -13,13 +13,13 @@ pub(crate) const STACK: Shot = Shot {
     build: stack,
 };
 
-/// How many boxes the stack has.
+/// Number of boxes in the stack.
 const BOXES: u32 = 5;
 
 /// Of a box of the stack [m].
 const EDGE: f64 = 0.5;
 
-/// Between the boxes before they fall [m].
+/// Initial gap between boxes [m].
 const GAP: f64 = 0.15;
 
 /// Of the larger box [m].
@@ -47,7 +47,7 @@ fn stack(_: &ShotOptions) -> Result<SceneDesc, ShotError> {
         scene.bodies.push(BodyDesc { position: [0.0, height, 0.0], ..box_ });
     }
 
-    // Thrown so that it comes down on the stack's middle when it arrives.
+    // Aim at the stack's middle at the time of arrival.
     let meets = 0.5 * f64::from(BOXES) * EDGE;
     let rise = 0.5 * 9.81 * ARRIVAL;
     scene.bodies.push(BodyDesc {

@@ -1,5 +1,4 @@
-//! Cubes on cubes: a tower, a pyramid, and a load that is a thousand times as heavy as what bears
-//! it.
+//! Cubes on cubes: a tower, a pyramid, and a load a thousand times as heavy as its supports.
 
 use crate::shot::Shot;
 use frangible::{BodyDesc, LookDesc, Resolution, SceneDesc, ShapeDesc};
@@ -46,7 +45,7 @@ const GAP: f64 = 0.02;
 /// Cubes below the load.
 const BEARERS: usize = 10;
 
-/// Mass of the load in units of each of those that bear it.
+/// Mass of the load relative to each support.
 pub(crate) const LOAD_RATIO: f64 = 1000.0;
 
 /// Of those that bear the load [kg/m^3]: of softwood; the load is a notion.
@@ -68,7 +67,7 @@ fn on_ground(bodies: impl IntoIterator<Item = BodyDesc>) -> SceneDesc {
     scene
 }
 
-/// Some cubes, one on the other.
+/// A tower of `count` cubes.
 pub(crate) fn tower(count: usize) -> SceneDesc {
     on_ground((0..count).map(|level| cube(0.0, level)))
 }
@@ -95,7 +94,7 @@ pub(crate) fn load(ratio: f64) -> SceneDesc {
     on_ground((0..BEARERS).map(wood).chain([load]))
 }
 
-/// Of the slab that others stand on, too, and from one of them to the next [m].
+/// Half extents of the ground slab [m].
 const SLAB: [f64; 3] = [60.0, 0.5, 60.0];
 const APART: f64 = 2.6;
 

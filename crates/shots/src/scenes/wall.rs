@@ -79,10 +79,10 @@ pub(crate) const GROUND: f64 = -2.0;
 /// Of the ball [m/s].
 pub(crate) const SPEED: f64 = 15.0;
 
-/// What the weaker of the two bears [N s]: much less than the collision of either ball.
+/// Strength of the weaker body [N s]: much less than the impact of either ball.
 const WEAK: f64 = 500.0;
 
-/// What the stronger one bears [N s]: more than the collision of the small ball.
+/// Strength of the stronger body [N s]: more than the impact of the small ball.
 const STRONG: f64 = 1e6;
 
 fn struck_at(center: [f64; 3], options: &ShotOptions) -> Result<SceneDesc, ShotError> {
@@ -96,7 +96,7 @@ fn ball_breaks(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
     Ok(scene(breaking(STRONG, options), ball))
 }
 
-/// That nothing deflects, as in the paper.
+/// A ball on a prescribed path, as in the paper.
 fn kinematic_ball(center: [f64; 3]) -> BodyDesc {
     let shape = ShapeDesc::Sphere { radius: 0.5, resolution: Resolution::default() };
     BodyDesc { motion: MotionDesc::Kinematic, ..ball(shape, center) }

@@ -1,82 +1,80 @@
-//! When two hulls meet on their ways through a frame.
+//! Time of impact of two hulls within a frame.
 
 use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
 use crate::narrow_phase::hull_hull::hull_point::{HullContact, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::FEW_POINTS;
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::encounter::{Encounter, MOST_STEPS};
-use frangible_bodies::Flight;
+use crate::narrow_phase::pair_motion::{MOST_STEPS, PairMotion};
+use frangible_bodies::BallisticPath;
 use frangible_geometry::Hull;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
-/// Nearer than this, relative to the smaller hull's size, two hulls meet where they are nearest, at
-/// the frame's start or on their way. Following them to 0.1 % takes more searches of axes, and left
-/// overlaps in falling heaps no smaller.
+/// Separation below which contact points are computed, relative to the smaller hull's size.
+/// Advancement to 0.1 % takes more axis searches, and left overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
-/// Two hulls on their ballistic ways through a frame.
+/// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
-    encounter: &'a Encounter<'a>,
+    pair_motion: &'a PairMotion<'a>,
     hulls: [&'a Hull; 2],
 }
 
-/// An instant of it.
+/// An instant of the approach.
 struct Instant<'a> {
     time: f64,
     world_from_first: RigidTransform,
     pair: HullPair<'a>,
     contact: HullContact,
-    /// Whether its points are all that are near at the frame's start.
+    /// True if the points include all near features at the frame's start.
     lasts: bool,
 }
 
-/// Adds the points at which two hulls touch, or first will within the frame: at most four. Returns
-/// how far apart all else was at the frame's start [m], if the points are those that were near
-/// then.
+/// Appends the contact points of two hulls at first touch within the frame: at most four. Returns
+/// the separation bound of all other features at the frame's start [m], if the points belong to the
+/// start.
 pub(crate) fn hull_points(
-    encounter: &Encounter,
+    pair_motion: &PairMotion,
     hulls: [&Hull; 2],
-    room: &mut Room,
+    scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> Option<f64> {
-    room.points.clear();
-    let approach = Approach { encounter, hulls };
-    let instant = match approach.meeting(room) {
+    scratch.points.clear();
+    let approach = Approach { pair_motion, hulls };
+    let instant = match approach.meeting(scratch) {
         Ok(instant) => instant,
         Err(apart) => {
-            room.points.clear();
+            scratch.points.clear();
             return apart;
         }
     };
-    room.points.retain(|point| approach.can_touch(&instant, point));
+    scratch.points.retain(|point| approach.can_touch(&instant, point));
     reduce(
-        &mut room.points,
-        &mut room.spare,
+        &mut scratch.points,
+        &mut scratch.spare,
         FEW_POINTS,
-        (instant.contact.normal, PREFERENCE * encounter.size),
+        (instant.contact.normal, PREFERENCE * pair_motion.size),
     );
-    points.extend(room.points.iter().map(|point| approach.manifold_point(&instant, point)));
-    instant.lasts.then_some(encounter.search)
+    points.extend(scratch.points.iter().map(|point| approach.manifold_point(&instant, point)));
+    instant.lasts.then_some(pair_motion.search)
 }
 
 impl<'a> Approach<'a> {
-    /// When they meet, with their points in `room`: at the frame's start if they are near then,
-    /// else when they come near (conservative advancement along separating axes [Mir96]). If they
-    /// pass each other so near that they may meet as others push them, when an axis that keeps them
-    /// apart is found. If they pass further away, how far they are apart at the frame's start, if
-    /// that is known.
-    fn meeting(&self, room: &mut Room) -> Result<Instant<'a>, Option<f64>> {
-        let Encounter { size, search, frame, .. } = *self.encounter;
+    /// Contact instant, with the points in `scratch`: the frame's start for near hulls, else the
+    /// time of approach (conservative advancement along separating axes [Mir96]). Hulls that pass
+    /// within the speculative margin get the instant of a separating axis. For hulls that pass
+    /// further apart the error value is their separation at the frame's start, if known.
+    fn meeting(&self, scratch: &mut Scratch) -> Result<Instant<'a>, Option<f64>> {
+        let PairMotion { size, search, frame, .. } = *self.pair_motion;
         let (mut time, enough) = (0.0, NEAR * size);
         let mut steps_left = MOST_STEPS;
         loop {
-            // Faces say how far they may go, until they no longer do.
+            // Advance by face axes as long as their separation is large.
             let poses =
-                [self.encounter.flights[0].pose(time), self.encounter.flights[1].pose(time)];
+                [self.pair_motion.paths[0].pose(time), self.pair_motion.paths[1].pose(time)];
             let [world_from_first, world_from_second] =
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
@@ -86,20 +84,21 @@ impl<'a> Approach<'a> {
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
             if !is_far {
-                apart = pair.contact(&axes, search, room).ok_or_else(|| at_start(search))?;
+                apart = pair.contact(&axes, search, scratch).ok_or_else(|| at_start(search))?;
             }
 
-            // On to where the gap cannot have closed before.
+            // Advance to the earliest possible time of impact.
             let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
             let next = time + apart.gap / closing;
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
             let at_end = apart.gap - closing.max(0.0) * (frame.dt - time);
-            if is_far && is_passing && at_end > self.encounter.near {
+            if is_far && is_passing && at_end > self.pair_motion.near {
                 return Err(at_start(apart.gap));
             }
             if apart.gap <= enough || is_passing || steps_left == 0 {
-                let contact = if is_far { pair.contact(&axes, search, room) } else { Some(apart) };
+                let contact =
+                    if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
                 return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
@@ -107,20 +106,20 @@ impl<'a> Approach<'a> {
         }
     }
 
-    /// No point of the pair closes faster along a normal, in the world frame, from an instant until
-    /// the frame's end [m/s]; negative if all separate.
+    /// Upper bound of the closing speed of any two points along a normal in the world frame, from
+    /// an instant to the frame's end [m/s]; negative if all separate.
     fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
-        let [first, second] = self.encounter.flights;
-        let turning = |flight: &Flight| flight.angular.cross(normal).length() * flight.radius;
-        // What falls with the other one does not fall towards it.
+        let [first, second] = self.pair_motion.paths;
+        let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
+        // Common gravity cancels.
         let falling = (second.acceleration - first.acceleration).dot(normal);
-        let most = (time * falling).max(self.encounter.frame.dt * falling);
+        let most = (time * falling).max(self.pair_motion.frame.dt * falling);
         (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
-    /// Whether a point can touch within the frame, and comes from outside.
+    /// True for a point that can touch within the frame from a separated start.
     fn can_touch(&self, instant: &Instant, point: &HullPoint) -> bool {
-        if point.gap > self.encounter.search {
+        if point.gap > self.pair_motion.search {
             return false;
         }
         if instant.time == 0.0 {
@@ -129,9 +128,9 @@ impl<'a> Approach<'a> {
         self.gap_at_start(instant, point) >= point.gap.min(0.0)
     }
 
-    /// Along the normal that the point has at that instant [m].
+    /// Separation at the frame's start, along the point's normal [m].
     fn gap_at_start(&self, instant: &Instant, point: &HullPoint) -> f64 {
-        let [first, second] = self.encounter.flights;
+        let [first, second] = self.pair_motion.paths;
         let on_first = first.start.world_from_body().point(point.on[0]);
         let on_second = second.start.world_from_body().point(instant.on_second(point));
         (on_first - on_second).dot(instant.world_from_first.direction(point.normal))
@@ -143,7 +142,7 @@ impl<'a> Approach<'a> {
             instant.world_from_first.point(point.on[1]),
         ];
         let normal = instant.world_from_first.direction(point.normal);
-        let [first, second] = self.encounter.flights;
+        let [first, second] = self.pair_motion.paths;
         let velocity =
             first.velocity(on_first, instant.time) - second.velocity(on_second, instant.time);
         ManifoldPoint {
@@ -151,15 +150,15 @@ impl<'a> Approach<'a> {
             rounding: [0.0; 2],
             anchor_second: instant.on_second(point),
             normal,
-            sample: point.feature.sample(self.hulls[1].edges().len()),
-            approach: self.encounter.surface_speed(normal, -velocity.dot(normal), point.gap),
+            feature: point.feature.id(self.hulls[1].edges().len()),
+            approach: self.pair_motion.surface_speed(normal, -velocity.dot(normal), point.gap),
             gap: self.gap_at_start(instant, point),
         }
     }
 }
 
 impl Instant<'_> {
-    /// Where a point is on the second hull, in that one's frame [m].
+    /// The point on the second hull, in the second hull's frame [m].
     fn on_second(&self, point: &HullPoint) -> DVec3 {
         self.pair.second_from_first.point(point.on[1])
     }

@@ -1,4 +1,4 @@
-//! The nearest points of two hulls that are apart.
+//! Closest points of two separated hulls.
 
 use crate::narrow_phase::hull_hull::feature_scan::PARALLEL;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
@@ -7,8 +7,8 @@ use crate::narrow_phase::hull_hull::placement::Ridge;
 use frangible_geometry::Hull;
 use glam::DVec3;
 
-/// The nearest points of two hulls: a vertex against anything, or two of some edges. `None` if they
-/// touch or overlap, or are more than `most` [m] apart.
+/// Closest points of two hulls: a vertex against any feature, or two of the given edges. `None` if
+/// the hulls touch or overlap, or are more than `most` [m] apart.
 pub(crate) fn nearest_points(
     pair: &HullPair,
     ridges: &[Vec<Ridge>; 2],
@@ -49,8 +49,7 @@ pub(crate) fn nearest_points(
     Some(HullPoint { normal, ..best })
 }
 
-/// The point of a hull that is nearest to a point, both in its frame; `None` if it is more than
-/// `most` [m] away.
+/// Closest point of a hull to a point, both in its frame; `None` beyond `most` [m].
 fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
     if hull.planes().iter().any(|plane| plane.distance(point) > most) {
         return None;
@@ -59,8 +58,8 @@ fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
     (distance <= most).then(|| point - distance.max(0.0) * gradient)
 }
 
-/// The nearest points of the lines through two edges; `None` if they are not inside of the edges,
-/// or the edges are parallel.
+/// Closest points of the lines through two edges; `None` if outside the edges, or if the edges are
+/// parallel.
 pub(crate) fn between_edges(first: [DVec3; 2], second: [DVec3; 2]) -> Option<[DVec3; 2]> {
     let (along_first, along_second) = (first[1] - first[0], second[1] - second[0]);
     let apart = first[0] - second[0];

@@ -1,27 +1,27 @@
-//! Where convex polyhedra touch within a frame: separating axes, then faces clipped by faces, or
-//! edges across edges [Gregorius13].
+//! Contacts of convex polyhedra: separating axes, then face clipping, or edge against edge
+//! [Gregorius13].
 
 use crate::narrow_phase::hull_hull::closest_points::{between_edges, nearest_points};
 use crate::narrow_phase::hull_hull::face_clipping::face_points;
 use crate::narrow_phase::hull_hull::feature_scan::inside;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_hull::separating_axis::{
     EdgeAxis, FaceAxis, edge_axis, face_axis, gather_ridges,
 };
 use frangible_math::with_widest;
 use glam::DVec3;
 
-/// Where two hulls overlap, by so much of that edges must overlap less than the face that they lie
-/// on [1]. What jams deeply overlaps nearly as much along many axes: by turns on a face and on one
-/// pair of edges, about which it turns, it would never come to rest. Without it a falling heap has
+/// Axis hysteresis of overlapping hulls: edges are chosen only if their overlap is smaller than the
+/// face's by this fraction [1]. Deep overlaps are nearly equal along many axes: alternating between
+/// a face and a pair of edges, the pair would never come to rest. Without it a falling heap has
 /// overlaps of 2.5 instead of 1.3 mm at the 99th percentile, and three times the motion at its end.
 const DEEP_PREFERENCE: f64 = 0.3;
 
 impl HullPair<'_> {
-    /// The faces of each hull that the other is furthest away from; if that is more than `most`
-    /// [m], how far they are apart at least.
+    /// Best separating face of each hull; if the separation exceeds `most` [m], a lower bound of
+    /// the distance.
     pub(crate) fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
         let of_first = face_axis(self, 0);
         if of_first.separation > most {
@@ -34,7 +34,7 @@ impl HullPair<'_> {
         Ok([of_first, of_second])
     }
 
-    /// The better one of two hulls' faces.
+    /// Better of both hulls' face axes.
     pub(crate) fn apart_by(&self, [of_first, of_second]: &[FaceAxis; 2]) -> HullContact {
         let [first, second] = self.hulls;
         if of_second.separation > of_first.separation {
@@ -45,44 +45,43 @@ impl HullPair<'_> {
         }
     }
 
-    /// Signed distance along the axis that separates them best [m]; infinite if that is more than
-    /// `most` [m].
-    pub(crate) fn separation(&self, most: f64, room: &mut Room) -> f64 {
+    /// Signed separation along the best axis [m]; infinite beyond `most` [m].
+    pub(crate) fn separation(&self, most: f64, scratch: &mut Scratch) -> f64 {
         let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
-        let contact = self.contact(&axes, most, room);
+        let contact = self.contact(&axes, most, scratch);
         contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
     }
 
-    /// How the two meet, given the best face of each, with their points in `room`; `None` if they
-    /// are more than `most` [m] apart.
+    /// Contact of both hulls from the best face of each, with the points in `scratch`; `None`
+    /// beyond `most` [m].
     pub(crate) fn contact(
         &self,
         axes: &[FaceAxis; 2],
         most: f64,
-        room: &mut Room,
+        scratch: &mut Scratch,
     ) -> Option<HullContact> {
-        // The first one's face, unless the second's is clearly better. A face that does not lie
-        // over the other hull is none.
+        // Prefer the first hull's face, unless the second's is clearly better. Skip faces that do
+        // not lie over the other hull.
         let face = axes[0].separation.max(axes[1].separation);
         let prefer_first = axes[1].separation <= axes[0].separation + self.close;
         let mut is_preferred = true;
-        self.face_points(axes, prefer_first, room);
-        if room.points.is_empty() {
+        self.face_points(axes, prefer_first, scratch);
+        if scratch.points.is_empty() {
             is_preferred = false;
-            self.face_points(axes, !prefer_first, room);
+            self.face_points(axes, !prefer_first, scratch);
         }
         if is_preferred
-            && let Some(point) = room.points.first()
-            && self.is_least((face, self.close), &room.points)
+            && let Some(point) = scratch.points.first()
+            && self.is_least((face, self.close), &scratch.points)
         {
             return Some(HullContact { normal: point.normal, gap: face });
         }
 
-        // Edges, if they are better than faces, and clearly better than one that lies over the
-        // other hull.
-        let within = self.furthest(axes, most, &room.points);
-        gather_ridges(self, axes, within, room);
-        let of_edges = edge_axis(self, room);
+        // Prefer edges only if better than all faces, and clearly better than a face that lies over
+        // the other hull.
+        let within = self.furthest(axes, most, &scratch.points);
+        gather_ridges(self, axes, within, scratch);
+        let of_edges = edge_axis(self, scratch);
         let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
         let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
         if gap > most {
@@ -92,14 +91,15 @@ impl HullPair<'_> {
         if let Some(point) = on_edges
             && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
         {
-            // What is over a face meets it when they turn about the edges; where these cross, there
-            // is one point.
-            room.points
+            // Keep separated points over the face: rotation about the edges brings them into
+            // contact. The crossing itself adds one point.
+            scratch
+                .points
                 .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
-            room.points.push(point);
+            scratch.points.push(point);
             return Some(HullContact { normal: point.normal, gap });
         }
-        if let Some(point) = room.points.first() {
+        if let Some(point) = scratch.points.first() {
             let of_other = axes[0].separation.min(axes[1].separation);
             return Some(HullContact {
                 normal: point.normal,
@@ -107,32 +107,33 @@ impl HullPair<'_> {
             });
         }
 
-        // What is nearest, or the edges if they overlap.
-        let point = if gap > 0.0 { nearest_points(self, &room.ridges, within) } else { on_edges }?;
-        room.points.push(point);
+        // Closest points, or crossing edges for overlapping hulls.
+        let point =
+            if gap > 0.0 { nearest_points(self, &scratch.ridges, within) } else { on_edges }?;
+        scratch.points.push(point);
         let gap = if gap > 0.0 { point.gap } else { gap };
         (gap <= most).then_some(HullContact { normal: point.normal, gap })
     }
 
-    /// Puts the points of one hull's face into `room`.
-    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, room: &mut Room) {
+    /// Computes the points of one hull's face in `scratch`.
+    fn face_points(&self, axes: &[FaceAxis; 2], of_first: bool, scratch: &mut Scratch) {
         let [a, b] = self.views();
         if of_first {
-            face_points([a, b], &axes[0], true, self.close, room);
+            face_points([a, b], &axes[0], true, self.close, scratch);
         } else {
-            face_points([b, a], &axes[1], false, self.close, room);
+            face_points([b, a], &axes[1], false, self.close, scratch);
         }
     }
 
-    /// Whether points over a face show that no axis separates the hulls clearly better than the
-    /// faces, which do by `face`, that is by more than `clearly` [m].
+    /// True if points over a face prove that no other axis has a separation larger than the face's,
+    /// `face`, by more than `clearly` [m].
     fn is_least(&self, (face, clearly): (f64, f64), points: &[HullPoint]) -> bool {
-        // Nothing is further apart than two of its points.
+        // No axis exceeds the distance of two points.
         if face >= -self.close {
             return points.iter().any(|point| point.gap <= face + clearly);
         }
-        // What overlaps by less than the width of a ball that is inside of both overlaps by no less
-        // along any axis.
+        // A common inscribed ball proves it for overlaps: the overlap along any axis is at least
+        // the ball's diameter.
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for point in points.iter().filter(|point| point.gap <= 0.0) {
             sum += 0.5 * (point.on[0] + point.on[1]);
@@ -149,14 +150,13 @@ impl HullPair<'_> {
         -2.0 * inside(0).min(inside(1)) <= face + clearly
     }
 
-    /// By how much two hulls must be further apart along another axis, to leave a face on which
-    /// they are so far apart [m].
+    /// Required advantage in separation of another axis over a face with this separation [m].
     fn clearly(&self, separation: f64) -> f64 {
         self.close + DEEP_PREFERENCE * (-separation).max(0.0)
     }
 
-    /// A distance that edges must come within if they are nearest, or overlap less than the faces
-    /// do [m].
+    /// Search distance for edges: nearer than the closest known points, or an overlap below the
+    /// faces' [m].
     fn furthest(&self, axes: &[FaceAxis; 2], most: f64, points: &[HullPoint]) -> f64 {
         let [of_first, of_second] = axes;
         let [first, second] = self.hulls;
@@ -172,7 +172,7 @@ impl HullPair<'_> {
         least.min(most).max(-of_first.separation.max(of_second.separation)) + self.close
     }
 
-    /// The point where the edges of an axis cross, if they do.
+    /// Crossing point of an edge axis, if within both edges.
     fn on_edges(&self, axis: &EdgeAxis) -> Option<HullPoint> {
         let [a, b] = self.views();
         let on = between_edges(a.ends(axis.edges[0]), b.ends(axis.edges[1]))?;

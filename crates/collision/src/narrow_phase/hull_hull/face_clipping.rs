@@ -1,31 +1,31 @@
-//! A face on a face: the part of one over the other [SH74].
+//! Face against face: clips the incident face by the sides of the reference face [SH74].
 
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::placement::View;
-use crate::narrow_phase::hull_hull::room::Corner;
-use crate::narrow_phase::hull_hull::room::Room;
-use crate::narrow_phase::hull_hull::room::Side;
+use crate::narrow_phase::hull_hull::scratch::Corner;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::hull_hull::scratch::Side;
 use crate::narrow_phase::hull_hull::separating_axis::FaceAxis;
 use glam::DVec3;
 
-/// Finds the points of the incident hull's face that lie over a reference face, each with its foot
-/// on it. Corners within `close` [m] of the reference face's sides count as lying on them, so that
-/// what is flush keeps its features.
+/// Finds points of the incident hull's face over a reference face, each with its foot point.
+/// Vertices within `close` [m] of the reference face's sides count as inside: flush contacts keep
+/// their features.
 pub(crate) fn face_points(
     [reference, incident]: [View; 2],
     axis: &FaceAxis,
     reference_is_first: bool,
     close: f64,
-    room: &mut Room,
+    scratch: &mut Scratch,
 ) {
-    let Room { polygon, clipped, points, .. } = room;
+    let Scratch { polygon, clipped, points, .. } = scratch;
     let plane = reference.plane(axis.face);
     let face = reference.hull.face(axis.face);
     let count = face.vertices.len();
     incident_polygon(&incident, axis.vertex as u32, plane.normal, polygon);
     let mut start = reference.vertex(face.vertices[0] as usize);
     for at in 0..count {
-        // What is not beyond the side stays as it is.
+        // Skip sides without vertices beyond.
         let next = (at + 1) % count;
         let end = reference.vertex(face.vertices[next] as usize);
         let outward = (end - start).cross(plane.normal);
@@ -73,7 +73,7 @@ pub(crate) fn face_points(
     points.extend(polygon.iter().map(point));
 }
 
-/// Of the faces around a vertex, the one that looks most against `normal`.
+/// Polygon of the face around a vertex that is most opposed to `normal`.
 fn incident_polygon(incident: &View, vertex: u32, normal: DVec3, polygon: &mut Vec<Corner>) {
     let hull = incident.hull;
     let normal = incident.into_hull(normal);
@@ -97,8 +97,8 @@ fn incident_polygon(incident: &View, vertex: u32, normal: DVec3, polygon: &mut V
     polygon.extend(face.vertices.iter().zip(face.edges).map(corner));
 }
 
-/// The part of a polygon that is at most `close` [m] beyond a side; sides that go further are cut
-/// on it, where they are what `crossing` says.
+/// Clips a polygon by a side with a tolerance of `close` [m]; `crossing` names the feature of each
+/// new vertex.
 fn clip(
     polygon: &[Corner],
     cut: Side,
@@ -112,7 +112,7 @@ fn clip(
         let (from, to) = (corner.beyond, next.beyond);
         let (is_out, next_is_out) = (from > close, to > close);
         if !is_out {
-            // Where the polygon leaves, the cut takes over.
+            // The clipping side begins at the polygon's exit.
             let leaves_here = next_is_out && from >= -close;
             kept.push(Corner { side: if leaves_here { cut } else { corner.side }, ..*corner });
         }

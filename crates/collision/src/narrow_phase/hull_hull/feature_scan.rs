@@ -1,19 +1,19 @@
-//! Faces, vertices and edges of hulls, eight at a time in single precision, which is good to 1e-7
-//! of the larger hull's size, and over the sine between them for edges: which of them is the one.
-//! How far a face or edges are apart is then measured in double precision.
+//! Scans over faces, vertices and edges of hulls, eight lanes in single precision. The scan only
+//! selects features, with an error of 1e-7 of the larger hull's size (for edges divided by the sine
+//! between them); separations are then computed in double precision.
 
 use crate::narrow_phase::hull_hull::placement::{Placement, Ridge};
-use crate::narrow_phase::hull_hull::room::RidgeColumns;
+use crate::narrow_phase::hull_hull::scratch::RidgeColumns;
 use frangible_geometry::{Columns, HalfSpace};
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three};
 use glam::{DMat3, DVec3};
 
-/// Sine of the angle below which edges count as parallel [1]: then a face's normal does as well.
+/// Sine of the angle below which edges count as parallel [1]: a face normal then serves as well.
 /// With a hundredth of it eleven shots end in the same bits.
 pub(crate) const PARALLEL: f64 = 1e-3;
 
-/// The face of `hull` whose plane `other` is furthest above, the first of equals, and the vertex of
-/// `other` that is lowest there.
+/// Face of `hull` with the largest separation from `other` (the first on ties), and the lowest
+/// vertex of `other` above it.
 pub(crate) fn furthest_face<I: Instructions>(
     hull: &Columns,
     other: &Columns,
@@ -46,7 +46,7 @@ pub(crate) fn furthest_face<I: Instructions>(
     found
 }
 
-/// How far inside of a hull a point is, outside negative [m].
+/// Depth of a point inside a hull, negative outside [m].
 pub(crate) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
     let lever = point - hull.middle;
     let mut highest = f32::NEG_INFINITY;
@@ -64,10 +64,10 @@ pub(crate) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
     f64::from(-highest)
 }
 
-/// The bits of [`mark_within`] of what is in both of two half-spaces.
+/// Bits of [`mark_within`] for a vertex inside both half-spaces.
 pub(crate) const IN_BOTH: u8 = 3;
 
-/// Which of two half-spaces each vertex of `hull` is in, a bit for each.
+/// Marks each vertex of `hull` with two bits, one per half-space containing it.
 pub(crate) fn mark_within<I: Instructions>(
     hull: &Columns,
     spaces: &[HalfSpace; 2],
@@ -95,14 +95,14 @@ pub(crate) fn mark_within<I: Instructions>(
     );
 }
 
-/// The places of the two ridges, one of each hull, along whose common perpendicular these are
-/// furthest apart, of those that make a face of the Minkowski difference and are not parallel.
+/// Indices of the two ridges, one per hull, with the largest separation along their common
+/// perpendicular, among non-parallel pairs that form a face of the Minkowski difference.
 pub(crate) fn furthest_edges<I: Instructions>(
     [first, second]: [&[Ridge]; 2],
     columns: &mut Vec<RidgeColumns>,
 ) -> Option<[usize; 2]> {
-    // The second ones side by side, from where the first one begins; what the last column has too
-    // many of has no length.
+    // Columns of the second hull's ridges, relative to the first ridge's start; padding has zero
+    // length.
     const NONE: Singles = Singles([0.0; LANES]);
     let origin = first.first()?.ends[0];
     columns.clear();
@@ -130,8 +130,9 @@ pub(crate) fn furthest_edges<I: Instructions>(
                 for (block, [other_start, other_along, beside, other_beside]) in
                     columns.iter().enumerate()
                 {
-                    // Arcs of the Gauss map: those between the first edge's normals and between the
-                    // negated ones of the second must cross, else other features are further apart.
+                    // Arcs of the Gauss map: the arc between the first edge's normals must cross
+                    // the arc between the second edge's negated normals, else other features are
+                    // further apart.
                     let (other_along, beside, other_beside) =
                         (three_of(other_along), three_of(beside), three_of(other_beside));
                     let (c, d) = (beside.dot(along), other_beside.dot(along));
@@ -143,7 +144,7 @@ pub(crate) fn furthest_edges<I: Instructions>(
                     let across = along.cross(other_along);
                     let squared = across.dot(across);
                     let lengths = squared_length * other_along.dot(other_along);
-                    // Outward of the second hull is between the normals of its edge.
+                    // The second hull's outward direction lies between the normals of its edge.
                     let outward = across.dot(beside + other_beside);
                     let apart = across.dot(start - three_of(other_start))
                         * (Single::same(1.0) / squared.sqrt());
@@ -162,16 +163,16 @@ pub(crate) fn furthest_edges<I: Instructions>(
     found
 }
 
-/// Where numbers are negative.
+/// Lanes with negative numbers.
 #[inline(always)]
 fn negative<I: Instructions>(numbers: Single<I>) -> Mask {
     Single::ZERO.above(numbers)
 }
 
-/// How low and how high a hull is along three unit vectors, seen from the frame's origin, as a
-/// vector each [m]: to single precision, outwards.
+/// Lower and upper extent of a hull along three unit vectors, from the frame's origin, as a vector
+/// each [m]; in single precision, rounded outwards.
 pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DVec3, DVec3) {
-    /// Of the largest extent: some times what single precision loses [1].
+    /// Rounding allowance relative to the largest extent: several single-precision errors [1].
     const ROUNDING: f64 = 1e-6;
     let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
     I::run(
@@ -196,7 +197,7 @@ pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DV
     (DVec3::from_array(middle) + low - rounding, DVec3::from_array(middle) + high + rounding)
 }
 
-/// How low a hull goes along eight directions, from its middle [m].
+/// Lowest extent of a hull along eight directions, from its middle [m].
 #[inline(always)]
 fn lowest_over<I: Instructions>(hull: &Columns, up: Single3<I>) -> Single<I> {
     let mut lowest = Single::same(f32::INFINITY);
@@ -205,7 +206,7 @@ fn lowest_over<I: Instructions>(hull: &Columns, up: Single3<I>) -> Single<I> {
         for lane in 0..LANES {
             heights[lane] = same([x.0[lane], y.0[lane], z.0[lane]]).dot(up);
         }
-        // By pairs, so that no comparison waits for many others.
+        // Pairwise reduction shortens the dependency chain.
         for half in [4, 2, 1] {
             for lane in 0..half {
                 heights[lane] = heights[lane].min(heights[lane + half]);
@@ -226,10 +227,10 @@ fn lowest_vertex<I: Instructions>(hull: &Columns, [x, y, z]: [f32; 3]) -> usize 
     best.at()
 }
 
-/// The largest of some numbers, lane by lane as long as there are more of them.
+/// Running maximum per lane over blocks of eight numbers.
 struct Best<I> {
     number: Single<I>,
-    /// In which eight it was found, the first of equals.
+    /// Block of the maximum, the first on ties.
     block: Single<I>,
 }
 
@@ -239,8 +240,7 @@ impl<I: Instructions> Best<I> {
         Self { number: Single::same(f32::NEG_INFINITY), block: Single::ZERO }
     }
 
-    /// Looks at the next eight, which are the `block`th. In which lanes they are the largest so
-    /// far.
+    /// Compares the next block. Returns the lanes with a new maximum.
     #[inline(always)]
     fn look(&mut self, block: usize, numbers: Single<I>) -> Mask {
         let is_better = numbers.above(self.number);
@@ -249,7 +249,7 @@ impl<I: Instructions> Best<I> {
         is_better
     }
 
-    /// The first lane of those with the largest number and the first block.
+    /// Lane of the maximum in the earliest block.
     #[inline(always)]
     fn lane(&self) -> usize {
         let (numbers, best) = (self.number.to_array(), self.number.largest());
@@ -262,7 +262,7 @@ impl<I: Instructions> Best<I> {
         found.1
     }
 
-    /// Its place among all.
+    /// Index of the maximum.
     #[inline(always)]
     fn at(&self) -> usize {
         let lane = self.lane();
@@ -270,7 +270,7 @@ impl<I: Instructions> Best<I> {
     }
 }
 
-/// A vector in each lane.
+/// A vector per lane.
 #[inline(always)]
 fn three<I: Instructions>([x, y, z]: [&Singles; 3]) -> Single3<I> {
     Three { x: Single::of_column(x), y: Single::of_column(y), z: Single::of_column(z) }

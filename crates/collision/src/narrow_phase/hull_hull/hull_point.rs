@@ -1,14 +1,14 @@
-//! Points where two hulls meet, and the features that meet there.
+//! Contact points of two hulls, and their features.
 
+use crate::manifold::FeatureId;
 use glam::DVec3;
 
-/// What meets at a point of two hulls. The same features have the same name whichever hull's face
-/// is the reference.
+/// Features of a contact point. The same features have the same id for either reference hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Feature {
     VertexOfFirst(u32),
     VertexOfSecond(u32),
-    /// Of the first and of the second.
+    /// Edges of the first and of the second hull.
     Edges(u32, u32),
 }
 
@@ -21,35 +21,37 @@ impl Feature {
         }
     }
 
-    /// Its key among the pair's samples; `edges` is the number of the second hull's.
-    pub(crate) fn sample(self, edges: usize) -> (bool, u64) {
+    /// Feature id; `edges` is the second hull's edge count.
+    pub(crate) fn id(self, edges: usize) -> FeatureId {
         const EDGES: u32 = 1 << 31;
         match self {
-            Self::VertexOfFirst(vertex) => (true, vertex.into()),
-            Self::VertexOfSecond(vertex) => (false, vertex.into()),
-            Self::Edges(a, b) => (true, (EDGES | (a * edges as u32 + b)).into()),
+            Self::VertexOfFirst(vertex) => FeatureId { is_of_first: true, index: vertex.into() },
+            Self::VertexOfSecond(vertex) => FeatureId { is_of_first: false, index: vertex.into() },
+            Self::Edges(a, b) => {
+                FeatureId { is_of_first: true, index: (EDGES | (a * edges as u32 + b)).into() }
+            }
         }
     }
 }
 
-/// A point on each of two hulls that face each other, in the first one's frame.
+/// A point on each of two facing hulls, in the first hull's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullPoint {
-    /// On the first and on the second [m].
+    /// Points on the first and on the second hull [m].
     pub(crate) on: [DVec3; 2],
     /// Unit, from the second hull to the first.
     pub(crate) normal: DVec3,
-    /// Between them along the normal, negative if they overlap [m].
+    /// Separation along the normal, negative for overlap [m].
     pub(crate) gap: f64,
     pub(crate) feature: Feature,
 }
 
-/// How two hulls meet, in the first one's frame; their points are in a [`Room`].
+/// Contact of two hulls, in the first hull's frame; its points are in a [`Scratch`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
-    /// Unit, from the second to the first: that of their points. If they are apart, they are by at
-    /// least `gap` along it.
+    /// Unit, from the second hull to the first: the normal of its points. Separated hulls are at
+    /// least `gap` apart along it.
     pub(crate) normal: DVec3,
-    /// Along the best axis [m]; negative if they overlap.
+    /// Separation along the best axis [m]; negative for overlap.
     pub(crate) gap: f64,
 }

@@ -1,10 +1,10 @@
-//! Hulls in the frame in which two of them meet.
+//! Hulls in a common frame.
 
 use frangible_geometry::{HalfSpace, Hull};
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};
 
-/// Where a frame is in another, ready to be used often.
+/// Rigid transform as a matrix, for repeated use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
     pub(crate) matrix: DMat3,
@@ -38,11 +38,11 @@ impl Placement {
     }
 }
 
-/// A hull seen from the frame in which two of them meet.
+/// A hull in the common frame.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub(crate) hull: &'a Hull,
-    /// `None` in its own frame.
+    /// `None` if the hull's own frame is the common frame.
     pub(crate) here_from_hull: Option<&'a Placement>,
 }
 
@@ -64,7 +64,7 @@ impl View<'_> {
         self.here_from_hull.map_or(direction, |placement| placement.direction(direction))
     }
 
-    /// The ends of an edge [m].
+    /// End points of an edge [m].
     #[inline]
     pub(crate) fn ends(&self, edge: usize) -> [DVec3; 2] {
         let [start, end] = self.hull.edges()[edge].vertices;
@@ -77,7 +77,7 @@ impl View<'_> {
     }
 }
 
-/// An edge and the normals beside it, in the frame in which two hulls meet.
+/// An edge and its two face normals, in the common frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ridge {
     pub(crate) edge: usize,

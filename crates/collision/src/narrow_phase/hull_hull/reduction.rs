@@ -1,26 +1,26 @@
-//! Few points that carry as many do.
+//! Manifold reduction.
 
 use crate::narrow_phase::hull_hull::hull_point::HullPoint;
 use glam::DVec3;
 
-/// A flat contact between two hulls needs no more.
+/// Maximum number of points of a flat contact between two hulls.
 pub(crate) const FEW_POINTS: usize = 4;
 
-/// A later candidate must be better by this [1] to be taken instead of an earlier one, so that equal
-/// ones do not take turns. Without it a falling heap overlaps by a tenth more.
+/// A later candidate needs this factor in score over an earlier candidate [1], for a stable choice
+/// among equals. Without it a falling heap overlaps by a tenth more.
 const BETTER: f64 = 1.05;
 
-/// Leaves some of the points, if they are many: a deepest one, the one furthest from it, the one
-/// that spans the largest area with these, and then, up to so many, always the one that is furthest
-/// beyond a side of what they span, by the area of the triangle with that side. Depths that differ
-/// by less than `close` [m] are equal. `all` is room.
+/// Reduces a large manifold to at most `most` points: a deepest point, the point furthest from it,
+/// the point spanning the largest area with both, and then repeatedly the point with the largest
+/// triangle beyond a side of the polygon. Depths within `close` [m] are equal. `all` is scratch
+/// memory.
 pub(crate) fn reduce(
     points: &mut Vec<HullPoint>,
     all: &mut Vec<HullPoint>,
     most: usize,
     (normal, close): (DVec3, f64),
 ) {
-    // A direction along no axis, to tell equal ones apart always in the same way.
+    // A direction off all axes, for a unique order of equal points.
     const SOMEWHERE: DVec3 = DVec3::new(0.43, 0.57, 0.7);
     if points.len() <= FEW_POINTS {
         return;
@@ -31,7 +31,7 @@ pub(crate) fn reduce(
         (between - between.dot(normal) * normal).length_squared()
     };
 
-    // What is more above another point than beside it touches after it.
+    // Drop points higher above another point than beside it: they touch later.
     all.clear();
     all.extend_from_slice(points);
     points.retain(|point| {
@@ -41,12 +41,12 @@ pub(crate) fn reduce(
         })
     });
 
-    // On the ground all may stay; between two hulls what adds no area goes even if they are few.
+    // On the ground all points may stay; between two hulls even few points are reduced by area.
     if most > FEW_POINTS && points.len() <= most {
         return;
     }
 
-    // Those that are taken go to the front, in turn; the others keep their order.
+    // Chosen points move to the front, in order; the others keep their order.
     let deepest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
     let least =
         points.iter().map(|point| SOMEWHERE.dot(middle(point))).fold(f64::INFINITY, f64::min)
@@ -72,7 +72,7 @@ pub(crate) fn reduce(
         && let Some(b) = take(&|point| across_squared(point, &a).sqrt())
         && let Some(c) = take(&|point| area(&a, &b, point).abs())
     {
-        // Clockwise about the normal, so that what is beyond a side is to the left of it.
+        // Clockwise about the normal: points beyond a side lie to the left of it.
         around.extend(if area(&a, &b, &c) < 0.0 { [a, b, c] } else { [b, a, c] });
     }
     while (3..most).contains(&around.len()) {
@@ -90,7 +90,7 @@ pub(crate) fn reduce(
     points.truncate(taken);
 }
 
-/// The point of the highest score, if that is positive.
+/// Point with the highest positive score.
 fn best_of(points: &[HullPoint], score: &dyn Fn(&HullPoint) -> f64) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for (index, point) in points.iter().enumerate() {

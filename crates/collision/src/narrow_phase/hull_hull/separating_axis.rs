@@ -1,12 +1,12 @@
-//! The axis along which two hulls are furthest apart, or overlap least: separating axis test over
-//! faces and edges [Gregorius13].
+//! Axis of largest separation, or least overlap, of two hulls: separating axis test over faces and
+//! edges [Gregorius13].
 
 use crate::narrow_phase::hull_hull::feature_scan::{
     IN_BOTH, furthest_edges, furthest_face, mark_within,
 };
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::placement::Ridge;
-use crate::narrow_phase::hull_hull::room::Room;
+use crate::narrow_phase::hull_hull::scratch::Scratch;
 use frangible_geometry::HalfSpace;
 use frangible_math::with_widest;
 use glam::DVec3;
@@ -14,17 +14,16 @@ use glam::DVec3;
 /// A face whose normal separates two hulls.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceAxis {
-    /// Of the hull that has the face.
+    /// Index of the face in its hull.
     pub(crate) face: usize,
-    /// The vertex of the other hull that is deepest below the face.
+    /// Lowest vertex of the other hull above the face.
     pub(crate) vertex: usize,
-    /// How far that is above the face's plane [m].
+    /// Height of this vertex above the face's plane [m].
     pub(crate) separation: f64,
 }
 
 impl FaceAxis {
-    /// Of a face of one of two hulls, by its number, and the vertex of the other one that is lowest
-    /// there.
+    /// Face axis of the hull on `side`, with the lowest vertex of the other hull.
     pub(crate) fn of_face(pair: &HullPair, side: usize, face: usize, vertex: usize) -> Self {
         let plane = &pair.hulls[side].planes()[face];
         let own_from_other = pair.own_from_other(side);
@@ -38,7 +37,7 @@ impl FaceAxis {
     }
 }
 
-/// The face of one of two hulls, by its number, that the other is furthest away from.
+/// Face of the hull on `side` with the largest separation from the other hull.
 pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
     let (hull, other) = (pair.hulls[side].columns(), pair.hulls[1 - side].columns());
     let (own_from_other, other_from_own) =
@@ -51,23 +50,27 @@ pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
 /// A pair of edges whose common perpendicular separates two hulls.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeAxis {
-    /// Of the first hull and of the second.
+    /// Edges of the first and of the second hull.
     pub(crate) edges: [usize; 2],
     /// Unit, from the second hull to the first.
     pub(crate) normal: DVec3,
-    /// Along the normal [m].
+    /// Separation along the normal [m].
     pub(crate) separation: f64,
 }
 
-/// Gathers the edges of the two hulls that may come within `within` [m] of each other, given the
-/// best faces of both.
-pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, room: &mut Room) {
-    // Each hull is below its own face; the other begins at the separation above it. An edge must
-    // come into both layers.
+/// Gathers edges of both hulls within `within` [m] of each other, from the best faces of both.
+pub(crate) fn gather_ridges(
+    pair: &HullPair,
+    axes: &[FaceAxis; 2],
+    within: f64,
+    scratch: &mut Scratch,
+) {
+    // Each hull lies below its own face; the other hull begins at the separation above it. A
+    // candidate edge must enter both layers.
     let views = pair.views();
-    let Room { marks, ridges, .. } = room;
+    let Scratch { marks, ridges, .. } = scratch;
 
-    // What is of interest is in a box.
+    // Candidates of the second side must lie in the box of the first side's candidates.
     let mut bounds = (DVec3::NEG_INFINITY, DVec3::INFINITY);
     for side in [1, 0] {
         let (hull, view, other) = (pair.hulls[side], &views[side], 1 - side);
@@ -100,7 +103,7 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
             if start.min(end).cmpgt(bounds.1).any() || start.max(end).cmplt(bounds.0).any() {
                 continue;
             }
-            // The part of it that is not too high above the other's face.
+            // Clip the edge to the part within reach of the other hull's face.
             let low = [a.lowered_to(&b), b.lowered_to(&a)];
             around = (around.0.min(low[0]).min(low[1]), around.1.max(low[0]).max(low[1]));
             let normal = |face: u32| view.direction(hull.planes()[face as usize].normal);
@@ -111,19 +114,19 @@ pub(crate) fn gather_ridges(pair: &HullPair, axes: &[FaceAxis; 2], within: f64, 
     }
 }
 
-/// A vertex and where it is between the best faces of two hulls.
+/// A vertex and its height between the best faces of two hulls.
 #[derive(Clone, Copy, Debug)]
 struct Spot {
-    /// In the frame in which they meet [m].
+    /// In the common frame [m].
     point: DVec3,
-    /// How much higher above the other hull's face than it may be [m].
+    /// Excess of its height above the other hull's face [m].
     above: f64,
 }
 
 impl Spot {
-    /// It, or the point on the way to another one that is not too high.
+    /// The point, or its intersection with the allowed height on the way to `other`.
     fn lowered_to(&self, other: &Self) -> DVec3 {
-        // Both may be too high by rounding.
+        // Rounding may put both too high.
         if self.above > 0.0 && other.above < self.above {
             self.point.lerp(other.point, self.above / (self.above - other.above))
         } else {
@@ -132,19 +135,19 @@ impl Spot {
     }
 }
 
-/// The pair of some edges that are furthest apart, of those that make a face of the Minkowski
-/// difference; `None` if all that do are parallel.
-pub(crate) fn edge_axis(pair: &HullPair, room: &mut Room) -> Option<EdgeAxis> {
-    let Room { ridges: [first, second], ridge_columns, .. } = room;
+/// Pair of edges with the largest separation, among pairs that form a face of the Minkowski
+/// difference; `None` if all such pairs are parallel.
+pub(crate) fn edge_axis(pair: &HullPair, scratch: &mut Scratch) -> Option<EdgeAxis> {
+    let Scratch { ridges: [first, second], ridge_columns, .. } = scratch;
     let [at, other] = with_widest!(pair.width, furthest_edges([first, second], ridge_columns))?;
     EdgeAxis::of(&first[at], &second[other])
 }
 
 impl EdgeAxis {
-    /// Across two edges.
+    /// Axis across two edges.
     fn of(first: &Ridge, second: &Ridge) -> Option<Self> {
         let across = first.along.cross(second.along).try_normalize()?;
-        // Outward of the second hull is between the normals of its edge.
+        // The second hull's outward direction lies between the normals of its edge.
         let outward = second.normals[0] + second.normals[1];
         let normal = if across.dot(outward) < 0.0 { -across } else { across };
         let separation = normal.dot(first.ends[0] - second.ends[0]);

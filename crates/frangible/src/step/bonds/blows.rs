@@ -5,20 +5,20 @@ use crate::step::bonds::fall_apart::{Broken, fall_apart};
 use crate::world::World;
 use frangible_bodies::{Bodies, BodyId, Frame, Pair};
 use frangible_collision::ContactPoint;
-use frangible_dynamics::{Approach, PairImpulse, Tally, pass_on};
+use frangible_dynamics::{Approach, FrameAccounts, PairImpulse, pass_on};
 use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// Which bonds of which bodies break, and what their strikers feel of it.
+/// Broken bonds per body, and impulses on strikers.
 #[derive(Default)]
 pub(crate) struct Blows {
-    /// One for each body that loses bonds, in the order in which they are struck.
+    /// One entry per body with lost bonds, in order of impact.
     pub(super) cuts: Vec<Cut>,
-    /// In the order in which they act.
+    /// Impulses in order of action.
     pub(super) felt: Vec<Felt>,
 }
 
-/// The bonds that a body loses.
+/// Lost bonds of a body.
 pub(super) struct Cut {
     pub(super) body: BodyId,
     /// Their names in [`frangible_fracture::Glued::name_of`].
@@ -31,13 +31,14 @@ pub(super) struct Cut {
     pub(super) borne: f64,
 }
 
-/// An impulse that bonds bore.
+/// An impulse borne by bonds.
 pub(super) struct Felt {
     /// Its opposite acts on the second.
     pub(super) pair: [BodyId; 2],
     /// On the first body, in the world frame [N s].
     pub(super) impulse: DVec3,
-    /// Where it acts: from the centre of mass of the one of the two that moves there [m].
+    /// Point of action: index of a movable body of the pair, and offset from its centre of mass
+    /// [m].
     pub(super) at: (usize, DVec3),
 }
 
@@ -50,8 +51,8 @@ impl Blows {
         }
     }
 
-    /// Replaces anchored bodies that lose bonds by what is left of them, and has the impulses act
-    /// on the part that still is anchored.
+    /// Replaces anchored bodies with lost bonds by their remaining parts; the impulses act on the
+    /// part still anchored.
     pub(super) fn break_anchored(&mut self, world: &mut World) -> Vec<Fracture> {
         let fractures = self.break_some(world, true);
         for fracture in &fractures {
@@ -70,7 +71,7 @@ impl Blows {
     }
 
     /// Lets act what bonds bore, where both bodies of the pair are alive.
-    pub(super) fn act(&self, world: &mut World, frame: &Frame, tally: &mut Tally) {
+    pub(super) fn act(&self, world: &mut World, frame: &Frame, accounts: &mut FrameAccounts) {
         for Felt { pair, impulse, at } in &self.felt {
             let [Some(a), Some(b)] = pair.map(|id| world.bodies.index_of(id)) else { continue };
             let (side, lever) = *at;
@@ -83,7 +84,7 @@ impl Blows {
             let Some(normal) = at_contact.try_normalize() else { continue };
             let approach = approach(&world.bodies, pair, ContactPoint { point, normal });
             let impulse = PairImpulse::new(&approach, at_contact);
-            pass_on(&mut world.bodies, pair, &approach, &impulse, frame, tally);
+            pass_on(&mut world.bodies, pair, &approach, &impulse, frame, accounts);
         }
     }
 
@@ -110,7 +111,7 @@ impl Blows {
     }
 }
 
-/// How a pair moves at a point.
+/// Relative motion of a pair at a point.
 fn approach(bodies: &Bodies, pair: Pair, contact: ContactPoint) -> Approach {
     let sides = [pair.first, pair.second];
     let levers = sides.map(|i| contact.point - bodies.poses[i].position);

@@ -1,4 +1,4 @@
-//! Bodies that have lost bonds fall apart into the islands that still hold together.
+//! Bodies with lost bonds separate into islands of intact bonds.
 
 use super::state::Bonds;
 use crate::report::{Fracture, Imbalance, id_number};
@@ -9,7 +9,7 @@ use frangible_fracture::{Fragment, Glued};
 use frangible_geometry::{Compound, Hull, Shape};
 use glam::DVec3;
 
-/// A body that has lost bonds.
+/// A body with lost bonds.
 pub(super) struct Broken {
     pub(super) body: usize,
     pub(super) striker: usize,
@@ -18,8 +18,8 @@ pub(super) struct Broken {
     pub(super) borne: f64,
 }
 
-/// Replaces bodies that have lost bonds by the islands that still hold together: where they were,
-/// moving as they did. Where one island is left, nothing but its bonds has changed.
+/// Replaces bodies with lost bonds by their islands, in place and with their motion. A single
+/// island only updates its bonds.
 pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
     let mut gone = vec![false; world.bodies.len()];
     let mut born: Vec<(NewBody, Label)> = Vec::new();
@@ -60,8 +60,7 @@ pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> 
     fractures
 }
 
-/// The body that an island of pieces becomes. Every piece has a volume, so that it always becomes
-/// one.
+/// Body of an island of pieces. Pieces always have volume, hence so does the body.
 fn island_body(
     world: &World,
     parent: usize,

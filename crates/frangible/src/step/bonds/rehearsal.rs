@@ -1,11 +1,10 @@
-//! Which bonds a frame's blows break.
 //!
-//! An anchored body has infinite mass, so a striker would lose all of its momentum to it in the
-//! solver, although the bonds around the struck piece bear less. So bonds are asked before contact
-//! is solved. Strikers and the glued bodies that they overstrain go through the frame in short
-//! steps, beside the world: a piece that comes free takes its own part of the blow, and the striker
-//! meets what is next with what it has left. The world then takes over which bonds broke, and what
-//! they bore; all else it solves as in any frame.
+//! An anchored body has infinite mass: in the solver a striker would lose all momentum to it,
+//! although the bonds around the impact bear less. Bonds are therefore tested before contact is
+//! solved. Strikers and overloaded glued bodies run through the frame in short steps, in a copy of
+//! the world: a freed piece takes its own part of the blow, and the striker hits its next obstacle
+//! with the rest. The world then adopts the broken bonds and the borne impulses, and solves the
+//! frame as usual.
 
 use crate::report::books::Books;
 use crate::report::id_from_number;
@@ -16,7 +15,7 @@ use crate::step::bonds::state::IMPACT_TIME;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, NewBody, Pair, accelerate, predict};
 use frangible_collision::find_swept_pairs;
-use frangible_dynamics::{Coming, Tally, coming, pass_on};
+use frangible_dynamics::{Coming, FrameAccounts, coming, pass_on};
 use frangible_fracture::PointLoad;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -110,7 +109,7 @@ fn fastest(bodies: &Bodies, i: usize) -> f64 {
         + if spin > 0.0 { spin * bodies.radii[i] } else { 0.0 }
 }
 
-/// How fast a pair comes together [m/s].
+/// Closing speed of a pair [m/s].
 fn speed(coming: &Coming) -> f64 {
     -coming.approach.relative_velocity.dot(coming.approach.contact.normal)
 }
@@ -138,7 +137,7 @@ struct Stage {
     world: World,
     /// Of each body of the world, and of its islands, the former's id.
     origins: BTreeMap<BodyId, BodyId>,
-    /// Bodies that the world has, too.
+    /// Bodies also present in the world.
     old: BTreeSet<BodyId>,
     blows: Blows,
     count: usize,
@@ -157,7 +156,7 @@ impl Stage {
             ledger: Default::default(),
             method: world.method,
             warm: Default::default(),
-            kept: Default::default(),
+            contact_cache: Default::default(),
             fits: Default::default(),
             spared: Vec::new(),
             clock: None,
@@ -171,7 +170,7 @@ impl Stage {
                 motion: bodies.motions[i],
                 pose: bodies.poses[i],
                 velocity: bodies.velocities[i],
-                contactant: bodies.contactants[i],
+                surface: bodies.surfaces[i],
             };
             let Label { look, bonds, .. } = world.labels[i].clone();
             let label = Label { name: String::new(), parent: None, look, breaking: None, bonds };
@@ -181,8 +180,8 @@ impl Stage {
         Self { world: stage, origins, old, blows: Blows::default(), count: 0 }
     }
 
-    /// One pass over the pairs that meet in a short step; what is in a blow is not in another one.
-    /// `false` if there was none.
+    /// One pass over the impacts of a short step; each body takes part in at most one. `false`
+    /// without impacts.
     fn strike(&mut self, short: &Frame, at_rest: f64) -> bool {
         let bodies = &self.world.bodies;
         let predicted = predict(bodies, short);
@@ -216,8 +215,8 @@ impl Stage {
         let sides = [pair.first, pair.second];
         let bodies = &self.world.bodies;
         let whole = coming.impulse.at_contact.length();
-        // A body that breaks itself passes on no more than it bears.
-        let bears = sides.map(|i| bodies.contactants[i].strength);
+        // A breaking body passes on no more than its strength.
+        let bears = sides.map(|i| bodies.surfaces[i].strength);
         let most = (bears[0].min(bears[1]) / whole).min(1.0);
         let ids = sides.map(|i| self.origins[&bodies.ids[i]]);
         let mut bore = most;
@@ -252,7 +251,7 @@ impl Stage {
             let impulse = impulse.at_contact;
             self.blows.felt.push(Felt { pair: ids, impulse, at: (side, lever) });
         }
-        let tally = &mut Tally::default();
-        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, tally);
+        let accounts = &mut FrameAccounts::default();
+        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, accounts);
     }
 }

@@ -1,10 +1,10 @@
-//! The pieces that a body is glued together of, and what they carry.
+//! Glued pieces of a body, and their loads.
 
 use frangible_fracture::{Glued, PointLoad};
 
-/// How long a blow lasts [s]: stiff bodies of about a metre are in touch for some thousandths of a
-/// second (by Hertz's law a ball of concrete, half a metre in radius and at 5 m/s, for 2 ms). A
-/// blow's impulse over this time is its force.
+/// Duration of an impact [s]: stiff bodies of about a metre touch for a few milliseconds (by
+/// Hertz's law a ball of concrete, half a metre in radius and at 5 m/s, for 2 ms). The impact force
+/// is impulse over duration.
 pub(super) const IMPACT_TIME: f64 = 2e-3;
 
 /// The pieces that a body is glued together of.
@@ -14,7 +14,7 @@ pub struct Bonds {
     /// Loads that its contacts carried in the last frame or, where that is shorter, on the average
     /// over the time that a blow lasts; in the pieces' frame.
     pub(crate) carried: Vec<PointLoad>,
-    /// Between the surface samples of what it breaks into [m].
+    /// Sample spacing of its fragments [m].
     pub(crate) sample_spacing: f64,
 }
 

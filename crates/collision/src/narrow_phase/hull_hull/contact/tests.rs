@@ -1,11 +1,12 @@
 use super::*;
-use crate::manifold::ManifoldPoint;
+use crate::impulse_cache::ImpulseCache;
+use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::finder::find_manifolds;
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::reduction::reduce;
-use crate::warm_start::WarmStart;
 use frangible_bodies::{
-    Bodies, Contactant, Flight, Frame, Motion, NewBody, Pair, Pose, StepSettings, Velocity,
+    BallisticPath, Bodies, Frame, Motion, NewBody, Pair, Pose, StepSettings, SurfaceProperties,
+    Velocity,
 };
 use frangible_geometry::Hull;
 use frangible_geometry::{ClosedForm, HalfSpace, Shape};
@@ -20,7 +21,7 @@ fn vector(half: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-half..half).prop_map(DVec3::from_array)
 }
 
-/// Rocks and boxes of edges up to a metre.
+/// Rocks and boxes with edges up to a metre.
 fn hull() -> impl Strategy<Value = Hull> {
     let rock = prop::collection::vec(vector(0.5), 8..16)
         .prop_filter_map("flat", |points| Hull::of_points(&points).ok());
@@ -33,7 +34,7 @@ fn at(position: DVec3, turn: DVec3) -> RigidTransform {
     RigidTransform::new(DQuat::from_scaled_axis(turn), position)
 }
 
-/// How two hulls meet.
+/// Contact of two hulls.
 struct Met {
     normal: DVec3,
     gap: f64,
@@ -41,18 +42,18 @@ struct Met {
 }
 
 fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> Met {
-    let (pair, mut room) =
-        (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Room::default());
+    let (pair, mut scratch) =
+        (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Scratch::default());
     let axes = pair.face_axes(10.0).unwrap();
-    let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut room).unwrap();
-    Met { normal, gap, points: room.points }
+    let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut scratch).unwrap();
+    Met { normal, gap, points: scratch.points }
 }
 
-fn names(contact: &Met) -> BTreeSet<(bool, u64)> {
-    contact.points.iter().map(|point| point.feature.sample(100)).collect()
+fn names(contact: &Met) -> BTreeSet<FeatureId> {
+    contact.points.iter().map(|point| point.feature.id(100)).collect()
 }
 
-/// By alternating projections onto the two hulls, which knows of no features [m].
+/// Distance by alternating projections onto the two hulls, independent of features [m].
 fn distance(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> f64 {
     let second_from_first = first_from_second.inverse();
     let onto = |hull: &Hull, point: DVec3| {
@@ -67,7 +68,7 @@ fn distance(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> 
     on_first.distance(on_second)
 }
 
-/// A cube on a cube, 1 cm into it: the corners of the rectangle that they share, whoever is first.
+/// A cube on a cube, 1 cm deep: the corners of the common rectangle, with either cube first.
 #[test]
 fn a_face_on_a_face_has_the_corners_of_what_they_share() {
     let cube = Hull::cuboid(DVec3::splat(0.5));
@@ -91,7 +92,7 @@ fn a_face_on_a_face_has_the_corners_of_what_they_share() {
     }
 }
 
-/// Of two cubes on their edges, one across the other, the edges meet in their middles.
+/// Two cubes on their edges, crosswise: the edges meet in their middles.
 #[test]
 fn edges_across_edges_meet_where_they_cross() {
     let cube = Hull::cuboid(DVec3::splat(0.5));
@@ -124,8 +125,8 @@ fn a_corner_over_a_face_is_as_far_as_it_is() {
     assert!((upper.point(nearest.on[1]) - DVec3::new(0.1, 0.5, -0.2)).length() < 1e-12);
 }
 
-/// Corner to corner no face lies over the other cube: the nearest points are found, and the way
-/// between them.
+/// Corner to corner no face lies over the other cube: the closest points give the contact and the
+/// normal.
 #[test]
 fn corners_that_face_each_other_are_nearest() {
     let cube = Hull::cuboid(DVec3::splat(0.5));
@@ -138,9 +139,8 @@ fn corners_that_face_each_other_are_nearest() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Eight at a time, in every width, the face, the vertex and the depth are those that one after
-    /// the other finds in double precision: also of balls of 42 faces, and of hulls far from their
-    /// frame's origin.
+    /// Face, vertex and depth of eight-lane scans at every width match a scalar double-precision
+    /// search, including balls of 42 faces, and hulls far from their frame's origin.
     #[test]
     fn eight_at_a_time_finds_what_one_by_one_does(
         rock in hull(), shift in vector(1.5), turn in vector(3.0), is_ball in any::<bool>(), is_first in any::<bool>(),
@@ -171,13 +171,13 @@ proptest! {
             let first = hulls[0].columns();
             prop_assert!((with_widest!(width, inside(first, point)) - depth).abs() < CLOSE);
 
-            // Edges across each other, too, to the bit.
-            let mut room = Room::default();
+            // Compare edge axes, bit by bit.
+            let mut scratch = Scratch::default();
             let axes = [axis, face_axis(&pair, 1)];
-            gather_ridges(&pair, &axes, 0.5, &mut room);
-            let edges = edge_axis(&pair, &mut room);
+            gather_ridges(&pair, &axes, 0.5, &mut scratch);
+            let edges = edge_axis(&pair, &mut scratch);
             let numbers = [with_widest!(width, inside(first, point)), edges.map_or(0.0, |axis| axis.separation)];
-            let ridges = room.ridges.each_ref().map(Vec::len);
+            let ridges = scratch.ridges.each_ref().map(Vec::len);
             found.insert((axes.map(|axis| [axis.face, axis.vertex]), ridges, numbers.map(f64::to_bits)));
         }
         prop_assert_eq!(found.len(), 1);
@@ -187,9 +187,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Overlapping hulls have points, each with a name of its own, and moved apart along the normal
-    /// by their depth they overlap no more. Hulls that are apart are at least as far as the gap
-    /// says.
+    /// Overlapping hulls have points with unique ids, and separation by the depth along the normal
+    /// removes the overlap. The gap of separated hulls is a lower bound of their distance.
     #[test]
     fn the_normal_separates(
         first in hull(), second in hull(), shift in vector(0.8), turn in vector(3.0),
@@ -201,13 +200,12 @@ proptest! {
         prop_assert_eq!(names(&met).len(), met.points.len(), "each has a name of its own");
         for point in &met.points {
             prop_assert!((point.normal.dot(point.on[0] - point.on[1]) - point.gap).abs() < 1e-9);
-            // Beyond an acute corner, what is close to both of its sides is further from the
-            // corner.
+            // Beyond an acute corner, a point close to both sides is further from the corner.
             let on_second = first_from_second.inverse().point(point.on[1]);
             prop_assert!(first.distance_and_gradient(point.on[0]).0 < 20.0 * PREFERENCE);
             prop_assert!(second.distance_and_gradient(on_second).0 < 20.0 * PREFERENCE);
         }
-        // What is chosen is within the preferences of the best.
+        // The chosen axis is within the hysteresis of the best.
         let out = (PREFERENCE - met.gap).max(0.0) / (1.0 - DEEP_PREFERENCE) + 1e-9;
         let apart = RigidTransform { translation: shift - out * met.normal, ..first_from_second };
         prop_assert!(distance(&first, &second, &apart) > 0.0 || contact(&first, &second, &apart).gap > -1e-9);
@@ -217,22 +215,22 @@ proptest! {
             let nearest = met.points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
             prop_assert!(nearest > exact - 20.0 * PREFERENCE, "{nearest} {exact}");
         } else {
-            // The projections creep where the overlap is shallow.
+            // Projections converge slowly for shallow overlaps.
             let exact = distance(&first, &second, &first_from_second);
             prop_assert!(exact < 0.01, "{exact} {}", met.gap);
         }
     }
 
-    /// Where the best face of one lies over the other, they meet where edges cross only if they
-    /// overlap clearly less there.
+    /// With the best face over the other hull, crossing edges are chosen only for a clearly smaller
+    /// overlap.
     #[test]
     fn deep_overlaps_stay_on_faces(first in hull(), second in hull(), shift in vector(0.4), turn in vector(3.0)) {
         let first_from_second = at(shift, turn);
         let pair = HullPair::new([&first, &second], &first_from_second, 1.0, Width::Avx512);
-        let (axes, mut room) = (pair.face_axes(10.0).unwrap(), Room::default());
-        let is_over = |of_first: bool, room: &mut Room| {
-            pair.face_points(&axes, of_first, room);
-            !room.points.is_empty()
+        let (axes, mut scratch) = (pair.face_axes(10.0).unwrap(), Scratch::default());
+        let is_over = |of_first: bool, scratch: &mut Scratch| {
+            pair.face_points(&axes, of_first, scratch);
+            !scratch.points.is_empty()
         };
         let met = contact(&first, &second, &first_from_second);
         let of_faces = [
@@ -241,12 +239,12 @@ proptest! {
         ];
         if met.gap < 0.0 && of_faces.iter().all(|normal| normal.dot(met.normal) < 1.0 - 1e-9) {
             let face = axes[0].separation.max(axes[1].separation);
-            let is_over = is_over(axes[1].separation <= axes[0].separation + PREFERENCE, &mut room);
+            let is_over = is_over(axes[1].separation <= axes[0].separation + PREFERENCE, &mut scratch);
             prop_assert!(!is_over || met.gap > (1.0 - DEEP_PREFERENCE) * face, "{} {face}", met.gap);
         }
     }
 
-    /// Swapping the bodies turns the normal round and keeps the gap.
+    /// Swapping the bodies reverses the normal and keeps the gap.
     #[test]
     fn who_is_first_does_not_matter(first in hull(), second in hull(), shift in vector(0.8), turn in vector(3.0)) {
         let first_from_second = at(shift, turn);
@@ -257,8 +255,7 @@ proptest! {
         prop_assert!((ab.gap - ba.gap).abs() < 1e-9);
     }
 
-    /// A box on a box keeps its features under small motions, and they are the same whoever is
-    /// first.
+    /// A box on a box keeps its features under small motions, independent of body order.
     #[test]
     fn features_persist(
         shift in vector(0.3), turn in -1.0..1.0_f64, depth in -0.01..0.01_f64, nudge in vector(1e-5), tilt in vector(1e-5),
@@ -267,20 +264,20 @@ proptest! {
         let start = at(DVec3::new(shift.x, -0.5 + depth, shift.z), turn * DVec3::Y);
         let moved = at(start.translation + nudge, DVec3::ZERO).after(&at(DVec3::ZERO, tilt));
         let moved = RigidTransform { rotation: moved.rotation * start.rotation, translation: moved.translation };
-        // Corners that lie on sides count as corners or as crossings: leave such cases out.
+        // Vertices on sides may count as vertices or as crossings: leave such cases out.
         prop_assume!(is_clear_of_sides(&upper, &lower, &start.inverse()));
         prop_assume!(is_clear_of_sides(&lower, &upper, &start));
         let (before, after) = (contact(&upper, &lower, &start), contact(&upper, &lower, &moved));
         prop_assert_eq!(names(&before), names(&after));
         prop_assert!((3..=8).contains(&before.points.len()));
         let swapped = contact(&lower, &upper, &start.inverse());
-        let of_swapped = swapped.points.iter().map(|point| point.feature.swapped().sample(100)).collect();
+        let of_swapped = swapped.points.iter().map(|point| point.feature.swapped().id(100)).collect();
         prop_assert_eq!(names(&before), of_swapped);
         prop_assert!((before.normal + start.direction(swapped.normal)).length() < 1e-12);
     }
 
-    /// Of any number of points no more are kept than are wanted, a deepest one among them; and of
-    /// the corners of a polygon, all.
+    /// A reduced manifold has at most the wanted number of points, including a deepest point, and
+    /// all corners of a polygon.
     #[test]
     fn few_points_are_kept(
         points in prop::collection::vec((vector(0.5), -0.01..0.01_f64), 1..12), most in 4..9_usize, corners in 3..9_u32,
@@ -309,7 +306,7 @@ proptest! {
     }
 }
 
-/// Whether no corner of a box is above a side of the other, up to some millimetres.
+/// True if no vertex of a box is above a side of the other, within a few millimetres.
 fn is_clear_of_sides(hull: &Hull, other: &Hull, other_from_hull: &RigidTransform) -> bool {
     let half = other.bounds().1;
     hull.vertices().iter().all(|&vertex| {
@@ -329,21 +326,21 @@ fn spawn(
     let shape = Arc::new(Shape::closed_form(form, 0.1));
     let pose = Pose { position, orientation: DQuat::IDENTITY };
     let velocity = Velocity::spinning(linear, angular, pose.orientation, &shape, 1.0);
-    let contactant = Contactant::new(0.5, 0.5);
-    bodies.spawn(NewBody { shape, density: 1.0, motion, pose, velocity, contactant });
+    let surface = SurfaceProperties::new(0.5, 0.5);
+    bodies.spawn(NewBody { shape, density: 1.0, motion, pose, velocity, surface });
 }
 
 fn frame() -> Frame {
     Frame { dt: 1.0 / 30.0, gravity: DVec3::ZERO, settings: StepSettings::default() }
 }
 
-/// The gaps of a pair's points at the start and after a frame of flight [m].
+/// Separations of a pair's points at the start and after a frame of flight [m].
 fn gaps(bodies: &Bodies) -> Vec<[f64; 2]> {
     let (pair, frame) = (Pair { first: 0, second: 1 }, frame());
-    let manifolds = find_manifolds(bodies, &[pair], &WarmStart::default(), &frame);
+    let manifolds = find_manifolds(bodies, &[pair], &ImpulseCache::default(), &frame);
     let mut later = bodies.clone();
     for i in 0..2 {
-        later.poses[i] = Flight::of(bodies, i, &frame).pose(frame.dt);
+        later.poses[i] = BallisticPath::of(bodies, i, &frame).pose(frame.dt);
     }
     let gap = |bodies: &Bodies, point: &ManifoldPoint| {
         let [on_first, on_second] = point.on_surfaces(bodies, pair);
@@ -353,7 +350,7 @@ fn gaps(bodies: &Bodies) -> Vec<[f64; 2]> {
     points.map(|point| [gap(bodies, point), gap(&later, point)]).collect()
 }
 
-/// Two bricks, 2 m apart along x, `aside` [m] apart along y, that fly at each other at 90 m/s.
+/// Two bricks, 2 m apart along x, `aside` [m] apart along y, flying at each other at 90 m/s.
 fn flying(aside: f64) -> Bodies {
     let mut bodies = Bodies::default();
     let brick = ClosedForm::Box { half: DVec3::new(0.3, 0.2, 0.2) };
@@ -372,15 +369,15 @@ fn a_fast_brick_that_passes_another_does_not_feel_it() {
     }
 }
 
-/// Cubes that come towards each other have points if they end the frame so near that they may fall
-/// together, and none if they do not come as near.
+/// Approaching cubes have points if they end the frame within the speculative margin, and none
+/// otherwise.
 #[test]
 fn cubes_that_come_near_have_points() {
     let frame = frame();
     for (sags, expected) in [(0.5, 4), (2.0, 0), (20.0, 0)] {
         let mut bodies = Bodies::default();
         let cube = ClosedForm::Box { half: DVec3::splat(0.2) };
-        let closing = (0.1 - sags * frame.sag()) / frame.dt * DVec3::X;
+        let closing = (0.1 - sags * frame.speculative_margin()) / frame.dt * DVec3::X;
         spawn(&mut bodies, cube, Motion::Dynamic, DVec3::ZERO, closing, DVec3::ZERO);
         spawn(&mut bodies, cube, Motion::Static, 0.5 * DVec3::X, DVec3::ZERO, DVec3::ZERO);
         assert_eq!(gaps(&bodies).len(), expected, "{sags} times what gravity closes");
@@ -399,8 +396,8 @@ fn a_fast_brick_that_hits_another_does_feel_it() {
     }
 }
 
-/// A rod that turns into a post within the frame is stopped where it touches, and not where it was
-/// near at the start.
+/// A rod rotating into a post within the frame stops at the touched point, not at its nearest point
+/// at the start.
 #[test]
 fn a_rod_that_turns_meets_a_post() {
     let mut bodies = Bodies::default();
@@ -414,7 +411,7 @@ fn a_rod_that_turns_meets_a_post() {
     assert!(gaps.iter().any(|&[_, end]| end < -0.05), "{gaps:?}");
 }
 
-/// A cube flat on the ground has its four corners there; one that falls fast has no others, and one
+/// A cube flat on the ground has its four lower vertices as contacts, also in a fast fall; a cube
 /// on its edge has two.
 #[test]
 fn a_cube_meets_the_ground_with_its_lowest_corners() {

@@ -1,63 +1,68 @@
-//! Two bodies on their ballistic ways through a frame.
+//! Relative ballistic motion of two bodies in a frame.
 
 use crate::narrow_phase::samples::ContactPoint;
 use crate::relative_motion::Placed;
+use frangible_bodies::BallisticPath;
 use frangible_bodies::Bodies;
-use frangible_bodies::Flight;
 use frangible_bodies::Frame;
 use frangible_bodies::Pair;
 use glam::DVec3;
 
-/// Steps along the ways of two through a frame to their first touch; each goes as far as their
-/// distance allows [1]. With 8 of them falling heaps are the same.
+/// Maximum number of conservative-advancement steps to first touch [1]. With 8, falling heaps are
+/// unchanged.
 pub(crate) const MOST_STEPS: u32 = 32;
 
-/// A pair of bodies and how they fly through a frame.
-pub struct Encounter<'a> {
+/// A pair of bodies and their ballistic motion in a frame.
+pub struct PairMotion<'a> {
     /// All bodies.
     pub bodies: &'a Bodies,
-    /// Which of them meet.
+    /// Dense indices of both bodies.
     pub pair: Pair,
-    /// Their ways.
-    pub(crate) flights: [&'a Flight; 2],
+    /// Ballistic motion of both bodies.
+    pub(crate) paths: [&'a BallisticPath; 2],
     /// The frame.
     pub frame: &'a Frame,
-    /// No two points of the pair move faster against each other on these ways [m/s].
+    /// Upper bound of the relative speed of any two points [m/s].
     pub most_speed: f64,
-    /// Nor by more than this beyond it if they are struck [m/s].
+    /// Additional relative speed after an impact with other bodies [m/s].
     pub(crate) faster: f64,
-    /// What is this near may meet within the frame although it rests now: it may fall, or be struck
-    /// [m].
+    /// Speculative margin: two resting surfaces at this separation may touch within the frame by
+    /// falling or by an impact [m].
     pub near: f64,
-    /// How far apart two surfaces may be and still meet within the frame [m].
+    /// Maximum separation of two surfaces that may touch within the frame [m].
     pub reach: f64,
-    /// How far apart they are to be looked for, at least the reach [m].
+    /// Search distance for features, at least the reach [m].
     pub search: f64,
-    /// Radius of the smaller one [m].
+    /// Radius of the smaller body [m].
     pub size: f64,
 }
 
-/// How far beside a sample it is looked where its own body is, relative to the smaller body [1].
-/// With a tenth of it eleven shots end in the same bits.
+/// Test distance beside a sample in its own body, relative to the smaller body [1]. With a tenth of
+/// it eleven shots end in the same bits.
 const BESIDE: f64 = 1e-2;
 
-/// And no further than this part of its own body's thickness [1]: a longer step goes through thin
-/// discs, whose samples were left out, so that they fell through the ground.
+/// Upper bound of the test distance, relative to the body's own thickness [1]: longer steps cross
+/// thin discs. Their samples were then left out, and the discs fell through the ground.
 const THROUGH: f64 = 0.25;
 
-impl<'a> Encounter<'a> {
-    /// Of a pair whose bodies fly as told.
+impl<'a> PairMotion<'a> {
+    /// A pair with the given ballistic motion.
     #[inline]
-    pub fn new(bodies: &'a Bodies, pair: Pair, flights: [&'a Flight; 2], frame: &'a Frame) -> Self {
-        let [first, second] = flights;
+    pub fn new(
+        bodies: &'a Bodies,
+        pair: Pair,
+        paths: [&'a BallisticPath; 2],
+        frame: &'a Frame,
+    ) -> Self {
+        let [first, second] = paths;
         let speed = (first.linear - second.linear).length() + first.spin_speed + second.spin_speed;
         let most_speed = speed + frame.gravity.length() * frame.dt;
-        let near = frame.sag();
+        let near = frame.speculative_margin();
         let (reach, size) = (frame.dt * speed + near, first.radius.min(second.radius));
         Self {
             bodies,
             pair,
-            flights,
+            paths,
             frame,
             most_speed,
             faster: 0.0,
@@ -68,53 +73,51 @@ impl<'a> Encounter<'a> {
         }
     }
 
-    /// They may come so much faster against each other because they are struck [m/s].
+    /// Adds relative speed after an impact with other bodies [m/s].
     #[inline]
-    pub fn struck(self, faster: f64) -> Self {
+    pub fn with_speed_gain(self, faster: f64) -> Self {
         let further = faster * self.frame.dt;
         let (near, reach) = (self.near + further, self.reach + further);
         Self { near, reach, search: reach, faster, ..self }
     }
 
-    /// Its bodies where they are at the frame's start.
+    /// Both bodies at the frame's start.
     #[inline]
     pub fn placed(&self) -> [Placed<'_>; 2] {
         let at = |i: usize, side: usize| Placed {
             shape: &self.bodies.shapes[i],
-            pose: &self.flights[side].start,
+            pose: &self.paths[side].start,
         };
         [at(self.pair.first, 0), at(self.pair.second, 1)]
     }
 
-    /// True if balls around the two cannot meet within the frame: a body that turns stays in its
-    /// ball.
+    /// True if the bounding balls cannot meet within the frame; rotation stays within the ball.
     #[inline]
     pub(crate) fn is_out_of_reach(&self) -> bool {
-        let [first, second] = self.flights;
+        let [first, second] = self.paths;
         let way = self.frame.dt * (first.linear - second.linear).length();
         let most = first.radius + second.radius + way + self.near;
         first.start.position.distance_squared(second.start.position) > most * most
     }
 
-    /// True if any two points of the pair, near as they are, may meet so fast that it is a
-    /// strike.
+    /// True if any two points of the pair may meet fast enough for an impact.
     #[inline]
-    pub(crate) fn may_strike(&self) -> bool {
-        self.most_speed + self.faster > self.frame.strike_speed()
+    pub(crate) fn may_impact(&self) -> bool {
+        self.most_speed + self.faster > self.frame.impact_speed()
     }
 
-    /// Speed at which a gap `phi` [m] that closes at `closing` [m/s] along `normal` will be closed,
-    /// gravity included [m/s].
+    /// Closing speed after a separation `phi` [m] has closed, from a present speed `closing` [m/s]
+    /// along `normal`, with gravity [m/s].
     #[inline]
     pub(crate) fn surface_speed(&self, normal: DVec3, closing: f64, phi: f64) -> f64 {
-        let [first, second] = self.flights;
+        let [first, second] = self.paths;
         let acceleration = -(first.acceleration - second.acceleration).dot(normal);
         let squared = closing * closing + 2.0 * acceleration * phi;
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
     }
 
-    /// True if a sample passes beside the other body's surface: the body that it is of lies on
-    /// the far side. Where two edges lie on each other a distance has the normals of both sides.
+    /// True if a sample lies beside the other body's surface: its own body is on the outer side. On
+    /// two coincident edges the distance has the normals of both sides.
     pub fn is_beside(&self, sample_of_first: bool, contact: &ContactPoint) -> bool {
         let [first, second] = self.placed();
         let (own, outward) =
@@ -131,20 +134,20 @@ impl<'a> Encounter<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{Contactant, Motion, NewBody, Pose, StepSettings, Velocity};
+    use frangible_bodies::{Motion, NewBody, Pose, StepSettings, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, HalfSpace, Shape};
     use glam::DQuat;
     use std::sync::Arc;
 
-    /// A ball above the ground that may not strike it meets it no faster than what falls from as
-    /// high as is near, however far above it is; one that is some times as fast does.
+    /// A ball too slow for an impact reaches the ground no faster than by falling through the
+    /// speculative margin, at any height; a ball several times faster exceeds it.
     #[test]
     fn what_is_slow_strikes_nothing() {
         let frame =
             Frame { dt: 1.0 / 30.0, gravity: -9.81 * DVec3::Y, settings: StepSettings::default() };
         let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.0 });
         let fastest = |times: f64| {
-            let speed = times * (frame.strike_speed() - 9.81 * frame.dt);
+            let speed = times * (frame.impact_speed() - 9.81 * frame.dt);
             let mut bodies = Bodies::default();
             for (form, motion) in
                 [(ground, Motion::Static), (ClosedForm::Sphere { radius: 0.5 }, Motion::Dynamic)]
@@ -155,18 +158,22 @@ mod tests {
                     motion,
                     pose: Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY },
                     velocity: Velocity { linear: -speed * DVec3::Y, ..Velocity::default() },
-                    contactant: Contactant::new(0.0, 0.5),
+                    surface: SurfaceProperties::new(0.0, 0.5),
                 });
             }
             let pair = Pair { first: 0, second: 1 };
-            let [first, second] = Flight::of_pair(&bodies, pair, &frame);
-            let encounter = Encounter::new(&bodies, pair, [&first, &second], &frame);
+            let [first, second] = BallisticPath::of_pair(&bodies, pair, &frame);
+            let pair_motion = PairMotion::new(&bodies, pair, [&first, &second], &frame);
             let at = |part: i32| {
-                encounter.surface_speed(-DVec3::Y, speed, 0.01 * f64::from(part) * encounter.reach)
+                pair_motion.surface_speed(
+                    -DVec3::Y,
+                    speed,
+                    0.01 * f64::from(part) * pair_motion.reach,
+                )
             };
-            (encounter.may_strike(), (0..=100).map(at).fold(0.0, f64::max) * frame.dt)
+            (pair_motion.may_impact(), (0..=100).map(at).fold(0.0, f64::max) * frame.dt)
         };
-        let least = 2.0 * frame.sag();
+        let least = 2.0 * frame.speculative_margin();
         for times in [0.0, 0.5, 0.999] {
             let (may, comes) = fastest(times);
             assert!(!may && comes <= least, "{times}: {comes} m of {least}");

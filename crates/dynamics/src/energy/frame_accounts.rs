@@ -1,5 +1,5 @@
-//! What one frame did: momentum from outside, energy by cause, who owes it, and how often the
-//! safeguards were needed.
+//! Accounts of one frame: momentum from outside, energy by cause, gains, and counts of the
+//! safeguards.
 
 use crate::energy::rigid_part::Twist;
 use crate::impulse::energy_clamp::Clamps;
@@ -8,52 +8,52 @@ use frangible_bodies::{Bodies, BodyId, Motion, Pair, Velocity};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Running sums over one frame. Static and kinematic bodies are the outside; gravity is booked by
-/// the step.
+/// Running sums over one frame. Static and kinematic bodies act from outside; the step books
+/// gravity.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
-    /// Sum of the impulses that the outside gave to dynamic bodies [N s].
+pub struct FrameAccounts {
+    /// Impulses from outside on dynamic bodies [N s].
     pub outside_impulse: DVec3,
-    /// Change of the angular momentum about the world's origin that it explains [kg m^2/s].
+    /// Change of angular momentum about the world's origin by outside impulses [kg m^2/s].
     pub outside_angular_impulse: DVec3,
-    /// What changed the energy of dynamic bodies.
+    /// Energy changes of dynamic bodies, by cause.
     pub causes: Causes,
-    /// The work on each dynamic body by each kinematic body [J].
+    /// Work on each dynamic body by each kinematic body [J].
     pub work: BTreeMap<[BodyId; 2], f64>,
-    /// Contacts that gave energy to their bodies.
-    pub debts: Vec<Debt>,
-    /// Energy that islands gained by closing overlaps [J].
+    /// Contacts with an energy gain.
+    pub gains: Vec<EnergyGain>,
+    /// Energy gain of islands by penetration recovery [J].
     pub recovery: f64,
-    /// Work of closing the overlaps of each pair [J].
+    /// Work of penetration recovery per pair [J].
     pub(crate) recovered: Vec<([BodyId; 2], f64)>,
-    /// Pairs that exchanged impulses or pushed each other.
+    /// Pairs with mutual impulses or displacements.
     pub links: Vec<(BodyId, BodyId)>,
-    /// Impulses applied to velocities that last.
+    /// Number of impulses on final velocities.
     pub impulses: u64,
-    /// Impulses that would have raised the kinetic energy.
+    /// Impulses clamped to no energy gain.
     pub clamps: Clamps,
 }
 
-/// What changes the energy of dynamic bodies in a frame, from its start to its end [J].
+/// Energy change of dynamic bodies in a frame, by cause, from start to end [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Causes {
-    /// Of kinematic bodies: each impulse times their velocity at the contact point.
+    /// Work of kinematic bodies: each impulse times their velocity at the contact point.
     pub work: f64,
-    /// What stops an approach, and what comes back by restitution.
+    /// Impacts with restitution.
     pub collision: f64,
-    /// What keeps touching bodies from approaching.
+    /// Resting and sliding contacts, along the normal.
     pub contact: f64,
-    /// Coulomb's, rolling and spinning friction.
+    /// Coulomb, rolling and spinning friction.
     pub friction: f64,
-    /// Moving bodies out of each other, as far as it stayed.
+    /// Penetration recovery, as far as its energy remained.
     pub projection: f64,
-    /// Breaking, booked by whoever breaks bodies.
+    /// Breaking, booked by the step.
     pub fracture: f64,
-    /// What the ledger took out.
+    /// Energy removed by the ledger.
     pub balance: f64,
 }
 
-/// One of [`Causes`] that an impulse between two bodies can have.
+/// Cause of an impulse between two bodies; see [`Causes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// See [`Causes::collision`].
@@ -67,7 +67,7 @@ pub enum Cause {
 }
 
 impl Causes {
-    /// Books energy that dynamic bodies gained [J].
+    /// Books an energy gain of dynamic bodies [J].
     pub fn add(&mut self, cause: Cause, energy: f64) {
         match cause {
             Cause::Collision => self.collision += energy,
@@ -77,7 +77,7 @@ impl Causes {
         }
     }
 
-    /// All of it [J].
+    /// Sum of all causes [J].
     pub fn sum(&self) -> f64 {
         let Self { work, collision, contact, friction, projection, fracture, balance } = self;
         work + collision + contact + friction + projection + fracture + balance
@@ -94,21 +94,21 @@ impl Causes {
     }
 }
 
-/// A contact that gave energy to its bodies in a frame, and pays it back before others do.
+/// A contact with an energy gain in a frame, first to repay it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Debt {
+pub struct EnergyGain {
     /// The pair.
     pub ids: [BodyId; 2],
-    /// Where they touch at the end of the frame, in the world frame [m].
+    /// Contact point at the end of the frame, world frame [m].
     pub point: DVec3,
     /// [J]
     pub energy: f64,
-    /// What all contacts of its lighter body gave between them, if that is known, else 0 [J]: the
-    /// ground gives, again and again, what holds up a load, and the load takes it.
+    /// Net gain of all contacts of the lighter body, or 0 if unknown [J]. The ground keeps giving
+    /// energy to a support, and the load above takes it.
     pub net: f64,
 }
 
-impl Debt {
+impl EnergyGain {
     /// Its lighter body, then its heavier one, if both live.
     pub(crate) fn by_weight(&self, bodies: &Bodies) -> Option<[usize; 2]> {
         let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else {
@@ -119,9 +119,9 @@ impl Debt {
     }
 }
 
-impl Tally {
-    /// Books an impulse on a pair whose bodies have `velocities` before it acts, at the poses of
-    /// `bodies`. `cause` is that of its normal part.
+impl FrameAccounts {
+    /// Books an impulse on a pair with `velocities` before it, at the poses of `bodies`. `cause`
+    /// applies to its normal part.
     pub(crate) fn book_impulse(
         &mut self,
         bodies: &Bodies,
@@ -133,13 +133,13 @@ impl Tally {
         self.impulses += 1;
         self.link(bodies, pair);
 
-        // What it gives: the part of friction is its tangential part times the mean slip.
+        // Energy change; friction's share is the tangential impulse times the mean slip.
         let given = impulse.energy_given(bodies, pair, approach, velocities);
         let friction = impulse.energy_of_friction(bodies, pair, approach, velocities);
         self.causes.add(Cause::Friction, friction);
         self.causes.add(cause, given - friction);
 
-        // What comes from outside.
+        // Book the outside's share.
         let j = impulse.at_contact;
         let sides = [(pair.first, pair.second, j), (pair.second, pair.first, -j)];
         for ((body, other, j), lever) in sides.into_iter().zip(approach.levers) {
@@ -149,8 +149,8 @@ impl Tally {
         }
     }
 
-    /// Books what `other`, if it is static or kinematic, gave to `body`, if it is dynamic: an
-    /// impulse [N s], its moment about the world's origin [kg m^2/s], and the work [J].
+    /// Books an action of `other` (if static or kinematic) on `body` (if dynamic): an impulse [N
+    /// s], its moment about the world's origin [kg m^2/s], and the work [J].
     pub(crate) fn book_outside(
         &mut self,
         bodies: &Bodies,
@@ -169,16 +169,16 @@ impl Tally {
         }
     }
 
-    /// Notes the work of closing the overlaps of a pair in a frame [J]: the ledger books what its
-    /// island kept of it.
+    /// Books the work of penetration recovery of a pair in a frame [J]; the ledger keeps the part
+    /// still present in the island.
     pub(crate) fn recover(&mut self, bodies: &Bodies, pair: Pair, energy: f64) {
         self.recovered.push((pair.ids(bodies), energy));
     }
 
-    /// Notes that a pair touched.
+    /// Registers a contact of a pair.
     pub fn link(&mut self, bodies: &Bodies, pair: Pair) {
         let link = (bodies.ids[pair.first], bodies.ids[pair.second]);
-        // A pair is handled several times in a row.
+        // Consecutive impulses often belong to the same pair.
         if self.links.last() != Some(&link) {
             self.links.push(link);
         }
@@ -189,7 +189,7 @@ impl Tally {
         self.outside_impulse += other.outside_impulse;
         self.outside_angular_impulse += other.outside_angular_impulse;
         self.causes.add_all(&other.causes);
-        append(&mut self.debts, other.debts);
+        append(&mut self.gains, other.gains);
         for (id, work) in other.work {
             *self.work.entry(id).or_insert(0.0) += work;
         }
@@ -201,7 +201,7 @@ impl Tally {
     }
 }
 
-/// Puts a list behind another one.
+/// Appends a list, by move if possible.
 fn append<T>(list: &mut Vec<T>, mut other: Vec<T>) {
     if list.capacity() == 0 {
         *list = other;
@@ -210,8 +210,8 @@ fn append<T>(list: &mut Vec<T>, mut other: Vec<T>) {
     }
 }
 
-/// The work that a body does by an impulse [N s] with a moment about the world's origin [kg m^2/s];
-/// zero unless it is kinematic [J].
+/// Work of a body by an impulse [N s] with a moment about the world's origin [kg m^2/s]; zero for
+/// bodies other than kinematic [J].
 pub(crate) fn kinematic_work(bodies: &Bodies, i: usize, impulse: DVec3, moment: DVec3) -> f64 {
     match bodies.motions[i] {
         Motion::Kinematic { linear, angular } => {

@@ -1,22 +1,22 @@
-//! What a body is to those that it meets.
+//! Collision shapes: exact convex shapes, or samples.
 
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
 use glam::DVec3;
 
-/// What a body, or a part of one, is to those it meets.
+/// Collision shape of a body, or of a part.
 #[derive(Clone, Copy)]
-pub(crate) enum Solid<'a> {
-    /// Of this radius [m].
+pub(crate) enum ConvexShape<'a> {
+    /// Radius [m].
     Ball(f64),
     /// In the body frame.
     Hull(&'a Hull),
     /// In the body frame.
     Ground(HalfSpace),
-    /// Anything else.
+    /// Any other shape.
     Other(&'a Shape),
 }
 
-impl<'a> Solid<'a> {
+impl<'a> ConvexShape<'a> {
     #[inline]
     pub(crate) fn of(shape: &'a Shape) -> Self {
         match (&shape.geometry, &shape.hull) {
@@ -42,5 +42,5 @@ impl<'a> Solid<'a> {
     }
 }
 
-/// Pairs of edges of two hulls, above which samples are found faster than separating axes.
+/// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.
 pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;

@@ -1,45 +1,50 @@
-//! Local payment: a contact that gave energy to its bodies pays it back out of their relative
-//! velocity, before the island has to.
+//! Repayment: a contact with an energy gain repays it from its pair's relative velocity, before the
+//! island must.
 
+use crate::energy::frame_accounts::{EnergyGain, FrameAccounts, kinematic_work};
 use crate::energy::island::Anchor;
-use crate::energy::take_out::RelativeMotion;
-use crate::energy::tally::{Debt, Tally, kinematic_work};
+use crate::energy::island_correction::RelativeMotion;
 use crate::impulse::pair_impulse::{Approach, PairImpulse, approach_at, pair_contact_matrix};
 use frangible_bodies::{Bodies, Frame, Motion, Pair};
 use frangible_collision::ContactPoint;
 use glam::DVec3;
 
-/// Lets debtors pay `excess` [J] between them, each in proportion to its debt and as far as its
-/// relative velocity has it. Impulses at the contact are mutual, so momentum and angular momentum
-/// stay.
-pub(crate) fn pay(bodies: &mut Bodies, debts: &[Debt], excess: f64, tally: &mut Tally) {
-    let owed: f64 = debts.iter().map(|debt| debt.energy).sum();
+/// Distributes the repayment of `excess` [J] over all contacts with a gain, proportionally, each
+/// limited by the energy of the relative velocity. Impulses at the contact are mutual: momentum and
+/// angular momentum stay.
+pub(crate) fn repay(
+    bodies: &mut Bodies,
+    gains: &[EnergyGain],
+    excess: f64,
+    accounts: &mut FrameAccounts,
+) {
+    let owed: f64 = gains.iter().map(|gain| gain.energy).sum();
     if owed <= 0.0 {
         return;
     }
     let part = (excess / owed).min(1.0);
-    for debt in debts {
-        let [Some(first), Some(second)] = debt.ids.map(|id| bodies.index_of(id)) else { continue };
-        pay_at(bodies, Pair { first, second }, debt.point, part * debt.energy, tally);
+    for gain in gains {
+        let [Some(first), Some(second)] = gain.ids.map(|id| bodies.index_of(id)) else { continue };
+        repay_at(bodies, Pair { first, second }, gain.point, part * gain.energy, accounts);
     }
 }
 
-/// Slows down each pair whose contact gave more than its lighter body may bank, until no more than
-/// that is left in its relative motion; by no more than the contact gave, than all contacts of the
-/// lighter body gave between them, and than that body has `gained` in the frame [J], a number for
-/// each body. A chip that the ground presses against a block would squirt out at 20 m/s, on what
-/// the whole heap has banked. Debts become smaller by what is paid. Tells whether any was.
-pub(crate) fn restrain(
+/// Slows pairs whose contact gave more than the lighter body's bank cap, until the relative motion
+/// is at the cap. The reduction is limited by the contact's gain, by the net gain of all contacts
+/// of the lighter body, and by the body's gain in the frame, `gained` [J] per body. Without it a
+/// chip pressed against a block squirts out at 20 m/s on the banked energy of the whole heap.
+/// Reduces the recorded gains by the repayment, and returns true if any pair was slowed.
+pub(crate) fn cap_ejection(
     bodies: &mut Bodies,
-    (debts, gained): (&mut [Debt], &[f64]),
+    (gains, gained): (&mut [EnergyGain], &[f64]),
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> bool {
     let mut any = false;
-    for debt in debts {
-        let Some([lighter, heavier]) = debt.by_weight(bodies) else { continue };
+    for gain in gains {
+        let Some([lighter, heavier]) = gain.by_weight(bodies) else { continue };
         let most = frame.settings.bank_cap / bodies.inertias[lighter].inverse_mass;
-        let gave = debt.energy.min(debt.net).min(gained[lighter]);
+        let gave = gain.energy.min(gain.net).min(gained[lighter]);
         if gave <= most || !may_move_with(bodies, [lighter, heavier], most) {
             continue;
         }
@@ -55,17 +60,17 @@ pub(crate) fn restrain(
             motion.lose(bodies, members, paid);
             if is_carried {
                 let change = motion.change(bodies, members);
-                tally.book_outside(bodies, both, change, motion.work(change));
+                accounts.book_outside(bodies, both, change, motion.work(change));
             }
-            debt.energy -= paid;
+            gain.energy -= paid;
             any = true;
         }
     }
     any
 }
 
-/// Whether there may be more than `most` [J] in a pair's relative motion, by an upper bound: the
-/// lighter body as seen from the heavier one, and both spins.
+/// True if an upper bound of a pair's relative kinetic energy exceeds `most` [J]: the lighter
+/// body's motion relative to the heavier body, plus both spins.
 fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     let linear = |i: usize| match bodies.motions[i] {
         Motion::Static => DVec3::ZERO,
@@ -89,21 +94,27 @@ fn may_move_with(bodies: &Bodies, both: [usize; 2], most: f64) -> bool {
     turns || 0.5 * (squared + turning(lighter) + turning(heavier)) > most
 }
 
-/// The energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
+/// Energy of a pair's relative velocity u at a point: u.K^-1 u / 2 [J].
 pub fn energy_at(bodies: &Bodies, pair: Pair, point: DVec3) -> f64 {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
     energy_of(&approach, stopping)
 }
 
-/// What an impulse that stops a pair takes from it [J].
+/// Energy loss by the stopping impulse of a pair [J].
 fn energy_of(approach: &Approach, stopping: DVec3) -> f64 {
     let available = -0.5 * stopping.dot(approach.relative_velocity);
     if stopping.is_finite() { available.max(0.0) } else { 0.0 }
 }
 
-/// Takes `energy` [J], or all there is, out of the relative velocity u of a pair at a point: of
-/// u.K^-1 u / 2, by an impulse j = -alpha K^-1 u.
-pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally: &mut Tally) {
+/// Takes `energy` [J], at most u.K^-1 u / 2, out of a pair's relative velocity u at a point, by an
+/// impulse j = -alpha K^-1 u.
+pub fn repay_at(
+    bodies: &mut Bodies,
+    pair: Pair,
+    point: DVec3,
+    energy: f64,
+    accounts: &mut FrameAccounts,
+) {
     let (approach, stopping) = stopping_impulse(bodies, pair, point);
     let available = energy_of(&approach, stopping);
     if available <= 0.0 {
@@ -117,7 +128,7 @@ pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally:
         (pair.second, pair.first, -impulse.at_contact),
     ] {
         let moment = point.cross(j);
-        tally.book_outside(
+        accounts.book_outside(
             bodies,
             [body, other],
             (j, moment),
@@ -126,7 +137,7 @@ pub fn pay_at(bodies: &mut Bodies, pair: Pair, point: DVec3, energy: f64, tally:
     }
 }
 
-/// How a pair moves at a point, and the impulse there -K^-1 u that stops it [N s].
+/// Relative motion of a pair at a point, and its stopping impulse -K^-1 u [N s].
 fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVec3) {
     let contact = ContactPoint { point, normal: DVec3::Y };
     let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
@@ -137,7 +148,7 @@ fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{BodyId, Contactant, NewBody, Pose, StepSettings, Velocity};
+    use frangible_bodies::{BodyId, NewBody, Pose, StepSettings, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;
@@ -146,7 +157,7 @@ mod tests {
         Frame { dt: 1.0 / 30.0, gravity: DVec3::ZERO, settings: StepSettings::default() }
     }
 
-    /// A fast chip, and a block that moves in some way.
+    /// A fast chip, and a block with the given motion.
     fn chip_and_block(motion: Motion) -> Bodies {
         let mut bodies = Bodies::default();
         for (half, motion, position, linear, angular_momentum) in [
@@ -168,14 +179,19 @@ mod tests {
                 motion,
                 pose: Pose { position, orientation: DQuat::from_rotation_z(half) },
                 velocity: Velocity { linear, angular_momentum },
-                contactant: Contactant::new(0.0, 0.5),
+                surface: SurfaceProperties::new(0.0, 0.5),
             });
         }
         bodies
     }
 
-    fn debt(ids: &[BodyId], energy: f64) -> Debt {
-        Debt { ids: [ids[0], ids[1]], point: DVec3::new(0.0, -0.05, 0.0), energy, net: energy }
+    fn gain(ids: &[BodyId], energy: f64) -> EnergyGain {
+        EnergyGain {
+            ids: [ids[0], ids[1]],
+            point: DVec3::new(0.0, -0.05, 0.0),
+            energy,
+            net: energy,
+        }
     }
 
     fn momenta(bodies: &Bodies) -> (DVec3, DVec3) {
@@ -198,10 +214,10 @@ mod tests {
         (0..bodies.len()).filter(|&i| !bodies.inertias[i].is_infinite()).map(of).sum()
     }
 
-    /// A contact that gave much leaves a chip what it may bank, and no more than it gave is taken,
-    /// nor than all contacts of the chip gave, nor than it gained; whatever the block is, what
-    /// comes from outside is told: momenta and energy change by that, and by what was paid, which
-    /// is owed no more.
+    /// A contact with a large gain leaves the chip at its bank cap. The reduction never exceeds the
+    /// contact's gain, the net gain of the chip's contacts, or the chip's own gain. For every kind
+    /// of block the booked outside impulse matches the change of momenta, the energy change matches
+    /// work and repayment, and the gain shrinks by the repayment.
     #[test]
     fn what_a_contact_gave_flings_nothing() {
         let moving = Motion::Kinematic {
@@ -220,22 +236,26 @@ mod tests {
             ];
             for (gave, net, gained, paid) in cases {
                 let mut bodies = chip_and_block(motion);
-                let mut debts = [Debt { net, ..debt(&bodies.ids, gave) }];
+                let mut gains = [EnergyGain { net, ..gain(&bodies.ids, gave) }];
                 let (before, energy) = (momenta(&bodies), kinetic_energy(&bodies));
-                let mut tally = Tally::default();
-                let has_paid =
-                    restrain(&mut bodies, (&mut debts, &[gained, 0.0]), &frame(), &mut tally);
+                let mut accounts = FrameAccounts::default();
+                let has_paid = cap_ejection(
+                    &mut bodies,
+                    (&mut gains, &[gained, 0.0]),
+                    &frame(),
+                    &mut accounts,
+                );
                 assert_eq!(has_paid, paid != Some(0.0));
 
                 let after = momenta(&bodies);
                 let [given, turned] = [after.0 - before.0, after.1 - before.1];
-                assert!((given - tally.outside_impulse).length() < 1e-11, "{motion:?} {given}");
+                assert!((given - accounts.outside_impulse).length() < 1e-11, "{motion:?} {given}");
                 assert!(
-                    (turned - tally.outside_angular_impulse).length() < 1e-11,
+                    (turned - accounts.outside_angular_impulse).length() < 1e-11,
                     "{motion:?} {turned}"
                 );
-                let lost = energy + tally.causes.work - kinetic_energy(&bodies);
-                assert!((gave - lost - debts[0].energy).abs() < 1e-9, "{motion:?} {debts:?}");
+                let lost = energy + accounts.causes.work - kinetic_energy(&bodies);
+                assert!((gave - lost - gains[0].energy).abs() < 1e-9, "{motion:?} {gains:?}");
                 match paid {
                     Some(paid) => assert!((lost - paid).abs() < 1e-9, "{motion:?} {lost} {paid}"),
                     None => {
@@ -257,13 +277,18 @@ mod tests {
         }
     }
 
-    /// What moves along with a block is not slowed down, however fast the block is.
+    /// A body moving along with a block is not slowed, for any speed of the block.
     #[test]
     fn what_moves_along_goes_on() {
         let mut bodies =
             chip_and_block(Motion::Kinematic { linear: 20.0 * DVec3::X, angular: DVec3::ZERO });
         bodies.velocities[0] = Velocity { linear: 20.0 * DVec3::X, angular_momentum: DVec3::ZERO };
-        let debt = debt(&bodies.ids, 1e4);
-        assert!(!restrain(&mut bodies, (&mut [debt], &[1e4; 2]), &frame(), &mut Tally::default()));
+        let gain = gain(&bodies.ids, 1e4);
+        assert!(!cap_ejection(
+            &mut bodies,
+            (&mut [gain], &[1e4; 2]),
+            &frame(),
+            &mut FrameAccounts::default()
+        ));
     }
 }

@@ -1,69 +1,69 @@
-//! What an island pays: its relative velocities are scaled down, or stopped and its displacements
-//! shortened.
+//! Removal of an island's excess energy: scales its relative velocities, or stops them and shortens
+//! the displacements.
 
-use crate::energy::island::{Anchor, Ballistic, Island, energy, work_on};
+use crate::energy::frame_accounts::FrameAccounts;
+use crate::energy::island::{Anchor, ContactFreeState, Island, energy, work_on};
 use crate::energy::rigid_part::Twist;
-use crate::energy::tally::Tally;
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pose, Velocity};
 use glam::DVec3;
 
-/// What need not be found of what displacements change the energy by, relative to that: a
-/// micrometre of a metre's fall.
+/// Tolerance of the bisection, relative to the energy of the displacements: a micrometre per metre
+/// of fall.
 const CLOSE: f64 = 1e-6;
 
-/// Steps in which the displacements' part is sought, half of them halvings of an interval: 2^-20 of
-/// a displacement is no displacement.
+/// Maximum number of steps in search of the displacement fraction. Half of them are bisections:
+/// 2^-20 of a displacement is negligible.
 const MOST_STEPS: u32 = 40;
 
-/// Takes `excess` [J] out of an island, and books what its anchor has to do with it. Tells whether
-/// displacements had to be shortened.
-pub(crate) fn take_out(
+/// Takes `excess` [J] out of an island, and books the impulse and the work of its anchor. Returns
+/// true if displacements were shortened.
+pub(crate) fn reduce_energy(
     bodies: &mut Bodies,
     island: &mut Island,
-    flight: &Ballistic,
+    contact_free: &ContactFreeState,
     excess: f64,
     frame: &Frame,
-    tally: &mut Tally,
+    accounts: &mut FrameAccounts,
 ) -> bool {
-    // Scale the relative velocities so that the excess is gone, or stop them and shorten the
-    // displacements.
+    // Scale the relative velocities by the excess, or stop them and shorten the displacements.
     let motion = RelativeMotion::of(bodies, &island.members, island.anchor);
     let shortened = excess > motion.energy;
     if shortened {
-        // What came after the flight never happened, and the anchor did no work by it.
+        // Motion after the ballistic state is undone, and so is the anchor's work in it.
         let ids: Vec<BodyId> = island.members.iter().map(|&i| bodies.ids[i]).collect();
-        let undone = work_on(&tally.work, &ids) - work_on(&flight.work, &ids);
+        let undone = work_on(&accounts.work, &ids) - work_on(&contact_free.work, &ids);
         island.allowance -= undone;
-        tally.causes.work -= undone;
-        shorten(bodies, island, flight, motion.momenta, frame);
+        accounts.causes.work -= undone;
+        shorten(bodies, island, contact_free, motion.momenta, frame);
     } else {
         motion.lose(bodies, &island.members, excess);
     }
 
-    // What holds or carries the island gave it the change of its momenta, and did work by it.
+    // Book the change of momenta, and its work, to the anchor.
     if island.anchor != Anchor::Free {
         let change = motion.change(bodies, &island.members);
-        tally.outside_impulse += change.0;
-        tally.outside_angular_impulse += change.1;
+        accounts.outside_impulse += change.0;
+        accounts.outside_angular_impulse += change.1;
         let work = if shortened {
-            let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+            let flown =
+                momenta(bodies, &contact_free.poses, &contact_free.velocities, &island.members);
             let since = RelativeMotion { momenta: flown, ..motion };
             since.work(since.change(bodies, &island.members))
         } else {
             motion.work(change)
         };
-        tally.causes.work += work;
+        accounts.causes.work += work;
         island.allowance += work;
     }
     shortened
 }
 
-/// How some bodies move, and the rigid motion that they keep.
+/// Momenta and relative energy of bodies with respect to a rigid motion.
 pub(crate) struct RelativeMotion {
     rigid: Twist,
-    /// Linear and angular, about the world's origin.
+    /// Linear and angular momentum, about the world's origin.
     momenta: (DVec3, DVec3),
-    /// Of what is relative to the rigid motion [J].
+    /// Kinetic energy relative to the rigid motion [J].
     pub(crate) energy: f64,
 }
 
@@ -75,7 +75,7 @@ impl RelativeMotion {
         Self { rigid, momenta, energy }
     }
 
-    /// The bodies lose so much of the energy of what is relative, no more than all.
+    /// Reduces the relative energy by `energy` [J], at most to zero.
     pub(crate) fn lose(&self, bodies: &mut Bodies, members: &[usize], energy: f64) {
         let scale = (1.0 - energy / self.energy).sqrt();
         let mut velocities = std::mem::take(&mut bodies.velocities);
@@ -83,19 +83,19 @@ impl RelativeMotion {
         bodies.velocities = velocities;
     }
 
-    /// What their momenta have changed by since.
+    /// Change of momenta since construction.
     pub(crate) fn change(&self, bodies: &Bodies, members: &[usize]) -> (DVec3, DVec3) {
         let after = momenta(bodies, &bodies.poses, &bodies.velocities, members);
         (after.0 - self.momenta.0, after.1 - self.momenta.1)
     }
 
-    /// Work that the rigid motion does by a change of momenta [J].
+    /// Work of a change of momenta on the rigid motion [J].
     pub(crate) fn work(&self, (impulse, moment): (DVec3, DVec3)) -> f64 {
         self.rigid.work(impulse, moment)
     }
 }
 
-/// Linear and angular momentum, the latter about the world's origin.
+/// Linear momentum, and angular momentum about the world's origin.
 fn momenta(
     bodies: &Bodies,
     poses: &[Pose],
@@ -111,7 +111,7 @@ fn momenta(
     sums
 }
 
-/// The rigid motion that an island, or some bodies, keep, with the bodies at `poses`.
+/// Rigid motion of an island or a set of bodies, at `poses`.
 fn rigid_part(
     bodies: &Bodies,
     (members, anchor): (&[usize], Anchor),
@@ -130,29 +130,29 @@ fn rigid_part(
     }
 }
 
-/// Leaves the island its rigid motion only, and as much of its displacements off the flight as its
-/// energy allows.
+/// Reduces the island to its rigid motion, and its displacements off the ballistic path to the
+/// fraction within the energy allowance.
 fn shorten(
     bodies: &mut Bodies,
     island: &Island,
-    flight: &Ballistic,
+    contact_free: &ContactFreeState,
     present: (DVec3, DVec3),
     frame: &Frame,
 ) {
-    let flown = momenta(bodies, &flight.poses, &flight.velocities, &island.members);
+    let flown = momenta(bodies, &contact_free.poses, &contact_free.velocities, &island.members);
     let ends: Vec<Pose> = island.members.iter().map(|&i| bodies.poses[i]).collect();
     let (mut poses, mut velocities) =
         (std::mem::take(&mut bodies.poses), std::mem::take(&mut bodies.velocities));
     let place = |poses: &mut [Pose], part: f64| {
         for (&i, to) in island.members.iter().zip(&ends) {
-            let from = &flight.poses[i];
+            let from = &contact_free.poses[i];
             poses[i] = Pose {
                 position: from.position.lerp(to.position, part),
                 orientation: from.orientation.slerp(to.orientation, part),
             };
         }
     };
-    // The energy of the rigid motion, less the work that its anchor does to bring it about.
+    // Energy of the rigid motion, minus the anchor's work for it.
     let mut rigid_energy = |poses: &[Pose]| -> f64 {
         let rigid = rigid_part(bodies, (&island.members, island.anchor), poses, present);
         let mut total = 0.0;
@@ -167,8 +167,8 @@ fn shorten(
         total - rigid.work(after.0 - flown.0, after.1 - flown.1)
     };
 
-    // The largest part that the allowance pays for: along a straight line, as potential energy
-    // grows, and by halves in turns.
+    // Find the largest affordable fraction, alternating secant steps (potential energy grows
+    // linearly) and bisection.
     let allowed = island.allowance + island.bank;
     let mut energy_at = |part: f64| {
         place(&mut poses, part);

@@ -1,88 +1,86 @@
-//! Impulses that contact points carry from one frame to the next, and which body had which
-//! place then.
+//! Impulse cache for warm starting, across frames.
 
-use crate::manifold::Manifold;
+use crate::manifold::{FeatureId, Manifold};
 use frangible_bodies::{Bodies, BodyId, Pair, PerBody};
 use frangible_math::threads;
 use glam::Vec3;
 use std::ops::Range;
 
-/// Pairs that a thread looks up together: some ten microseconds of work.
+/// Pairs per lookup task: about ten microseconds of work.
 const SHARE: usize = 1024;
 
-/// What acted in the last substep of a frame at each contact point.
+/// Contact impulses of the last substep of a frame.
 #[derive(Clone, Debug, Default)]
-pub struct WarmStart {
-    /// Of some pairs each.
-    points: Vec<Vec<Carried>>,
-    /// Those that carried, in the order of [`Pair`].
-    pairs: Vec<CarriedPair>,
-    /// The dense index then of each body that was there.
+pub struct ImpulseCache {
+    /// One list per chunk.
+    points: Vec<Vec<CachedImpulse>>,
+    /// Pairs with impulses, in the order of [`Pair`].
+    pairs: Vec<CachedPair>,
+    /// Dense index of each body in the cached frame.
     places: PerBody<usize>,
 }
 
-/// Where the points of a pair are.
+/// Location of a pair's points.
 #[derive(Clone, Debug)]
-struct CarriedPair {
-    /// By dense indices of that frame.
+struct CachedPair {
+    /// Dense indices in the cached frame.
     pair: Pair,
     part: usize,
     points: Range<usize>,
 }
 
-/// What some pairs carried.
+/// Cached impulses of a group of pairs.
 #[derive(Default)]
-pub struct Part {
-    /// One after the other.
-    pub points: Vec<Carried>,
-    /// Place of each among all pairs, its bodies, and its end among the points.
+pub struct ImpulseChunk {
+    /// Points of all pairs, concatenated.
+    pub points: Vec<CachedImpulse>,
+    /// Per pair: manifold index, bodies, and end in `points`.
     pairs: Vec<(usize, Pair, usize)>,
 }
 
-/// A contact point and what it carried.
+/// Cached impulse of a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carried {
-    /// Whether it is a sample or feature of the pair's first body, and which.
-    pub sample: (bool, u64),
-    /// Impulses per second, since the next frame may have more or fewer substeps.
+pub struct CachedImpulse {
+    /// Feature of the point.
+    pub feature: FeatureId,
+    /// Impulses per second: the next frame may have another substep count.
     pub force: PointImpulse,
 }
 
-/// What acts at one contact point.
+/// Impulse at a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointImpulse {
-    /// The part along the normal, not negative [N s].
+    /// Normal component, not negative [N s].
     pub normal: f32,
-    /// In all, world frame [N s]: where a normal turns, as its points are found anew, it goes on as
-    /// it is.
+    /// Total, world frame [N s]: keeps its direction even if a recomputed normal rotates.
     pub force: Vec3,
-    /// Of rolling and spinning friction, world frame [N m s].
+    /// Moment of rolling and spinning friction, world frame [N m s].
     pub twist: Vec3,
-    /// Of the whole frame, blows included, per second: world frame [N].
+    /// Mean of the whole frame including impacts, per second: world frame [N].
     pub mean: Vec3,
 }
 
-impl WarmStart {
-    /// The points of a pair that carried.
+impl ImpulseCache {
+    /// Cached points of a pair.
     #[inline]
-    pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[Carried] {
+    pub fn of_pair(&self, bodies: &Bodies, pair: Pair) -> &[CachedImpulse] {
         let Some(pair) = self.pair_then(bodies, pair) else { return &[] };
         let found = self.pairs.binary_search_by_key(&pair, |kept| kept.pair);
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
     }
 
-    /// A pair by the dense indices of the last frame, if both of its bodies were there.
+    /// A pair in dense indices of the cached frame, if both bodies existed.
     fn pair_then(&self, bodies: &Bodies, pair: Pair) -> Option<Pair> {
         let [first, second] = pair.ids(bodies).map(|id| self.places.get(id));
         Some(Pair { first: first?, second: second? })
     }
 
-    fn points_of(&self, pair: &CarriedPair) -> &[Carried] {
+    fn points_of(&self, pair: &CachedPair) -> &[CachedImpulse] {
         &self.points[pair.part][pair.points.clone()]
     }
 
-    /// Those of many pairs: most of them come in the order of the last frame's.
-    pub fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[Carried]> {
+    /// Cached points of all manifolds; most pairs come in the cached order.
+    pub fn of_manifolds(&self, bodies: &Bodies, manifolds: &[Manifold]) -> Vec<&[CachedImpulse]> {
         let of_share = |manifolds: &[Manifold]| {
             let mut next = 0;
             let of = |manifold: &Manifold| {
@@ -98,18 +96,18 @@ impl WarmStart {
                     _ => &[],
                 }
             };
-            manifolds.iter().map(of).collect::<Vec<&[Carried]>>()
+            manifolds.iter().map(of).collect::<Vec<&[CachedImpulse]>>()
         };
         threads::map(manifolds.chunks(SHARE).collect(), manifolds.len(), of_share).concat()
     }
 
-    /// What a point carried.
+    /// Cached impulse of a point.
     #[inline]
-    pub fn get(&self, bodies: &Bodies, pair: Pair, sample: (bool, u64)) -> Option<&Carried> {
-        self.of_pair(bodies, pair).iter().find(|carried| carried.sample == sample)
+    pub fn get(&self, bodies: &Bodies, pair: Pair, feature: FeatureId) -> Option<&CachedImpulse> {
+        self.of_pair(bodies, pair).iter().find(|carried| carried.feature == feature)
     }
 
-    /// Forgets what contacts of some bodies carried.
+    /// Drops the cached impulses of contacts with the bodies `who`.
     pub fn forget(&mut self, who: &[BodyId]) {
         let mut places: Vec<usize> = who.iter().filter_map(|&id| self.places.get(id)).collect();
         places.sort_unstable();
@@ -117,9 +115,9 @@ impl WarmStart {
         self.pairs.retain(|kept| !is_forgotten(kept.pair.first) && !is_forgotten(kept.pair.second));
     }
 
-    /// Of so many pairs of these bodies, some of them in each part.
-    pub fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<Part>) -> Self {
-        let none = CarriedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
+    /// Builds the cache from chunks that hold disjoint sets of `pairs` manifolds.
+    pub fn of_parts(bodies: &Bodies, pairs: usize, parts: Vec<ImpulseChunk>) -> Self {
+        let none = CachedPair { pair: Pair { first: 0, second: 0 }, part: 0, points: 0..0 };
         let mut all = Self {
             points: Vec::with_capacity(parts.len()),
             pairs: vec![none; pairs],
@@ -128,10 +126,10 @@ impl WarmStart {
         for (place, &id) in bodies.ids.iter().enumerate() {
             all.places.insert(id, place);
         }
-        for Part { points, pairs } in parts {
+        for ImpulseChunk { points, pairs } in parts {
             let (part, mut begin) = (all.points.len(), 0);
             for (place, pair, end) in pairs {
-                all.pairs[place] = CarriedPair { pair, part, points: begin..end };
+                all.pairs[place] = CachedPair { pair, part, points: begin..end };
                 begin = end;
             }
             all.points.push(points);
@@ -144,20 +142,20 @@ impl WarmStart {
     }
 }
 
-impl Part {
-    /// For so many pairs that carried at so many points.
+impl ImpulseChunk {
+    /// Reserves capacity.
     pub fn with_room(pairs: usize, points: usize) -> Self {
         Self { points: Vec::with_capacity(points), pairs: Vec::with_capacity(pairs) }
     }
 
-    /// A pair that has some place among all carries what it carried.
+    /// Copies the pair's cached impulses unchanged; `place` is its manifold index.
     #[inline]
-    pub fn keep(&mut self, place: usize, pair: Pair, carried: &[Carried]) {
+    pub fn keep(&mut self, place: usize, pair: Pair, carried: &[CachedImpulse]) {
         self.points.extend_from_slice(carried);
         self.end_pair(place, pair);
     }
 
-    /// The points since the last pair are those of a pair that has some place among all.
+    /// Assigns the points since the last call to a pair; `place` is its manifold index.
     #[inline]
     pub fn end_pair(&mut self, place: usize, pair: Pair) {
         self.pairs.push((place, pair, self.points.len()));
