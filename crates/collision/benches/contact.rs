@@ -82,7 +82,7 @@ fn main() {
         let (find_pairs, pairs) =
             median(passes, || find_swept_pairs(&bodies, &ends, frame.speculative_margin(), &frame));
         let (find, manifolds) = median(passes, || {
-            ContactCache::default().find_manifolds(&bodies, &pairs, &warm, &frame).len()
+            ContactCache::default().find_manifolds(&bodies, &pairs, &warm, &frame).iter().count()
         });
         let each = 1e6 * find / pairs.len() as f64;
         println!("{count},{},{find_pairs:.2},{manifolds},{find:.2},{each:.0}", pairs.len());

@@ -75,6 +75,7 @@ impl ContactCache {
         self.chunks.resize_with(count, CacheChunk::default);
         self.finders.resize_with(count, ManifoldFinder::default);
         self.found.parts.resize_with(count, Found::default);
+        self.found.replaced.clear();
 
         // Each task takes a run of consecutive pairs.
         let Self { paths, chunks, last, finders, found } = self;

@@ -7,15 +7,18 @@ mod constraints;
 mod contact_batch;
 pub(crate) mod contact_forces;
 pub(crate) mod finish;
+mod friction;
 mod group;
 mod kernels;
 mod restitution;
+mod sides;
 mod slabs;
 mod sleep;
 mod solver_bodies;
 mod solver_islands;
 #[cfg(test)]
 mod tests;
+mod timeline;
 mod touching;
 
 use crate::energy::frame_accounts::FrameAccounts;

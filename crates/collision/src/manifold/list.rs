@@ -8,6 +8,8 @@ use frangible_bodies::Pair;
 pub struct Manifolds {
     /// One chunk per task, in order.
     pub(crate) parts: Vec<Found>,
+    /// Stand in the place of the same pairs of `parts`, or beside them.
+    pub(crate) replaced: Found,
 }
 
 /// Manifolds of consecutive pairs, with a common list of points.
@@ -29,44 +31,36 @@ struct FoundPair {
 impl Manifolds {
     /// Iterates over all manifolds.
     pub fn iter(&self) -> impl Iterator<Item = Manifold<'_>> {
-        self.parts.iter().flat_map(Found::iter)
+        let mut kept = self.parts.iter().flat_map(Found::iter).peekable();
+        let mut replaced = self.replaced.iter().peekable();
+        std::iter::from_fn(move || {
+            let Some(next) = replaced.peek() else { return kept.next() };
+            if let Some(before) = kept.next_if(|manifold| manifold.pair < next.pair) {
+                return Some(before);
+            }
+            kept.next_if(|manifold| manifold.pair == next.pair);
+            replaced.next()
+        })
     }
 
-    /// Iterates over pairs and their points.
+    /// Iterates over pairs and their points, before any are replaced.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
+        debug_assert!(self.replaced.pairs.is_empty());
         self.parts.iter_mut().flat_map(Found::iter_mut)
     }
 
-    /// Iterates over pairs and their approach speeds [m/s].
+    /// Iterates over pairs and their approach speeds [m/s], before any are replaced.
     pub fn approaches(&self) -> impl Iterator<Item = (Pair, f64)> {
+        debug_assert!(self.replaced.pairs.is_empty());
         self.parts.iter().flat_map(|part| &part.pairs).map(|found| (found.pair, found.approach))
     }
 
-    /// Replaces or inserts the points of pairs in increasing order.
+    /// Replaces or inserts the points of pairs in increasing order, once.
     pub fn replace(&mut self, pairs: &[(Pair, Vec<ManifoldPoint>)]) {
-        let mut merged = Found::default();
-        let mut new = pairs.iter().peekable();
-        for Manifold { pair, points } in self.iter() {
-            while let Some((before, points)) = new.next_if(|(new, _)| *new < pair) {
-                merged.add(*before, points.iter().copied());
-            }
-            match new.next_if(|(new, _)| *new == pair) {
-                Some((_, points)) => merged.add(pair, points.iter().copied()),
-                None => merged.add(pair, points.iter().copied()),
-            }
+        debug_assert!(self.replaced.pairs.is_empty() && pairs.is_sorted_by_key(|&(pair, _)| pair));
+        for (pair, points) in pairs {
+            self.replaced.add(*pair, points.iter().copied());
         }
-        new.for_each(|(pair, points)| merged.add(*pair, points.iter().copied()));
-        self.parts = vec![merged];
-    }
-
-    /// Number of manifolds.
-    pub fn len(&self) -> usize {
-        self.parts.iter().map(|part| part.pairs.len()).sum()
-    }
-
-    /// True without manifolds.
-    pub fn is_empty(&self) -> bool {
-        self.parts.iter().all(|part| part.pairs.is_empty())
     }
 }
 

@@ -3,10 +3,11 @@
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
-use super::restitution::{Timeline, propagate_impacts};
+use super::restitution::propagate_impacts;
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
+use super::timeline::Timeline;
 use super::touching::Touching;
 use frangible_bodies::{Bodies, Frame};
 use frangible_collision::{CachedImpulse, Manifold};

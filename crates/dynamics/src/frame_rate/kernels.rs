@@ -2,9 +2,10 @@
 //! after it [Cat24].
 
 use super::constraints::MOST_POINTS;
-use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
+use super::contact_batch::{ContactBatch, ENTRY};
+use super::sides::{Sides, shortened};
 use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SPINS};
-use frangible_math::{Instructions, Mask, Single, Single3, Symmetric};
+use frangible_math::{Instructions, Mask, Single, Single3};
 
 /// Half of the angle [rad] up to which arms keep their direction within a frame: the separation is
 /// then off by 1/500,000 of the arm. With 5 times this angle bodies on a turntable slip outward by
@@ -59,73 +60,6 @@ impl<I: Instructions> Softness<I> {
             impulse: Single::splat(1.0 / (1.0 + b)),
             yielding: Single::splat(1.0 / b),
         }
-    }
-}
-
-/// Both bodies of eight manifolds during a visit.
-pub(super) struct Sides<I> {
-    pub(super) of: [LaneVelocities<I>; 2],
-    pub(super) inertia: [Symmetric<Single<I>>; 2],
-}
-
-impl<I: Instructions> Sides<I> {
-    /// Applies an impulse along `normal` with its moments about both centres.
-    #[inline(always)]
-    pub(super) fn push(
-        &mut self,
-        normal: Single3<I>,
-        impulse: Single<I>,
-        moments: [Single3<I>; 2],
-    ) {
-        let [a, b] = &mut self.of;
-        a.linear = a.linear - normal * (a.inverse_mass * impulse);
-        b.linear = b.linear + normal * (b.inverse_mass * impulse);
-        a.angular = a.angular - self.inertia[0] * moments[0];
-        b.angular = b.angular + self.inertia[1] * moments[1];
-    }
-
-    /// Applies an impulse at arms relative to both centres.
-    #[inline(always)]
-    pub(super) fn push_at(&mut self, arms: [Single3<I>; 2], impulse: Single3<I>) {
-        let [a, b] = &mut self.of;
-        a.linear = a.linear - impulse * a.inverse_mass;
-        b.linear = b.linear + impulse * b.inverse_mass;
-        a.angular = a.angular - self.inertia[0] * arms[0].cross(impulse);
-        b.angular = b.angular + self.inertia[1] * arms[1].cross(impulse);
-    }
-
-    /// Twice the kinetic energy [J] of an impulse on bodies at rest, from its size and its moments.
-    #[inline(always)]
-    pub(super) fn work_of(&self, impulse: Single<I>, moments: [Single3<I>; 2]) -> Single<I> {
-        let inverse_mass = self.of[0].inverse_mass + self.of[1].inverse_mass;
-        impulse * impulse * inverse_mass
-            + moments[0].dot(self.inertia[0] * moments[0])
-            + moments[1].dot(self.inertia[1] * moments[1])
-    }
-
-    /// Scales the change of friction along both tangents to at most the change that stops the slip.
-    #[inline(always)]
-    pub(super) fn rub(
-        &self,
-        change: [Single<I>; 2],
-        slip: [Single<I>; 2],
-        tangents: [Single3<I>; 2],
-        centers: [Single3<I>; 2],
-    ) -> [Single<I>; 2] {
-        let impulse = tangents[0] * change[0] + tangents[1] * change[1];
-        let moments = [centers[0].cross(impulse), centers[1].cross(impulse)];
-        let size = impulse.dot(impulse).sqrt();
-        let lost = -(change[0] * slip[0] + change[1] * slip[1]);
-        let scale = shortened(self.work_of(size, moments), lost);
-        let scale = lost.above(Single::ZERO).select(scale, Single::same(1.0));
-        [change[0] * scale, change[1] * scale]
-    }
-
-    /// Relative velocity at arms relative to both centres.
-    #[inline(always)]
-    pub(super) fn velocity_at(&self, arms: [Single3<I>; 2]) -> Single3<I> {
-        let [a, b] = &self.of;
-        (b.linear + b.angular.cross(arms[1])) - (a.linear + a.angular.cross(arms[0]))
     }
 }
 
@@ -221,7 +155,7 @@ impl<I: Instructions> ContactBatch<I> {
     }
 
     #[inline(always)]
-    fn with_offsets(&self, centers: [Single3<I>; 2]) -> [Single3<I>; 2] {
+    pub(super) fn with_offsets(&self, centers: [Single3<I>; 2]) -> [Single3<I>; 2] {
         let n = self.normal;
         [centers[0] + n * self.offsets[0], centers[1] + n * self.offsets[1]]
     }
@@ -406,65 +340,6 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
-    /// Twisting and rolling friction, then Coulomb friction in two dimensions at the manifold's
-    /// centre.
-    #[inline(always)]
-    fn solve_friction(
-        &mut self,
-        sides: &mut Sides<I>,
-        at: &[LaneDisplacements<I>; 2],
-        total: Single<I>,
-        twist_arm: Single<I>,
-    ) {
-        let n = self.normal;
-        let tangents = [self.tangent, n.cross(self.tangent)];
-        let spin = sides.of[1].angular - sides.of[0].angular;
-        let most = self.friction_coefficient * twist_arm + self.spinning_friction * total;
-        let mut twist_inertia = self.twist_inertia;
-        if self.is_turned {
-            twist_inertia = reciprocal((sides.inertia[0] * n + sides.inertia[1] * n).dot(n));
-        }
-        let twist = (self.twist - twist_inertia * n.dot(spin)).min(most).max(-most);
-        let mut torque = n * (twist - self.twist);
-        self.twist = twist;
-        if let Some(rolling) = &mut self.rolling {
-            let slip = [spin.dot(tangents[0]), spin.dot(tangents[1])];
-            let wanted = stopping(rolling.impulse, rolling.effective_inertia, slip);
-            let impulse = clamp_to_cone(wanted, rolling.coefficient * total);
-            torque = torque
-                + tangents[0] * (impulse[0] - rolling.impulse[0])
-                + tangents[1] * (impulse[1] - rolling.impulse[1]);
-            rolling.impulse = impulse;
-        }
-        sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
-        sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
-        // Warm-started impulses may overshoot: friction work uses the slip after the solve.
-        let spin = sides.of[1].angular - sides.of[0].angular;
-        self.friction_work = self.friction_work + twist * n.dot(spin);
-        if let Some(rolling) = &self.rolling {
-            let [along, across] = rolling.impulse;
-            let torque = tangents[0] * along + tangents[1] * across;
-            self.friction_work = self.friction_work + torque.dot(spin);
-        }
-
-        let centers =
-            if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
-        let slip = sides.velocity_at(centers);
-        let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
-        let wanted = stopping(self.friction, self.tangent_mass, slip);
-        let mut friction = clamp_to_cone(wanted, self.friction_coefficient * total);
-        let mut change = [friction[0] - self.friction[0], friction[1] - self.friction[1]];
-        if self.is_turned {
-            change = sides.rub(change, slip, tangents, centers);
-            friction = [self.friction[0] + change[0], self.friction[1] + change[1]];
-        }
-        let change = tangents[0] * change[0] + tangents[1] * change[1];
-        self.friction = friction;
-        sides.push_at(centers, change);
-        let force = tangents[0] * friction[0] + tangents[1] * friction[1];
-        self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
-    }
-
     /// Adds the work of kinematic bodies by the impulses of a substep or an impact.
     #[inline(always)]
     pub(super) fn note_driven_work(
@@ -500,39 +375,9 @@ impl<I: Instructions> ContactBatch<I> {
     }
 }
 
-/// Scale in [0, 1] that limits the work of an impulse to the expected work.
-#[inline(always)]
-pub(super) fn shortened<I: Instructions>(work: Single<I>, expected: Single<I>) -> Single<I> {
-    // Rounding may turn an expected work of zero negative.
-    let expected = expected.max(Single::ZERO);
-    work.above(expected).select(expected / work, Single::same(1.0))
-}
-
 /// True if any body has turned beyond [`HALF_TURN`].
 #[inline(always)]
 fn has_turned<I: Instructions>(at: &[LaneDisplacements<I>; 2]) -> bool {
     let squared = at[0].vector.dot(at[0].vector).max(at[1].vector.dot(at[1].vector));
     squared.above(Single::same(HALF_TURN * HALF_TURN)).any()
-}
-
-/// Accumulated impulse that stops a two-dimensional slip.
-#[inline(always)]
-pub(super) fn stopping<I: Instructions>(
-    impulse: [Single<I>; 2],
-    [xx, yy, xy]: [Single<I>; 3],
-    [x, y]: [Single<I>; 2],
-) -> [Single<I>; 2] {
-    [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)]
-}
-
-/// Clamps a vector to length `most`.
-#[inline(always)]
-pub(super) fn clamp_to_cone<I: Instructions>(
-    [x, y]: [Single<I>; 2],
-    most: Single<I>,
-) -> [Single<I>; 2] {
-    let squared = x * x + y * y;
-    let is_over = squared.above(most * most);
-    let scale = is_over.select(most / squared.sqrt(), Single::same(1.0));
-    [x * scale, y * scale]
 }

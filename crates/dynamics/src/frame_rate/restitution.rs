@@ -3,8 +3,10 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
-use super::kernels::{Sides, Substep, clamp_to_cone, shortened, stopping};
-use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodies, SolverBody};
+use super::kernels::Substep;
+use super::sides::{Sides, shortened};
+use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodies};
+use super::timeline::{BatchLines, Timeline};
 use super::touching::Touching;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
 
@@ -41,7 +43,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
             from = at + 1;
             let batch = &mut batches[at];
             let lines = &bodies.lines(batch.first_line..bodies.lines.len());
-            let of_batch = LinesOf::new(batch);
+            let of_batch = BatchLines::new(batch);
             let meeting = batch.meeting(lines, of_batch.clocks(timeline), substep);
             of_batch.claim(timeline, meeting.hits, meeting.first.to_array());
             timeline.needs[at] = meeting.needs.to_array();
@@ -60,7 +62,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
             }
             visits -= 1;
             let batch = &mut batches[at];
-            let of_batch = LinesOf::new(batch);
+            let of_batch = BatchLines::new(batch);
             let mut lines = bodies.lines(batch.first_line..bodies.lines.len());
             let changes = batch.bounce(&mut lines, (timeline, of_batch), substep);
             if batch.may_bounce {
@@ -87,175 +89,6 @@ pub(super) fn propagate_impacts<I: Instructions>(
     asked.clear();
     (timeline.asked, timeline.coming) = (asked, coming);
     timeline.end();
-}
-
-/// Impact times of bodies within a substep.
-pub(super) struct Timeline {
-    round: u32,
-    /// Round of each body's last velocity change.
-    changed: Vec<u32>,
-    /// Time of each body's next impact in this round, and of its last impact in this substep [s].
-    next: Vec<f32>,
-    last: Vec<f32>,
-    /// Lines with times to reset.
-    claimed: Vec<usize>,
-    bounced: Vec<usize>,
-    is_movable: Vec<bool>,
-    /// Batches to test for impacts, and batches with impacts; both empty between substeps.
-    asked: Numbers,
-    coming: Numbers,
-    /// Velocity change of each lane that would cause an impact [m/s].
-    needs: Vec<[f32; LANES]>,
-}
-
-/// A set of batch indices with extraction in ascending order.
-#[derive(Default)]
-struct Numbers {
-    /// One bit per index.
-    words: Vec<u64>,
-}
-
-impl Numbers {
-    fn below(most: usize) -> Self {
-        Self { words: vec![0; most.div_ceil(64)] }
-    }
-
-    fn insert(&mut self, number: usize) {
-        self.words[number / 64] |= 1 << (number % 64);
-    }
-
-    fn clear(&mut self) {
-        self.words.fill(0);
-    }
-
-    fn is_empty(&self) -> bool {
-        self.words.iter().all(|&word| word == 0)
-    }
-
-    /// Removes and returns the smallest index not below `from`.
-    fn take_from(&mut self, from: usize) -> Option<usize> {
-        let first = self.words.get(from / 64)? & (u64::MAX << (from % 64));
-        let mut at = from / 64;
-        let mut word = first;
-        while word == 0 {
-            at += 1;
-            word = *self.words.get(at)?;
-        }
-        let bit = word.trailing_zeros();
-        self.words[at] &= !(1 << bit);
-        Some(64 * at + bit as usize)
-    }
-}
-
-/// Solver lines of a batch.
-#[derive(Clone, Copy)]
-struct LinesOf {
-    lines: [[usize; LANES]; 2],
-}
-
-impl Timeline {
-    pub(super) fn new(bodies: &SolverBodies, batches: usize) -> Self {
-        let is_movable: Vec<bool> = bodies.lines.iter().map(SolverBody::is_movable).collect();
-        let count = is_movable.len();
-        Self {
-            round: 1,
-            changed: vec![0; count],
-            next: vec![f32::INFINITY; count],
-            last: vec![0.0; count],
-            claimed: Vec::new(),
-            bounced: Vec::new(),
-            is_movable,
-            asked: Numbers::below(batches),
-            coming: Numbers::below(batches),
-            needs: vec![[0.0; LANES]; batches],
-        }
-    }
-
-    fn next_round(&mut self) {
-        self.round += 1;
-        for line in self.claimed.drain(..) {
-            self.next[line] = f32::INFINITY;
-        }
-    }
-
-    /// Resets all times at the end of a substep.
-    fn end(&mut self) {
-        self.next_round();
-        for line in self.bounced.drain(..) {
-            self.last[line] = 0.0;
-        }
-    }
-}
-
-impl LinesOf {
-    fn new<I>(batch: &ContactBatch<I>) -> Self {
-        Self { lines: batch.lines() }
-    }
-
-    /// Time of the last impact of either body of each lane [s].
-    fn clocks(&self, timeline: &Timeline) -> [f32; LANES] {
-        std::array::from_fn(|lane| {
-            let [first, second] = [0, 1].map(|side| timeline.last[self.lines[side][lane]]);
-            first.max(second)
-        })
-    }
-
-    fn movable(self, timeline: &Timeline, lane: usize) -> impl Iterator<Item = usize> + use<> {
-        let lines = [0, 1].map(|side| self.lines[side][lane]);
-        let is_movable = lines.map(|line| timeline.is_movable[line]);
-        (0..2).filter(move |&side| is_movable[side]).map(move |side| lines[side])
-    }
-
-    /// Bodies with a changed velocity, and an upper bound of the change [m/s].
-    fn changed(
-        self,
-        timeline: &Timeline,
-        by: [[f32; LANES]; 2],
-    ) -> impl Iterator<Item = (usize, f32)> + use<> {
-        let of_line = |side: usize, lane: usize| {
-            let line = self.lines[side][lane];
-            (timeline.is_movable[line] && by[side][lane] > 0.0).then_some((line, by[side][lane]))
-        };
-        let all: [[Option<(usize, f32)>; LANES]; 2] =
-            std::array::from_fn(|side| std::array::from_fn(|lane| of_line(side, lane)));
-        all.into_iter().flatten().flatten()
-    }
-
-    /// Registers the times of possible impacts [s].
-    fn claim(&self, timeline: &mut Timeline, lanes: Mask, times: [f32; LANES]) {
-        for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
-            for line in self.movable(timeline, lane) {
-                timeline.claimed.push(line);
-                timeline.next[line] = timeline.next[line].min(times[lane]);
-            }
-        }
-    }
-
-    /// Lanes in which neither body has an earlier impact. A body may bounce several times in a
-    /// round at the same time.
-    fn are_next(&self, timeline: &Timeline, lanes: Mask, times: [f32; LANES]) -> Mask {
-        let mut are_next = Mask::NONE;
-        for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
-            let is_next = |line: usize| {
-                let is_known = timeline.changed[line] != timeline.round;
-                let earliest = if is_known { timeline.next[line] } else { timeline.last[line] };
-                times[lane] <= earliest
-            };
-            are_next.set(lane, self.movable(timeline, lane).all(is_next));
-        }
-        are_next
-    }
-
-    /// Registers the impacts of some lanes.
-    fn mark(&self, timeline: &mut Timeline, lanes: Mask, times: [f32; LANES]) {
-        for lane in (0..LANES).filter(|&lane| lanes.get(lane)) {
-            for line in self.movable(timeline, lane) {
-                timeline.changed[line] = timeline.round;
-                timeline.last[line] = timeline.last[line].max(times[lane]);
-                timeline.bounced.push(line);
-            }
-        }
-    }
 }
 
 /// Points of a batch that meet within a substep.
@@ -328,7 +161,7 @@ impl<I: Instructions> ContactBatch<I> {
     fn bounce(
         &mut self,
         lines: &mut Lines,
-        (timeline, of_batch): (&mut Timeline, LinesOf),
+        (timeline, of_batch): (&mut Timeline, BatchLines),
         substep: &Substep<I>,
     ) -> [[f32; LANES]; 2] {
         let zero = Single::<I>::ZERO;
@@ -438,52 +271,5 @@ impl<I: Instructions> ContactBatch<I> {
             }
         }
         impulses
-    }
-
-    /// Friction of an impact with normal impulse `sum`, and the slip before it along both tangents.
-    #[inline(always)]
-    fn rub_impact(
-        &self,
-        sides: &mut Sides<I>,
-        at: &[LaneDisplacements<I>; 2],
-        sum: Single<I>,
-    ) -> ([Single<I>; 2], [Single<I>; 2]) {
-        let zero = Single::ZERO;
-        let centers = self.turned_centers(at);
-        let tangents = [self.tangent, self.normal.cross(self.tangent)];
-        let slip = sides.velocity_at(centers);
-        let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
-        let wanted = stopping([zero; 2], self.tangent_mass, slip);
-        let most = self.friction_coefficient * sum;
-        let friction = clamp_to_cone(wanted, most);
-        let rubs = sum.above(zero);
-        let friction = [rubs.select(friction[0], zero), rubs.select(friction[1], zero)];
-        let friction = sides.rub(friction, slip, tangents, centers);
-        sides.push_at(centers, tangents[0] * friction[0] + tangents[1] * friction[1]);
-        (friction, slip)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Indices come out in ascending order from the query on, including later inserts; smaller
-    /// indices stay.
-    #[test]
-    fn numbers_are_taken_in_order() {
-        let mut numbers = Numbers::below(200);
-        [3, 64, 63, 199, 0, 128].into_iter().for_each(|number| numbers.insert(number));
-        let (mut from, mut taken) = (1, Vec::new());
-        while let Some(number) = numbers.take_from(from) {
-            taken.push(number);
-            from = number + 1;
-            if number == 64 {
-                [63, 65].into_iter().for_each(|number| numbers.insert(number));
-            }
-        }
-        assert_eq!(taken, [3, 63, 64, 65, 128, 199]);
-        assert_eq!([numbers.take_from(0), numbers.take_from(0)], [Some(0), Some(63)]);
-        assert!(numbers.is_empty());
     }
 }

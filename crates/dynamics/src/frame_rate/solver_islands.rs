@@ -93,7 +93,9 @@ impl IslandGroups {
                     last = last.max(bodies.activities[i].substeps);
                 }
             }
-            let needed = (needed as f32).max(forgets * last.needed);
+            // A demand beyond the count is an impact's, which is over.
+            let remembered = forgets * last.needed.min(last.count as f32);
+            let needed = (needed as f32).max(remembered);
             let count = count(needed, last.count, island.len(), frame);
             short_of_substeps += usize::from((count as f32) < needed);
             let bodies_of = island.iter().flat_map(|&number| manifolds[number].pair.both());

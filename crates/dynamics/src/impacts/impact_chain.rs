@@ -47,16 +47,16 @@ pub fn find_impact_chain(
         return;
     };
     let mut finder = ManifoldFinder::default();
-    let mut pairs: Vec<Pair> = swept.pairs.iter().chain(&more).copied().collect();
-    pairs.sort_unstable();
+    let further = |pair: &Pair| {
+        deviations[pair.first].against(pair.second) + deviations[pair.second].against(pair.first)
+    };
+    let all = swept.pairs.iter().chain(&more).copied();
+    let mut pairs: Vec<(Pair, f64)> =
+        all.map(|pair| (pair, further(&pair))).filter(|&(_, further)| further > 0.0).collect();
+    pairs.sort_unstable_by_key(|&(pair, _)| pair);
     let mut found = Vec::new();
     let mut known = manifolds.iter().peekable();
-    for pair in pairs {
-        let further = deviations[pair.first].against(pair.second)
-            + deviations[pair.second].against(pair.first);
-        if further <= 0.0 {
-            continue;
-        }
+    for (pair, further) in pairs {
         while known.next_if(|manifold| manifold.pair < pair).is_some() {}
         // Face contacts already have all their points.
         let touches = known.peek().is_some_and(|manifold| {

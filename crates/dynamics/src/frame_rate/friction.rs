@@ -1,0 +1,109 @@
+//! Friction of a batch: Coulomb's at the middle of the contact patch, twisting, and rolling.
+
+use super::contact_batch::{ContactBatch, reciprocal};
+use super::sides::Sides;
+use super::solver_bodies::LaneDisplacements;
+use frangible_math::{Instructions, Single};
+
+impl<I: Instructions> ContactBatch<I> {
+    /// Twisting and rolling friction, then Coulomb friction in two dimensions at the manifold's
+    /// centre.
+    #[inline(always)]
+    pub(super) fn solve_friction(
+        &mut self,
+        sides: &mut Sides<I>,
+        at: &[LaneDisplacements<I>; 2],
+        total: Single<I>,
+        twist_arm: Single<I>,
+    ) {
+        let n = self.normal;
+        let tangents = [self.tangent, n.cross(self.tangent)];
+        let spin = sides.of[1].angular - sides.of[0].angular;
+        let most = self.friction_coefficient * twist_arm + self.spinning_friction * total;
+        let mut twist_inertia = self.twist_inertia;
+        if self.is_turned {
+            twist_inertia = reciprocal((sides.inertia[0] * n + sides.inertia[1] * n).dot(n));
+        }
+        let twist = (self.twist - twist_inertia * n.dot(spin)).min(most).max(-most);
+        let mut torque = n * (twist - self.twist);
+        self.twist = twist;
+        if let Some(rolling) = &mut self.rolling {
+            let slip = [spin.dot(tangents[0]), spin.dot(tangents[1])];
+            let wanted = stopping(rolling.impulse, rolling.effective_inertia, slip);
+            let impulse = clamp_to_cone(wanted, rolling.coefficient * total);
+            torque = torque
+                + tangents[0] * (impulse[0] - rolling.impulse[0])
+                + tangents[1] * (impulse[1] - rolling.impulse[1]);
+            rolling.impulse = impulse;
+        }
+        sides.of[0].angular = sides.of[0].angular - sides.inertia[0] * torque;
+        sides.of[1].angular = sides.of[1].angular + sides.inertia[1] * torque;
+        // Warm-started impulses may overshoot: friction work uses the slip after the solve.
+        let spin = sides.of[1].angular - sides.of[0].angular;
+        self.friction_work = self.friction_work + twist * n.dot(spin);
+        if let Some(rolling) = &self.rolling {
+            let [along, across] = rolling.impulse;
+            let torque = tangents[0] * along + tangents[1] * across;
+            self.friction_work = self.friction_work + torque.dot(spin);
+        }
+
+        let centers =
+            if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
+        let slip = sides.velocity_at(centers);
+        let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
+        let wanted = stopping(self.friction, self.tangent_mass, slip);
+        let mut friction = clamp_to_cone(wanted, self.friction_coefficient * total);
+        let mut change = [friction[0] - self.friction[0], friction[1] - self.friction[1]];
+        if self.is_turned {
+            change = sides.rub(change, slip, tangents, centers);
+            friction = [self.friction[0] + change[0], self.friction[1] + change[1]];
+        }
+        let change = tangents[0] * change[0] + tangents[1] * change[1];
+        self.friction = friction;
+        sides.push_at(centers, change);
+        let force = tangents[0] * friction[0] + tangents[1] * friction[1];
+        self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
+    }
+
+    /// Friction of an impact with normal impulse `sum`, and the slip before it along both tangents.
+    #[inline(always)]
+    pub(super) fn rub_impact(
+        &self,
+        sides: &mut Sides<I>,
+        at: &[LaneDisplacements<I>; 2],
+        sum: Single<I>,
+    ) -> ([Single<I>; 2], [Single<I>; 2]) {
+        let zero = Single::ZERO;
+        let centers = self.turned_centers(at);
+        let tangents = [self.tangent, self.normal.cross(self.tangent)];
+        let slip = sides.velocity_at(centers);
+        let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
+        let wanted = stopping([zero; 2], self.tangent_mass, slip);
+        let most = self.friction_coefficient * sum;
+        let friction = clamp_to_cone(wanted, most);
+        let rubs = sum.above(zero);
+        let friction = [rubs.select(friction[0], zero), rubs.select(friction[1], zero)];
+        let friction = sides.rub(friction, slip, tangents, centers);
+        sides.push_at(centers, tangents[0] * friction[0] + tangents[1] * friction[1]);
+        (friction, slip)
+    }
+}
+
+/// Accumulated impulse that stops a two-dimensional slip.
+#[inline(always)]
+fn stopping<I: Instructions>(
+    impulse: [Single<I>; 2],
+    [xx, yy, xy]: [Single<I>; 3],
+    [x, y]: [Single<I>; 2],
+) -> [Single<I>; 2] {
+    [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)]
+}
+
+/// Clamps a vector to length `most`.
+#[inline(always)]
+fn clamp_to_cone<I: Instructions>([x, y]: [Single<I>; 2], most: Single<I>) -> [Single<I>; 2] {
+    let squared = x * x + y * y;
+    let is_over = squared.above(most * most);
+    let scale = is_over.select(most / squared.sqrt(), Single::same(1.0));
+    [x * scale, y * scale]
+}
