@@ -9,7 +9,7 @@ import csv
 
 import numpy as np
 from frangible import Pattern
-from frangible.plot import BLACK, COLOURS
+from frangible.render.plot import BLACK, COLOURS
 from matplotlib.figure import Figure
 
 SEEDS = range(1, 11)

@@ -7,10 +7,10 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-from .cleaning import CleanMesh
+from .bench.verification import Finding
+from .breaking.cleaning import CleanMesh
 from .pieces import Contact
 from .report import StepReport
-from .verification import Finding
 
 __all__ = [
     "BuildError",

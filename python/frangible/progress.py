@@ -13,7 +13,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from .recording import ProgressCallback
 
-
 #: Told what begins.
 StageCallback = Callable[[str], None]
 #: A stage that takes longer is worth a line [s].

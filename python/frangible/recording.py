@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
 UInt32 = npt.NDArray[np.uint32]
 Bool = npt.NDArray[np.bool_]
 
@@ -143,20 +144,20 @@ class Recording:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, .html to play it, .png for a picture."""
-        from .output import open_output
+        from .io.output import open_output
 
         open_output(os.fspath(path)).write(self)
 
     def plot(self, path: str | os.PathLike[str]) -> None:
         """Draw energy by cause and momentum over time, as .png, .svg or .pdf."""
-        from .output import open_plot
+        from .io.output import open_plot
 
         open_plot(os.fspath(path)).write(self)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Recording:
         """Read a recording back from a ``.npz`` cache."""
-        from .cache import read_npz
+        from .io.cache import read_npz
 
         return read_npz(os.fspath(path))
 

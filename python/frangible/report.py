@@ -147,7 +147,7 @@ class StepReport(TypedDict):
     #: In order.
     fractures: list[Fracture]
     #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
-    #: books.
+    #: energy report.
     quarantined: list[Quarantined]
     #: Wall-clock time of each stage [ms], in order.
     stages: list[tuple[str, float]]

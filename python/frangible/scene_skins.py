@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from . import _frangible
-from .mesh_skin import MeshSkin, read_skin
+from .breaking.mesh_skin import MeshSkin, read_skin
+from .breaking.volumes import volumes_differ
 from .recording import Bool, Float32, Float64, UInt32, rotation_matrix
 from .skin import Skin
-from .volumes import volumes_differ
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
 DEFAULT_VOXELS = 64

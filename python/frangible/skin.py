@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from .materials import Material
+from .materials import Material
 
 #: The material of a triangle that has none of the file's.
 NO_MATERIAL = -1

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 from frangible import Recording
-from frangible.camera import Camera
 from frangible.recording import Body
+from frangible.render.camera import Camera
 
 #: Width over height of pictures.
 ASPECT = 16 / 9

@@ -12,7 +12,6 @@ import pytest
 from frangible import BuildError, Recording, World, shot_frames, shot_scene
 from frangible.cli import main
 
-
 HERE = Path(__file__).parent
 
 

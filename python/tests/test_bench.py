@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frangible import World, peers, pile_file, shot_frames, shot_scene
-from frangible.bench import COLUMNS, SHOTS, append_rows, describe_bench, shots_to_bench
+from frangible import World, shot_frames, shot_scene
+from frangible.bench import peers, pile_file
+from frangible.bench.pile_file import Pile, load_states
+from frangible.bench.run_process import LAST_FRAMES, STATE, Request, run_apart, run_here
+from frangible.bench.stage_times import COLUMNS, SHOTS, append_rows, describe_bench, shots_to_bench
+from frangible.bench.standing import Standing
 from frangible.cli import main
-from frangible.pile_file import Pile, load_states
-from frangible.standing import Standing
-from frangible.stepping import LAST_FRAMES, STATE, Request, run_apart, run_here
 
 
 def test_a_benchmark_ends_with_what_a_run_says_and_times_by_stage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

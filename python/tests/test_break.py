@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from frangible import Pattern, Piece, Pieces, break_mesh
 from frangible._frangible import load_mesh, mesh_mass
-from frangible.boolean import arrays, cut, labelled
+from frangible.breaking.exact_cut import arrays, cut, labelled
 from frangible.cli import main
 from manifold3d import Manifold
 from pxr import Usd, UsdGeom, UsdShade
@@ -186,7 +186,7 @@ def test_drawn_cells_that_nearly_fit_cut_a_mesh_into_all_of_it(size: float, cros
 
 def test_a_gap_around_a_cell_leaves_the_cell_what_it_is() -> None:
     """The gap is a shell: it goes to its neighbour without what it encloses."""
-    from frangible.boolean import as_manifold
+    from frangible.breaking.exact_cut import as_manifold
 
     def cutter(*meshes: Mesh) -> Any:
         vertices, triangles = joined(*meshes)
@@ -348,7 +348,7 @@ def test_one_obj_holds_all_pieces(cross_file: Path, tmp_path: Path) -> None:
 def test_a_missing_library_is_named_with_the_way_to_get_it(
     cross_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     arguments = ["break", str(cross_file), "--pattern", "voronoi", "--exact", "--out", str(tmp_path / "pieces.glb")]
     assert main(arguments) == 2
     assert "pip install 'frangible[exact]'" in capsys.readouterr().err

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Recording
-from frangible.cache import CacheError, read_npz, write_npz
 from frangible.cli import main
+from frangible.errors import CacheError
+from frangible.io.cache import read_npz, write_npz
 from pxr import Usd
 
 

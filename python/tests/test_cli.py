@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from frangible import Recording, __version__, shot_defaults, shots
 from frangible.cli import main
-from frangible.shot_groups import GROUPS, OTHERS
+from frangible.cli.shot_groups import GROUPS, OTHERS
 
 
 def frangible(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -116,7 +116,7 @@ def test_folders_of_outputs_are_made_and_one_failure_leaves_the_others(
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("frangible.cache.write_npz", fail)
+    monkeypatch.setattr("frangible.io.cache.write_npz", fail)
     bad, good = tmp_path / "bad.npz", tmp_path / "new" / "deep" / "good.glb"
     assert main(["run", "wall", "--frames", "2", "--out", str(bad), "--out", str(good)]) == 1
     captured = capsys.readouterr()

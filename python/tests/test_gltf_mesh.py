@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from frangible import BuildError, mesh_info, run
 from frangible.cli import main
-from frangible.gltf_document import own_file
-from frangible.usd_mesh import readable_mesh
+from frangible.io.gltf_document import own_file
+from frangible.io.usd_mesh import readable_mesh
 
 #: A cube from (0, 0, 0) to (1, 1, 1).
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
@@ -213,7 +213,7 @@ def test_what_draco_packed_is_unpacked(tmp_path: Path) -> None:
 def test_without_the_package_for_draco_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made = Made().cube()
     made.uses("KHR_draco_mesh_compression")
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(BuildError, match=r"is compressed with Draco: .*pip install 'frangible\[gltf\]'"):
         info(made.save(tmp_path))
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from frangible import Pattern, Piece, Pieces, Recording, break_mesh
 from frangible.cli import main
-from frangible.gltf import write_pieces as write_gltf
+from frangible.io.gltf import write_pieces as write_gltf
+from frangible.io.usd import write_pieces as write_usd
 from frangible.materials import Image, Material
 from frangible.skin import Skin
-from frangible.usd import write_pieces as write_usd
 from pxr import Usd, UsdGeom, UsdShade
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 from test_gltf import khronos_report, objections, parse
@@ -279,6 +279,6 @@ def test_without_the_library_the_grid_stands_in(folder: Path, monkeypatch: pytes
     path = folder / "brick.obj"
     lines = ["v %r %r %r" % tuple(v) for v in CUBE_VERTICES.astype(float).tolist()]
     path.write_text("\n".join([*lines, *("f %d %d %d" % tuple(t) for t in (CUBE_TRIANGLES + 1).tolist())]))
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     pieces = break_mesh(path, Pattern.named("voronoi", cells=5), voxels=32)
     assert pieces.notes[-1].startswith("cutting the mesh itself needs an optional package, install it with: pip install")

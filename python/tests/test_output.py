@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from frangible import OutputError, Recording, _frangible
 from frangible.cli import main
-from frangible.output import open_output
-from frangible.whole import whole_file, whole_folder
+from frangible.io.output import open_output
+from frangible.io.whole import whole_file, whole_folder
 
 
 def test_a_file_takes_its_name_only_when_it_is_whole(tmp_path: Path) -> None:
@@ -54,10 +54,11 @@ def test_every_writer_leaves_nothing_of_a_recording_that_it_cannot_write(
 def test_a_run_that_is_asked_to_end_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
     script = (
         "import sys, time\n"
-        "from frangible import cli, output\n"
+        "from frangible import cli\n"
+        "from frangible.io.whole import whole_file\n"
         "from frangible.cli import run as module\n"
         "def run(options):\n"
-        "    with output.whole_file(sys.argv[1]) as part:\n"
+        "    with whole_file(sys.argv[1]) as part:\n"
         "        open(part, 'w').write('half')\n"
         "        print('writing', flush=True)\n"
         "        time.sleep(60)\n"
@@ -165,7 +166,7 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
     def fail(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("frangible.pieces_files._write_report", fail)
+    monkeypatch.setattr("frangible.io.pieces_output._write_report", fail)
     assert main([*command, "2"]) == 1
     monkeypatch.undo()
     assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == ["mesh.obj", "pieces"]
@@ -192,13 +193,13 @@ def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp
 
 
 def test_a_missing_optional_package_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(OutputError, match=r"pip install 'frangible\[usd\]'"):
         open_output(str(tmp_path / "wall.usdc"))
 
 
 def test_a_picture_shows_the_bodies_on_the_floor(scripted: Recording) -> None:
-    from frangible.render import picture
+    from frangible.render.picture import picture
 
     scripted = replace(scripted, bodies=[replace(body, look=None) for body in scripted.bodies])
     image = picture(scripted, 5, width=160, height=90).astype(int)
@@ -237,8 +238,8 @@ def test_the_compiled_module_names_no_folder_of_the_machine_that_built_it() -> N
 
 
 def test_glass_lets_through_what_lies_behind(scripted: Recording) -> None:
-    from frangible.camera import Camera
-    from frangible.render import picture
+    from frangible.render.camera import Camera
+    from frangible.render.picture import picture
 
     brick = replace(scripted.body(4), interior=np.zeros(12, bool), look="brick")
     before_it = brick.positions + [-0.5, 0.5, 1.1]

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import OutputError, Recording
-from frangible.camera import frame_recording
+from frangible.io.page import ASPECT, DATA, PLAYER, TITLE
+from frangible.io.page_data import encode
 from frangible.materials import Image, Material
-from frangible.page import ASPECT, DATA, PLAYER, TITLE
-from frangible.page_data import encode
 from frangible.recording import Body
-from frangible.render import picture
+from frangible.render.camera import frame_recording
+from frangible.render.picture import picture
 from frangible.skin import Skin
 from PIL import Image as Pillow
 from support import TOOLS
@@ -125,7 +125,7 @@ def test_a_recording_with_nothing_in_it_is_a_page(scripted: Recording, tmp_path:
 def test_a_missing_player_is_a_sentence(
     scripted: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("frangible.page.PLAYER", PLAYER.with_name("nothing.html"))
+    monkeypatch.setattr("frangible.io.page.PLAYER", PLAYER.with_name("nothing.html"))
     with pytest.raises(OutputError, match=r"npm ci && npm run build"):
         scripted.save(tmp_path / "slab.html")
     assert os.listdir(tmp_path) == []

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import Pattern, patterns
+from frangible.breaking.pattern import exploded
 from frangible.cli import main
-from frangible.pattern import exploded
 from PIL import Image
 
 

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from frangible import _frangible
-from frangible.breaking import break_mesh
+from frangible.breaking.break_mesh import break_mesh
+from frangible.breaking.piece_count import difference
 from frangible.cli import main
-from frangible.piece_count import difference
 
 KINDS = [name for name, _ in _frangible.patterns()]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import CacheError, OutputError, Recording
-from frangible.books import read_books
 from frangible.cli import main
-from frangible.plot import draw
+from frangible.render.energy_series import read_energy_series
+from frangible.render.plot import draw
 from matplotlib.axes import Axes
 
 
@@ -35,7 +35,7 @@ def told(scripted: Recording) -> Recording:
 
 
 def test_books_are_sums_over_the_frames(told: Recording) -> None:
-    books = read_books(told)
+    books = read_energy_series(told)
     assert books.times.tolist() == [0.5, 1.0, 1.5]
     assert books.potential.tolist() == [1.0, 2.0, 0.0]
     assert books.total.tolist() == [15.0, 10.0, 8.0]
@@ -54,7 +54,7 @@ def test_books_are_sums_over_the_frames(told: Recording) -> None:
 
 
 def test_a_run_keeps_below_its_bound_and_every_cause_is_counted(wall: Recording) -> None:
-    books = read_books(wall)
+    books = read_energy_series(wall)
     scale = books.available.max()
     assert np.all(books.total + books.bank <= books.available + 1e-9 * scale)
     # The wall broke, and lost energy that no line could hide.
@@ -116,6 +116,6 @@ def test_a_recording_without_frames_says_so(scripted: Recording, tmp_path: Path)
 
 
 def test_the_extra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch, wall: Recording, tmp_path: Path) -> None:
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(OutputError, match=r"pip install 'frangible\[plot\]'"):
         wall.plot(tmp_path / "wall.png")

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import BuildError, Pattern, World, _frangible, break_mesh
-from frangible.mesh_facts import describe_mesh
+from frangible.breaking.mesh_facts import describe_mesh
 
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 QUADS = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]

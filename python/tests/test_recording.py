@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import CacheError, Recording
-from frangible.normals import shaded_mesh
-from frangible.paths import telling_samples, unique_names
+from frangible.io.keyframes import telling_samples
+from frangible.names import unique_names
 from frangible.recording import rotation_matrix
+from frangible.render.normals import shaded_mesh
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 
 

@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 from frangible import BuildError, World
 from frangible.cli import main
-from frangible.scene_page import scene_page
-from frangible.toml_text import as_toml
+from frangible.cli.scene_page import scene_page
+from frangible.io.toml_text import as_toml
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENES = sorted(path for path in (DOCS / "scenes").iterdir() if path.suffix in (".json", ".toml"))

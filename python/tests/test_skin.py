@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Piece, Pieces, Recording
-from frangible.gltf import write_pieces as write_gltf
+from frangible.io.gltf import write_pieces as write_gltf
+from frangible.io.usd import write_pieces as write_usd
 from frangible.materials import Image, Material
 from frangible.skin import NO_MATERIAL, Skin
-from frangible.usd import write_pieces as write_usd
 from pxr import Usd, UsdGeom, UsdShade
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 from test_gltf import khronos_report, objections, parse

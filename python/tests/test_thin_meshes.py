@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from frangible import Piece, _frangible, boolean
-from frangible.breaking import break_mesh
-from frangible.mesh_facts import describe_mesh
+from frangible import Piece, _frangible
+from frangible.breaking import exact_cut
+from frangible.breaking.break_mesh import break_mesh
+from frangible.breaking.mesh_facts import describe_mesh
 
 #: Corners of a unit box, and its faces.
 BOX = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
@@ -193,7 +193,7 @@ def test_parts_that_are_apart_end_the_search(
 ) -> None:
     boxes = [((3.0 * n, 0.0, 0.0), (1.0, 1.0, 1.0)) for n in range(12)]
     mesh = written(tmp_path / "row.obj", boxes)
-    function = boolean.cut
+    function = exact_cut.cut
     counts: list[int] = []
 
     def counted(*arguments: Any) -> Any:
@@ -201,7 +201,7 @@ def test_parts_that_are_apart_end_the_search(
         counts.append(made.count)
         return made
 
-    monkeypatch.setattr(boolean, "cut", counted)
+    monkeypatch.setattr(exact_cut, "cut", counted)
     broken = break_mesh(mesh, _frangible.Pattern.named("voronoi", seed=1), pieces=5, exact=exact)
     assert len(broken.pieces) == 12
     assert broken.notes[-1] == "5 pieces were asked for, and the mesh has 12 parts that lie apart"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
-from frangible.usd_mesh import readable_mesh
+from frangible.io.usd_mesh import readable_mesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 #: A cube of edge 2 around the origin, its faces counter-clockwise from outside.
@@ -253,7 +253,7 @@ def test_instances_that_do_not_fit_are_refused(saved: Any, monkeypatch: pytest.M
             lower = instancer(stage, f"/Level{level}", [str(lower)], [0] * 10, [(0, 0, 0)] * 10).GetPath()
 
     for limit, most, what in (("MOST_PARTS", 2000, "meshes"), ("MOST_TRIANGLES", 20000, "triangles")):
-        monkeypatch.setattr(f"frangible.usd_mesh.{limit}", most)
+        monkeypatch.setattr(f"frangible.io.usd_mesh.{limit}", most)
         sentence = f"has [0-9]+ {what} or more, each instance counted, must have at most {most}$"
         with pytest.raises(BuildError, match=sentence):
             info(saved(crowd, f"{what}.usda"))

@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from .. import _frangible
-from ..cache import CacheError
-from ..camera import CameraError
+from ..bench.run_process import BenchError
+from ..bench.verification import ClaimError
+from ..errors import CacheError, OutputError
 from ..interrupts import own_process
-from ..output import OutputError
-from ..reading import FileNote
-from ..stepping import BenchError
-from ..verification import ClaimError
+from ..io.reading import FileNote
+from ..render.camera import CameraError
 from .bench import add_bench
 from .breaking import add_break
 from .files import add_info, add_plot, add_shots

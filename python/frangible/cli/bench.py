@@ -6,8 +6,8 @@ import argparse
 import json
 from typing import Any
 
-from ..bench import RESULTS, bench, describe_bench, shots_to_bench
-from ..summary import Summary
+from ..bench.stage_times import RESULTS, bench, describe_bench, shots_to_bench
+from ..bench.summary import Summary
 from .options import MOST_THREADS, count, naturals
 
 
@@ -31,7 +31,7 @@ def _bench(options: argparse.Namespace) -> None:
         print(json.dumps(summary) if options.json else describe_bench(summary), flush=True)
 
     if options.peers:
-        from ..peers import PILES, compare, describe_peers
+        from ..bench.peers import PILES, compare, describe_peers
 
         piles = PILES if options.shot is None else shots_to_bench(options.shot)
 

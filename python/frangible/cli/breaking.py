@@ -10,22 +10,20 @@ import time
 from typing import Any
 
 from .. import _frangible
-from ..breaking import DEFAULT_NORMAL, DEFAULT_SMALLEST, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
-from ..output import OutputError
-from ..piece_count import MOST_PIECES
-from ..pieces import describe_pieces
-from ..pieces_files import open_pieces_output
-from ..progress import report_stages
-from ..usd_mesh import readable_mesh
-from .options import (
-    add_inside,
-    add_pose_time,
-    add_thickness,
-    check_pieces,
-    count,
-    finite,
-    natural,
+from ..breaking.break_mesh import (
+    DEFAULT_NORMAL,
+    DEFAULT_SMALLEST,
+    DEFAULT_VOXELS,
+    MOST_VOXELS,
+    break_mesh,
 )
+from ..breaking.piece_count import MOST_PIECES
+from ..errors import OutputError
+from ..io.pieces_output import open_pieces_output
+from ..io.usd_mesh import readable_mesh
+from ..pieces import describe_pieces
+from ..progress import report_stages
+from .options import add_inside, add_pose_time, add_thickness, check_pieces, count, finite, natural
 
 
 def add_break(commands: Any) -> None:

@@ -7,12 +7,12 @@ import json
 from typing import Any
 
 from .. import _frangible
-from ..output import open_plot
+from ..io.output import open_plot
 from ..progress import report_stages
 from ..recording import Recording
-from ..shot_groups import grouped
 from .options import add_pose_time, readable
 from .outputs import write
+from .shot_groups import grouped
 
 
 def add_plot(commands: Any) -> None:
@@ -59,7 +59,7 @@ def _shots(options: argparse.Namespace) -> None:
 
 
 def _info(options: argparse.Namespace) -> None:
-    from ..info import describe_file
+    from .info import describe_file
 
     with report_stages() as stage:
         stage("measuring what the file holds")

@@ -8,10 +8,10 @@ import re
 import signal
 import sys
 from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from .. import _frangible
-from ..piece_count import LEAST_PIECES, MOST_PIECES
+from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
 from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from ..output import Output, View, open_output
+from ..io.output import Output, View, open_output
 from ..recording import Recording
 from .options import EXIT_FAILED
 

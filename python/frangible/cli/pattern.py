@@ -9,9 +9,9 @@ import sys
 from typing import Any
 
 from .. import _frangible
-from ..output import OutputError
-from ..piece_count import MOST_PIECES
-from ..usd_mesh import readable_mesh
+from ..breaking.piece_count import MOST_PIECES
+from ..errors import OutputError
+from ..io.usd_mesh import readable_mesh
 from .options import check_pieces, count, natural, readable
 
 
@@ -38,8 +38,8 @@ def add_pattern(commands: Any) -> None:
 
 
 def _pattern(options: argparse.Namespace) -> None:
-    from ..pattern import check_pattern_file, describe_pattern, write_pattern
-    from ..piece_count import difference
+    from ..breaking.pattern import check_pattern_file, describe_pattern, write_pattern
+    from ..breaking.piece_count import difference
 
     check_pieces(options.pieces, options.cells)
 

@@ -11,16 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _frangible
+from ..bench.run_process import moving_mass
+from ..bench.summary import describe, summarise
+from ..errors import OutputError
 from ..interrupts import stop_when_asked
-from ..output import OutputError
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
 from ..simulation import check_bodies
-from ..stepping import moving_mass
-from ..summary import describe, summarise
 from .options import (
     MOST_THREADS,
     add_inside,

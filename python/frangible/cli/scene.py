@@ -7,10 +7,10 @@ import json
 from typing import Any
 
 from .. import _frangible
-from ..scene_page import scene_page
+from ..io.toml_text import as_toml
 from ..scenes import as_json
-from ..toml_text import as_toml
 from .options import add_scene_options, chosen_scene
+from .scene_page import scene_page
 
 
 def add_scene(commands: Any) -> None:

@@ -7,7 +7,7 @@ import json
 import sys
 from typing import Any
 
-from ..verification import Verdict, as_json, table_head, table_rows, verify
+from ..bench.verification import Verdict, as_json, table_head, table_rows, verify
 from .options import EXIT_FAILED
 
 
@@ -26,7 +26,7 @@ def _verify(options: argparse.Namespace) -> int:
 
     # The table grows as claims are measured.
     verdicts: list[Verdict] = []
-    for verdict in verify(*options.claims, on_done=_tell):
+    for verdict in verify(*options.claims, on_done=_print_verdict):
         say(*([] if verdicts else table_head()), *table_rows(verdict))
         verdicts.append(verdict)
     if options.json:
@@ -34,6 +34,6 @@ def _verify(options: argparse.Namespace) -> int:
     return 0 if all(verdict.holds for verdict in verdicts) else EXIT_FAILED
 
 
-def _tell(verdict: Verdict) -> None:
+def _print_verdict(verdict: Verdict) -> None:
     result = "holds" if verdict.holds else "does not hold"
     print(f"{verdict.claim} {result}, measured in {verdict.seconds:.3g} s", file=sys.stderr, flush=True)
