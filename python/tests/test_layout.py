@@ -11,6 +11,8 @@ import pytest
 PACKAGE = Path(frangible.__file__).parent
 FOLDERS = {"bench", "breaking", "cli", "io", "render"}
 
+#: The compiled module, which imports none of the files.
+ENGINE = "_frangible"
 #: `Recording` saves, loads and records itself: its methods import writers and readers when called.
 LATE = {"recording"}
 
@@ -27,14 +29,13 @@ def modules(package: Path) -> dict[str, Path]:
 def imports(package: Path) -> dict[str, set[str]]:
     """The files that each file imports names from, wherever in the file it does."""
     known = modules(package)
-    return {
-        module: set(imported(module, path, known)) - {module, ""} for module, path in known.items()
-    }
+    return {module: set(imported(module, path, known)) - {module} for module, path in known.items()}
 
 
 def imported(module: str, path: Path, known: dict[str, Path]) -> Iterator[str]:
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    inside = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
+    parts = [part for part in module.split(".") if part]
+    inside = parts if path.name == "__init__.py" else parts[:-1]
     statements = tree.body if module in LATE else ast.walk(tree)
     for statement in statements:
         if not isinstance(statement, ast.ImportFrom):
@@ -48,7 +49,7 @@ def imported(module: str, path: Path, known: dict[str, Path]) -> Iterator[str]:
             continue
         for alias in statement.names:
             both = ".".join([*names, alias.name])
-            yield both if both in known else ".".join(names)
+            yield both if both in known or alias.name == ENGINE else ".".join(names)
 
 
 def by_folder(graph: dict[str, set[str]]) -> dict[str, set[str]]:
@@ -93,6 +94,7 @@ def test_circles_are_found(there: str, tmp_path: Path) -> None:
     for folder in ("io", "render"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "__init__.py").touch()
+    (tmp_path / "__init__.py").write_text("from .io.usd import a")
     (tmp_path / "io" / "usd.py").write_text("from ..render.stage import a")
     (tmp_path / "render" / "stage.py").write_text(there)
     assert set(circle(imports(tmp_path))) == {"io.usd", "render.stage"}
@@ -101,3 +103,11 @@ def test_circles_are_found(there: str, tmp_path: Path) -> None:
     (tmp_path / "render" / "film.py").write_text(there)
     assert circle(imports(tmp_path)) == []
     assert set(circle(by_folder(imports(tmp_path)))) == {"io", "render"}
+
+
+def test_a_file_that_imports_through_the_package_is_in_a_circle(tmp_path: Path) -> None:
+    (tmp_path / "__init__.py").write_text("from ._frangible import World\nfrom .usd import a")
+    (tmp_path / "usd.py").write_text("from . import _frangible")
+    assert circle(imports(tmp_path)) == []
+    (tmp_path / "usd.py").write_text("from . import World")
+    assert set(circle(imports(tmp_path))) == {"", "usd"}
