@@ -20,7 +20,8 @@ class OutputError(ValueError):
 
 @contextmanager
 def one_sentence(path: str, kind: str, error: type[ValueError] = BuildError) -> Iterator[None]:
-    """Answers with ``error`` in one sentence, whatever the block raises about the content of the file.
+    """Answers with ``error`` in one sentence, whatever the block raises about the content of the
+    file.
 
     Sentences of our own, and what the disk says, pass.
     """

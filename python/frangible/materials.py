@@ -56,7 +56,8 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """One side of what a body is made of. Images are laid on by the texture coordinates; numbers multiply them."""
+    """One side of what a body is made of. Images are laid on by the texture coordinates; numbers
+    multiply them."""
 
     colour: Colour
     roughness: float
@@ -103,12 +104,20 @@ class Look:
 
 #: What a scene can say that a body looks like.
 LOOKS: dict[str, Look] = {
-    "glass": Look(Material((0.72, 0.95, 0.86), 0.02, clear=0.86), Material((0.28, 0.62, 0.47), 0.1, clear=0.45), 0.0),
+    "glass": Look(
+        Material((0.72, 0.95, 0.86), 0.02, clear=0.86),
+        Material((0.28, 0.62, 0.47), 0.1, clear=0.45),
+        0.0,
+    ),
     "concrete": Look(Material((0.37, 0.365, 0.35), 0.85), Material((0.47, 0.44, 0.39), 0.95), 0.06),
     "brick": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.50, 0.175, 0.10), 0.95), 0.45),
     "mortar": Look(Material((0.56, 0.53, 0.47), 0.95), Material((0.58, 0.55, 0.49), 0.95), 0.10),
     "masonry": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.56, 0.53, 0.47), 0.95), 0.12),
     "wood": Look(Material((0.58, 0.37, 0.18), 0.65), Material((0.70, 0.47, 0.20), 0.85), 0.22),
     "stone": Look(Material((0.46, 0.43, 0.38), 0.85), Material((0.55, 0.52, 0.46), 0.95), 0.15),
-    "metal": Look(Material((0.12, 0.12, 0.125), 0.35, metallic=1.0), Material((0.32, 0.32, 0.33), 0.5, metallic=1.0), 0.1),
+    "metal": Look(
+        Material((0.12, 0.12, 0.125), 0.35, metallic=1.0),
+        Material((0.32, 0.32, 0.33), 0.5, metallic=1.0),
+        0.1,
+    ),
 }

@@ -15,7 +15,8 @@ NO_MATERIAL = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Skin:
-    """Of the triangles (t,) of a body or a piece. Their texture coordinates are the body's own field."""
+    """Of the triangles (t,) of a body or a piece. Their texture coordinates are the body's own
+    field."""
 
     #: Shared by all bodies that broke off from the same mesh.
     materials: tuple[Material, ...]

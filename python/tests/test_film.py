@@ -62,7 +62,9 @@ def test_a_folder_with_anything_else_stays(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif", "/"])
-def test_an_interrupted_film_leaves_nothing(ending: str, scripted: Recording, tmp_path: Path) -> None:
+def test_an_interrupted_film_leaves_nothing(
+    ending: str, scripted: Recording, tmp_path: Path
+) -> None:
     def interrupt(done: int, _: int) -> None:
         if done == 3:
             raise KeyboardInterrupt

@@ -65,7 +65,9 @@ def test_a_run_that_is_asked_to_end_leaves_nothing(number: signal.Signals, tmp_p
         "module._run = run\n"
         "sys.exit(cli.main(['run', 'wall']))\n"
     )
-    process = subprocess.Popen([sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "writing\n"
     assert len(os.listdir(tmp_path)) == 1
@@ -111,7 +113,19 @@ def test_a_link_to_the_standard_output_is_one(tmp_path: Path, tetrahedron: str) 
     (tmp_path / "mesh.obj").write_text(tetrahedron)
     (tmp_path / "out.glb").symlink_to("/dev/stdout")
     script = "import sys; from frangible.cli import main; sys.exit(main(sys.argv[1:]))"
-    command = [sys.executable, "-c", script, "break", "mesh.obj", "--pattern", "slices", "--voxels", "16", "--out", "out.glb"]
+    command = [
+        sys.executable,
+        "-c",
+        script,
+        "break",
+        "mesh.obj",
+        "--pattern",
+        "slices",
+        "--voxels",
+        "16",
+        "--out",
+        "out.glb",
+    ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True)
     assert done.returncode == 0 and done.stdout.startswith(b"glTF")
     assert (tmp_path / "out.glb").is_symlink()
@@ -125,7 +139,9 @@ def test_folders_on_the_way_are_made(scripted: Recording, tmp_path: Path) -> Non
     assert (tmp_path / "link.npz").is_symlink()
 
 
-def test_what_is_written_is_on_the_disk_before_it_takes_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     order: list[str] = []
     sync, replace_file = os.fsync, os.replace
     monkeypatch.setattr(os, "fsync", lambda descriptor: (order.append("sync"), sync(descriptor)))
@@ -158,7 +174,17 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
 ) -> None:
     (tmp_path / "mesh.obj").write_text(tetrahedron)
     folder = tmp_path / "pieces"
-    command = ["break", str(tmp_path / "mesh.obj"), "--pattern", "slices", "--voxels", "16", "--out", f"{folder}/", "--cells"]
+    command = [
+        "break",
+        str(tmp_path / "mesh.obj"),
+        "--pattern",
+        "slices",
+        "--voxels",
+        "16",
+        "--out",
+        f"{folder}/",
+        "--cells",
+    ]
     assert main([*command, "12"]) == 0
     before = sorted(os.listdir(folder))
     assert "pieces.json" in before
@@ -169,7 +195,10 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
     monkeypatch.setattr("frangible.io.pieces_output._write_report", fail)
     assert main([*command, "2"]) == 1
     monkeypatch.undo()
-    assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == ["mesh.obj", "pieces"]
+    assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == [
+        "mesh.obj",
+        "pieces",
+    ]
     assert main([*command, "2"]) == 0
     assert len(os.listdir(folder)) < len(before)
     monkeypatch.chdir(folder)
@@ -184,7 +213,9 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
         ("folder.glb", "must be a file"),
     ],
 )
-def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp_path: Path) -> None:
+def test_destinations_that_cannot_be_written_are_named(
+    name: str, rule: str, tmp_path: Path
+) -> None:
     (tmp_path / "folder.glb").mkdir()
     with pytest.raises(OutputError) as caught:
         open_output(str(tmp_path / name))
@@ -192,7 +223,9 @@ def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp
     assert rule in str(caught.value)
 
 
-def test_a_missing_optional_package_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_missing_optional_package_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(OutputError, match=r"pip install 'frangible\[usd\]'"):
         open_output(str(tmp_path / "wall.usdc"))
@@ -223,7 +256,9 @@ def test_a_full_disk_is_a_sentence_that_names_the_file(ending: str, tmp_path: Pa
         "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000));"
         f"sys.exit(main(['run', 'wall', '--frames', '6', '--out', 'wall.{ending}']))"
     )
-    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True
+    )
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith(f"frangible: wall.{ending}: ")
     assert "Traceback" not in done.stderr

@@ -1,11 +1,14 @@
-"""A pile of convex bodies in a file that any engine's program can read, and what those programs write.
+"""A pile of convex bodies in a file that any engine's program can read, and what those programs
+write.
 
-Little endian, no padding: the bytes ``FRANPILE``, the number of bodies (u32), seconds of a frame, gravity (3); then for each body its shape,
-position (3), orientation x, y, z, w, velocity (3), angular velocity (3), mass, principal moments of inertia (3), friction, restitution;
-float64 unless it says otherwise. A shape is 0 (u32), the number of vertices (u32) and these (3 each) for a hull; 1 (u32) and half of the edge
-lengths (3) for a box; 2 (u32) and the radius for a ball. A body's frame has its origin in the centre of mass and the principal axes, along
-which boxes lie. What is static has infinite mass, is a box, and has the smallest friction and restitution of all, so that any rule that
-engines have for a pair gives the same where all pieces are alike.
+Little endian, no padding: the bytes ``FRANPILE``, the number of bodies (u32), seconds of a frame,
+gravity (3); then for each body its shape, position (3), orientation x, y, z, w, velocity (3),
+angular velocity (3), mass, principal moments of inertia (3), friction, restitution; float64 unless
+it says otherwise. A shape is 0 (u32), the number of vertices (u32) and these (3 each) for a hull; 1
+(u32) and half of the edge lengths (3) for a box; 2 (u32) and the radius for a ball. A body's frame
+has its origin in the centre of mass and the principal axes, along which boxes lie. What is static
+has infinite mass, is a box, and has the smallest friction and restitution of all, so that any rule
+that engines have for a pair gives the same where all pieces are alike.
 """
 
 from __future__ import annotations
@@ -107,17 +110,25 @@ class Pile:
     @property
     def ground(self) -> float:
         """How high the ground is [m]: the lowest that something static reaches up to."""
-        shapes = [(self.shapes[row], self.start[row, 1]) for row in np.flatnonzero(~self.moves).tolist()]
-        return float(min(height + shape.half[1] for shape, height in shapes if isinstance(shape, Box)))
+        shapes = [
+            (self.shapes[row], self.start[row, 1]) for row in np.flatnonzero(~self.moves).tolist()
+        ]
+        return float(
+            min(height + shape.half[1] for shape, height in shapes if isinstance(shape, Box))
+        )
 
     @staticmethod
     def of_shot(shot: str) -> Pile:
-        """The bodies of a shot; `BenchError` if it is no pile of convex bodies that do not break."""
+        """The bodies of a shot; `BenchError` if it is no pile of convex bodies that do not
+        break."""
         scene: dict[str, Any] = json.loads(_frangible.shot_scene(shot))
         for body in scene["bodies"]:
             check(shot, body)
         world = _frangible.World.build(json.dumps(scene), 1)
-        start = np.concatenate([world.positions, world.orientations, world.velocities, world.angular_velocities], axis=1)
+        start = np.concatenate(
+            [world.positions, world.orientations, world.velocities, world.angular_velocities],
+            axis=1,
+        )
         shapes, inertias = list[Hull | Box | Ball](), np.zeros((len(start), 3))
         for row, (body, number) in enumerate(zip(scene["bodies"], world.ids.tolist(), strict=True)):
             kind = body["shape"]["kind"]
@@ -132,7 +143,9 @@ class Pile:
                 shapes.append(Ball(body["shape"]["radius"]))
                 inertias[row] = 0.4 * world.masses[row] * body["shape"]["radius"] ** 2
                 continue
-            shapes.append(Box(corners.max(axis=0)) if kind == "box" else Hull(np.unique(corners, axis=0)))
+            shapes.append(
+                Box(corners.max(axis=0)) if kind == "box" else Hull(np.unique(corners, axis=0))
+            )
             if np.isfinite(world.masses[row]):
                 properties = _frangible.mesh_mass((corners, triangles))
                 density = world.masses[row] / properties["volume_m3"]
@@ -143,7 +156,9 @@ class Pile:
     def write(self, file: BinaryIO) -> None:
         """Write the file that the module describes."""
         dt = 1.0 / self.scene["frames_per_second"]
-        coefficients = np.array([[body["friction"], body["restitution"]] for body in self.scene["bodies"]])
+        coefficients = np.array(
+            [[body["friction"], body["restitution"]] for body in self.scene["bodies"]]
+        )
         coefficients[~self.moves] = coefficients.min(axis=0)
         file.write(MAGIC + struct.pack("<I4d", len(self.start), dt, *self.scene["gravity"]))
         for row in range(len(self.start)):
@@ -152,20 +167,24 @@ class Pile:
             file.write(struct.pack(f"<{len(numbers)}d", *numbers))
 
     def energies(self, states: Float64) -> Float64:
-        """(f,) kinetic and potential energy [J] of all pieces in states (f, n, `STATE`), of those that are not lost."""
+        """(f,) kinetic and potential energy [J] of all pieces in states (f, n, `STATE`), of those
+        that are not lost."""
         return np.array([self._energy(state) for state in states])
 
     def _energy(self, state: Float64) -> float:
         kept = self.moves & ~self.lost(state)
         masses, state = self.masses[kept], state[kept]
         height = -(state[:, :3] @ np.array(self.scene["gravity"]))
-        turning = np.einsum("nij,ni->nj", rotation_matrix(state[:, 3:7].T).transpose(2, 0, 1), state[:, 10:])
+        turning = np.einsum(
+            "nij,ni->nj", rotation_matrix(state[:, 3:7].T).transpose(2, 0, 1), state[:, 10:]
+        )
         kinetic = 0.5 * masses * np.einsum("ni,ni->n", state[:, 7:10], state[:, 7:10])
         rotational = 0.5 * np.einsum("ni,ni,ni->n", self.inertias[kept], turning, turning)
         return float(np.sum(masses * height + kinetic + rotational))
 
     def lost(self, state: Float64) -> Any:
-        """(n,) which pieces are wholly below the ground, far away, or nowhere; what only sank in is not lost, but overlaps."""
+        """(n,) which pieces are wholly below the ground, far away, or nowhere; what only sank in is
+        not lost, but overlaps."""
         position = state[:, :3]
         below = position[:, 1] + self.radii < self.ground
         with np.errstate(invalid="ignore"):
@@ -173,13 +192,18 @@ class Pile:
         return self.moves & (below | gone)
 
     def penetrations(self, state: Float64) -> Float64:
-        """(k,) how deep overlapping pairs are [m] in a state (n, `STATE`), by the engine of this package, whose state it may not be."""
+        """(k,) how deep overlapping pairs are [m] in a state (n, `STATE`), by the engine of this
+        package, whose state it may not be."""
         kept = np.flatnonzero(~self.moves | ~self.lost(state))
-        bodies = [self._at(row, state[row]) if self.moves[row] else self.scene["bodies"][row] for row in kept.tolist()]
+        bodies = [
+            self._at(row, state[row]) if self.moves[row] else self.scene["bodies"][row]
+            for row in kept.tolist()
+        ]
         return _frangible.World.build(json.dumps(self.scene | {"bodies": bodies}), 1).penetrations()
 
     def _at(self, row: int, state: Float64) -> dict[str, Any]:
-        """A body of the scene where a state has it: the scene says where the shape's own frame is, not the body's."""
+        """A body of the scene where a state has it: the scene says where the shape's own frame is,
+        not the body's."""
         body, start = self.scene["bodies"][row], self.start[row]
         unturned = start[3:7] * np.array([-1.0, -1.0, -1.0, 1.0])
         from_start = product(state[3:7] / np.linalg.norm(state[3:7]), unturned)
@@ -218,4 +242,7 @@ def check(shot: str, body: dict[str, Any]) -> None:
     kind, is_static = body["shape"]["kind"], body["motion"] == "static"
     is_convex = kind in (("box", "half-space") if is_static else ("hull", "box", "sphere"))
     if not is_convex or body["motion"] == "kinematic" or "breaking" in body or "bonds" in body:
-        raise BenchError(f"{shot}: body '{body['name']}', must be a hull, a box or a sphere that does not break, for other engines to run it")
+        raise BenchError(
+            f"{shot}: body '{body['name']}', must be a hull, a box or a sphere that does not "
+            "break, for other engines to run it"
+        )

@@ -1,6 +1,7 @@
-"""Runs a shot in a process of its own, so that its memory is the shot's alone: ``python -m frangible.bench.run_process``.
+"""Runs a shot in a process of its own, so that its memory is the shot's alone.
 
-A `Request` as JSON comes in on stdin, the summary goes out on stdout as JSON, the progress on stderr.
+``python -m frangible.bench.run_process`` reads a `Request` as JSON from stdin, and writes the
+summary as JSON to stdout and the progress to stderr.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ class Request:
 def run_apart(request: Request) -> Summary:
     """The summary of a run in a process of its own; `BenchError` if that fails."""
     command = [sys.executable, "-m", "frangible.bench.run_process"]
-    done = subprocess.run(command, input=json.dumps(asdict(request)), stdout=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        command, input=json.dumps(asdict(request)), stdout=subprocess.PIPE, text=True, check=False
+    )
     if done.returncode != 0:
         raise BenchError(f"{request.shot}: its process ended with status {done.returncode}")
     summary: Summary = json.loads(done.stdout)
@@ -56,10 +59,12 @@ def run_apart(request: Request) -> Summary:
 
 
 def run_here(request: Request) -> Summary:
-    """What `frangible run` says of a run, with times of the last frames and of all, also by stage, and memory by piece.
+    """What `frangible run` says of a run, with times of the last frames and of all, also by stage,
+    and memory by piece.
 
-    ``cpu_ms_per_frame`` is processor time of the last frames, of all threads, which other work on the machine hardly changes.
-    ``penetration_m`` is of the last state: to look for it between the steps would disturb what is timed.
+    ``cpu_ms_per_frame`` is processor time of the last frames, of all threads, which other work on
+    the machine hardly changes. ``penetration_m`` is of the last state: to look for it between the
+    steps would disturb what is timed.
     """
     memory = peak_memory()
     world = World.build(shot_scene(request.shot), request.threads)

@@ -1,4 +1,5 @@
-"""``frangible bench``: how long the stages of a frame take, how much memory a piece, and what stands."""
+"""``frangible bench``: how long the stages of a frame take, how much memory a piece, and what
+stands."""
 
 from __future__ import annotations
 
@@ -13,7 +14,16 @@ from .run_process import LAST_FRAMES, Request, run_apart
 from .summary import Summary
 
 #: What is measured unless somebody says what: the large piles, and small shots.
-SHOTS = ("pile-spread", "pile-deep", "pile-table", "bricks", "bricks-still", "wall", "pillar", "stack")
+SHOTS = (
+    "pile-spread",
+    "pile-deep",
+    "pile-table",
+    "bricks",
+    "bricks-still",
+    "wall",
+    "pillar",
+    "stack",
+)
 
 #: Where tables go, unless somebody says where.
 RESULTS = os.path.join("bench", "results")
@@ -22,13 +32,15 @@ RESULTS = os.path.join("bench", "results")
 FRAME = "frame"
 
 COLUMNS = (
-    "date", "shot", "method", "threads", "frames", "pieces", "stage", "last_median_ms", "last_p95_ms", "last_max_ms", "all_median_ms",
-    "all_p95_ms", "all_max_ms", "peak_memory_MiB", "memory_per_piece_KiB", "standing", "median_height_m",
+    "date", "shot", "method", "threads", "frames", "pieces", "stage", "last_median_ms",
+    "last_p95_ms", "last_max_ms", "all_median_ms", "all_p95_ms", "all_max_ms", "peak_memory_MiB",
+    "memory_per_piece_KiB", "standing", "median_height_m",
 )  # fmt: skip
 
 
 def shots_to_bench(name: str | None) -> list[str]:
-    """The names that an argument stands for: a shot, ``all`` of those that need no mesh, or `SHOTS`; `BuildError` for an unknown one."""
+    """The names that an argument stands for: a shot, ``all`` of those that need no mesh, or
+    `SHOTS`; `BuildError` for an unknown one."""
     if name is None:
         return list(SHOTS)
     if name == "all":
@@ -47,9 +59,15 @@ def _needs_mesh(shot: str) -> bool:
 
 
 def bench(
-    shots: Sequence[str], *, frames: int | None, threads: Sequence[int], folder: str, on_done: Callable[[Summary], None]
+    shots: Sequence[str],
+    *,
+    frames: int | None,
+    threads: Sequence[int],
+    folder: str,
+    on_done: Callable[[Summary], None],
 ) -> None:
-    """Measure shots one after the other, on each number of threads, in processes of their own; append them to a table in a folder."""
+    """Measure shots one after the other, on each number of threads, in processes of their own;
+    append them to a table in a folder."""
     os.makedirs(folder, exist_ok=True)
     for shot in shots:
         count = _frangible.shot_frames(shot) if frames is None else frames
@@ -85,7 +103,13 @@ def stage_rows(summary: Summary) -> list[dict[str, Any]]:
         "median_height_m": round(summary["median_height_m"], 4),
     }
     return [
-        common | {"stage": stage} | {f"{span}_{key}_ms": round(times[key], 3) for span, times in spans for key in ("median", "p95", "max")}
+        common
+        | {"stage": stage}
+        | {
+            f"{span}_{key}_ms": round(times[key], 3)
+            for span, times in spans
+            for key in ("median", "p95", "max")
+        }
         for stage, spans in _by_stage(summary)
     ]
 
@@ -94,25 +118,46 @@ def describe_bench(summary: Summary) -> str:
     """The table for people."""
     frames = summary["frames"]
     last = f"last {min(frames, LAST_FRAMES)} frames"
-    threads = "a thread for every processor" if summary["threads"] == 0 else _count(summary["threads"], "thread")
+    threads = (
+        "a thread for every processor"
+        if summary["threads"] == 0
+        else _count(summary["threads"], "thread")
+    )
     lines = [
-        f"{summary['shot']}: {_count(summary['pieces'], 'piece')}, {_count(frames, 'frame')} of {summary['dt'] * 1e3:.4g} ms"
+        f"{summary['shot']}: {_count(summary['pieces'], 'piece')}, {_count(frames, 'frame')} of "
+        f"{summary['dt'] * 1e3:.4g} ms"
         f" ({summary['method']} method), {threads}",
         f"  {'ms':18}{last:>30}{'all frames':>30}",
         f"  {'stage':18}" + 2 * f"{'median':>10}{'p95':>10}{'max':>10}",
     ]
     for stage, spans in _by_stage(summary):
-        lines.append(f"  {stage:18}" + "".join(f"{times[key]:10.3f}" for _, times in spans for key in ("median", "p95", "max")))
+        lines.append(
+            f"  {stage:18}"
+            + "".join(
+                f"{times[key]:10.3f}" for _, times in spans for key in ("median", "p95", "max")
+            )
+        )
     share, height = 100.0 * summary["standing"], summary["median_height_m"]
-    lines.append(f"  stands  {share:.3g} % of the pieces where they stood, median height {height:.4g} m")
-    lines.append(f"  memory  {summary['peak_memory_MiB']:.4g} MiB at most, {summary['memory_per_piece_KiB']:.3g} KiB a piece")
+    lines.append(
+        f"  stands  {share:.3g} % of the pieces where they stood, median height {height:.4g} m"
+    )
+    lines.append(
+        f"  memory  {summary['peak_memory_MiB']:.4g} MiB at most, "
+        f"{summary['memory_per_piece_KiB']:.3g} KiB a piece"
+    )
     return "\n".join(lines)
 
 
 def _by_stage(summary: Summary) -> list[tuple[str, list[tuple[str, dict[str, float]]]]]:
     """For every stage, then for whole frames: times of the last frames and of all."""
-    rows = [(stage, [("last", times), ("all", summary["stages_all_ms"][stage])]) for stage, times in summary["stages_last_ms"].items()]
-    return [*rows, (FRAME, [("last", summary["ms_per_frame"]), ("all", summary["ms_per_frame_all"])])]
+    rows = [
+        (stage, [("last", times), ("all", summary["stages_all_ms"][stage])])
+        for stage, times in summary["stages_last_ms"].items()
+    ]
+    return [
+        *rows,
+        (FRAME, [("last", summary["ms_per_frame"]), ("all", summary["ms_per_frame_all"])]),
+    ]
 
 
 def _count(number: int, noun: str) -> str:

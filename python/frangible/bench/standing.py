@@ -13,7 +13,8 @@ from ..recording import Float64
 class Standing:
     """How some pieces are at the end of a run."""
 
-    #: Of those that there were at first, the share that is where it was, by half of its least width.
+    #: Of those that there were at first, the share that is where it was, by half of its least
+    #: width.
     share: float
     #: Of the centres of those that are left [m].
     median_height: float

@@ -33,11 +33,13 @@ def summarise(
     depths: Sequence[npt.NDArray[np.float64]],
     step_ms: Sequence[float],
 ) -> Summary:
-    """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state, ``energy`` [J] the kinetic and the
-    potential one of the first; ``depths`` [m] are those of the overlapping pairs after each frame.
+    """The run's figures; ``bodies`` and ``mass`` [kg] are those of the first and the last state,
+    ``energy`` [J] the kinetic and the potential one of the first; ``depths`` [m] are those of the
+    overlapping pairs after each frame.
 
-    Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a frame, with what is in
-    the ledger's bank counted as energy, ``scale`` the largest kinetic energy plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
+    Energies are of all dynamic bodies [J]. ``max_frame_gain`` is the largest E(n+1) - E(n) - W of a
+    frame, with what is in the ledger's bank counted as energy, ``scale`` the largest kinetic energy
+    plus the range of the potential energy: what a gain is to be measured against. ``stages_ms`` are
     means over all frames.
     """
     gains = [report["energy"]["gain"] for report in reports]
@@ -65,7 +67,9 @@ def summarise(
             "end": bodies[1],
             "quarantined": sum(len(report["quarantined"]) for report in reports),
         },
-        "quarantine_causes": sorted({taken["cause"] for report in reports for taken in report["quarantined"]}),
+        "quarantine_causes": sorted(
+            {taken["cause"] for report in reports for taken in report["quarantined"]}
+        ),
         "mass_kg": {"start": mass[0], "end": mass[1]},
         "energy_J": {
             "start": sum(energy),
@@ -95,10 +99,15 @@ def describe(summary: Summary, seconds: float) -> str:
     frames, energy, bodies = summary["frames"], summary["energy_J"], summary["bodies"]
     method = "" if summary["method"] == "frame-rate" else f", by the {summary['method']} method"
     lines = [
-        f"{summary['shot']}: {frames * summary['dt']:.3g} s in {_count(frames, 'frame')}, simulated in {seconds:.2g} s{method}",
+        f"{summary['shot']}: {frames * summary['dt']:.3g} s in {_count(frames, 'frame')}, "
+        f"simulated in {seconds:.2g} s{method}",
         f"{_broken(summary)}; {_dissipated(energy)}; {_gained(energy)}",
     ]
-    lines += [f"  pieces    {line}" for wanted, count in summary["pieces_asked"] if (line := difference(count, wanted))]
+    lines += [
+        f"  pieces    {line}"
+        for wanted, count in summary["pieces_asked"]
+        if (line := difference(count, wanted))
+    ]
     if bodies["quarantined"]:
         were = "body was" if bodies["quarantined"] == 1 else "bodies were"
         causes = ", ".join(summary["quarantine_causes"])

@@ -14,7 +14,8 @@ from typing import Any, TypedDict
 from .. import _frangible
 from ..words import did_you_mean
 
-#: Claims that are measured at a time. Each has one thread, so that those that measure time have a core of their own.
+#: Claims that are measured at a time. Each has one thread, so that those that measure time have a
+#: core of their own.
 AT_A_TIME = 2
 #: Of the table's columns, so that it can be read as it grows; what is longer sticks out.
 WIDTHS = (14, 16, 78, 14, 16, 0)
@@ -72,11 +73,16 @@ def verify(*claims: str, on_done: Callable[[Verdict], None] | None = None) -> It
     known = {claim[0]: claim for claim in _frangible.claims()}
     for name in claims:
         if name not in known:
-            raise ClaimError(f"unknown claim {name!r}, must be one of: {', '.join(known)}{did_you_mean(name, known)}")
+            raise ClaimError(
+                f"unknown claim {name!r}, must be one of: "
+                f"{', '.join(known)}{did_you_mean(name, known)}"
+            )
 
     # Each thread takes the next claim that no other has taken.
     verdicts: list[Future[Verdict]] = [Future() for _ in claims or known]
-    waiting = iter([(*known[name], verdict) for name, verdict in zip(claims or known, verdicts, strict=True)])
+    waiting = iter(
+        [(*known[name], verdict) for name, verdict in zip(claims or known, verdicts, strict=True)]
+    )
 
     def work() -> None:
         for name, says, source, future in waiting:
@@ -90,7 +96,8 @@ def verify(*claims: str, on_done: Callable[[Verdict], None] | None = None) -> It
             except BaseException as error:
                 future.set_exception(error)
 
-    # Nothing stops a claim half way, so one that nobody waits for any more must not keep the process alive.
+    # Nothing stops a claim half way, so one that nobody waits for any more must not keep the
+    # process alive.
     for _ in range(min(AT_A_TIME, os.cpu_count() or 1)):
         Thread(target=work, daemon=True).start()
     return (verdict.result() for verdict in verdicts)
@@ -98,7 +105,10 @@ def verify(*claims: str, on_done: Callable[[Verdict], None] | None = None) -> It
 
 def table_head() -> list[str]:
     """The first lines of a Markdown table of verdicts."""
-    return [_row("claim", "source", "quantity", "measured", "bound", "verdict"), _row(*["---"] * len(WIDTHS))]
+    return [
+        _row("claim", "source", "quantity", "measured", "bound", "verdict"),
+        _row(*["---"] * len(WIDTHS)),
+    ]
 
 
 def table_rows(verdict: Verdict) -> list[str]:
@@ -111,7 +121,8 @@ def table_rows(verdict: Verdict) -> list[str]:
 
 
 def as_json(verdicts: Iterable[Verdict]) -> dict[str, Any]:
-    """The verdicts as what JSON can say: `None` for no bound, and for a measurement that is not a finite number."""
+    """The verdicts as what JSON can say: `None` for no bound, and for a measurement that is not a
+    finite number."""
     claims = [{**asdict(verdict), "holds": verdict.holds} for verdict in verdicts]
     for claim in claims:
         for finding in claim["findings"]:
@@ -121,7 +132,11 @@ def as_json(verdicts: Iterable[Verdict]) -> dict[str, Any]:
 
 
 def _row(*cells: str) -> str:
-    return "| " + " | ".join(cell.ljust(width) for cell, width in zip(cells, WIDTHS, strict=True)).rstrip() + " |"
+    return (
+        "| "
+        + " | ".join(cell.ljust(width) for cell, width in zip(cells, WIDTHS, strict=True)).rstrip()
+        + " |"
+    )
 
 
 def _judged(holds: bool) -> str:

@@ -73,20 +73,24 @@ def break_mesh(
 ) -> Pieces:
     """Break a mesh file along a pattern; `BuildError` if that cannot be done.
 
-    The pattern's centre is laid on ``at`` [m], and its z axis along ``normal``, out of the mesh and towards what strikes it. Without
-    ``at`` the blow goes through the middle of the bounding box and lands where it first meets the mesh.
+    The pattern's centre is laid on ``at`` [m], and its z axis along ``normal``, out of the mesh and
+    towards what strikes it. Without ``at`` the blow goes through the middle of the bounding box and
+    lands where it first meets the mesh.
 
-    The mesh's own triangles are cut, wherever it bounds a solid or can be made to; what crosses itself gets a new surface from a
-    grid of ``voxels`` along the longest side. With ``exact`` the latter is an error, and so is a
-    missing extra ``exact`` of the installation, without which samples of the mesh are broken on the
-    grid. Where ``exact`` is false all surfaces are made anew on one grid and cut.
+    The mesh's own triangles are cut, wherever it bounds a solid or can be made to; what crosses
+    itself gets a new surface from a grid of ``voxels`` along the longest side. With ``exact`` the
+    latter is an error, and so is a missing extra ``exact`` of the installation, without which
+    samples of the mesh are broken on the grid. Where ``exact`` is false all surfaces are made anew
+    on one grid and cut.
 
-    Pieces keep what the file says of their outer faces; ``inside`` names the material of the others: one of the file's, a look
-    such as concrete, or a new one. What moves in a glTF or
-    USD file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what begins.
+    Pieces keep what the file says of their outer faces; ``inside`` names the material of the
+    others: one of the file's, a look such as concrete, or a new one. What moves in a glTF or USD
+    file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what
+    begins.
 
-    With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until there are about so many; a note
-    says if it does not come within a tenth. A piece of less than ``smallest`` of the mean piece's volume joins its neighbour.
+    With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until
+    there are about so many; a note says if it does not come within a tenth. A piece of less than
+    ``smallest`` of the mean piece's volume joins its neighbour.
 
     With a ``thickness`` [m] open parts are sheets, and plates so thick take their place; without it
     their holes are closed, and flat ones are left out.
@@ -122,8 +126,15 @@ def break_mesh(
         raise _frangible.BuildError(f"exact: {hint}")
     crosses = int((clean["buried"] > MOST_BURIED).sum())
     if exact and crosses:
-        surfaces = "a surface that crosses itself" if crosses == 1 else f"{crosses} surfaces that cross themselves"
-        raise _frangible.BuildError(f"{path}: has {surfaces}, must have none to be cut exactly; without --exact they are made anew")
+        surfaces = (
+            "a surface that crosses itself"
+            if crosses == 1
+            else f"{crosses} surfaces that cross themselves"
+        )
+        raise _frangible.BuildError(
+            f"{path}: has {surfaces}, must have none to be cut exactly; without --exact they are "
+            "made anew"
+        )
 
     if hint is None and exact is False:
         stage(f"sampling the mesh on a grid of {voxels} voxels along its longest side")
@@ -182,14 +193,16 @@ def _listed(vector: Float64) -> str:
 
 
 def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
-    """Where a line against the normal through the middle of the bounding box first meets the mesh; without that, its vertex
-    that is farthest along the normal."""
+    """Where a line against the normal through the middle of the bounding box first meets the mesh;
+    without that, its vertex that is farthest along the normal."""
     vertices, triangles = mesh
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
 
     # A triangle is met if the line passes its three edges on the same side.
     a, b, c = (vertices[triangles[:, corner]] - middle for corner in range(3))
-    sides = np.stack([np.cross(a, b) @ normal, np.cross(b, c) @ normal, np.cross(c, a) @ normal], axis=1)
+    sides = np.stack(
+        [np.cross(a, b) @ normal, np.cross(b, c) @ normal, np.cross(c, a) @ normal], axis=1
+    )
     met = np.all(sides >= 0.0, axis=1) | np.all(sides <= 0.0, axis=1)
     facing = np.einsum("ij,ij->i", np.cross(b - a, c - a), np.broadcast_to(normal, a.shape))
     met &= facing != 0.0
@@ -221,12 +234,18 @@ def _pieces_on_grid(target: _Target, broken: dict[str, Any]) -> Pieces:
         if _frangible.mesh_mass((piece["vertices"], piece["triangles"]))["volume_m3"] < voxel**3
     ]
     if specks:
-        part = math.fsum(broken["pieces"][number]["volume_m3"] for number in specks) / broken["volume_m3"]
+        part = (
+            math.fsum(broken["pieces"][number]["volume_m3"] for number in specks)
+            / broken["volume_m3"]
+        )
         what = "1 speck" if len(specks) == 1 else f"{len(specks)} specks"
         notes.append(f"{what} smaller than a voxel left out, {part:.1g} of the volume")
     shown = [number for number in range(len(broken["pieces"])) if number not in specks]
     number_of = {number: index for index, number in enumerate(shown)}
-    surfaces: list[Any] = [[broken["pieces"][number][key] for key in ("vertices", "triangles", "inner")] for number in shown]
+    surfaces: list[Any] = [
+        [broken["pieces"][number][key] for key in ("vertices", "triangles", "inner")]
+        for number in shown
+    ]
     coordinates = [broken["pieces"][number]["coordinates"] for number in shown]
     pieces = _pieces(surfaces, coordinates, target.skin, None)
     found: list[Contact] = broken["contacts"]
@@ -308,7 +327,9 @@ def _parts(
         fewest = count_parts(solid, target.smallest)
         made = nearest_to(wanted, fewest, pattern, along)
         if sentence := difference(made.count, wanted):
-            apart = f"{wanted} pieces were asked for, and the mesh has {fewest} parts that lie apart"
+            apart = (
+                f"{wanted} pieces were asked for, and the mesh has {fewest} parts that lie apart"
+            )
             notes.append(apart if fewest > wanted else sentence)
     if made.crumbs:
         those = "1 loose part is" if made.crumbs == 1 else f"{made.crumbs} loose parts are"
@@ -330,9 +351,7 @@ def _pieces_of_parts(
     return _pieces(surfaces, coordinates, target.skin, found), contacts
 
 
-def _against_mesh(
-    target: _Target, on_grid: float, pieces: list[Piece]
-) -> tuple[float, list[str]]:
+def _against_mesh(target: _Target, on_grid: float, pieces: list[Piece]) -> tuple[float, list[str]]:
     """The volume [m^3] of a mesh that was broken on a grid, and the sentence if the grid or the
     pieces hold another one."""
     clean = target.clean
@@ -345,14 +364,18 @@ def _against_mesh(
     return whole, [sentence] if sentence else []
 
 
-def _pieces(surfaces: Any, coordinates: list[Any], skin: MeshSkin | None, found: list[Below] | None) -> list[Piece]:
-    """Pieces with the mass properties of their surfaces: vertices, triangles, and which are inner. ``found`` is what lies below
-    them in the mesh's file, if that is known."""
+def _pieces(
+    surfaces: Any, coordinates: list[Any], skin: MeshSkin | None, found: list[Below] | None
+) -> list[Piece]:
+    """Pieces with the mass properties of their surfaces: vertices, triangles, and which are inner.
+    ``found`` is what lies below them in the mesh's file, if that is known."""
     skins: list[Any] = [None] * len(surfaces)
     if skin is not None:
         found = skin.below(surfaces) if found is None else found
         for index, (surface, own) in enumerate(zip(surfaces, found, strict=True)):
-            skins[index], coordinates[index] = skin.lay_on(surface[0], surface[1], surface[2], coordinates[index], own)
+            skins[index], coordinates[index] = skin.lay_on(
+                surface[0], surface[1], surface[2], coordinates[index], own
+            )
     pieces = []
     for index, (vertices, triangles, inner) in enumerate(surfaces):
         mass = _frangible.mesh_mass((vertices, triangles))

@@ -1,4 +1,5 @@
-"""Meshes cut by the closed cells of a pattern, with a robust Boolean library: watertight pieces that fit without a gap."""
+"""Meshes cut by the closed cells of a pattern, with a robust Boolean library: watertight pieces
+that fit without a gap."""
 
 from __future__ import annotations
 
@@ -86,7 +87,9 @@ def cut(body: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> Cutting
             count += int(face.max()) + 1
     if not _fit(cells, body) and not _fit([_box(body) ^ solid for solid in solids], _box(body)):
         cells = _fitted(body, cells, least)
-    groups = [(cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)]
+    groups = [
+        (cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)
+    ]
     return Cutting(body, solids, groups, face_of, smallest)
 
 
@@ -148,8 +151,8 @@ class Cutting:
         self.crumbs = len(joined) - self.count
 
     def parts(self) -> list[Part]:
-        """Cell by cell, the largest first. Together they are the solid, even if the cells leave gaps
-        or overlap."""
+        """Cell by cell, the largest first. Together they are the solid, even if the cells leave
+        gaps or overlap."""
         kept = []
         for number, (_, shells) in enumerate(self._groups):
             members = [other for other, host in enumerate(self._hosts) if host == number]
@@ -196,7 +199,9 @@ def _joined(
     volume = sum(shell.volume() for _, shells in members for shell in shells)
     low, high = np.split(np.array([solid.bounding_box() for solid in whole]), 2, axis=1)
     box, near = np.append(low.min(axis=0), high.max(axis=0)), FITS * np.ptp([low, high])
-    united = Manifold.batch_boolean([cutters[cell] for cell in sorted({cell for cell, _ in members})], OpType.Add)
+    united = Manifold.batch_boolean(
+        [cutters[cell] for cell in sorted({cell for cell, _ in members})], OpType.Add
+    )
     for shells in _connected(body ^ united, LEAST_PART * body.volume()):
         # Volumes and boxes tell it from others without more Boolean calls.
         fits = abs(sum(shell.volume() for shell in shells) - volume) <= FITS * body.volume()
@@ -223,21 +228,29 @@ def _glued(solids: list[Manifold], touching: list[Touching], least: float) -> li
 
 
 def composed(shells: list[Manifold]) -> Manifold:
-    """An outer shell and its cavities as one: the library's own composition unites them, and fills the cavities."""
+    """An outer shell and its cavities as one: the library's own composition unites them, and fills
+    the cavities."""
     if len(shells) == 1:
         return shells[0]
     meshes = [shell.to_mesh64() for shell in shells]
     counts = np.cumsum([0, *(len(mesh.vert_properties) for mesh in meshes)])
     corners = np.cumsum([0, *(3 * len(mesh.tri_verts) for mesh in meshes)])
 
-    def joined(name: str, offsets: npt.NDArray[np.int64] | None, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    def joined(
+        name: str, offsets: npt.NDArray[np.int64] | None, dtype: npt.DTypeLike
+    ) -> npt.NDArray[Any]:
         rows = [np.asarray(getattr(mesh, name)) for mesh in meshes]
         if offsets is not None:
-            rows = [own.astype(np.int64) + offset for own, offset in zip(rows, offsets, strict=False)]
+            rows = [
+                own.astype(np.int64) + offset for own, offset in zip(rows, offsets, strict=False)
+            ]
         return np.ascontiguousarray(np.concatenate(rows), dtype)
 
     # Runs begin where those of the mesh before end.
-    begins = [np.asarray(mesh.run_index, np.int64)[:-1] + offset for mesh, offset in zip(meshes, corners, strict=False)]
+    begins = [
+        np.asarray(mesh.run_index, np.int64)[:-1] + offset
+        for mesh, offset in zip(meshes, corners, strict=False)
+    ]
     return Manifold(
         Mesh64(
             np.ascontiguousarray(np.concatenate([mesh.vert_properties[:, :3] for mesh in meshes])),
@@ -252,16 +265,20 @@ def composed(shells: list[Manifold]) -> Manifold:
 
 
 def _fitted(body: Manifold, cells: list[Manifold], least: float) -> list[Manifold]:
-    """Cells that a body is made of: what two of them share goes to the first, and a gap to the one that has the largest surface in common
-    with it."""
+    """Cells that a body is made of: what two of them share goes to the first, and a gap to the one
+    that has the largest surface in common with it."""
     fitted: list[Manifold] = []
     taken = Manifold()
     for cell in cells:
         fitted.append(cell - taken)
         taken = taken + cell
-    # The smallest first: it may lie in a cell that a larger one encloses, and shells are without their cavities.
+    # The smallest first: it may lie in a cell that a larger one encloses, and shells are without
+    # their cavities.
     rest = body - taken
-    outer = sorted((shell for shell in rest.decompose() if shell.volume() > least), key=lambda shell: shell.volume())
+    outer = sorted(
+        (shell for shell in rest.decompose() if shell.volume() > least),
+        key=lambda shell: shell.volume(),
+    )
     for shell in outer:
         gap = rest ^ shell
         rest = rest - gap
@@ -287,6 +304,7 @@ def _may_touch(one: Manifold, other: Manifold) -> bool:
 
 def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
     """Each outer shell with the cavities in it, the largest first."""
+
     def order(shell: Manifold) -> tuple[float, ...]:
         return (-shell.volume(), *shell.bounding_box())
 
@@ -304,7 +322,8 @@ def _with_cavities(shells: list[Manifold]) -> list[list[Manifold]]:
 
 
 def _part(shells: list[Manifold], face_of: dict[int, npt.NDArray[np.int64]]) -> Part:
-    """The shells as one surface, with the face that each triangle comes from, by the ids of the cells' meshes."""
+    """The shells as one surface, with the face that each triangle comes from, by the ids of the
+    cells' meshes."""
     vertices, triangles, faces, sources = [], [], [], []
     count = 0
     for shell in shells:
@@ -336,8 +355,8 @@ def _merged(mesh: Any) -> Mesh:
 
 
 def texture_coordinates(part: Part) -> Float32:
-    """(t, 3, 2) coordinates of all corners [m]: in the mean planes of cracks, the same on both sides, and along the axes of the
-    mesh's frame on its own surface."""
+    """(t, 3, 2) coordinates of all corners [m]: in the mean planes of cracks, the same on both
+    sides, and along the axes of the mesh's frame on its own surface."""
     coordinates = np.zeros((len(part.triangles), 3, 2), np.float32)
     corners = part.vertices[part.triangles]
     area_vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -345,7 +364,8 @@ def texture_coordinates(part: Part) -> Float32:
         triangles = part.face == face
         normal = area_vectors[triangles].sum(axis=0)
         normal /= np.linalg.norm(normal)
-        # Of the two sides of a crack, the one whose normal is positive along its longest component decides.
+        # Of the two sides of a crack, the one whose normal is positive along its longest component
+        # decides.
         normal *= np.sign(normal[np.argmax(np.round(np.abs(normal), 6))])
         u = np.cross(normal, np.eye(3)[np.argmin(np.round(np.abs(normal), 6))])
         u /= np.linalg.norm(u)

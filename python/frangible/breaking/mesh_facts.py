@@ -12,12 +12,14 @@ from .cleaning import CleanMesh
 
 
 def describe_mesh(path: str) -> dict[str, object]:
-    """Facts about a mesh file, in order; volume, centre and inertia are those of what `break_mesh` breaks."""
+    """Facts about a mesh file, in order; volume, centre and inertia are those of what `break_mesh`
+    breaks."""
     return described(*read_facts(path))
 
 
 def read_facts(path: str) -> tuple[dict[str, Any], CleanMesh | None]:
-    """Facts about the triangles of a mesh file, for `described`, and its solids if they may have to be united."""
+    """Facts about the triangles of a mesh file, for `described`, and its solids if they may have to
+    be united."""
     facts = _frangible.mesh_info(path)
     clean = None
     if facts["volume_m3"] > 0.0 and missing_packages("exact") is None:
@@ -26,7 +28,8 @@ def read_facts(path: str) -> tuple[dict[str, Any], CleanMesh | None]:
 
 
 def described(facts: dict[str, Any], clean: CleanMesh | None) -> dict[str, object]:
-    """The facts about a mesh with those about the solid that it encloses; its file is not needed any more."""
+    """The facts about a mesh with those about the solid that it encloses; its file is not needed
+    any more."""
     notes: list[str] = facts.pop("notes")
     watertight: bool = facts["watertight"]
     if clean is not None and (clean["meets"].any() or clean["buried"].any()):
@@ -40,5 +43,7 @@ def described(facts: dict[str, Any], clean: CleanMesh | None) -> dict[str, objec
     for key, value in facts.items():
         found[key] = value
         if key == "watertight":
-            found["surface"] = "; ".join(["closed" if watertight else "open or not consistent", *notes])
+            found["surface"] = "; ".join(
+                ["closed" if watertight else "open or not consistent", *notes]
+            )
     return found

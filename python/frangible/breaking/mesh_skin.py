@@ -25,7 +25,9 @@ MOST_REACH = 1.0 / 64.0
 #: Texture coordinates may go on beyond a triangle by this part of it.
 MOST_BEYOND = 0.5
 #: Of what has colours of its corners and no material.
-CORNER_COLOURS = Material((1.0, 1.0, 1.0), OUTSIDE_ROUGHNESS, name="corner_colours", corner_colours=True)
+CORNER_COLOURS = Material(
+    (1.0, 1.0, 1.0), OUTSIDE_ROUGHNESS, name="corner_colours", corner_colours=True
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +52,13 @@ class MeshSkin:
 
     @cached_property
     def charts(self) -> Int64:
-        """(t,) the same number for triangles that hang together without a seam in anything that their corners have."""
+        """(t,) the same number for triangles that hang together without a seam in anything that
+        their corners have."""
         rows = np.concatenate([self.coordinates, self.normals, self.colours], axis=2).reshape(-1, 9)
         places = (self.corners + 0.0).reshape(-1, 3)
-        keys = np.column_stack([places.view(np.int64), rows.view(np.int32), np.repeat(self.material, 3)])
+        keys = np.column_stack(
+            [places.view(np.int64), rows.view(np.int32), np.repeat(self.material, 3)]
+        )
         corner = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1, 3)
         label = np.arange(corner.max(initial=-1) + 1)
         while True:
@@ -83,27 +88,44 @@ class MeshSkin:
         """True if any corner has one."""
         return bool(np.isfinite(self.normals).any())
 
-    def closest(self, points: Float64, normals: Float64, reach: Float64, charts: Int64 | None = None) -> Int64:
-        """(n,) the triangle closest to each point (n, 3), of any chart, or of those: one that faces the same way as its normal,
-        unless that is farther than the closest by more than its reach (n,) [m]."""
+    def closest(
+        self, points: Float64, normals: Float64, reach: Float64, charts: Int64 | None = None
+    ) -> Int64:
+        """(n,) the triangle closest to each point (n, 3), of any chart, or of those: one that faces
+        the same way as its normal, unless that is farther than the closest by more than its reach
+        (n,) [m]."""
         wanted = np.full(len(points), -1, np.int64) if charts is None else charts
         own = np.zeros(len(self.corners), np.int64) if charts is None else self.charts
-        reach = np.minimum(reach, MOST_REACH * np.linalg.norm(np.ptp(self.corners.reshape(-1, 3), axis=0)))
-        arrays = (np.ascontiguousarray(points), np.ascontiguousarray(normals), wanted, np.ascontiguousarray(reach))
+        reach = np.minimum(
+            reach, MOST_REACH * np.linalg.norm(np.ptp(self.corners.reshape(-1, 3), axis=0))
+        )
+        arrays = (
+            np.ascontiguousarray(points),
+            np.ascontiguousarray(normals),
+            wanted,
+            np.ascontiguousarray(reach),
+        )
         return closest_triangles(self.corners, own, *arrays)
 
     def below(self, surfaces: list[tuple[Float64, UInt32, Bool]]) -> list[Below]:
-        """The file's triangles below the outer triangles of surfaces (vertices, triangles, inner), in the
-        mesh's own frame.
+        """The file's triangles below the outer triangles of surfaces (vertices, triangles, inner),
+        in the mesh's own frame.
 
         It is the closest triangle; of a corner the closest within the same chart.
         """
-        corners = np.concatenate([np.zeros((0, 3, 3)), *(vertices[triangles[~inner]] for vertices, triangles, inner in surfaces)])
+        corners = np.concatenate(
+            [
+                np.zeros((0, 3, 3)),
+                *(vertices[triangles[~inner]] for vertices, triangles, inner in surfaces),
+            ]
+        )
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         reach = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
         below = self.closest(corners.mean(axis=1), faces, reach)
         charts = np.repeat(self.charts[below], 3)
-        each = self.closest(corners.reshape(-1, 3), np.repeat(faces, 3, axis=0), np.repeat(reach, 3), charts)
+        each = self.closest(
+            corners.reshape(-1, 3), np.repeat(faces, 3, axis=0), np.repeat(reach, 3), charts
+        )
         ends = np.cumsum([int((~inner).sum()) for _, _, inner in surfaces])[:-1]
         return list(zip(np.split(below, ends), np.split(each.reshape(-1, 3), ends), strict=True))
 
@@ -115,7 +137,8 @@ class MeshSkin:
         coordinates: Float32,
         found: Below,
     ) -> tuple[Skin, Float32]:
-        """The skin and the texture coordinates of a surface, in the mesh's own frame, given what lies below it."""
+        """The skin and the texture coordinates of a surface, in the mesh's own frame, given what
+        lies below it."""
         outer = np.flatnonzero(~inner)
         corners = vertices[triangles[outer]]
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -124,14 +147,20 @@ class MeshSkin:
 
         def blended(values: Float32, beyond: float = 0.0) -> Float32:
             bounded = np.maximum(weights, -beyond)
-            mixed: Float32 = (bounded / bounded.sum(axis=2, keepdims=True) * values[each]).sum(axis=2).astype(np.float32)
+            mixed: Float32 = (
+                (bounded / bounded.sum(axis=2, keepdims=True) * values[each])
+                .sum(axis=2)
+                .astype(np.float32)
+            )
             return mixed
 
         # Attributes of the corners.
         placed = coordinates.copy()
         # Across a seam an image goes on as before it.
         own = blended(self.coordinates, MOST_BEYOND)
-        placed[outer] = np.where(np.isfinite(own).all(axis=(1, 2), keepdims=True), own, coordinates[outer])
+        placed[outer] = np.where(
+            np.isfinite(own).all(axis=(1, 2), keepdims=True), own, coordinates[outer]
+        )
         colours = normals = None
         if self.has_colours:
             colours = np.ones((len(triangles), 3, 4), np.float32)
@@ -140,10 +169,15 @@ class MeshSkin:
             normals = np.zeros((len(triangles), 3, 3), np.float32)
             own = np.nan_to_num(blended(self.normals))
             # A triangle that was turned has its normals turned.
-            flat = np.cross(self.corners[below, 1] - self.corners[below, 0], self.corners[below, 2] - self.corners[below, 0])
+            flat = np.cross(
+                self.corners[below, 1] - self.corners[below, 0],
+                self.corners[below, 2] - self.corners[below, 0],
+            )
             own = own * np.where(np.einsum("ij,ij->i", flat, faces) < 0.0, -1.0, 1.0)[:, None, None]
             lengths = np.linalg.norm(own, axis=2, keepdims=True)
-            normals[outer] = np.where(lengths > 0.1, own / np.where(lengths > 0.1, lengths, 1.0), 0.0)
+            normals[outer] = np.where(
+                lengths > 0.1, own / np.where(lengths > 0.1, lengths, 1.0), 0.0
+            )
 
         material = np.full(len(triangles), NO_MATERIAL, np.int32)
         material[outer] = self.material[below]
@@ -167,7 +201,8 @@ class MeshSkin:
 
 
 def _weights(points: Float64, triangles: Float64) -> Float64:
-    """(t, 3, 3) weights of the corners of triangles (t, 3, 3, 3) for points (t, 3, 3) in their planes."""
+    """(t, 3, 3) weights of the corners of triangles (t, 3, 3, 3) for points (t, 3, 3) in their
+    planes."""
     a, b, c = np.moveaxis(triangles, 2, 0)
     ab, ac, ap = b - a, c - a, points - a
     d00, d01, d11 = (np.einsum("tkj,tkj->tk", x, y) for x, y in ((ab, ab), (ab, ac), (ac, ac)))
@@ -182,7 +217,8 @@ def _weights(points: Float64, triangles: Float64) -> Float64:
 def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
     """Attributes of a file; ``plain`` is what `readable_mesh` made of it.
 
-    ``inside`` names the material of what cracks lay bare: one of the file's, a look, or a new one. `None` if there is nothing.
+    ``inside`` names the material of what cracks lay bare: one of the file's, a look, or a new one.
+    `None` if there is nothing.
     """
     said = mesh_attributes(plain)
     if said is None:
@@ -192,7 +228,14 @@ def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
     coordinates: Float32 = said["coordinates"]
     for number, transform in transforms.items():
         own = material == number
-        down = np.stack([coordinates[own, :, 0], 1.0 - coordinates[own, :, 1], np.ones_like(coordinates[own, :, 0])], axis=-1)
+        down = np.stack(
+            [
+                coordinates[own, :, 0],
+                1.0 - coordinates[own, :, 1],
+                np.ones_like(coordinates[own, :, 0]),
+            ],
+            axis=-1,
+        )
         moved = down @ transform.T
         coordinates[own] = np.stack([moved[..., 0], 1.0 - moved[..., 1]], axis=-1)
 
@@ -201,12 +244,19 @@ def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
     if with_colours.any():
         shown = np.unique(material[with_colours]).tolist()
         plain_white = {
-            number for number in shown if number >= 0 and materials[number].image is None and materials[number].colour == (1.0,) * 3
+            number
+            for number in shown
+            if number >= 0
+            and materials[number].image is None
+            and materials[number].colour == (1.0,) * 3
         }
         materials = [
-            replace(one, corner_colours=True) if number in plain_white else one for number, one in enumerate(materials)
+            replace(one, corner_colours=True) if number in plain_white else one
+            for number, one in enumerate(materials)
         ]
-        material = np.where(with_colours & (material == NO_MATERIAL), len(materials), material).astype(np.int32)
+        material = np.where(
+            with_colours & (material == NO_MATERIAL), len(materials), material
+        ).astype(np.int32)
         materials = [*materials, CORNER_COLOURS]
     return MeshSkin(
         corners=said["corners"],

@@ -9,7 +9,8 @@ from ..io.output import check_destination
 from ..io.whole import whole_file
 from ..recording import Body, Recording
 
-#: How far cells are pulled apart: the way of a cell's centre from the middle of the box, relative to what it was.
+#: How far cells are pulled apart: the way of a cell's centre from the middle of the box, relative
+#: to what it was.
 PULLED_APART = 1.35
 #: What a pattern is written as, and the extra that it takes.
 ENDINGS = {".json": None, ".png": "render"}
@@ -36,14 +37,19 @@ def _write_picture(pattern: Pattern, path: str) -> None:
 
 
 def exploded(pattern: Pattern, apart: float = PULLED_APART) -> Recording:
-    """One frame of the cells, each pulled away from the middle of the box; mortar in the colour of cracks."""
+    """One frame of the cells, each pulled away from the middle of the box; mortar in the colour of
+    cracks."""
     bodies = [_piece(pattern, cell, apart) for cell in range(len(pattern))]
     return Recording(shot="pattern", method="", fps=1.0, frames=0, bodies=bodies)
 
 
 def _piece(pattern: Pattern, cell: int, apart: float) -> Body:
     vertices, triangles = pattern.region_mesh(cell)
-    low, high = (vertices.min(axis=0), vertices.max(axis=0)) if len(vertices) else (np.zeros(3), np.zeros(3))
+    low, high = (
+        (vertices.min(axis=0), vertices.max(axis=0))
+        if len(vertices)
+        else (np.zeros(3), np.zeros(3))
+    )
     centre = (low + high) / 2
     return Body(
         id=cell + 1,

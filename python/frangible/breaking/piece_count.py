@@ -38,8 +38,8 @@ def break_on_grid_into(
     cut: Callable[[_frangible.Pattern], dict[str, Any]],
 ) -> dict[str, Any]:
     """The pieces that ``cut`` makes of a mesh on a grid of ``voxels``, as
-    `_frangible.break_mesh_on_grid` returns it, along the pattern, which is made finer, coarser or larger until there are about so
-    many pieces with a surface."""
+    `_frangible.break_mesh_on_grid` returns it, along the pattern, which is made finer, coarser or
+    larger until there are about so many pieces with a surface."""
     at, normal = blow[0].tolist(), blow[1].tolist()
 
     def counted(aim: int) -> _frangible.Pattern:
@@ -115,7 +115,8 @@ def nearest_to(
 
 
 def difference(count: int, wanted: int) -> str | None:
-    """The sentence that there are not as many pieces as were asked for; `None` if it is nearly so many."""
+    """The sentence that there are not as many pieces as were asked for; `None` if it is nearly so
+    many."""
     if abs(count - wanted) <= SILENT_WITHIN * wanted:
         return None
     return f"{wanted} pieces were asked for, and {count} is as near as this pattern comes"

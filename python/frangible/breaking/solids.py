@@ -55,16 +55,20 @@ def closed(clean: CleanMesh, voxels: int) -> tuple[Manifold, list[str]]:
 
     # Solids that only came near one another stay as they are.
     apart = sum(solid.volume() for solid in solids)
-    if len(anew) == 0 and abs(united.volume() - apart) <= SAME * apart and united.num_tri() == whole.num_tri():
+    if (
+        len(anew) == 0
+        and abs(united.volume() - apart) <= SAME * apart
+        and united.num_tri() == whole.num_tri()
+    ):
         return whole, notes
     if clean["meets"].any():
-        notes.append(f"{int(clean['meets'].sum())} parts that cross, touch or lie in one another made one")
+        notes.append(
+            f"{int(clean['meets'].sum())} parts that cross, touch or lie in one another made one"
+        )
     return united, notes
 
 
-def on_grid(
-    clean: CleanMesh, voxels: int, simpler: bool = True
-) -> tuple[Manifold, list[str]]:
+def on_grid(clean: CleanMesh, voxels: int, simpler: bool = True) -> tuple[Manifold, list[str]]:
     """The solid that a clean mesh bounds, with all surfaces made anew on one grid of ``voxels``
     along the longest side, and what was done in sentences. Solids that are thinner than a voxel, or
     smaller than 27 of them, keep their own surface. Flat faces get few triangles, unless
@@ -165,7 +169,10 @@ def _crossing(count: int) -> str:
 def _united(solids: list[Manifold]) -> Manifold:
     """The union, a few at a time: between them signals are heard."""
     while len(solids) > 1:
-        solids = [Manifold.batch_boolean(solids[n : n + AT_ONCE], OpType.Add) for n in range(0, len(solids), AT_ONCE)]
+        solids = [
+            Manifold.batch_boolean(solids[n : n + AT_ONCE], OpType.Add)
+            for n in range(0, len(solids), AT_ONCE)
+        ]
         for solid in solids:
             solid.num_tri()
     return solids[0]
@@ -180,5 +187,3 @@ def _surfaces(clean: CleanMesh, count: int) -> list[Mesh]:
         used, triangles = np.unique(clean["triangles"][order[first:last]], return_inverse=True)
         surfaces.append((clean["vertices"][used], triangles.reshape(-1, 3).astype(np.uint32)))
     return surfaces
-
-

@@ -31,7 +31,12 @@ def add_break(commands: Any) -> None:
     breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
     breaker.set_defaults(command=_break)
     breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
-    breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
+    breaker.add_argument(
+        "--pattern",
+        required=True,
+        metavar="NAME|FILE",
+        help="built-in pattern, or a file that holds one",
+    )
     breaker.add_argument("--cells", type=count, metavar="N", help="number of cells [the pattern's]")
     breaker.add_argument(
         "--pieces",
@@ -46,13 +51,19 @@ def add_break(commands: Any) -> None:
         metavar="FRACTION",
         help="smaller pieces join a neighbour; of the mean piece's volume [%(default)g]",
     )
-    breaker.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
+    breaker.add_argument(
+        "--seed",
+        type=natural(2**64 - 1),
+        metavar="N",
+        help="same seed, same pieces [the pattern's]",
+    )
     breaker.add_argument(
         "--at",
         nargs=3,
         type=finite,
         metavar=("X", "Y", "Z"),
-        help="point that is struck, in the mesh's own frame [where a blow through the middle of the bounding box lands]",
+        help="point that is struck, in the mesh's own frame [where a blow through the middle of "
+        "the bounding box lands]",
     )
     breaker.add_argument(
         "--normal",
@@ -82,7 +93,8 @@ def add_break(commands: Any) -> None:
         type=natural(MOST_VOXELS, 1),
         default=DEFAULT_VOXELS,
         metavar="N",
-        help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses itself, or with --grid",
+        help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses "
+        "itself, or with --grid",
     )
     add_thickness(breaker)
     add_pose_time(breaker)
@@ -90,7 +102,8 @@ def add_break(commands: Any) -> None:
         "--out",
         required=True,
         metavar="FILE|FOLDER",
-        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and neighbours go beside it as .json",
+        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and "
+        "neighbours go beside it as .json",
     )
     breaker.add_argument("--quiet", action="store_true", help="no progress and no list of files")
     breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")

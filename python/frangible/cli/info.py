@@ -16,7 +16,8 @@ from ..recording import Recording
 
 
 def describe_file(path: str, pose_time: float | None = None) -> dict[str, object]:
-    """Facts to print, in order; `CacheError` or `BuildError` if the file is neither a mesh nor a cache."""
+    """Facts to print, in order; `CacheError` or `BuildError` if the file is neither a mesh nor a
+    cache."""
     ending = os.path.splitext(path)[1].lower()
     check_is_file(path)
     if ending == ".npz":
@@ -47,7 +48,10 @@ def _describe_npz(path: str) -> dict[str, object]:
         "method": recording.method,
         "frames": recording.frames,
         "fps": recording.fps,
-        "bodies": f"{len(recording.alive(0))} at first, {len(masses)} at last, {len(recording.bodies)} in all",
+        "bodies": (
+            f"{len(recording.alive(0))} at first, {len(masses)} at last, {len(recording.bodies)} "
+            "in all"
+        ),
         "mass_kg": float(masses[np.isfinite(masses)].sum()),
         "triangles": sum(len(body.triangles) for body in recording.bodies),
     }

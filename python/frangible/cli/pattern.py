@@ -21,20 +21,39 @@ def add_pattern(commands: Any) -> None:
         "pattern",
         help="make a fracture pattern, save it and draw it with its pieces pulled apart",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="kinds:\n" + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
+        epilog="kinds:\n"
+        + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
     )
     pattern.set_defaults(command=_pattern)
-    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
-    pattern.add_argument("--cells", type=count, metavar="N", help="about so many pieces [the kind's]")
     pattern.add_argument(
-        "--pieces", type=natural(MOST_PIECES), metavar="N", help="so many pieces, as nearly as the kind has them [the cells']"
+        "name",
+        metavar="NAME",
+        help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed "
+        "parts fill a box (.obj, .gltf, .glb, .usd)",
     )
-    pattern.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
     pattern.add_argument(
-        "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
+        "--cells", type=count, metavar="N", help="about so many pieces [the kind's]"
+    )
+    pattern.add_argument(
+        "--pieces",
+        type=natural(MOST_PIECES),
+        metavar="N",
+        help="so many pieces, as nearly as the kind has them [the cells']",
+    )
+    pattern.add_argument(
+        "--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]"
+    )
+    pattern.add_argument(
+        "--out",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=".json, or .png for a picture; may be repeated",
     )
     pattern.add_argument("--json", action="store_true", help="a JSON object instead of lines")
-    pattern.add_argument("--picture", metavar="FILE", help="a picture beside what --out writes, .png")
+    pattern.add_argument(
+        "--picture", metavar="FILE", help="a picture beside what --out writes, .png"
+    )
 
 
 def _pattern(options: argparse.Namespace) -> None:

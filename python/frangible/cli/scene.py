@@ -29,7 +29,9 @@ def _scene(options: argparse.Namespace) -> None:
 
 def add_schema(commands: Any) -> None:
     """Add the command."""
-    schema = commands.add_parser("schema", help="print the JSON Schema of scene files, or their description for people")
+    schema = commands.add_parser(
+        "schema", help="print the JSON Schema of scene files, or their description for people"
+    )
     schema.set_defaults(command=_schema)
     schema.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
 

@@ -12,14 +12,15 @@ HEAD = """# Scene files
 
 `frangible run scene.json` (or `.toml`) simulates a scene; `frangible scene SHOT > scene.json`, or
 `frangible scene SHOT --toml > scene.toml`, prints one to start from, and
-`--set bodies.wall.breaking.strength=2e6` sets a field, of bodies by their name or number. In Python,
-`frangible.run` and `World.build` take the path, or the same as a dictionary. [`docs/scenes`](scenes)
-has three small ones.
+`--set bodies.wall.breaking.strength=2e6` sets a field, of bodies by their name or number. In
+Python, `frangible.run` and `World.build` take the path, or the same as a dictionary.
+[`docs/scenes`](scenes) has three small ones.
 
-Quantities are SI, y is up, quaternions are x, y, z, w. A path of a mesh or a pattern is relative to the scene's folder.
-Only the fields that are **bold** are needed. This page is made from the descriptions in Rust by
-`frangible schema --markdown`. For editors that complete and check there is the JSON Schema: the
-package holds it as `frangible/scene.schema.json`, and `frangible schema` prints it.
+Quantities are SI, y is up, quaternions are x, y, z, w. A path of a mesh or a pattern is relative to
+the scene's folder. Only the fields that are **bold** are needed. This page is made from the
+descriptions in Rust by `frangible schema --markdown`. For editors that complete and check there is
+the JSON Schema: the package holds it as `frangible/scene.schema.json`, and `frangible schema`
+prints it.
 """
 
 
@@ -82,7 +83,12 @@ def _table(part: Schema) -> list[str]:
 
 def _default(field: Schema) -> str:
     default = field.get("default")
-    if default is None or isinstance(default, (dict, list)) and not default or default == {"voxels": None, "sample_spacing": None}:
+    if (
+        default is None
+        or isinstance(default, (dict, list))
+        and not default
+        or default == {"voxels": None, "sample_spacing": None}
+    ):
         return ""
     return f"`{json.dumps(default)}`"
 
@@ -97,12 +103,21 @@ def _type(field: Schema) -> str:
     kinds = field["type"] if isinstance(field["type"], list) else [field["type"]]
     (kind,) = (kind for kind in kinds if kind != "null")
     if kind != "array":
-        return {"number": "number", "integer": "whole number", "boolean": "true or false", "string": "text"}[kind]
+        return {
+            "number": "number",
+            "integer": "whole number",
+            "boolean": "true or false",
+            "string": "text",
+        }[kind]
     count = f"{field['minItems']} " if "minItems" in field else ""
     items = field["items"]
     if "$ref" in items:
         return f"list of {_type(items)}"
-    return f"list of {count}{_type(items)}s" if items["type"] != "array" else f"list of {_type(items)}s"
+    return (
+        f"list of {count}{_type(items)}s"
+        if items["type"] != "array"
+        else f"list of {_type(items)}s"
+    )
 
 
 def _is_words(part: Schema) -> bool:

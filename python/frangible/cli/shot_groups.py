@@ -14,7 +14,10 @@ GROUPS = (
     ("A mesh of your own breaks", "impact bunny"),
     ("Materials break in their ways", "pane masonry timber concrete"),
     ("Prescored and glued pieces come apart", "pillar bonded-pillar"),
-    ("Piles and walls of many bodies", "pile-spread pile-deep pile-table bricks bricks-still debris"),
+    (
+        "Piles and walls of many bodies",
+        "pile-spread pile-deep pile-table bricks bricks-still debris",
+    ),
     ("Stacks stand", "tower pyramid load arch slab card-house stack plank"),
     ("Collisions and friction", "incline cradle plate nut"),
 )

@@ -13,10 +13,16 @@ from .options import EXIT_FAILED
 
 def add_verify(commands: Any) -> None:
     """Add the command."""
-    verifier = commands.add_parser("verify", help="measure what the paper and we promise; status 1 if something does not hold")
+    verifier = commands.add_parser(
+        "verify", help="measure what the paper and we promise; status 1 if something does not hold"
+    )
     verifier.set_defaults(command=_verify)
-    verifier.add_argument("claims", nargs="*", metavar="CLAIM", help="names from the table's first column [all]")
-    verifier.add_argument("--json", action="store_true", help="one JSON object instead of the table")
+    verifier.add_argument(
+        "claims", nargs="*", metavar="CLAIM", help="names from the table's first column [all]"
+    )
+    verifier.add_argument(
+        "--json", action="store_true", help="one JSON object instead of the table"
+    )
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -36,4 +42,8 @@ def _verify(options: argparse.Namespace) -> int:
 
 def _print_verdict(verdict: Verdict) -> None:
     result = "holds" if verdict.holds else "does not hold"
-    print(f"{verdict.claim} {result}, measured in {verdict.seconds:.3g} s", file=sys.stderr, flush=True)
+    print(
+        f"{verdict.claim} {result}, measured in {verdict.seconds:.3g} s",
+        file=sys.stderr,
+        flush=True,
+    )

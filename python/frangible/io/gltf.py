@@ -1,7 +1,8 @@
 """glTF: a binary ``.glb`` with one animation.
 
-A small writer of our own: the format is a JSON chunk and a binary chunk, and general libraries write one buffer view and
-one time accessor per channel, which at thousands of pieces makes the JSON larger than the motion.
+A small writer of our own: the format is a JSON chunk and a binary chunk, and general libraries
+write one buffer view and one time accessor per channel, which at thousands of pieces makes the JSON
+larger than the motion.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ Group = tuple[int, Bool]
 
 def write_glb(recording: Recording, path: str) -> None:
     """Write a recording; lengths are metres, times seconds, y is up."""
-    gltf = _Gltf({"shot": recording.shot, "frames": recording.frames, "fps": recording.fps}, recording.fps)
+    gltf = _Gltf(
+        {"shot": recording.shot, "frames": recording.frames, "fps": recording.fps}, recording.fps
+    )
     families = by_source(with_visible_ground(recording).bodies)
     palette = Palette(families, gltf.add_material)
 
@@ -51,14 +54,17 @@ def write_glb(recording: Recording, path: str) -> None:
     for family, name in zip(
         families.values(), unique_names(family[0].name for family in families.values()), strict=True
     ):
-        roots.append(gltf.add_family(name, family, unique_names(body.name for body in family), palette))
+        roots.append(
+            gltf.add_family(name, family, unique_names(body.name for body in family), palette)
+        )
     gltf.document["scenes"] = [{"name": recording.shot or "World", "nodes": roots}]
     with open(path, "wb") as file:
         file.write(gltf.to_bytes())
 
 
 def write_pieces(pieces: Pieces, path: str) -> None:
-    """Write a broken mesh, ``.glb`` or ``.gltf``: a node with the pieces as children, each with its origin at its centre of mass."""
+    """Write a broken mesh, ``.glb`` or ``.gltf``: a node with the pieces as children, each with its
+    origin at its centre of mass."""
     gltf = _Gltf({"mesh": pieces.name}, 1.0)
     bodies = [piece.body(index) for index, piece in enumerate(pieces.pieces)]
     palette = Palette(by_source(bodies), gltf.add_material, ("outer", "inner"))
@@ -165,7 +171,10 @@ class _Gltf:
     def add_texture(self, image: Image) -> int:
         if image not in self.textures:
             # The number of the image stands for its buffer view until all others are known.
-            source = self.add("images", {"name": image.name, "mimeType": image.mime, "bufferView": len(self.textures)})
+            source = self.add(
+                "images",
+                {"name": image.name, "mimeType": image.mime, "bufferView": len(self.textures)},
+            )
             texture = {"source": source}
             if (sampler := _sampler(image.sampler)) is not None:
                 held = self.document.setdefault("samplers", [])
@@ -175,7 +184,9 @@ class _Gltf:
             self.textures[image] = self.add("textures", texture)
         return self.textures[image]
 
-    def add_family(self, name: str, bodies: list[Body], names: Iterable[str], palette: Palette[int]) -> int:
+    def add_family(
+        self, name: str, bodies: list[Body], names: Iterable[str], palette: Palette[int]
+    ) -> int:
         """A node with the bodies below it, each under the nodes that its mesh has in its file."""
         branches: dict[tuple[str, ...], Json] = {}
 
@@ -189,7 +200,9 @@ class _Gltf:
         branch(())
         for body, own in zip(bodies, names, strict=True):
             groups = [(material, faces) for material, faces, _ in palette.groups(body)]
-            branch(() if body.skin is None else body.skin.path)["children"].append(self.add_body(body, own, groups))
+            branch(() if body.skin is None else body.skin.path)["children"].append(
+                self.add_body(body, own, groups)
+            )
         return self.add("nodes", branches[()])
 
     def add_body(self, body: Body, name: str, groups: list[Group]) -> int:
@@ -219,13 +232,21 @@ class _Gltf:
         if body.death_frame is not None:
             frames_of_life, sizes = [*frames_of_life, body.death_frame], [*sizes, 0.0]
         if len(sizes) > 1:
-            self.add_channel(index, "scale", np.array(frames_of_life), np.repeat(sizes, 3).reshape(-1, 3), "STEP")
+            self.add_channel(
+                index, "scale", np.array(frames_of_life), np.repeat(sizes, 3).reshape(-1, 3), "STEP"
+            )
         return index
 
     def add_mesh(self, body: Body, name: str, groups: list[Group]) -> int:
         skin = body.skin
         arrays = [body.vertices, body.triangles, body.interior, body.coordinates]
-        arrays += [] if skin is None else [array for array in (skin.material, skin.colours, skin.normals) if array is not None]
+        arrays += (
+            []
+            if skin is None
+            else [
+                array for array in (skin.material, skin.colours, skin.normals) if array is not None
+            ]
+        )
         key = b"".join([*(array.tobytes() for array in arrays), struct.pack("<I", groups[0][0])])
         if key in self.meshes:
             return self.meshes[key]
@@ -236,21 +257,33 @@ class _Gltf:
         primitives = []
         for material, faces in groups:
             if skin is not None and (skin.colours is not None or skin.normals is not None):
-                attributes, indices = self.add_corners(body, corner_normals(body, shaded)[faces], coordinates, faces)
+                attributes, indices = self.add_corners(
+                    body, corner_normals(body, shaded)[faces], coordinates, faces
+                )
             else:
                 # A vertex for each place in space and in the texture.
-                used, places, indices = textured_corners(shaded.triangles[faces], coordinates[faces])
+                used, places, indices = textured_corners(
+                    shaded.triangles[faces], coordinates[faces]
+                )
                 attributes = {
-                    "POSITION": self.add_accessor(_POSITIONS, body.vertices[shaded.vertex[used]], bounds=True),
+                    "POSITION": self.add_accessor(
+                        _POSITIONS, body.vertices[shaded.vertex[used]], bounds=True
+                    ),
                     "NORMAL": self.add_accessor(_NORMALS, shaded.normals[used]),
                     "TEXCOORD_0": self.add_accessor(_COORDINATES, places),
                 }
-            primitive = {"attributes": attributes, "indices": self.add_accessor(_INDICES, indices.ravel()), "material": material}
+            primitive = {
+                "attributes": attributes,
+                "indices": self.add_accessor(_INDICES, indices.ravel()),
+                "material": material,
+            }
             primitives.append(primitive)
         self.meshes[key] = self.add("meshes", {"name": name, "primitives": primitives})
         return self.meshes[key]
 
-    def add_corners(self, body: Body, normals: Float32, coordinates: Float32, faces: Bool) -> tuple[Json, UInt32]:
+    def add_corners(
+        self, body: Body, normals: Float32, coordinates: Float32, faces: Bool
+    ) -> tuple[Json, UInt32]:
         """Attributes of the distinct corners of some triangles, and the three of each triangle."""
         columns = [normals.reshape(-1, 3), coordinates[faces].reshape(-1, 2)]
         if body.skin is not None and body.skin.colours is not None:
@@ -270,20 +303,30 @@ class _Gltf:
         return attributes, indices.ravel().astype(np.uint32)
 
     def add_channel(
-        self, node: int, target: str, frames: npt.NDArray[Any], values: npt.NDArray[Any], interpolation: str
+        self,
+        node: int,
+        target: str,
+        frames: npt.NDArray[Any],
+        values: npt.NDArray[Any],
+        interpolation: str,
     ) -> None:
         times = (frames / self.fps).astype(np.float32)
         key = times.tobytes()
         if key not in self.times:
             self.times[key] = self.add_accessor(_MOTION, times, bounds=True)
         output = self.add_accessor(_MOTION, values)
-        self.samplers.append({"input": self.times[key], "output": output, "interpolation": interpolation})
-        self.channels.append({"sampler": len(self.samplers) - 1, "target": {"node": node, "path": target}})
+        self.samplers.append(
+            {"input": self.times[key], "output": output, "interpolation": interpolation}
+        )
+        self.channels.append(
+            {"sampler": len(self.samplers) - 1, "target": {"node": node, "path": target}}
+        )
 
     def to_bytes(self) -> bytes:
         """As a ``.glb``."""
         document, data = self._finished()
-        # The header and the two chunks, each padded to four bytes; all data is made of four-byte words already.
+        # The header and the two chunks, each padded to four bytes; all data is made of four-byte
+        # words already.
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<I4s", len(text), b"JSON") + text
@@ -295,7 +338,9 @@ class _Gltf:
         """As a ``.gltf`` that holds its data as well."""
         document, data = self._finished()
         for buffer in document.get("buffers", []):
-            buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+            buffer["uri"] = (
+                "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+            )
         return json.dumps(document).encode()
 
     def _finished(self) -> tuple[Json, bytes]:
@@ -339,7 +384,8 @@ class _Gltf:
 
 
 def describe_glb(path: str) -> dict[str, object] | None:
-    """Shot, frames, frame rate and bodies of a cache that `write_glb` wrote; `None` for any other file."""
+    """Shot, frames, frame rate and bodies of a cache that `write_glb` wrote; `None` for any other
+    file."""
     with open(path, "rb") as file:
         header = file.read(20)
         if len(header) < 20 or header[:4] != b"glTF":

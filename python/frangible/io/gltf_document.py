@@ -1,7 +1,7 @@
 """A glTF file as it is shipped: its document, and the numbers that its accessors stand for.
 
-Sparse accessors, integers, and views that are compressed are read; bytes come from the file itself or from regular files
-in its own folder.
+Sparse accessors, integers, and views that are compressed are read; bytes come from the file itself
+or from regular files in its own folder.
 """
 
 from __future__ import annotations
@@ -68,13 +68,16 @@ class Document:
         return found[index]
 
     def accessor(self, index: Any) -> Array:
-        """The rows of an accessor (n, columns); integers that are fractions as those, all others as they are."""
+        """The rows of an accessor (n, columns); integers that are fractions as those, all others as
+        they are."""
         accessor = self.item("accessors", index)
         count, columns = _natural(accessor["count"]), _COLUMNS[accessor["type"]]
         dtype = np.dtype(_TYPES[accessor["componentType"]])
         if "bufferView" in accessor:
             data, stride = self.view(accessor["bufferView"])
-            rows = self._rows(index, data, _natural(accessor.get("byteOffset", 0)), count, columns, dtype, stride)
+            rows = self._rows(
+                index, data, _natural(accessor.get("byteOffset", 0)), count, columns, dtype, stride
+            )
         else:
             self._budget(count * columns * dtype.itemsize)
             rows = np.zeros((count, columns), dtype)
@@ -84,18 +87,31 @@ class Document:
             places, values = sparse["indices"], sparse["values"]
             kind = np.dtype(_TYPES[places["componentType"]])
             data, _ = self.view(places["bufferView"])
-            at = self._rows(index, data, _natural(places.get("byteOffset", 0)), changed, 1, kind, None).ravel()
+            at = self._rows(
+                index, data, _natural(places.get("byteOffset", 0)), changed, 1, kind, None
+            ).ravel()
             if np.any(at >= count):
-                raise self.fail(f"accessor {index} has a sparse index {at.max()}, must be below {count}")
+                raise self.fail(
+                    f"accessor {index} has a sparse index {at.max()}, must be below {count}"
+                )
             data, _ = self.view(values["bufferView"])
             rows = rows.copy()
-            rows[at] = self._rows(index, data, _natural(values.get("byteOffset", 0)), changed, columns, dtype, None)
+            rows[at] = self._rows(
+                index, data, _natural(values.get("byteOffset", 0)), changed, columns, dtype, None
+            )
         if accessor.get("normalized") and dtype.kind in "iu":
             rows = np.maximum(rows.astype(np.float64) / np.iinfo(dtype).max, -1.0)
         return rows
 
     def _rows(
-        self, index: Any, data: bytes, offset: int, count: int, columns: int, dtype: np.dtype[Any], stride: int | None
+        self,
+        index: Any,
+        data: bytes,
+        offset: int,
+        count: int,
+        columns: int,
+        dtype: np.dtype[Any],
+        stride: int | None,
     ) -> Array:
         size = columns * dtype.itemsize
         stride = max(stride or size, size)
@@ -112,7 +128,9 @@ class Document:
         if index not in self.views:
             extensions = view.get("extensions", {})
             packed = next((extensions[name] for name in MESHOPT if name in extensions), None)
-            self.views[index] = self._slice(index, view) if packed is None else self._unpacked(index, packed)
+            self.views[index] = (
+                self._slice(index, view) if packed is None else self._unpacked(index, packed)
+            )
         return self.views[index], stride
 
     def _slice(self, index: Any, view: Json) -> bytes:
@@ -128,14 +146,18 @@ class Document:
         self._budget(count * stride)
         data = self._slice(index, packed)
         try:
-            return decode_meshopt(data, count, stride, str(packed["mode"]), str(packed.get("filter", "NONE")))
+            return decode_meshopt(
+                data, count, stride, str(packed["mode"]), str(packed.get("filter", "NONE"))
+            )
         except BuildError as error:
             raise self.fail(f"view {index} {error}") from None
 
     def _budget(self, size: int) -> None:
         self.decoded += size
         if self.decoded > MOST_DECODED:
-            raise BuildError(f"{self.path}: unpacks to more than {MOST_DECODED} bytes, must be at most so many")
+            raise BuildError(
+                f"{self.path}: unpacks to more than {MOST_DECODED} bytes, must be at most so many"
+            )
 
     def buffer(self, index: Any) -> bytes:
         """The bytes of a buffer."""
@@ -150,7 +172,8 @@ class Document:
         return self.buffers[index]
 
     def read_uri(self, uri: Any, what: str) -> bytes:
-        """The bytes that a URI names: its own in base64, or those of a file in the document's own folder."""
+        """The bytes that a URI names: its own in base64, or those of a file in the document's own
+        folder."""
         if not isinstance(uri, str):
             raise self.fail(f"{what} has a URI that is no text")
         if uri.startswith("data:"):
@@ -168,9 +191,16 @@ class Document:
 
 
 def own_file(path: str, uri: str) -> str | None:
-    """The file that a relative URI names beside a document or below; `None` for whatever leads out of its folder."""
+    """The file that a relative URI names beside a document or below; `None` for whatever leads out
+    of its folder."""
     name = unquote(uri)
-    if urlsplit(uri).scheme or "\0" in name or "\\" in name or os.path.isabs(name) or ".." in name.split("/"):
+    if (
+        urlsplit(uri).scheme
+        or "\0" in name
+        or "\\" in name
+        or os.path.isabs(name)
+        or ".." in name.split("/")
+    ):
         return None
     # Links lead out, too.
     folder = os.path.realpath(os.path.dirname(path) or ".")

@@ -1,7 +1,8 @@
-"""glTF files as they are shipped, made plain: the core reads single-precision vertices and lists of triangles.
+"""glTF files as they are shipped, made plain: the core reads single-precision vertices and lists of
+triangles.
 
-Compressed, quantised and sparse data is unpacked, skins and morph targets are posed, and instances become nodes.
-Materials, textures and names go on as they are.
+Compressed, quantised and sparse data is unpacked, skins and morph targets are posed, and instances
+become nodes. Materials, textures and names go on as they are.
 """
 
 from __future__ import annotations
@@ -31,8 +32,23 @@ VISIBILITY = "KHR_node_visibility"
 #: Extensions that change the shape, and that are read here.
 _READ = {DRACO, INSTANCES, VISIBILITY, "KHR_mesh_quantization", *MESHOPT}
 #: Beginnings and names of those that a shape does not need.
-_LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_", "MSFT_texture_", "ADOBE_materials_")
-_OTHERS = {"KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod", "VRM", "VRMC_materials_mtoon"}
+_LOOKS = (
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_lights_",
+    "EXT_texture_",
+    "EXT_lights_",
+    "MSFT_texture_",
+    "ADOBE_materials_",
+)
+_OTHERS = {
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_animation_pointer",
+    "MSFT_lod",
+    "VRM",
+    "VRMC_materials_mtoon",
+}
 
 #: The most instances of nodes: some seconds.
 MOST_INSTANCES = 200_000
@@ -40,7 +56,8 @@ _POSITION, _INDEX = "POSITION", "SCALAR"
 
 
 def make_plain(path: str, glb: str, pose_time: float | None) -> bool:
-    """Write a file as a plain GLB; nothing and false if it is plain already, or so damaged that the core says how.
+    """Write a file as a plain GLB; nothing and false if it is plain already, or so damaged that the
+    core says how.
 
     Without a pose time [s] nodes, joints and morph targets are as the file has them at rest.
     """
@@ -83,18 +100,33 @@ def _check_extensions(document: Document) -> None:
 
 def _needs_more(document: Document) -> bool:
     """True if there is something that the core does not read by itself."""
-    used = set(document.json.get("extensionsUsed", [])) | set(document.json.get("extensionsRequired", []))
-    if used & _READ or document.items("skins") or any("source" not in texture for texture in document.items("textures")):
+    used = set(document.json.get("extensionsUsed", [])) | set(
+        document.json.get("extensionsRequired", [])
+    )
+    if (
+        used & _READ
+        or document.items("skins")
+        or any("source" not in texture for texture in document.items("textures"))
+    ):
         return True
-    if any("sparse" in accessor or "bufferView" not in accessor for accessor in document.items("accessors")):
+    if any(
+        "sparse" in accessor or "bufferView" not in accessor
+        for accessor in document.items("accessors")
+    ):
         return True
-    primitives = [primitive for mesh in document.items("meshes") for primitive in mesh.get("primitives", [])]
+    primitives = [
+        primitive for mesh in document.items("meshes") for primitive in mesh.get("primitives", [])
+    ]
     accessors = document.items("accessors")
     for primitive in primitives:
         place = primitive.get("attributes", {}).get(_POSITION)
         if "targets" in primitive:
             return True
-        if isinstance(place, int) and 0 <= place < len(accessors) and accessors[place].get("componentType") != 5126:
+        if (
+            isinstance(place, int)
+            and 0 <= place < len(accessors)
+            and accessors[place].get("componentType") != 5126
+        ):
             return True
     return False
 
@@ -112,8 +144,18 @@ class _Plain:
     def content(self) -> bytes:
         """The bytes of the file."""
         document = self.old
-        self.new = {key: document.json[key] for key in ("scene", "scenes", "materials", "samplers") if key in document.json}
-        self.new |= {"asset": {"version": "2.0"}, "nodes": [], "meshes": [], "accessors": [], "bufferViews": []}
+        self.new = {
+            key: document.json[key]
+            for key in ("scene", "scenes", "materials", "samplers")
+            if key in document.json
+        }
+        self.new |= {
+            "asset": {"version": "2.0"},
+            "nodes": [],
+            "meshes": [],
+            "accessors": [],
+            "bufferViews": [],
+        }
         worlds = world_matrices(document)
         extra: list[Json] = []
         nodes = document.items("nodes")
@@ -133,8 +175,11 @@ class _Plain:
             chunks += struct.pack("<I4s", len(self.data), b"BIN\0") + bytes(self.data)
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
-    def _node(self, node: Json, world: Any, worlds: list[Any], count: int, extra: list[Json]) -> Json:
-        """A node with its mesh made plain; its instances go to ``extra``, whose first has the number ``count``."""
+    def _node(
+        self, node: Json, world: Any, worlds: list[Any], count: int, extra: list[Json]
+    ) -> Json:
+        """A node with its mesh made plain; its instances go to ``extra``, whose first has the
+        number ``count``."""
         made: Json = {key: node[key] for key in ("name", "children") if key in node}
         made["matrix"] = matrix(node).T.ravel().tolist()
         extensions = node.get("extensions", {})
@@ -148,10 +193,16 @@ class _Plain:
             return made | {"mesh": mesh}
 
         # A node for each instance.
-        columns = {name: self.old.accessor(index) for name, index in extensions[INSTANCES]["attributes"].items()}
+        columns = {
+            name: self.old.accessor(index)
+            for name, index in extensions[INSTANCES]["attributes"].items()
+        }
         length = min(len(rows) for rows in columns.values())
         if len(extra) + length > MOST_INSTANCES:
-            raise BuildError(f"{self.old.path}: has more than {MOST_INSTANCES} instances, must have at most so many")
+            raise BuildError(
+                f"{self.old.path}: has more than {MOST_INSTANCES} instances, must have at most so "
+                "many"
+            )
         first = count + len(extra)
         for row in range(length):
             where = placed(
@@ -159,7 +210,13 @@ class _Plain:
                 columns["ROTATION"][row] if "ROTATION" in columns else (0, 0, 0, 1),
                 columns["SCALE"][row] if "SCALE" in columns else (1, 1, 1),
             )
-            extra.append({"name": f"{node.get('name', 'instance')}_{row}", "mesh": mesh, "matrix": where.T.ravel().tolist()})
+            extra.append(
+                {
+                    "name": f"{node.get('name', 'instance')}_{row}",
+                    "mesh": mesh,
+                    "matrix": where.T.ravel().tolist(),
+                }
+            )
         return made | {"children": [*made.get("children", []), *range(first, first + length)]}
 
     def _mesh(self, node: Json, world: Any, worlds: list[Any]) -> int:
@@ -168,7 +225,9 @@ class _Plain:
         weights = [float(weight) for weight in node.get("weights") or mesh.get("weights") or []]
         joints: npt.NDArray[np.float64] | None = None
         if "skin" in node:
-            joints = np.linalg.inv(world) @ joint_matrices(self.old, self.old.item("skins", node["skin"]), worlds)
+            joints = np.linalg.inv(world) @ joint_matrices(
+                self.old, self.old.item("skins", node["skin"]), worlds
+            )
         key = json.dumps([node["mesh"], weights, None if joints is None else joints.tolist()])
         if key not in self.meshes:
             self.meshes[key] = len(self.new["meshes"])
@@ -192,16 +251,26 @@ class _Plain:
         # Its pose.
         for name in (_POSITION, "NORMAL"):
             if name in rows:
-                rows[name] = morphed(self.old, primitive, name, rows[name].astype(np.float64), weights)
+                rows[name] = morphed(
+                    self.old, primitive, name, rows[name].astype(np.float64), weights
+                )
         if joints is not None and len(joints):
-            joined = {name: index for name, index in attributes.items() if name.startswith(("JOINTS_", "WEIGHTS_"))}
+            joined = {
+                name: index
+                for name, index in attributes.items()
+                if name.startswith(("JOINTS_", "WEIGHTS_"))
+            }
             blend = skinning(self.old, joined, joints, vertices, packed)
-            rows[_POSITION] = np.einsum("vij,vj->vi", blend[:, :3, :3], rows[_POSITION]) + blend[:, :3, 3]
+            rows[_POSITION] = (
+                np.einsum("vij,vj->vi", blend[:, :3, :3], rows[_POSITION]) + blend[:, :3, 3]
+            )
             if "NORMAL" in rows:
                 rows["NORMAL"] = np.einsum("vij,vj->vi", blend[:, :3, :3], rows["NORMAL"])
 
         # The plain form.
-        made: Json = {"attributes": {name: self._add(name, values) for name, values in rows.items()}}
+        made: Json = {
+            "attributes": {name: self._add(name, values) for name, values in rows.items()}
+        }
         made |= {key: primitive[key] for key in ("material", "mode") if key in primitive}
         if draco is not None:
             made |= {"indices": self._add(_INDEX, packed[_INDEX]), "mode": 4}
@@ -241,7 +310,9 @@ class _Plain:
             "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[columns],
         }
         if name == _POSITION:
-            low, high = (rows.min(axis=0), rows.max(axis=0)) if len(rows) else (np.zeros(3), np.zeros(3))
+            low, high = (
+                (rows.min(axis=0), rows.max(axis=0)) if len(rows) else (np.zeros(3), np.zeros(3))
+            )
             # JSON has no other numbers than finite ones; the core judges the vertices themselves.
             accessor |= {"min": np.nan_to_num(low).tolist(), "max": np.nan_to_num(high).tolist()}
         self._add_view(rows.tobytes())
@@ -249,7 +320,9 @@ class _Plain:
         return len(self.new["accessors"]) - 1
 
     def _add_view(self, content: bytes) -> int:
-        self.new["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content)})
+        self.new["bufferViews"].append(
+            {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content)}
+        )
         self.data += content + b"\0" * (-len(content) % 4)
         return len(self.new["bufferViews"]) - 1
 
@@ -258,11 +331,17 @@ class _Plain:
         self.new["images"] = [self._image(image) for image in self.old.items("images")]
         self.new["textures"] = []
         for texture in self.old.items("textures"):
-            others = (extension.get("source") for extension in texture.get("extensions", {}).values())
-            source = texture.get("source", next((other for other in others if other is not None), None))
+            others = (
+                extension.get("source") for extension in texture.get("extensions", {}).values()
+            )
+            source = texture.get(
+                "source", next((other for other in others if other is not None), None)
+            )
             made = {key: texture[key] for key in ("name", "sampler") if key in texture}
             # One without an image must have one all the same.
-            self.new["textures"].append(made | {"source": self._no_image() if source is None else source})
+            self.new["textures"].append(
+                made | {"source": self._no_image() if source is None else source}
+            )
 
     def _image(self, image: Json) -> Json:
         made = {key: image[key] for key in ("name", "mimeType") if key in image}
@@ -272,13 +351,20 @@ class _Plain:
         elif isinstance(uri, str) and not uri.startswith("data:"):
             file = own_file(self.old.path, uri)
             if file is None or file_fault(file):
-                warnings.warn(f"{self.old.path}: has no image {uri!r} in its own folder", FileNote, stacklevel=2)
+                warnings.warn(
+                    f"{self.old.path}: has no image {uri!r} in its own folder",
+                    FileNote,
+                    stacklevel=2,
+                )
                 return made | {"uri": "data:image/png;base64,"}
             content = self.old.read_uri(uri, "image")
             made.setdefault("mimeType", "image/jpeg" if content[:2] == b"\xff\xd8" else "image/png")
         else:
             return image
-        return made | {"bufferView": self._add_view(content), "mimeType": made.get("mimeType", "image/png")}
+        return made | {
+            "bufferView": self._add_view(content),
+            "mimeType": made.get("mimeType", "image/png"),
+        }
 
     def _no_image(self) -> int:
         self.new["images"].append({"uri": "data:image/png;base64,"})

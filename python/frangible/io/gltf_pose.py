@@ -17,7 +17,12 @@ def pose(document: Document, time: float) -> None:
     animations = document.items("animations")
     for channel in animations[0].get("channels", []) if animations else []:
         target = channel["target"]
-        if "node" not in target or target["path"] not in ("translation", "rotation", "scale", "weights"):
+        if "node" not in target or target["path"] not in (
+            "translation",
+            "rotation",
+            "scale",
+            "weights",
+        ):
             continue
         sampler = animations[0]["samplers"][channel["sampler"]]
         times = document.accessor(sampler["input"]).astype(np.float64).ravel()
@@ -25,7 +30,13 @@ def pose(document: Document, time: float) -> None:
         if len(times) == 0 or len(values) % len(times):
             raise document.fail("an animation has not as many values as times")
         rows = values.reshape(len(times), -1)
-        value = _sample(times, rows, time, str(sampler.get("interpolation", "LINEAR")), target["path"] == "rotation")
+        value = _sample(
+            times,
+            rows,
+            time,
+            str(sampler.get("interpolation", "LINEAR")),
+            target["path"] == "rotation",
+        )
         node = document.item("nodes", target["node"])
         node.pop("matrix", None)
         node[target["path"]] = value.tolist()
@@ -71,7 +82,11 @@ def matrix(node: Json) -> Float64:
     """`parent_from_node` (4, 4), columns are multiplied."""
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
-    return placed(node.get("translation", (0, 0, 0)), node.get("rotation", (0, 0, 0, 1)), node.get("scale", (1, 1, 1)))
+    return placed(
+        node.get("translation", (0, 0, 0)),
+        node.get("rotation", (0, 0, 0, 1)),
+        node.get("scale", (1, 1, 1)),
+    )
 
 
 def placed(translation: Any, rotation: Any, scale: Any) -> Float64:
@@ -115,7 +130,9 @@ def world_matrices(document: Document) -> list[Float64]:
     return [worlds[number] for number in range(len(nodes))]
 
 
-def morphed(document: Document, primitive: Json, name: str, base: Float64, weights: list[float]) -> Float64:
+def morphed(
+    document: Document, primitive: Json, name: str, base: Float64, weights: list[float]
+) -> Float64:
     """An attribute with what its morph targets add."""
     for target, weight in zip(primitive.get("targets", []), weights, strict=False):
         if weight and name in target:
@@ -146,7 +163,8 @@ def _checked(document: Document, node: Any) -> int:
 def skinning(
     document: Document, attributes: Json, joints: Float64, vertices: int, unpacked: dict[str, Array]
 ) -> Float64:
-    """The blend (v, 4, 4) of the joints' matrices that each vertex follows; what is unpacked already is taken from there."""
+    """The blend (v, 4, 4) of the joints' matrices that each vertex follows; what is unpacked
+    already is taken from there."""
 
     def rows(name: str) -> Array:
         return unpacked[name] if name in unpacked else document.accessor(attributes[name])
@@ -157,7 +175,11 @@ def skinning(
     while f"JOINTS_{number}" in attributes and f"WEIGHTS_{number}" in attributes:
         which = rows(f"JOINTS_{number}").astype(np.int64)
         weights = rows(f"WEIGHTS_{number}").astype(np.float64)
-        if which.shape != (vertices, 4) or weights.shape != which.shape or np.any(which >= len(joints)):
+        if (
+            which.shape != (vertices, 4)
+            or weights.shape != which.shape
+            or np.any(which >= len(joints))
+        ):
             raise document.fail("the joints of a primitive do not fit its skin")
         for column in range(4):
             blend += weights[:, column, None, None] * joints[which[:, column]]

@@ -16,7 +16,8 @@ _MAGIC = {b"\x89PNG": "image/png", b"\xff\xd8": "image/jpeg"}
 
 
 def image_file(path: str, uri: str) -> Image | None:
-    """An image in a file of its own, in the folder of the file at ``path`` or below; a note and nothing if it cannot be read."""
+    """An image in a file of its own, in the folder of the file at ``path`` or below; a note and
+    nothing if it cannot be read."""
     name = own_file(path, uri.replace("\\", "/"))
     if name is None or file_fault(name):
         warnings.warn(f"{path}: has no image {uri!r} in its own folder", FileNote, stacklevel=2)
@@ -39,5 +40,9 @@ def known_image(path: str, name: str, data: bytes) -> Image | None:
             return Image(os.path.splitext(name)[0] + ".png", "image/png", made.getvalue())
         except (OSError, ValueError, Picture.DecompressionBombError):
             pass
-    warnings.warn(f"{path}: the image {name!r} is neither PNG nor JPEG, and is left out", FileNote, stacklevel=2)
+    warnings.warn(
+        f"{path}: the image {name!r} is neither PNG nor JPEG, and is left out",
+        FileNote,
+        stacklevel=2,
+    )
     return None

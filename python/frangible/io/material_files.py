@@ -23,6 +23,8 @@ Transforms = dict[int, npt.NDArray[np.float64]]
 
 #: Defaults of an OBJ file's material: glTF's, without the gloss.
 ROUGHNESS = 0.7
+
+
 def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Material], Transforms]:
     """The materials of those names: in OBJ and USD names or paths, in PLY images, in glTF numbers.
 
@@ -36,7 +38,9 @@ def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Materi
         return [_of_image(path, name) for name in names], {}
     if os.path.splitext(plain)[1].lower() == ".obj":
         found = _of_obj(path)
-        return [found.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names], {}
+        return [
+            found.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names
+        ], {}
     with one_sentence(path, "glTF file"):
         document = open_document(plain)
         return ([], {}) if document is None else _of_gltf(path, document)
@@ -50,7 +54,11 @@ def _of_image(path: str, name: str) -> Material:
 def _of_obj(path: str) -> dict[str, Material]:
     materials: dict[str, Material] = {}
     with open(path, encoding="utf-8", errors="replace") as file:
-        libraries = [line.split(None, 1)[1].strip() for line in file if line.startswith("mtllib") and len(line.split()) > 1]
+        libraries = [
+            line.split(None, 1)[1].strip()
+            for line in file
+            if line.startswith("mtllib") and len(line.split()) > 1
+        ]
     for library in dict.fromkeys(libraries):
         # A line may name several files, and a file may have blanks in its name.
         found = own_file(path, library)
@@ -58,7 +66,9 @@ def _of_obj(path: str) -> dict[str, Material]:
         for name in names:
             file_name = own_file(path, name)
             if file_name is None or file_fault(file_name):
-                warnings.warn(f"{path}: has no materials {name!r} in its own folder", FileNote, stacklevel=2)
+                warnings.warn(
+                    f"{path}: has no materials {name!r} in its own folder", FileNote, stacklevel=2
+                )
                 continue
             with open(file_name, encoding="utf-8", errors="replace") as file:
                 for own, statements in _statements(file):
@@ -109,7 +119,11 @@ def _of_mtl(path: str, name: str, statements: dict[str, str]) -> Material:
     if picture is not None and not red + green + blue:
         red = green = blue = 1.0
     opacity = numbers("d", [1.0 - numbers("tr", [0.0])[0]])[0]
-    glow: Colour = (share(numbers("ke", [0.0] * 3)[0]), share(numbers("ke", [0.0] * 3)[1]), share(numbers("ke", [0.0] * 3)[2]))
+    glow: Colour = (
+        share(numbers("ke", [0.0] * 3)[0]),
+        share(numbers("ke", [0.0] * 3)[1]),
+        share(numbers("ke", [0.0] * 3)[2]),
+    )
     return Material(
         (red, green, blue),
         share(numbers("pr", [roughness])[0]),
@@ -153,7 +167,14 @@ def _of_gltf(path: str, document: Document) -> tuple[list[Material], Transforms]
 def _gltf_image(path: str, document: Document, number: int) -> Image | None:
     item = document.item("images", number)
     uri = item.get("uri")
-    name = str(item.get("name") or (os.path.basename(uri) if isinstance(uri, str) and not uri.startswith("data:") else f"image_{number}"))
+    name = str(
+        item.get("name")
+        or (
+            os.path.basename(uri)
+            if isinstance(uri, str) and not uri.startswith("data:")
+            else f"image_{number}"
+        )
+    )
     if "bufferView" in item:
         data, _ = document.view(item["bufferView"])
     elif isinstance(uri, str) and uri.startswith("data:"):
@@ -165,7 +186,9 @@ def _gltf_image(path: str, document: Document, number: int) -> Image | None:
         return None
     ending = "." + found.mime.rpartition("/")[2]
     stem, own = os.path.splitext(name)
-    return Image(name if own.lower() in (".png", ".jpg", ".jpeg") else stem + ending, found.mime, found.data)
+    return Image(
+        name if own.lower() in (".png", ".jpg", ".jpeg") else stem + ending, found.mime, found.data
+    )
 
 
 def _sampler(item: dict[str, Any]) -> Sampler:
@@ -182,9 +205,13 @@ def _sampler(item: dict[str, Any]) -> Sampler:
     )
 
 
-def _gltf_material(number: int, item: dict[str, Any], image: Callable[[Any], Image | None]) -> Material:
+def _gltf_material(
+    number: int, item: dict[str, Any], image: Callable[[Any], Image | None]
+) -> Material:
     surface = item.get("pbrMetallicRoughness", {})
-    red, green, blue, opacity = (float(channel) for channel in surface.get("baseColorFactor", [1.0] * 4))
+    red, green, blue, opacity = (
+        float(channel) for channel in surface.get("baseColorFactor", [1.0] * 4)
+    )
     glow = [float(channel) for channel in item.get("emissiveFactor", [0.0] * 3)]
     extensions = item.get("extensions", {})
     strength = extensions.get("KHR_materials_emissive_strength", {})
@@ -213,4 +240,6 @@ def _transform(moved: dict[str, Any]) -> npt.NDArray[np.float64]:
     """Of `KHR_texture_transform`."""
     (x, y), (across, down) = moved.get("offset", [0.0, 0.0]), moved.get("scale", [1.0, 1.0])
     cosine, sine = np.cos(moved.get("rotation", 0.0)), np.sin(moved.get("rotation", 0.0))
-    return np.array([[cosine * across, sine * down, x], [-sine * across, cosine * down, y], [0.0, 0.0, 1.0]])
+    return np.array(
+        [[cosine * across, sine * down, x], [-sine * across, cosine * down, y], [0.0, 0.0, 1.0]]
+    )

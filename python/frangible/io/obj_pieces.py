@@ -46,14 +46,23 @@ class ObjWriter:
             corners = [(piece.triangles + vertex).tolist(), (place_of + place).tolist()]
             normals = np.zeros((0, 3))
             if piece.skin is not None and piece.skin.normals is not None:
-                normals, normal_of = _distinct(corner_normals(body, shaded_mesh(body.vertices, body.triangles, body.interior)))
+                normals, normal_of = _distinct(
+                    corner_normals(body, shaded_mesh(body.vertices, body.triangles, body.interior))
+                )
                 lines += [f"vn {x:.7g} {y:.7g} {z:.7g}" for x, y, z in normals.tolist()]
                 corners.append((normal_of + normal).tolist())
-            faces = ["f " + " ".join("/".join(map(str, one)) for one in zip(*each, strict=True)) for each in zip(*corners, strict=True)]
+            faces = [
+                "f " + " ".join("/".join(map(str, one)) for one in zip(*each, strict=True))
+                for each in zip(*corners, strict=True)
+            ]
             for name, group, _ in self._groups[number]:
                 lines.append(f"usemtl {name}")
                 lines += [faces[face] for face in np.flatnonzero(group).tolist()]
-            vertex, place, normal = vertex + len(piece.vertices), place + len(places), normal + len(normals)
+            vertex, place, normal = (
+                vertex + len(piece.vertices),
+                place + len(places),
+                normal + len(normals),
+            )
         with open(path, "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n")
 
@@ -69,25 +78,43 @@ class ObjWriter:
         if any(material.emission):
             numbers["Ke"] = material.emission
         self._lines.append(f"newmtl {own}")
-        self._lines += [f"{key} {' '.join(f'{number:g}' for number in values)}" for key, values in numbers.items()]
-        for key, image in (("map_Kd", material.image), ("map_Ke", material.emission_image), ("norm", material.normal_image)):
+        self._lines += [
+            f"{key} {' '.join(f'{number:g}' for number in values)}"
+            for key, values in numbers.items()
+        ]
+        for key, image in (
+            ("map_Kd", material.image),
+            ("map_Ke", material.emission_image),
+            ("norm", material.normal_image),
+        ):
             if image is not None:
                 self._lines.append(f"{key} {self._images.path(image)}")
         return own
 
 
 def _vertices(piece: Piece) -> list[str]:
-    """Places, and colours where there are some: the mean of the corners', as sRGB. Python's shortest digits read back to the same numbers."""
+    """Places, and colours where there are some: the mean of the corners', as sRGB. Python's
+    shortest digits read back to the same numbers."""
     rows = piece.vertices.tolist()
     if piece.skin is None or piece.skin.colours is None:
         return [f"v {x!r} {y!r} {z!r}" for x, y, z in rows]
     outer = ~piece.inner
     index = piece.triangles[outer].ravel()
     count = np.bincount(index, minlength=len(rows))
-    sums = [np.bincount(index, piece.skin.colours[outer][..., axis].ravel(), len(rows)) for axis in range(3)]
-    linear = np.where(count[:, None] > 0, np.stack(sums, axis=1) / np.maximum(count, 1)[:, None], 1.0)
-    colours = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055).tolist()
-    return [f"v {x!r} {y!r} {z!r} {r:.6g} {g:.6g} {b:.6g}" for (x, y, z), (r, g, b) in zip(rows, colours, strict=True)]
+    sums = [
+        np.bincount(index, piece.skin.colours[outer][..., axis].ravel(), len(rows))
+        for axis in range(3)
+    ]
+    linear = np.where(
+        count[:, None] > 0, np.stack(sums, axis=1) / np.maximum(count, 1)[:, None], 1.0
+    )
+    colours = np.where(
+        linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055
+    ).tolist()
+    return [
+        f"v {x!r} {y!r} {z!r} {r:.6g} {g:.6g} {b:.6g}"
+        for (x, y, z), (r, g, b) in zip(rows, colours, strict=True)
+    ]
 
 
 def _distinct(values: Float32) -> tuple[Float64, Int64]:
@@ -97,7 +124,8 @@ def _distinct(values: Float32) -> tuple[Float64, Int64]:
 
 
 def write_obj(pieces: Pieces, path: str, materials: str, materials_name: str) -> None:
-    """All pieces in one file, with the materials in another that it knows by a name; images go into a folder beside."""
+    """All pieces in one file, with the materials in another that it knows by a name; images go into
+    a folder beside."""
     stem = os.path.splitext(os.path.join(os.path.dirname(path), materials_name))[0]
     writer = ObjWriter(pieces, ImageFolder(f"{stem}_textures"))
     writer.write_materials(materials)

@@ -161,7 +161,8 @@ def _open(path: str, formats: dict[str, _Format], frame: int | None) -> Output:
 
 
 def check_destination(path: str, extras: Mapping[str, str | None], besides: str = "") -> str:
-    """The ending of a file that can be written, given the extra that each known ending needs; `OutputError` if it cannot.
+    """The ending of a file that can be written, given the extra that each known ending needs;
+    `OutputError` if it cannot.
 
     ``besides`` ends the sentence's list of what can be written.
     """
@@ -172,7 +173,9 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
     ending = os.path.splitext(path)[1].lower()
     if ending not in extras:
         known = ", ".join([*sorted(extras), *([besides] if besides else [])])
-        raise OutputError(f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}")
+        raise OutputError(
+            f"{path}: the ending {ending or '(none)'!r} is unknown, must be one of {known}"
+        )
     if os.path.isdir(path):
         raise OutputError(f"{path}: is a folder, must be a file")
     if os.path.exists(path) and not os.path.isfile(path):
@@ -187,7 +190,8 @@ def check_destination(path: str, extras: Mapping[str, str | None], besides: str 
 
 
 def check_folder(path: str, folder: str) -> None:
-    """`OutputError` if nothing can be written into a folder; one that does not exist is made when a file is written."""
+    """`OutputError` if nothing can be written into a folder; one that does not exist is made when a
+    file is written."""
     while not os.path.exists(folder):
         folder = os.path.dirname(folder) or "."
     if not os.path.isdir(folder):

@@ -1,4 +1,5 @@
-"""One page that plays a recording: the player that `web/` builds, with the recording's data inside."""
+"""One page that plays a recording: the player that `web/` builds, with the recording's data
+inside."""
 
 from __future__ import annotations
 
@@ -24,8 +25,12 @@ def write_html(recording: Recording, path: str) -> None:
     try:
         template = PLAYER.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        raise OutputError(f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/") from error
+        raise OutputError(
+            f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/"
+        ) from error
     data = base64.b64encode(encode(recording, frame_recording(recording, ASPECT))).decode("ascii")
-    page = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1).replace(DATA, data, 1)
+    page = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1).replace(
+        DATA, data, 1
+    )
     with open(path, "w", encoding="utf-8") as file:
         file.write(page)

@@ -38,7 +38,11 @@ def encode(recording: Recording, camera: Camera) -> bytes:
             "shot": recording.shot,
             "fps": recording.fps,
             "frames": recording.frames,
-            "camera": {"eye": camera.eye.tolist(), "target": target.tolist(), "fieldOfView": camera.fov},
+            "camera": {
+                "eye": camera.eye.tolist(),
+                "target": target.tolist(),
+                "fieldOfView": camera.fov,
+            },
             **appearance,
             "steps": {
                 "position": step,
@@ -56,10 +60,18 @@ def _add_bodies(blob: Blob, recording: Recording, step: float) -> None:
     bodies = recording.bodies
     blob.add("birth", np.array([body.birth_frame for body in bodies], np.int64))
     past = recording.frames + 1
-    blob.add("end", np.array([past if body.death_frame is None else body.death_frame for body in bodies], np.int64))
+    blob.add(
+        "end",
+        np.array(
+            [past if body.death_frame is None else body.death_frame for body in bodies], np.int64
+        ),
+    )
     rows = {body.id: row for row, body in enumerate(bodies)}
     # A piece of a piece that no frame showed counts as its source's.
-    parents = [-1 if body.parent is None else rows.get(body.parent, rows.get(body.source, -1)) for body in bodies]
+    parents = [
+        -1 if body.parent is None else rows.get(body.parent, rows.get(body.source, -1))
+        for body in bodies
+    ]
     blob.add("parent", np.array(parents, np.int64))
     blob.add("lead", np.array([body.before is not None for body in bodies], np.int64))
     blob.add("yields", _yields(bodies))
@@ -67,7 +79,12 @@ def _add_bodies(blob: Blob, recording: Recording, step: float) -> None:
     blob.add("pull", rounded(_pulls(bodies, parents), step))
     tints = [tint(body, look_of(body)) for body in bodies]
     blob.add("tint", rounded(np.array(tints).reshape(-1, 3), 1.0 / TINT_STEPS))
-    grain = [_quaternion(longest_first(body.vertices.astype(np.float64))) if body.look == "wood" else (0, 0, 0, 1) for body in bodies]
+    grain = [
+        _quaternion(longest_first(body.vertices.astype(np.float64)))
+        if body.look == "wood"
+        else (0, 0, 0, 1)
+        for body in bodies
+    ]
     blob.add("grain", rounded(np.array(grain).reshape(-1, 4), 1.0 / ORIENTATION_STEPS))
 
 
@@ -89,7 +106,8 @@ def _yields(bodies: list[Body]) -> npt.NDArray[np.int64]:
 
 
 def _pulls(bodies: list[Body], parents: list[int]) -> Float64:
-    """(b, 3) by how much each body moves when pieces are pulled apart to twice their distance, world frame [m].
+    """(b, 3) by how much each body moves when pieces are pulled apart to twice their distance,
+    world frame [m].
 
     Away from the centre of all that broke off with it, so that the lowest of them keeps its height.
     """
@@ -101,7 +119,9 @@ def _pulls(bodies: list[Body], parents: list[int]) -> Float64:
     for (_, parent), family in siblings.items():
         centres = np.array([bodies[row].positions[0] for row in family])
         weights = np.array([bodies[row].mass for row in family])
-        middle = np.average(centres, axis=0, weights=weights if np.all(np.isfinite(weights)) else None)
+        middle = np.average(
+            centres, axis=0, weights=weights if np.all(np.isfinite(weights)) else None
+        )
         middle[1] = centres[:, 1].min()
         pulls[family] = centres - middle + pulls[parent]
     return pulls
@@ -131,7 +151,8 @@ def _add_poses(blob: Blob, bodies: list[Body], step: float) -> None:
 
 
 def _quaternion(rows: Float64) -> Float64:
-    """The rotation (3, 3) whose rows are given, as a unit quaternion x, y, z, w; mirrored axes are turned back."""
+    """The rotation (3, 3) whose rows are given, as a unit quaternion x, y, z, w; mirrored axes are
+    turned back."""
     m = rows.copy()
     if np.linalg.det(m) < 0.0:
         m[2] = -m[2]

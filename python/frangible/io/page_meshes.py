@@ -60,10 +60,15 @@ def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
         mesh_of_body.append(meshes[key])
     blob.add("mesh", np.array(mesh_of_body, np.int64))
     blob.add("slots", np.array([len(of_body) for of_body in slots], np.int64))
-    blob.add("materials", np.array([material for of_body in slots for material in of_body], np.int64))
+    blob.add(
+        "materials", np.array([material for of_body in slots for material in of_body], np.int64)
+    )
 
     boxes = [_box(body) for body in originals]
-    corners = [rounded(body.vertices - low, max(size, 1e-30) / CORNER_STEPS) for body, (low, size) in zip(originals, boxes, strict=True)]
+    corners = [
+        rounded(body.vertices - low, max(size, 1e-30) / CORNER_STEPS)
+        for body, (low, size) in zip(originals, boxes, strict=True)
+    ]
     blob.add("mesh_low", bits(np.array([low for low, _ in boxes]).reshape(-1, 3)))
     blob.add("mesh_scale", bits(np.array([size / CORNER_STEPS for _, size in boxes])))
     blob.add("mesh_corners", np.array([len(body.vertices) for body in originals], np.int64))
@@ -144,14 +149,27 @@ def _surface(body: Body, groups: list[npt.NDArray[np.bool_]]) -> _Surface:
         nothing = np.zeros((len(split), 2), np.int64)
         normal = _octahedral(shaded.normals)
         white = np.zeros((len(split), 4), np.int64)
-        return _Surface(shaded.vertex.astype(np.int64), split, normal, nothing, white, shaded.triangles.astype(np.int64))
+        return _Surface(
+            shaded.vertex.astype(np.int64),
+            split,
+            normal,
+            nothing,
+            white,
+            shaded.triangles.astype(np.int64),
+        )
 
     # Colours are stored as what is missing to white, so that none takes no room.
     count = 3 * len(body.triangles)
-    colours = np.zeros((count, 4)) if skin.colours is None else 1.0 - np.clip(skin.colours.reshape(-1, 4), 0.0, 1.0)
+    colours = (
+        np.zeros((count, 4))
+        if skin.colours is None
+        else 1.0 - np.clip(skin.colours.reshape(-1, 4), 0.0, 1.0)
+    )
     # A place is drawn only where an image is; which one is the material's affair.
     has_image = np.array([bool(material.images()) for material in skin.materials] + [False])
-    places = np.where(has_image[skin.material].repeat(3)[:, None], body.coordinates.reshape(-1, 2), 0.0)
+    places = np.where(
+        has_image[skin.material].repeat(3)[:, None], body.coordinates.reshape(-1, 2), 0.0
+    )
     rows = np.column_stack(
         [
             body.triangles.ravel(),

@@ -46,23 +46,35 @@ def open_pieces_output(path: str) -> PiecesOutput:
     if ending == "" or path.endswith(os.sep) or os.path.isdir(path):
         return _open_folder(path)
     ending = check_destination(path, _EXTRAS, "or a folder, which ends in /")
-    return PiecesOutput(path, {".obj": _write_obj, ".glb": _write_glb, ".gltf": _write_glb}.get(ending, _write_usd), stem + ".json")
+    return PiecesOutput(
+        path,
+        {".obj": _write_obj, ".glb": _write_glb, ".gltf": _write_glb}.get(ending, _write_usd),
+        stem + ".json",
+    )
 
 
 def _open_folder(path: str) -> PiecesOutput:
     above = os.path.dirname(os.path.realpath(path))
     if os.path.isdir(path):
         if os.path.samefile(path, os.curdir):
-            raise OutputError(f"{path}: is the folder that the command runs in, must be another one")
+            raise OutputError(
+                f"{path}: is the folder that the command runs in, must be another one"
+            )
         foreign = sorted(name for name in os.listdir(path) if not _OURS.fullmatch(name))
         if foreign:
-            raise OutputError(f"{path}: holds {foreign[0]!r}, must be new, empty, or hold the pieces of an earlier break only")
+            raise OutputError(
+                f"{path}: holds {foreign[0]!r}, must be new, empty, or hold the pieces of an "
+                "earlier break only"
+            )
         if not os.access(path, os.W_OK | os.X_OK):
             raise OutputError(f"{path}: the folder cannot be written to")
         if not os.access(above, os.W_OK | os.X_OK):
             raise OutputError(f"{path}: the folder above, {above!r}, cannot be written to")
     elif os.path.exists(path):
-        raise OutputError(f"{path}: is a file without a known ending, must be a folder or end in .glb, .gltf, .obj, .usd, .usda or .usdc")
+        raise OutputError(
+            f"{path}: is a file without a known ending, must be a folder or end in .glb, .gltf, "
+            ".obj, .usd, .usda or .usdc"
+        )
     else:
         check_folder(path, above)
     return PiecesOutput(path, _write_folder, os.path.join(path, "pieces.json"))

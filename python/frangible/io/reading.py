@@ -14,13 +14,18 @@ class FileNote(UserWarning):
 
 
 def file_fault(path: str) -> str | None:
-    """The reason why a file cannot be read, to follow its name; `None` for a regular file of a bounded size."""
+    """The reason why a file cannot be read, to follow its name; `None` for a regular file of a
+    bounded size."""
     try:
         status = os.stat(path)
     except ValueError:
         return "is not a path"
     except OSError as error:
-        return "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error.strerror}"
+        return (
+            "no such file"
+            if isinstance(error, FileNotFoundError)
+            else f"cannot be read: {error.strerror}"
+        )
     if stat.S_ISDIR(status.st_mode):
         return "is a folder, must be a file"
     if not stat.S_ISREG(status.st_mode):

@@ -73,7 +73,9 @@ def no_constant(text: str) -> None:
     raise ValueError(f"JSON holds {text}")
 
 
-def rows(parts: Sequence[npt.NDArray[Any]], empty: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+def rows(
+    parts: Sequence[npt.NDArray[Any]], empty: tuple[int, ...], dtype: npt.DTypeLike
+) -> npt.NDArray[Any]:
     """The parts one after the other."""
     return np.concatenate(parts).astype(dtype) if parts else np.zeros(empty, dtype)
 
@@ -106,11 +108,14 @@ def skin_arrays(bodies: list[Body]) -> Arrays:
 
     described = [fields(material) for material in materials]
     files = [
-        {"name": image.name, "mime": image.mime, "sampler": asdict(image.sampler)} for image in images
+        {"name": image.name, "mime": image.mime, "sampler": asdict(image.sampler)}
+        for image in images
     ]
     data = [image.data for image in images]
     return {
-        "paths": np.array(["" if body.skin is None else json.dumps(body.skin.path) for body in bodies], np.str_),
+        "paths": np.array(
+            ["" if body.skin is None else json.dumps(body.skin.path) for body in bodies], np.str_
+        ),
         "materials": np.array(json.dumps({"materials": described, "images": files})),
         "image_data": np.frombuffer(b"".join(data), np.uint8),
         "image_offsets": offsets(data),
@@ -153,7 +158,9 @@ def read_skins(arrays: Arrays) -> list[Skin | None]:
         for key in _IMAGES:
             if values[key] is not None and not 0 <= values[key] < len(images):
                 raise ValueError(f"materials: {key} is {values[key]}, must be below {len(images)}")
-        own: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+        own: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in values.items()
+        }
         own |= {name: None if values[name] is None else images[values[name]] for name in _IMAGES}
         return Material(**own)
 

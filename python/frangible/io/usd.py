@@ -1,4 +1,5 @@
-"""USD: one Mesh prim for every body, under an Xform for the body of the scene that it was a part of."""
+"""USD: one Mesh prim for every body, under an Xform for the body of the scene that it was a part
+of."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ RECORDING = "recording"
 
 
 def write_usd(recording: Recording, path: str) -> None:
-    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is up."""
+    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is
+    up."""
     # Sample times and units.
     stage = Usd.Stage.CreateNew(path)
     images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
@@ -52,7 +54,10 @@ def write_usd(recording: Recording, path: str) -> None:
 
     # One Xform for each source, with its pieces.
     families = by_source(with_visible_ground(recording).bodies)
-    palette = Palette(families, lambda name, material: add_material(stage, f"/World/Materials/{name}", material, images))
+    palette = Palette(
+        families,
+        lambda name, material: add_material(stage, f"/World/Materials/{name}", material, images),
+    )
     names = unique_names(["Materials", *(family[0].name for family in families.values())])
     next(names)
     for family, name in zip(families.values(), names, strict=True):
@@ -89,7 +94,8 @@ def write_pieces(pieces: Pieces, path: str) -> None:
 
 
 def _places(stage: Any, root: str) -> Callable[[Body, str], str]:
-    """Where each next body goes below a root: under the nodes that its mesh has in its file, with a name of its own there."""
+    """Where each next body goes below a root: under the nodes that its mesh has in its file, with a
+    name of its own there."""
     branches: dict[tuple[str, ...], str] = {(): root}
     taken: dict[str, list[str]] = {root: ["Materials"]}
 
@@ -111,7 +117,9 @@ def _save(stage: Any) -> None:
     try:
         stage.GetRootLayer().Save()
     except Tf.ErrorException as error:
-        raise OSError(errno.EIO, "the USD library could not write all of it; is the disk full?") from error
+        raise OSError(
+            errno.EIO, "the USD library could not write all of it; is the disk full?"
+        ) from error
 
 
 def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
@@ -119,7 +127,9 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(body.vertices, np.float32)))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(body.triangles), 3, np.int32)))
+    mesh.CreateFaceVertexCountsAttr(
+        Vt.IntArray.FromNumpy(np.full(len(body.triangles), 3, np.int32))
+    )
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(body.triangles.ravel().astype(np.int32)))
     if body.skin is not None:
         shown = np.unique(body.skin.material[body.skin.material >= 0]).tolist()
@@ -129,34 +139,55 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
     shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
     primvars = UsdGeom.PrimvarsAPI(mesh)
-    normals = primvars.CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying)
+    normals = primvars.CreatePrimvar(
+        "normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying
+    )
     if body.skin is None or body.skin.normals is None:
         normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
         normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
     else:
-        normals.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(corner_normals(body, shaded).reshape(-1, 3))))
+        normals.Set(
+            Vt.Vec3fArray.FromNumpy(
+                np.ascontiguousarray(corner_normals(body, shaded).reshape(-1, 3))
+            )
+        )
 
-    coordinates = primvars.CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying)
-    coordinates.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(body.coordinates.reshape(-1, 2), np.float32)))
+    coordinates = primvars.CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+    )
+    coordinates.Set(
+        Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(body.coordinates.reshape(-1, 2), np.float32))
+    )
     if body.skin is not None and body.skin.colours is not None:
         colours = np.ascontiguousarray(body.skin.colours.reshape(-1, 4), np.float32)
-        mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.faceVarying).Set(Vt.Vec3fArray.FromNumpy(colours[:, :3].copy()))
+        mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.faceVarying).Set(
+            Vt.Vec3fArray.FromNumpy(colours[:, :3].copy())
+        )
         if np.any(colours[:, 3] != 1.0):
             opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
             opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
 
-    # What cracks laid bare has a material of its own, and what was outside all along keeps the mesh's; a subset for each.
+    # What cracks laid bare has a material of its own, and what was outside all along keeps the
+    # mesh's; a subset for each.
     groups = palette.groups(body)
     if not groups:
         return mesh
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(groups[0][0])
     if len(groups) > 1:
         outer = sum(not is_inside for _, _, is_inside in groups)
-        sides = [("inside" if is_inside else "outside", outer if not is_inside else len(groups) - outer) for *_, is_inside in groups]
-        names = unique_names(side if count == 1 else group[0].GetPrim().GetName() for group, (side, count) in zip(groups, sides, strict=True))
+        sides = [
+            ("inside" if is_inside else "outside", outer if not is_inside else len(groups) - outer)
+            for *_, is_inside in groups
+        ]
+        names = unique_names(
+            side if count == 1 else group[0].GetPrim().GetName()
+            for group, (side, count) in zip(groups, sides, strict=True)
+        )
         for (material, faces, _), name in zip(groups, names, strict=True):
             subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
-                name, Vt.IntArray.FromNumpy(np.flatnonzero(faces).astype(np.int32)), UsdGeom.Tokens.face
+                name,
+                Vt.IntArray.FromNumpy(np.flatnonzero(faces).astype(np.int32)),
+                UsdGeom.Tokens.face,
             )
             UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
     return mesh
@@ -206,12 +237,16 @@ def _life(mesh: Any, body: Body) -> None:
 
 
 def describe_usd(path: str) -> dict[str, object] | None:
-    """Frames, frame rate and bodies of a recording of ours; `None` for any other stage, `CacheError` if it is damaged."""
+    """Frames, frame rate and bodies of a recording of ours; `None` for any other stage,
+    `CacheError` if it is damaged."""
     with open_stage(path, CacheError) as stage:
         if written_as(stage) != RECORDING:
             return None
         frames, fps = stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()
         if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):
-            raise CacheError(f"{path}: has {frames:g} frames at {fps:g} a second, must be a whole number and a rate > 0")
+            raise CacheError(
+                f"{path}: has {frames:g} frames at {fps:g} a second, must be a whole number and a "
+                "rate > 0"
+            )
         bodies = sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse())
         return {"frames": int(frames), "fps": fps, "bodies": bodies}

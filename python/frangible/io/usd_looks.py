@@ -40,10 +40,20 @@ class Said:
 def said_of(part: Part, time: Any) -> Said:
     """Attributes of a part's prim, corner by corner in the part's order."""
     api = UsdGeom.PrimvarsAPI(part.prim)
-    coordinates = next((found for name in _COORDINATES if (found := _primvar(api, name, part, time, 2)) is not None), None)
+    coordinates = next(
+        (
+            found
+            for name in _COORDINATES
+            if (found := _primvar(api, name, part, time, 2)) is not None
+        ),
+        None,
+    )
     colours = _primvar(api, "displayColor", part, time, 3)
     normals = None
-    if part.prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(part.prim).GetSubdivisionSchemeAttr().Get(time) == UsdGeom.Tokens.none:
+    if (
+        part.prim.IsA(UsdGeom.Mesh)
+        and UsdGeom.Mesh(part.prim).GetSubdivisionSchemeAttr().Get(time) == UsdGeom.Tokens.none
+    ):
         normals = _normals(api, part, time)
     return Said(coordinates, normals, colours, _materials(part))
 
@@ -77,7 +87,12 @@ def _corners(value: Any, interpolation: str, part: Part, columns: int) -> Rows |
         UsdGeom.Tokens.uniform: np.repeat(part.faces, part.counts),
         UsdGeom.Tokens.faceVarying: part.order,
     }.get(interpolation, part.corners)
-    if rows.shape[1] < columns or len(index) == 0 or index.max() >= len(rows) or not np.all(np.isfinite(rows)):
+    if (
+        rows.shape[1] < columns
+        or len(index) == 0
+        or index.max() >= len(rows)
+        or not np.all(np.isfinite(rows))
+    ):
         return None
     found: Rows = rows[index, :columns]
     return found
@@ -100,7 +115,9 @@ def _materials(part: Part) -> list[str]:
 def read_usd_materials(path: str, names: list[str]) -> list[Material]:
     """The materials at paths of a stage."""
     with open_stage(path) as stage:
-        return [_material(path, UsdShade.Material(stage.GetPrimAtPath(name)), name) for name in names]
+        return [
+            _material(path, UsdShade.Material(stage.GetPrimAtPath(name)), name) for name in names
+        ]
 
 
 def _material(path: str, material: Any, at: str) -> Material:
@@ -121,14 +138,20 @@ def _material(path: str, material: Any, at: str) -> Material:
     opacity, _ = _texture(path, shader, "opacity")
     surface = rough or metallic
     cutoff = float(_value(shader, "opacityThreshold", 0.0))
-    clear = 0.0 if opacity is not None else 1.0 - min(max(float(_value(shader, "opacity", 1.0)), 0.0), 1.0)
+    clear = (
+        0.0
+        if opacity is not None
+        else 1.0 - min(max(float(_value(shader, "opacity", 1.0)), 0.0), 1.0)
+    )
     return Material(
         _colour(_value(shader, "diffuseColor", _GREY)) if diffuse is None else scale,
         float(_value(shader, "roughness", 0.5)) if rough is None else 1.0,
         float(_value(shader, "metallic", 0.0)) if metallic is None else 1.0,
         clear=clear,
         name=name,
-        emission=_colour(_value(shader, "emissiveColor", (0.0, 0.0, 0.0))) if glow is None else glow_scale,
+        emission=_colour(_value(shader, "emissiveColor", (0.0, 0.0, 0.0)))
+        if glow is None
+        else glow_scale,
         image=diffuse,
         surface_image=surface,
         normal_image=normal,
@@ -161,7 +184,9 @@ def _colour(value: Any) -> Colour:
 
 def _reads_colours(shader: Any) -> bool:
     source = _source(shader, "diffuseColor")
-    return source is not None and str(UsdShade.Shader(source.GetPrim()).GetShaderId()).startswith("UsdPrimvarReader")
+    return source is not None and str(UsdShade.Shader(source.GetPrim()).GetShaderId()).startswith(
+        "UsdPrimvarReader"
+    )
 
 
 def _texture(path: str, shader: Any, name: str) -> tuple[Image | None, Colour]:
@@ -191,7 +216,9 @@ def _image(path: str, asset: Any) -> Image | None:
     folder = os.path.realpath(os.path.dirname(path) or ".")
     is_own = bool(resolved) and os.path.commonpath([folder, os.path.realpath(outer)]) == folder
     if not is_own or file_fault(outer):
-        warnings.warn(f"{path}: has no image {asset.path!r} in its own folder", FileNote, stacklevel=2)
+        warnings.warn(
+            f"{path}: has no image {asset.path!r} in its own folder", FileNote, stacklevel=2
+        )
         return None
     if outer == resolved:
         with open(resolved, "rb") as file:

@@ -28,21 +28,34 @@ def add_material(stage: Any, path: str, side: Material, images: ImageFolder) -> 
     for name, number in numbers.items():
         shader.CreateInput(name, Sdf.ValueTypeNames.Float).Set(number)
     if side.corner_colours:
-        _connect(shader, "diffuseColor", _reader(stage, f"{path}/colours", "displayColor", "float3"), "result")
+        _connect(
+            shader,
+            "diffuseColor",
+            _reader(stage, f"{path}/colours", "displayColor", "float3"),
+            "result",
+        )
     _add_images(stage, path, shader, side, images)
-    material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+    material.CreateSurfaceOutput().ConnectToSource(
+        shader.CreateOutput("surface", Sdf.ValueTypeNames.Token)
+    )
     return material
 
 
 def _add_images(stage: Any, path: str, shader: Any, side: Material, images: ImageFolder) -> None:
     maps = {
         "image": (side.image, "sRGB", (*side.colour, 1.0 - side.clear), (0.0,) * 4),
-        "surface_image": (side.surface_image, "raw", (1.0, side.roughness, side.metallic, 1.0), (0.0,) * 4),
+        "surface_image": (
+            side.surface_image,
+            "raw",
+            (1.0, side.roughness, side.metallic, 1.0),
+            (0.0,) * 4,
+        ),
         "normal_image": (side.normal_image, "raw", (2.0, 2.0, 2.0, 1.0), (-1.0, -1.0, -1.0, 0.0)),
         "emission_image": (side.emission_image, "sRGB", (*side.emission, 1.0), (0.0,) * 4),
     }
     inputs = {
-        "image": [("diffuseColor", "rgb")] + ([("opacity", "a")] if side.blended or side.cutoff is not None else []),
+        "image": [("diffuseColor", "rgb")]
+        + ([("opacity", "a")] if side.blended or side.cutoff is not None else []),
         "surface_image": [("roughness", "g"), ("metallic", "b")],
         "normal_image": [("normal", "rgb")],
         "emission_image": [("emissiveColor", "rgb")],
@@ -89,5 +102,7 @@ def _reader(stage: Any, path: str, primvar: str, kind: str) -> Any:
 
 
 def _connect(shader: Any, name: str, source: Any, output: str) -> None:
-    made = source.GetOutput(output) or source.CreateOutput(output, _TYPES.get(output, Sdf.ValueTypeNames.Float))
+    made = source.GetOutput(output) or source.CreateOutput(
+        output, _TYPES.get(output, Sdf.ValueTypeNames.Float)
+    )
     shader.CreateInput(name, _TYPES.get(name, Sdf.ValueTypeNames.Float)).ConnectToSource(made)

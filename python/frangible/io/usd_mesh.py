@@ -1,4 +1,5 @@
-"""Meshes of USD files, and of glTF files as they are shipped: handed to the core as a mesh file that it reads."""
+"""Meshes of USD files, and of glTF files as they are shipped: handed to the core as a mesh file
+that it reads."""
 
 from __future__ import annotations
 
@@ -29,6 +30,7 @@ MOST_POINTS = 3 * MOST_TRIANGLES
 #: The most meshes, shapes and instances of them: some ten seconds.
 MOST_PARTS = 200_000
 
+
 def check_ending(path: str | os.PathLike[str]) -> None:
     """`BuildError` unless the file's ending is that of a mesh file."""
     ending = os.path.splitext(os.fspath(path))[1].lower()
@@ -40,11 +42,13 @@ def check_ending(path: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) -> Iterator[str]:
-    """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads, while the context lasts.
+    """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads,
+    while the context lasts.
 
-    USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What moves is where it is at
-    the beginning or, if that is given, ``pose_time`` [s] after it. `BuildError` if there is no mesh, or a package for it
-    is missing; `FileNote` warnings name what is left out.
+    USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What
+    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it.
+    `BuildError` if there is no mesh, or a package for it is missing; `FileNote` warnings name what
+    is left out.
     """
     path = os.fspath(path)
     ending = os.path.splitext(path)[1].lower()
@@ -52,7 +56,9 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
-        name = os.path.join(folder, f"{os.path.basename(path)}{'.obj' if ending in ENDINGS else '.glb'}")
+        name = os.path.join(
+            folder, f"{os.path.basename(path)}{'.obj' if ending in ENDINGS else '.glb'}"
+        )
         if ending in ENDINGS:
             _convert(path, name, pose_time)
         elif not make_plain(path, name, pose_time):
@@ -100,7 +106,8 @@ class _Reader:
     left_out: dict[str, tuple[str, int]] = field(default_factory=dict)
 
     def gather(self, root: Any) -> list[Part]:
-        """The parts of a prim and below it, in the frame of the root or, for a prototype, of its parent."""
+        """The parts of a prim and below it, in the frame of the root or, for a prototype, of its
+        parent."""
         from pxr import Usd, UsdGeom
 
         # Prototypes may be `over`, so that they are seen as instances only.
@@ -125,7 +132,9 @@ class _Reader:
                 continue
             if not is_instancer and not prim.IsA(UsdGeom.Gprim):
                 continue
-            found = self._instances(UsdGeom.PointInstancer(prim)) if is_instancer else self._gprim(prim)
+            found = (
+                self._instances(UsdGeom.PointInstancer(prim)) if is_instancer else self._gprim(prim)
+            )
             frame = prim
             if self.is_posed and prim.IsA(UsdGeom.Mesh):
                 found, frame = self._skinned(prim, found)
@@ -138,9 +147,13 @@ class _Reader:
         from pxr import UsdGeom
 
         if root.IsPseudoRoot():
-            return bool(UsdGeom.Imageable(prim).ComputeVisibility(self.time) != UsdGeom.Tokens.invisible)
+            return bool(
+                UsdGeom.Imageable(prim).ComputeVisibility(self.time) != UsdGeom.Tokens.invisible
+            )
         # Its ancestors were visible, or its children would have been skipped.
-        return bool(UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible)
+        return bool(
+            UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible
+        )
 
     def _gprim(self, prim: Any) -> list[Part]:
         from pxr import UsdGeom
@@ -175,16 +188,25 @@ class _Reader:
 
         # Polygons that are holes go, and left-handed ones turn.
         part = Part(
-            str(prim.GetPath()), prim, points, counts, corners, np.arange(len(counts)), np.arange(len(corners))
+            str(prim.GetPath()),
+            prim,
+            points,
+            counts,
+            corners,
+            np.arange(len(counts)),
+            np.arange(len(corners)),
         )
         if len(gone):
             part = _kept(part, ~np.isin(part.faces, gone))
-        is_left_handed = UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
+        is_left_handed = (
+            UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
+        )
         # A closed form faces outward by itself.
         return [_turned(part) if is_left_handed and kind == "Mesh" else part]
 
     def _skinned(self, prim: Any, parts: list[Part]) -> tuple[list[Part], Any]:
-        """The parts of a mesh where its skeleton moves them, and the prim in whose frame that is."""
+        """The parts of a mesh where its skeleton moves them, and the prim in whose frame that
+        is."""
         from pxr import Usd, UsdSkel, Vt
 
         skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
@@ -199,12 +221,18 @@ class _Reader:
         cache.Populate(root, Usd.TraverseInstanceProxies())
         skinning = cache.GetSkinningQuery(prim)
         transforms = cache.GetSkelQuery(skeleton).ComputeSkinningTransforms(self.time)
-        points = [Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(part.points, np.float32)) for part in parts]
-        if not transforms or not all(skinning.ComputeSkinnedPoints(transforms, array, self.time) for array in points):
+        points = [
+            Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(part.points, np.float32)) for part in parts
+        ]
+        if not transforms or not all(
+            skinning.ComputeSkinnedPoints(transforms, array, self.time) for array in points
+        ):
             self._leave_out(prim, "skeleton of Mesh")
             return parts, prim
         moved = zip(parts, points, strict=True)
-        return [replace(part, points=np.array(array, np.float64)) for part, array in moved], skeleton.GetPrim()
+        return [
+            replace(part, points=np.array(array, np.float64)) for part, array in moved
+        ], skeleton.GetPrim()
 
     def _instances(self, instancer: Any) -> list[Part]:
         from pxr import UsdGeom
@@ -215,10 +243,15 @@ class _Reader:
         prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
         numbers = _array(instancer.GetProtoIndicesAttr(), self.time, np.int64)
         placed = instancer.ComputeInstanceTransformsAtTime(
-            self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
+            self.time,
+            self.time,
+            UsdGeom.PointInstancer.ExcludeProtoXform,
+            UsdGeom.PointInstancer.IgnoreMask,
         )
         if len(placed) != len(numbers) or np.any((numbers < 0) | (numbers >= len(prototypes))):
-            raise BuildError(f"{self.path}: the instances of {path} do not fit its prototypes and positions")
+            raise BuildError(
+                f"{self.path}: the instances of {path} do not fit its prototypes and positions"
+            )
         matrices = np.array(placed, np.float64).reshape(-1, 4, 4)
         there = np.array(instancer.ComputeMaskAtTime(self.time) or [True] * len(numbers), bool)
 
@@ -257,7 +290,8 @@ class _Reader:
         for what, (count, most) in limits.items():
             if count > most:
                 raise BuildError(
-                    f"{self.path}: has {count} {what} or more, each instance counted, must have at most {most}"
+                    f"{self.path}: has {count} {what} or more, each instance counted, must have "
+                    f"at most {most}"
                 )
 
     def _leave_out(self, prim: Any, what: str) -> None:
@@ -293,7 +327,8 @@ def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
 
 
 def _moved(part: Part, matrix: Float64) -> Part:
-    """A part under a transform; USD multiplies rows. A transform that mirrors turns the polygons round, too."""
+    """A part under a transform; USD multiplies rows. A transform that mirrors turns the polygons
+    round, too."""
     # The core refuses numbers that are not finite.
     with np.errstate(invalid="ignore", over="ignore"):
         points = part.points @ matrix[:3, :3] + matrix[3, :3]
@@ -336,7 +371,9 @@ def _write_obj(path: str, parts: list[Part], time: Any) -> None:
                 # them in sRGB.
                 points, corners = points[corners], np.arange(len(corners))
                 rows = np.concatenate([points, _srgb(said.colours)], axis=1).tolist()
-                lines = [f"v {x!r} {y!r} {z!r} {r:.9g} {g:.9g} {b:.9g}" for x, y, z, r, g, b in rows]
+                lines = [
+                    f"v {x!r} {y!r} {z!r} {r:.9g} {g:.9g} {b:.9g}" for x, y, z, r, g, b in rows
+                ]
             words = [(corners + vertex).astype(str)]
             if said.coordinates is not None:
                 lines += [f"vt {u:.9g} {v:.9g}" for u, v in said.coordinates.tolist()]
@@ -348,7 +385,10 @@ def _write_obj(path: str, parts: list[Part], time: Any) -> None:
                 words.append((np.arange(len(corners)) + normal).astype(str))
                 normal += len(corners)
             file.write(f"o {part.name}\n" + "\n".join(lines) + "\n")
-            named = ["/".join(parts_of) for parts_of in zip(*(word.tolist() for word in words), strict=True)]
+            named = [
+                "/".join(parts_of)
+                for parts_of in zip(*(word.tolist() for word in words), strict=True)
+            ]
             material = ""
             ends = np.cumsum(part.counts).tolist()
             for end, count, own in zip(ends, part.counts.tolist(), said.materials, strict=True):

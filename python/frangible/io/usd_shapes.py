@@ -23,12 +23,15 @@ BANDS = SIDES // 4
 
 
 def faces_of(path: str, prim: Any, time: Any) -> Faces | None:
-    """A cube, ball, cylinder, cone, capsule or plane; `None` for any other prim. Round shapes have their exact volume."""
+    """A cube, ball, cylinder, cone, capsule or plane; `None` for any other prim. Round shapes have
+    their exact volume."""
 
     def length(name: str) -> float:
         value = float(prim.GetAttribute(name).Get(time))
         if not (math.isfinite(value) and value > 0.0):
-            raise BuildError(f"{path}: the {name} of {prim.GetPath()}: {value}, must be a number > 0")
+            raise BuildError(
+                f"{path}: the {name} of {prim.GetPath()}: {value}, must be a number > 0"
+            )
         return value
 
     def radii() -> tuple[float, float]:
@@ -44,7 +47,11 @@ def faces_of(path: str, prim: Any, time: Any) -> Faces | None:
             return _plane(length("width"), length("length"), axis)
         case "Sphere":
             radius = length("radius")
-            return _lathe(_arc(radius, -1.0, 0.0, 0.0) + _arc(radius, 0.0, 1.0, 0.0)[1:], "Z", 4 / 3 * math.pi * radius**3)
+            return _lathe(
+                _arc(radius, -1.0, 0.0, 0.0) + _arc(radius, 0.0, 1.0, 0.0)[1:],
+                "Z",
+                4 / 3 * math.pi * radius**3,
+            )
         case "Cone":
             radius, height = length("radius"), length("height")
             profile = [(0.0, -height / 2), (radius, -height / 2), (0.0, height / 2)]
@@ -66,23 +73,35 @@ def _frustum(a: float, b: float, height: float) -> float:
 
 
 def _arc(radius: float, begin: float, end: float, centre: float) -> list[tuple[float, float]]:
-    """Points (distance from the axis, place along it) of a quarter of a circle; 1 is its upper pole."""
+    """Points (distance from the axis, place along it) of a quarter of a circle; 1 is its upper
+    pole."""
     turns = [math.pi / 2 * (begin + (end - begin) * band / BANDS) for band in range(BANDS + 1)]
     # The poles are on the axis, without rounding.
-    return [(0.0 if abs(turn) == math.pi / 2 else radius * math.cos(turn), centre + radius * math.sin(turn)) for turn in turns]
+    return [
+        (
+            0.0 if abs(turn) == math.pi / 2 else radius * math.cos(turn),
+            centre + radius * math.sin(turn),
+        )
+        for turn in turns
+    ]
 
 
 def _lathe(profile: Sequence[tuple[float, float]], axis: str, volume: float) -> Faces:
-    """The solid of revolution of a profile from the lower to the upper pole, made wider until it has that volume."""
+    """The solid of revolution of a profile from the lower to the upper pole, made wider until it
+    has that volume."""
     # Rings of points around z; a pole is one point.
     radii, places = np.array(profile, np.float64).T
     areas = 0.5 * SIDES * math.sin(2 * math.pi / SIDES)
-    slabs = areas / 3.0 * np.diff(places) * (radii[:-1] ** 2 + radii[:-1] * radii[1:] + radii[1:] ** 2)
+    slabs = (
+        areas / 3.0 * np.diff(places) * (radii[:-1] ** 2 + radii[:-1] * radii[1:] + radii[1:] ** 2)
+    )
     radii = radii * math.sqrt(volume / slabs.sum())
     turns = 2 * np.pi / SIDES * np.arange(SIDES)
     circle = np.stack([np.cos(turns), np.sin(turns)], axis=1)
     rings = [
-        np.column_stack([radius * circle, np.full(SIDES, place)]) if radius > 0.0 else np.array([[0.0, 0.0, place]])
+        np.column_stack([radius * circle, np.full(SIDES, place)])
+        if radius > 0.0
+        else np.array([[0.0, 0.0, place]])
         for radius, place in zip(radii.tolist(), places.tolist(), strict=True)
     ]
     points = np.concatenate(rings)
@@ -96,9 +115,13 @@ def _lathe(profile: Sequence[tuple[float, float]], axis: str, volume: float) -> 
         if len(below) == len(above):
             polygons += list(np.stack([low, np.roll(low, -1), np.roll(high, -1), high], axis=1))
         elif len(above) == 1:
-            polygons += list(np.stack([low, np.roll(low, -1), np.broadcast_to(high, low.shape)], axis=1))
+            polygons += list(
+                np.stack([low, np.roll(low, -1), np.broadcast_to(high, low.shape)], axis=1)
+            )
         else:
-            polygons += list(np.stack([high, np.broadcast_to(low, high.shape), np.roll(high, -1)], axis=1))
+            polygons += list(
+                np.stack([high, np.broadcast_to(low, high.shape), np.roll(high, -1)], axis=1)
+            )
         first += len(below)
     counts = np.array([len(polygon) for polygon in polygons], np.int64)
     return _along(points, axis), counts, np.concatenate(polygons).astype(np.int64)
@@ -111,13 +134,16 @@ def _along(points: npt.NDArray[np.float64], axis: str) -> npt.NDArray[np.float64
 
 
 def _cube(size: float) -> Faces:
-    points = size * np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    points = size * np.array(
+        [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+    )
     corners = [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]
     return points, np.full(6, 4, np.int64), np.array(corners, np.int64)
 
 
 def _plane(width: float, length: float, axis: str) -> Faces:
-    """A rectangle that faces along an axis: its width is along x, or z if it faces along x; its length along y, or z."""
+    """A rectangle that faces along an axis: its width is along x, or z if it faces along x; its
+    length along y, or z."""
     x, y = 0.5 * width, 0.5 * length
     if axis == UsdGeom.Tokens.x:
         points = [[0.0, -y, -x], [0.0, y, -x], [0.0, y, x], [0.0, -y, x]]

@@ -21,7 +21,8 @@ MARKER = "frangible"
 
 @contextmanager
 def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]:
-    """A stage while the context lasts; ``error`` in one sentence if the library says that it cannot be read.
+    """A stage while the context lasts; ``error`` in one sentence if the library says that it cannot
+    be read.
 
     Messages that the library prints go nowhere: the stage can tell what is missing.
     """
@@ -73,7 +74,8 @@ def _number(stage: Any, key: str, otherwise: float) -> float:
 
 
 def time_code(stage: Any, pose_time: float | None) -> Any:
-    """The time of the stage that is so many seconds after its beginning; its first time without that."""
+    """The time of the stage that is so many seconds after its beginning; its first time without
+    that."""
     if not stage.HasAuthoredTimeCodeRange() and pose_time is None:
         return Usd.TimeCode.EarliestTime()
     start = stage.GetStartTimeCode() if stage.HasAuthoredTimeCodeRange() else 0.0

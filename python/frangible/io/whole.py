@@ -21,7 +21,8 @@ _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 def whole_file(path: str) -> Iterator[str]:
     """A temporary path that takes its name at the end, or vanishes if the block fails.
 
-    It lies beside ``path``, or beside the file that a link there leads to. A pipe or a device gets the bytes at the end.
+    It lies beside ``path``, or beside the file that a link there leads to. A pipe or a device gets
+    the bytes at the end.
     """
     before = _status(path)
     if before is not None and not stat.S_ISREG(before.st_mode):
@@ -51,7 +52,8 @@ def whole_file(path: str) -> Iterator[str]:
 
 @contextmanager
 def whole_folder(path: str) -> Iterator[str]:
-    """A new temporary folder that takes its name at the end, in place of the one there; or vanishes if the block fails."""
+    """A new temporary folder that takes its name at the end, in place of the one there; or vanishes
+    if the block fails."""
     target = os.path.realpath(path)
     above, name = os.path.split(target)
     mark = f".{name}.{secrets.token_hex(4)}"

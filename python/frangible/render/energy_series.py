@@ -21,7 +21,8 @@ class EnergySeries:
     kinetic: Float64
     #: (n,) relative to its lowest value [J].
     potential: Float64
-    #: (n,) what there was before the first step, and the work that has entered since [J]; the zero is that of ``total``.
+    #: (n,) what there was before the first step, and the work that has entered since [J]; the zero
+    #: is that of ``total``.
     available: Float64
     #: (n,) dissipated energy that the ledger's banks hold, to be spent again [J].
     bank: Float64
@@ -48,27 +49,39 @@ def read_energy_series(recording: Recording) -> EnergySeries:
     """Energy and momentum in a recording's reports; `CacheError` if it has none."""
     reports = recording.reports
     if not reports:
-        raise CacheError(f"the recording of {recording.shot!r} has no frames, so there is nothing to plot")
+        raise CacheError(
+            f"the recording of {recording.shot!r} has no frames, so there is nothing to plot"
+        )
     with one_sentence(f"the recording of {recording.shot!r}", "energy report", CacheError):
         return _series(recording)
 
 
 def _series(recording: Recording) -> EnergySeries:
     reports = recording.reports
-    energies, momenta = [report["energy"] for report in reports], [report["momentum"] for report in reports]
+    energies, momenta = (
+        [report["energy"] for report in reports],
+        [report["momentum"] for report in reports],
+    )
     kinetic, potential, work, banked, gain = (
-        np.array([energy[key] for energy in energies]) for key in ("kinetic", "potential", "work", "banked", "gain")
+        np.array([energy[key] for energy in energies])
+        for key in ("kinetic", "potential", "work", "banked", "gain")
     )
     # What enters comes first.
     causes = sorted(energies[0]["causes"], key=lambda cause: cause != "work")
-    changes = {cause: np.array([cast(dict[str, float], energy["causes"])[cause] for energy in energies]) for cause in causes}
+    changes = {
+        cause: np.array([cast(dict[str, float], energy["causes"])[cause] for energy in energies])
+        for cause in causes
+    }
 
     # Before the first step there was the total less all changes since.
     total = kinetic + potential
     start = total[0] - (gain - banked + work)[0]
-    # Bodies that were taken out of the world took energy along, which the reports do not count as a change.
+    # Bodies that were taken out of the world took energy along, which the reports do not count as a
+    # change.
     if any(report["quarantined"] for report in reports):
-        changes["taken out"] = np.diff(total, prepend=start) - np.sum(list(changes.values()), axis=0)
+        changes["taken out"] = np.diff(total, prepend=start) - np.sum(
+            list(changes.values()), axis=0
+        )
     lowest = potential.min()
     return EnergySeries(
         times=np.array([report["time"] for report in reports]),

@@ -38,7 +38,8 @@ def write_film(
     size: tuple[int, int] | None = None,
     progress: FilmProgress | None = None,
 ) -> None:
-    """Write a film, ``.mp4`` or ``.gif``, or with no ending a folder of frame_0000.png and so on."""
+    """Write a film, ``.mp4`` or ``.gif``, or with no ending a folder of frame_0000.png and so
+    on."""
     width, height = size or (WIDTH, HEIGHT)
     stride = max(1, math.ceil(recording.fps / MOST_FPS[ending]))
     shown = range(0, recording.frames + 1, stride)

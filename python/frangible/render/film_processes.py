@@ -48,9 +48,7 @@ class Film:
     height: int
 
 
-def film_pictures(
-    film: Film, frames: Sequence[int]
-) -> Generator[Picture, None, None]:
+def film_pictures(film: Film, frames: Sequence[int]) -> Generator[Picture, None, None]:
     """The pictures (height, width, 3) of frames, in order; the same for any number of processes."""
     count = _processes(film.recording, len(frames))
     if count < 2:
@@ -154,7 +152,8 @@ class _Painter:
 
 
 def draw_frames() -> None:
-    """In a process of its own: read a film and numbers of frames from stdin, write pictures to stdout."""
+    """In a process of its own: read a film and numbers of frames from stdin, write pictures to
+    stdout."""
     film: Film = pickle.load(sys.stdin.buffer)
     surfaces = gather_surfaces(film.recording)
     # Each process has a processor.

@@ -55,9 +55,7 @@ class Boxes:
 
     def unions(self, start: Int64) -> Boxes:
         """Boxes around those from each start to the next."""
-        return Boxes(
-            np.minimum.reduceat(self.low, start), np.maximum.reduceat(self.high, start)
-        )
+        return Boxes(np.minimum.reduceat(self.low, start), np.maximum.reduceat(self.high, start))
 
     def reach(self, box: Boxes) -> Float64:
         """(n,) how far they reach out of a box [m]."""

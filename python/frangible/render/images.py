@@ -71,7 +71,9 @@ class Pictures:
         colours[own] = self.base[own]
         shares[own] = self.shares[own]
 
-    def tint(self, triangle: npt.NDArray[np.int32], weights: Float32, footprint: Float32) -> Float32 | None:
+    def tint(
+        self, triangle: npt.NDArray[np.int32], weights: Float32, footprint: Float32
+    ) -> Float32 | None:
         """The factors of colours (n, 3) at places of triangles; `None` without any.
 
         ``footprint`` (n,) is a pixel's width over the mean edge of the triangle.

@@ -1,7 +1,7 @@
 """How much light of the lamp and of the sky reaches what a picture shows.
 
-Neighbouring pixels ask different rays, sixteen of them in turn, and share what they learn with those
-that show the same surface (interleaved sampling: A. Keller and W. Heidrich, 2001).
+Neighbouring pixels ask different rays, sixteen of them in turn, and share what they learn with
+those that show the same surface (interleaved sampling: A. Keller and W. Heidrich, 2001).
 """
 
 from __future__ import annotations
@@ -39,9 +39,15 @@ Light = Float32
 
 
 def gather_light(
-    stage: Stage, points: Float32, normals: Float32, slots: npt.NDArray[np.int64], sky: int, lamp: int
+    stage: Stage,
+    points: Float32,
+    normals: Float32,
+    slots: npt.NDArray[np.int64],
+    sky: int,
+    lamp: int,
 ) -> Light:
-    """Light at points (n, 3), of so many rays; points with different slots (n,) ask different ones."""
+    """Light at points (n, 3), of so many rays; points with different slots (n,) ask different
+    ones."""
     light = np.zeros((len(points), 3), np.float32)
     if not len(points):
         return light
@@ -52,7 +58,9 @@ def gather_light(
     disc_x, disc_y = _tangents(stage.lamp[None])
     for ray in range(lamp):
         radius, cosine, sine = _disc(np.arange(count) * lamp + ray)
-        aim = stage.lamp + LAMP_RADIUS * radius[:, None] * (cosine[:, None] * disc_x + sine[:, None] * disc_y)
+        aim = stage.lamp + LAMP_RADIUS * radius[:, None] * (
+            cosine[:, None] * disc_x + sine[:, None] * disc_y
+        )
         light[:, 0] += openness(stage, points, unit(aim.astype(np.float32))[slots], GLASS_SHADOW)
 
     # The sky, weighted by the cosine.
@@ -73,7 +81,8 @@ def gather_light(
 def share_light(
     light: Light, key: Int32, points: Float32, normals: Float32, width: Float32
 ) -> tuple[Light, Bool]:
-    """Light (h, w, 3) averaged over neighbours that show the same, and which pixels (h, w) have few.
+    """Light (h, w, 3) averaged over neighbours that show the same, and which pixels (h, w) have
+    few.
 
     ``key`` (h, w) tells surfaces apart, -1 for none; ``width`` (h, w) is that of a pixel there [m].
     """
@@ -132,5 +141,3 @@ def _tangents(normals: Float32) -> tuple[Float32, Float32]:
     b = x * y * a
     across = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
     return across, np.stack([b, sign + y * y * a, -y], axis=1)
-
-

@@ -43,49 +43,68 @@ def plain(colour: Colour) -> Look:
 
 
 def look_of(body: Body) -> Look:
-    """The material that a body is drawn with; the colours of one without a look are its source's, not these."""
+    """The material that a body is drawn with; the colours of one without a look are its source's,
+    not these."""
     return plain(SCENERY) if body.look is None else LOOKS[body.look]
 
 
 def tint(body: Body, look: Look) -> Float64:
-    """(3,) factor of a piece's colours: pieces differ by a touch of brightness and warmth, so that they can be told apart."""
+    """(3,) factor of a piece's colours: pieces differ by a touch of brightness and warmth, so that
+    they can be told apart."""
     if body.parent is None:
         return np.ones(3)
     brightness, warmth = (body.id * GOLDEN_STEPS) % 1.0
     shade = 1.0 + look.variation * (brightness - 0.53)
-    factor: Float64 = shade * (1.0 + 0.3 * look.variation * (warmth - 0.5) * np.array([1.0, 0.0, -1.2]))
+    factor: Float64 = shade * (
+        1.0 + 0.3 * look.variation * (warmth - 0.5) * np.array([1.0, 0.0, -1.2])
+    )
     return factor
 
 
 class Palette(Generic[Handle]):
     """The materials of a file, each made when the first body needs it.
 
-    Materials of a mesh's file stay what they are. A body without a look has its source's outside besides, and the inside that
-    all share.
+    Materials of a mesh's file stay what they are. A body without a look has its source's outside
+    besides, and the inside that all share.
     """
 
     def __init__(
-        self, families: dict[int, list[Body]], make: Callable[[str, Material], Handle], sides: tuple[str, str] | None = None
+        self,
+        families: dict[int, list[Body]],
+        make: Callable[[str, Material], Handle],
+        sides: tuple[str, str] | None = None,
     ) -> None:
         """``sides`` names outside and inside of bodies without a look, if all have the same."""
         self._make = make
         self._made: dict[Material, Handle] = {}
         self._colours = source_colours(families)
         self._inside = "inside" if sides is None else sides[1]
-        ours = [self._inside, *(f"{look}_{side}" for look in LOOKS for side in ("outside", "inside"))]
-        own = (family[0].name for family in families.values()) if sides is None else (sides[0] for _ in families)
+        ours = [
+            self._inside,
+            *(f"{look}_{side}" for look in LOOKS for side in ("outside", "inside")),
+        ]
+        own = (
+            (family[0].name for family in families.values())
+            if sides is None
+            else (sides[0] for _ in families)
+        )
         names = list(unique_names([*ours, *own]))
         self._names = dict(zip(families, names[len(ours) :], strict=True))
         self._taken = set(names)
 
     def groups(self, body: Body) -> list[tuple[Handle, Bool, bool]]:
-        """Each material of a body's triangles, its triangles (t,), and whether they are the inside."""
+        """Each material of a body's triangles, its triangles (t,), and whether they are the
+        inside."""
         own = np.full(len(body.triangles), NO_MATERIAL) if body.skin is None else body.skin.material
         groups = []
         for is_inside in (False, True):
             side = body.interior == is_inside
             for index in np.unique(own[side]).tolist():
-                handle = self._side(body, is_inside) if index == NO_MATERIAL else self._of_file(body, index)
+                handle = (
+                    self._side(body, is_inside)
+                    if index == NO_MATERIAL
+                    else self._of_file(body, index)
+                )
                 groups.append((handle, side & (own == index), is_inside))
         return groups
 

@@ -145,7 +145,8 @@ class _Canvas:
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """The surfaces that rays (n,) meet, through glass; arrays as in `_Canvas`, of the surface behind for hits."""
+    """The surfaces that rays (n,) meet, through glass; arrays as in `_Canvas`, of the surface
+    behind for hits."""
 
     front: Float32
     left: Float32
@@ -222,7 +223,11 @@ def _see(canvas: _Canvas, top: int, bottom: int) -> None:
     at = begin + behind.rows
     points = where_lit(stage, behind)
     canvas.key[at], canvas.triangle[at] = seen.keys(stage), behind.triangle
-    canvas.points[at], canvas.normals[at], canvas.weights[at] = points, behind.normals, behind.weights
+    canvas.points[at], canvas.normals[at], canvas.weights[at] = (
+        points,
+        behind.normals,
+        behind.weights,
+    )
     slots = TILES[at // width % TILE, at % width % TILE]
     canvas.light[at] = gather_light(stage, points, behind.normals, slots, SKY_RAYS, LAMP_RAYS)
 
@@ -245,7 +250,9 @@ def _light_up(canvas: _Canvas, top: int, bottom: int) -> None:
     shown = canvas.key[top * width : bottom * width] >= 0
     at = (top * width + np.flatnonzero(shown)).astype(np.int32)
     alone = (top * width + np.flatnonzero(few)).astype(np.int32)
-    light[alone - top * width] = _ask_more(canvas, alone, canvas.points[alone], canvas.normals[alone])
+    light[alone - top * width] = _ask_more(
+        canvas, alone, canvas.points[alone], canvas.normals[alone]
+    )
     radiance = canvas.front[top * width : bottom * width].copy()
     hits = Hits(
         at, canvas.triangle[at], canvas.depth[at], canvas.points[at],
@@ -285,7 +292,9 @@ def _smooth(canvas: _Canvas, pixels: Int32) -> None:
         behind, radiance = seen.behind, seen.front
         at = behind.rows
         points, depth = where_lit(canvas.stage, behind), seen.depth[at]
-        light = _known_light(canvas, pixels[at], seen.keys(canvas.stage), points, behind.normals, depth)
+        light = _known_light(
+            canvas, pixels[at], seen.keys(canvas.stage), points, behind.normals, depth
+        )
         own = shade(canvas.stage, behind, directions[at], depth, light, canvas.pixel)
         radiance[at] += seen.left[at] * own
         total += tone(radiance)

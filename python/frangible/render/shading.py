@@ -20,7 +20,9 @@ GLASS_REFLECTANCE = 0.045
 ON_GLASS = np.array([[1.0, 0.62, 0.2]], np.float32)
 
 
-def shade(stage: Stage, at: Hits, view: Float32, depth: Float32, light: Light, pixel: float) -> Float32:
+def shade(
+    stage: Stage, at: Hits, view: Float32, depth: Float32, light: Light, pixel: float
+) -> Float32:
     """Light (n, 3) that comes back along rays (n, 3), from a depth (n,), in light (n, 3).
 
     ``pixel`` is a pixel's width at a depth of 1.

@@ -66,7 +66,9 @@ def gather_surfaces(recording: Recording, frame: int | None = None) -> Surfaces:
     palette = source_colours(by_source(recording.bodies))
     alive = recording.bodies if frame is None else recording.alive(frame)
     bodies = [body for body in alive if len(body.triangles)]
-    corners, colours, shares = ([np.zeros((0, *shape), np.float32)] for shape in ((3, 3), (3,), (2,)))
+    corners, colours, shares = (
+        [np.zeros((0, *shape), np.float32)] for shape in ((3, 3), (3,), (2,))
+    )
     for body in bodies:
         look = plain(palette[body.source]) if body.look is None else LOOKS[body.look]
         sides = (look.outside, look.inside)
@@ -136,7 +138,8 @@ class Plane:
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """All triangles of a frame in the world frame, relative to the camera's target, then the planes."""
+    """All triangles of a frame in the world frame, relative to the camera's target, then the
+    planes."""
 
     surfaces: Surfaces
     #: Ray tracers of everything, of what casts shadows, and of glass, which hardly does.
@@ -183,10 +186,14 @@ def build_stage(recording: Recording, surfaces: Surfaces, frame: int, camera: Ca
     living = [i for i, body in enumerate(surfaces.bodies) if body.alive(frame)]
     first = surfaces.first
     counts = np.array([first[i + 1] - first[i] for i in living], np.int64)
-    shown = np.concatenate([np.zeros(0, np.int64), *(np.arange(first[i], first[i + 1]) for i in living)])
+    shown = np.concatenate(
+        [np.zeros(0, np.int64), *(np.arange(first[i], first[i + 1]) for i in living)]
+    )
     bodies = [surfaces.bodies[i] for i in living]
     centres = np.array([body.pose(frame)[0] for body in bodies]).reshape(-1, 3) - camera.target
-    rotations = np.array([rotation_matrix(body.pose(frame)[1]) for body in bodies]).reshape(-1, 3, 3)
+    rotations = np.array([rotation_matrix(body.pose(frame)[1]) for body in bodies]).reshape(
+        -1, 3, 3
+    )
 
     # Place every triangle.
     body = np.repeat(np.arange(len(bodies)), counts)
@@ -215,7 +222,9 @@ def build_stage(recording: Recording, surfaces: Surfaces, frame: int, camera: Ca
         glass=_scene(soup[is_clear]) if is_clear.any() else None,
         planes=planes,
         shown=shown.astype(np.int32),
-        normals=np.concatenate([normals, np.repeat(np.array(ups).reshape(-1, 1, 3), 3, 1)]).astype(np.float32),
+        normals=np.concatenate([normals, np.repeat(np.array(ups).reshape(-1, 1, 3), 3, 1)]).astype(
+            np.float32
+        ),
         colours=np.concatenate([surfaces.colours[shown], np.tile(FLOOR_COLOUR, (more, 1))]),
         clear=clear,
         metallic=np.concatenate([shares[:, 1], np.zeros(more, np.float32)]),

@@ -1,4 +1,5 @@
-"""What a picture shows on a surface besides its colour: the grain of wood, the gravel in concrete."""
+"""What a picture shows on a surface besides its colour: the grain of wood, the gravel in
+concrete."""
 
 from __future__ import annotations
 
@@ -17,13 +18,17 @@ def longest_first(vertices: Float64) -> Float64:
     """Axes (3, 3), rows, of points (v, 3): along their longest extent, then across it."""
     if len(vertices) < 2:
         return np.eye(3)
-    axes: Float64 = np.linalg.svd(vertices - vertices.mean(axis=0), full_matrices=len(vertices) < 3)[2]
+    axes: Float64 = np.linalg.svd(
+        vertices - vertices.mean(axis=0), full_matrices=len(vertices) < 3
+    )[2]
     return axes
 
 
 def wood(points: Float64) -> Float64:
-    """Tint (n, 3) of softwood at points (n, 3) whose first axis is the grain [m]: late wood is darker and redder."""
-    # The rings around a pith that lies beside the piece wander a little along the grain, and no ring is as wide as the next.
+    """Tint (n, 3) of softwood at points (n, 3) whose first axis is the grain [m]: late wood is
+    darker and redder."""
+    # The rings around a pith that lies beside the piece wander a little along the grain, and no
+    # ring is as wide as the next.
     wander = 0.5 * _noise(points * [1.3, 9.0, 9.0]) + 0.12 * _noise(points * [6.0, 60.0, 60.0])
     radius = np.hypot(points[:, 1] + 0.09, points[:, 2] + 0.05) / RING + 2.0 * wander
     late = (radius % 1.0) ** 3
@@ -49,7 +54,10 @@ def _noise(points: Float64) -> Float64:
     part = part * part * (3.0 - 2.0 * part)
     lattice = cell.astype(np.int64).astype(np.uint64)
     # The part of each axis in the key of its lower and of its upper corners.
-    keys = [(lattice[:, axis] * prime, (lattice[:, axis] + _ONE) * prime) for axis, prime in enumerate(_PRIMES)]
+    keys = [
+        (lattice[:, axis] * prime, (lattice[:, axis] + _ONE) * prime)
+        for axis, prime in enumerate(_PRIMES)
+    ]
     x, y, z = part.T
     lower, upper = (
         _mixed(
@@ -63,7 +71,11 @@ def _noise(points: Float64) -> Float64:
 
 
 _ONE = np.uint64(1)
-_PRIMES = (np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D27D4EB4F), np.uint64(0x165667B19E3779F9))
+_PRIMES = (
+    np.uint64(0x9E3779B97F4A7C15),
+    np.uint64(0xC2B2AE3D27D4EB4F),
+    np.uint64(0x165667B19E3779F9),
+)
 
 
 def _mixed(first: Float32, second: Float32, part: Float32) -> Float32:

@@ -52,7 +52,11 @@ def trace(stage: Stage, origins: Float32, directions: Float32) -> Hits:
     # Normals on the eye's side.
     corners = stage.normals[triangle]
     rest = 1.0 - weights[:, 0] - weights[:, 1]
-    smooth = corners[:, 0] * rest[:, None] + corners[:, 1] * weights[:, :1] + corners[:, 2] * weights[:, 1:]
+    smooth = (
+        corners[:, 0] * rest[:, None]
+        + corners[:, 1] * weights[:, :1]
+        + corners[:, 2] * weights[:, 1:]
+    )
     smooth, flat = unit(smooth), unit(flat[rows])
     flat *= np.where(dot(flat, view) > 0.0, np.float32(-1.0), np.float32(1.0))[:, None]
     smooth *= np.where(dot(flat, smooth) < 0.0, np.float32(-1.0), np.float32(1.0))[:, None]
@@ -91,5 +95,3 @@ def where_lit(stage: Stage, hits: Hits) -> Float32:
     """(n, 3) where rays to the lights begin."""
     lifted: Float32 = hits.points + stage.lift[hits.triangle][:, None] * hits.flat
     return lifted
-
-
