@@ -13,8 +13,7 @@ from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
-from .io.usd_mesh import ENDINGS as USD_ENDINGS
-from .io.usd_mesh import check_ending, readable_mesh
+from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
 from .words import did_you_mean
 
 #: A scene as `docs/scene_format.md` describes it.

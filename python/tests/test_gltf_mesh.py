@@ -14,7 +14,7 @@ import pytest
 from frangible import BuildError, mesh_info, run
 from frangible.cli import main
 from frangible.io.gltf_document import own_file
-from frangible.io.usd_mesh import readable_mesh
+from frangible.io.mesh_files import readable_mesh
 
 #: A cube from (0, 0, 0) to (1, 1, 1).
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)

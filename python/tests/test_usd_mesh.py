@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
-from frangible.io.usd_mesh import readable_mesh
+from frangible.io.mesh_files import readable_mesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 #: A cube of edge 2 around the origin, its faces counter-clockwise from outside.

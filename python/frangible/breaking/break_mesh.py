@@ -13,7 +13,7 @@ import numpy as np
 from .. import _frangible
 from ..extras import missing_packages
 from ..interrupts import deaf_work
-from ..io.usd_mesh import check_ending, readable_mesh
+from ..io.mesh_files import check_ending, readable_mesh
 from ..pieces import Contact, Piece, Pieces
 from ..progress import StageCallback, no_stage
 from ..recording import Float64, UInt32

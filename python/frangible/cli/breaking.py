@@ -19,8 +19,8 @@ from ..breaking.break_mesh import (
 )
 from ..breaking.piece_count import MOST_PIECES
 from ..errors import OutputError
+from ..io.mesh_files import readable_mesh
 from ..io.pieces_output import open_pieces_output
-from ..io.usd_mesh import readable_mesh
 from ..pieces import describe_pieces
 from ..progress import report_stages
 from .options import add_inside, add_pose_time, add_thickness, check_pieces, count, finite, natural

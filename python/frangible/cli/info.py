@@ -11,7 +11,7 @@ from ..errors import CacheError, one_sentence
 from ..extras import missing_packages
 from ..io.cache import check_is_file
 from ..io.gltf import describe_glb
-from ..io.usd_mesh import ENDINGS, check_ending, readable_mesh
+from ..io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
 from ..recording import Recording
 
 
@@ -22,7 +22,7 @@ def describe_file(path: str, pose_time: float | None = None) -> dict[str, object
     check_is_file(path)
     if ending == ".npz":
         return _describe_npz(path)
-    if ending in ENDINGS:
+    if ending in USD_ENDINGS:
         if hint := missing_packages("usd"):
             raise CacheError(f"{path}: {hint}")
         from ..io.usd import describe_usd

@@ -11,7 +11,7 @@ from typing import Any
 from .. import _frangible
 from ..breaking.piece_count import MOST_PIECES
 from ..errors import OutputError
-from ..io.usd_mesh import readable_mesh
+from ..io.mesh_files import readable_mesh
 from .options import check_pieces, count, natural, readable
 
 

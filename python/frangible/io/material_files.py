@@ -15,8 +15,8 @@ from ..errors import one_sentence
 from ..materials import MAGNIFIED, MINIFIED, REPEAT, USD_WRAPS, Colour, Image, Material, Sampler
 from .gltf_document import Document, open_document, own_file
 from .image_files import image_file, known_image
+from .mesh_files import USD_ENDINGS
 from .reading import FileNote, file_fault
-from .usd_mesh import ENDINGS as USD_ENDINGS
 
 #: Of materials, by their numbers: what moves texture coordinates with v down (3, 3).
 Transforms = dict[int, npt.NDArray[np.float64]]

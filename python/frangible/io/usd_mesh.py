@@ -1,29 +1,22 @@
-"""Meshes of USD files, and of glTF files as they are shipped: handed to the core as a mesh file
-that it reads."""
+"""Meshes and shapes of USD stages, written as an OBJ file that the core reads."""
 
 from __future__ import annotations
 
-import os
-import tempfile
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from pxr import Usd, UsdGeom, UsdSkel, Vt
 
 from .._frangible import MOST_TRIANGLES, BuildError
-from ..extras import missing_packages
-from ..recording import Float64, Int64
-from .gltf_mesh import ENDINGS as GLTF_ENDINGS
-from .gltf_mesh import make_plain
-from .reading import FileNote, file_fault
-from .usd_part import Part
-
-#: What USD files end in.
-ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
+from ..recording import Int64
+from .reading import FileNote
+from .usd_obj import write_obj
+from .usd_part import Part, kept, moved, turned
+from .usd_shapes import faces_of
+from .usd_stage import metres_from_stage, open_stage, time_code
 
 #: The most points of a stage, its instances counted one by one: of triangles without neighbours.
 MOST_POINTS = 3 * MOST_TRIANGLES
@@ -31,59 +24,17 @@ MOST_POINTS = 3 * MOST_TRIANGLES
 MOST_PARTS = 200_000
 
 
-def check_ending(path: str | os.PathLike[str]) -> None:
-    """`BuildError` unless the file's ending is that of a mesh file."""
-    ending = os.path.splitext(os.fspath(path))[1].lower()
-    known = (".obj", ".ply", ".stl", *GLTF_ENDINGS, *ENDINGS)
-    if ending not in known:
-        rule = f"must end in one of {', '.join(known)}"
-        raise BuildError(f"{os.fspath(path)}: ends in {ending!r}, {rule}")
-
-
-@contextmanager
-def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) -> Iterator[str]:
-    """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads,
-    while the context lasts.
-
-    USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What
-    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it.
-    `BuildError` if there is no mesh, or a package for it is missing; `FileNote` warnings name what
-    is left out.
-    """
-    path = os.fspath(path)
-    ending = os.path.splitext(path)[1].lower()
-    if ending not in (*ENDINGS, *GLTF_ENDINGS) or file_fault(path):
-        yield path
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        name = os.path.join(
-            folder, f"{os.path.basename(path)}{'.obj' if ending in ENDINGS else '.glb'}"
-        )
-        if ending in ENDINGS:
-            _convert(path, name, pose_time)
-        elif not make_plain(path, name, pose_time):
-            name = path
-        try:
-            yield name
-        except BuildError as error:
-            raise BuildError(str(error).replace(name, path)) from None
-
-
-def _convert(path: str, obj: str, pose_time: float | None) -> None:
-    """Write all meshes and shapes of a stage that are visible and no guides."""
-    if hint := missing_packages("usd"):
-        raise BuildError(f"{path}: {hint}")
-    from .usd_stage import metres_from_stage, open_stage, time_code
-
+def write_stage(path: str, obj: str, pose_time: float | None) -> None:
+    """Write all meshes and shapes of a stage that are visible and no guides, as OBJ."""
     with open_stage(path) as stage:
         reader = _Reader(path, time_code(stage, pose_time), is_posed=pose_time is not None)
         units = np.eye(4)
         units[:3, :3] = metres_from_stage(path, stage).T
-        parts = [_moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
+        parts = [moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
         notes = [*_missing(stage), *reader.left_out_parts()]
         if not any(len(part.counts) for part in parts):
             raise BuildError("; ".join([f"{path}: has no mesh that can be seen", *notes]))
-        _write_obj(obj, parts, reader.time)
+        write_obj(obj, parts, reader.time)
     for note in notes:
         warnings.warn(f"{path}: {note}", FileNote, stacklevel=2)
 
@@ -108,8 +59,6 @@ class _Reader:
     def gather(self, root: Any) -> list[Part]:
         """The parts of a prim and below it, in the frame of the root or, for a prototype, of its
         parent."""
-        from pxr import Usd, UsdGeom
-
         # Prototypes may be `over`, so that they are seen as instances only.
         is_prototype = not root.IsPseudoRoot()
         undefined = Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
@@ -139,13 +88,11 @@ class _Reader:
             if self.is_posed and prim.IsA(UsdGeom.Mesh):
                 found, frame = self._skinned(prim, found)
             matrix, _ = transforms.ComputeRelativeTransform(frame, above)
-            parts += [_moved(part, np.array(matrix, np.float64)) for part in found]
+            parts += [moved(part, np.array(matrix, np.float64)) for part in found]
         return parts
 
     def _is_visible(self, prim: Any, root: Any) -> bool:
         """Of what is in a prototype nothing above it is asked."""
-        from pxr import UsdGeom
-
         if root.IsPseudoRoot():
             return bool(
                 UsdGeom.Imageable(prim).ComputeVisibility(self.time) != UsdGeom.Tokens.invisible
@@ -156,9 +103,6 @@ class _Reader:
         )
 
     def _gprim(self, prim: Any) -> list[Part]:
-        from pxr import UsdGeom
-
-        from .usd_shapes import faces_of
 
         # Its points and polygons.
         kind = str(prim.GetTypeName())
@@ -197,18 +141,16 @@ class _Reader:
             np.arange(len(corners)),
         )
         if len(gone):
-            part = _kept(part, ~np.isin(part.faces, gone))
+            part = kept(part, ~np.isin(part.faces, gone))
         is_left_handed = (
             UsdGeom.Gprim(prim).GetOrientationAttr().Get(self.time) == UsdGeom.Tokens.leftHanded
         )
         # A closed form faces outward by itself.
-        return [_turned(part) if is_left_handed and kind == "Mesh" else part]
+        return [turned(part) if is_left_handed and kind == "Mesh" else part]
 
     def _skinned(self, prim: Any, parts: list[Part]) -> tuple[list[Part], Any]:
         """The parts of a mesh where its skeleton moves them, and the prim in whose frame that
         is."""
-        from pxr import Usd, UsdSkel, Vt
-
         skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
         root = UsdSkel.Root.Find(prim)
         if UsdSkel.BindingAPI(prim).GetBlendShapesAttr().HasAuthoredValue():
@@ -229,13 +171,13 @@ class _Reader:
         ):
             self._leave_out(prim, "skeleton of Mesh")
             return parts, prim
-        moved = zip(parts, points, strict=True)
-        return [
-            replace(part, points=np.array(array, np.float64)) for part, array in moved
-        ], skeleton.GetPrim()
+        posed = [
+            replace(part, points=np.array(array, np.float64))
+            for part, array in zip(parts, points, strict=True)
+        ]
+        return posed, skeleton.GetPrim()
 
     def _instances(self, instancer: Any) -> list[Part]:
-        from pxr import UsdGeom
 
         # Where each instance is, from its prototype's own transform on, and which of them are
         # there.
@@ -262,8 +204,8 @@ class _Reader:
             for part in self._prototype(instancer, prototype) if len(chosen) else []:
                 self._count(len(chosen), len(part.points), _triangles(part.counts))
                 for instance in chosen.tolist():
-                    moved = _moved(part, matrices[instance])
-                    parts.append(replace(moved, name=f"{part.name}[{instance}]"))
+                    at_instance = moved(part, matrices[instance])
+                    parts.append(replace(at_instance, name=f"{part.name}[{instance}]"))
         return parts
 
     def _prototype(self, instancer: Any, path: Any) -> list[Part]:
@@ -324,83 +266,3 @@ def _triangles(counts: Int64) -> int:
 def _array(attribute: Any, time: Any, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
     value = attribute.Get(time)
     return np.array([] if value is None else value, dtype)
-
-
-def _moved(part: Part, matrix: Float64) -> Part:
-    """A part under a transform; USD multiplies rows. A transform that mirrors turns the polygons
-    round, too."""
-    # The core refuses numbers that are not finite.
-    with np.errstate(invalid="ignore", over="ignore"):
-        points = part.points @ matrix[:3, :3] + matrix[3, :3]
-        is_mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0.0)
-    moved = replace(part, points=points, linear=part.linear @ matrix[:3, :3])
-    return _turned(moved) if is_mirrored else moved
-
-
-def _turned(part: Part) -> Part:
-    """The part with its corners in the opposite order."""
-    ends = np.cumsum(part.counts)
-    swap = np.repeat(2 * ends - part.counts - 1, part.counts) - np.arange(len(part.corners))
-    return replace(part, corners=part.corners[swap], order=part.order[swap])
-
-
-def _kept(part: Part, keep: npt.NDArray[np.bool_]) -> Part:
-    """The part with some of its polygons."""
-    corners = np.repeat(keep, part.counts)
-    return replace(
-        part,
-        counts=part.counts[keep],
-        corners=part.corners[corners],
-        faces=part.faces[keep],
-        order=part.order[corners],
-    )
-
-
-def _write_obj(path: str, parts: list[Part], time: Any) -> None:
-    """All parts, with what their prims say besides."""
-    from .usd_looks import said_of
-
-    vertex = place = normal = 1
-    with open(path, "w", encoding="utf-8") as file:
-        for part in parts:
-            said = said_of(part, time)
-            points, corners = part.points, part.corners
-            lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
-            if said.colours is not None:
-                # A vertex for each corner, as colours are the vertices'. Files of vertices have
-                # them in sRGB.
-                points, corners = points[corners], np.arange(len(corners))
-                rows = np.concatenate([points, _srgb(said.colours)], axis=1).tolist()
-                lines = [
-                    f"v {x!r} {y!r} {z!r} {r:.9g} {g:.9g} {b:.9g}" for x, y, z, r, g, b in rows
-                ]
-            words = [(corners + vertex).astype(str)]
-            if said.coordinates is not None:
-                lines += [f"vt {u:.9g} {v:.9g}" for u, v in said.coordinates.tolist()]
-                words.append((np.arange(len(corners)) + place).astype(str))
-                place += len(corners)
-            if said.normals is not None:
-                lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in said.normals.tolist()]
-                words += [np.full(len(corners), "")] if said.coordinates is None else []
-                words.append((np.arange(len(corners)) + normal).astype(str))
-                normal += len(corners)
-            file.write(f"o {part.name}\n" + "\n".join(lines) + "\n")
-            named = [
-                "/".join(parts_of)
-                for parts_of in zip(*(word.tolist() for word in words), strict=True)
-            ]
-            material = ""
-            ends = np.cumsum(part.counts).tolist()
-            for end, count, own in zip(ends, part.counts.tolist(), said.materials, strict=True):
-                if own != material:
-                    material = own
-                    file.write(f"usemtl {own}\n")
-                file.write(f"f {' '.join(named[end - count : end])}\n")
-            file.write("usemtl\n")
-            vertex += len(points)
-
-
-def _srgb(linear: Float64) -> Float64:
-    """Channels from 0 to 1 with sRGB's transfer function."""
-    clipped = np.maximum(linear, 0.0)
-    return np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1.0 / 2.4) - 0.055)
