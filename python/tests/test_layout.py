@@ -1,4 +1,4 @@
-"""Imports inside the package: no two files, and no two folders, import each other in a circle."""
+"""The package as text: no circles of imports between files or folders, and no long lines."""
 
 import ast
 from collections.abc import Iterator
@@ -111,3 +111,13 @@ def test_a_file_that_imports_through_the_package_is_in_a_circle(tmp_path: Path) 
     assert circle(imports(tmp_path)) == []
     (tmp_path / "usd.py").write_text("from . import World")
     assert set(circle(imports(tmp_path))) == {"", "usd"}
+
+
+def test_no_line_has_more_than_100_columns() -> None:
+    for path in [
+        *PACKAGE.rglob("*.py"),
+        *PACKAGE.glob("*.pyi"),
+        *Path(__file__).parent.glob("*.py"),
+    ]:
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            assert len(line) <= 100, f"{path}:{number}"
