@@ -24,7 +24,20 @@ SHOTS = (
     ("wall-natural", 15.0),
     ("rain-25", 3.0),
 )
-COLUMNS = ("date", "shot", "method", "frames", "bodies_end", "ms_mean", "ms_median", "ms_p95", "ms_max", "fps_mean", "fps_paper", "ratio")
+COLUMNS = (
+    "date",
+    "shot",
+    "method",
+    "frames",
+    "bodies_end",
+    "ms_mean",
+    "ms_median",
+    "ms_p95",
+    "ms_max",
+    "fps_mean",
+    "fps_paper",
+    "ratio",
+)
 
 
 def main() -> None:
@@ -39,10 +52,28 @@ def main() -> None:
             if (shot, method) == ("rain-25", "paper"):
                 continue
             mesh = ["--mesh", options.mesh] if shot == "bunny" else []
-            command = [sys.executable, "-m", "frangible", "run", shot, "--method", method, "--threads", "1", "--json", *mesh]
-            outputs = [subprocess.run(command, check=True, capture_output=True, text=True).stdout for _ in range(RUNS)]
+            command = [
+                sys.executable,
+                "-m",
+                "frangible",
+                "run",
+                shot,
+                "--method",
+                method,
+                "--threads",
+                "1",
+                "--json",
+                *mesh,
+            ]
+            outputs = [
+                subprocess.run(command, check=True, capture_output=True, text=True).stdout
+                for _ in range(RUNS)
+            ]
             runs = [json.loads(output.splitlines()[-1]) for output in outputs]
-            times = {key: median(run["ms_per_frame"][key] for run in runs) for key in ("mean", "median", "p95", "max")}
+            times = {
+                key: median(run["ms_per_frame"][key] for run in runs)
+                for key in ("mean", "median", "p95", "max")
+            }
             row = {
                 "date": datetime.now(UTC).date().isoformat(),
                 "shot": shot,
@@ -57,7 +88,10 @@ def main() -> None:
             print(row, flush=True)
             rows.append(row)
     with open("bench/results/figures.csv", "w", newline="") as file:
-        file.write(f"# command: python bench/figure_speed.py; medians of {RUNS} runs, one thread; 2-core shared x86-64 server, release build\n")
+        file.write(
+            f"# command: python bench/figure_speed.py; medians of {RUNS} runs, "
+            "one thread; 2-core shared x86-64 server, release build\n"
+        )
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)

@@ -1,4 +1,5 @@
-"""Faces, corners and sizes of the cells of patterns: bench/results/patterns.csv and docs/images/pattern-sizes.png.
+"""Faces, corners and sizes of the cells of patterns: bench/results/patterns.csv and
+docs/images/pattern-sizes.png.
 
 Run from the repository's root: python bench/pattern_statistics.py
 """
@@ -9,7 +10,7 @@ import csv
 
 import numpy as np
 from frangible import Pattern
-from frangible.plot import BLACK, COLOURS
+from frangible.render.plot import BLACK, COLOURS
 from matplotlib.figure import Figure
 
 SEEDS = range(1, 11)
@@ -25,7 +26,9 @@ def main() -> None:
     rows = []
     for kind, cells in KINDS:
         parts = [Pattern.named(kind, cells=cells, seed=seed).shapes() for seed in SEEDS]
-        faces, corners, volumes, inner = (np.concatenate(column) for column in zip(*parts, strict=True))
+        faces, corners, volumes, inner = (
+            np.concatenate(column) for column in zip(*parts, strict=True)
+        )
         sizes = np.sort(volumes / volumes.mean())
         above = np.arange(len(sizes), 0, -1)
         # Of what is found between the bounds, the steepness of the number of larger cells.
@@ -47,7 +50,12 @@ def main() -> None:
             }
         )
         if cells == 1000:
-            axis.loglog(sizes, above, label=f"{kind}, {len(SEEDS)} x {cells} cells", color=COLOURS[len(axis.lines)])
+            axis.loglog(
+                sizes,
+                above,
+                label=f"{kind}, {len(SEEDS)} x {cells} cells",
+                color=COLOURS[len(axis.lines)],
+            )
     m = np.geomspace(*FITTED, 2)
     axis.loglog(m, 3000 * m ** (-2.5 / 3), "--", color=BLACK, label="rubble: D = 2.5 [Tur86]")
     axis.set_xlabel("mass over the mean mass")

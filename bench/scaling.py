@@ -1,7 +1,8 @@
-"""How the cost of a piece grows with their number, in heaps of one density: bench/results/scaling.csv.
+"""How the cost of a piece grows with their number, in heaps of one density:
+bench/results/scaling.csv.
 
-Each heap is that of `pile-spread`, its pieces repeated over a wider square. Run from the repository's root, on a quiet machine:
-python bench/scaling.py
+Each heap is that of `pile-spread`, its pieces repeated over a wider square. Run from the
+repository's root, on a quiet machine: python bench/scaling.py
 """
 
 from __future__ import annotations
@@ -40,12 +41,15 @@ def scene(pieces: int) -> str:
     for number, turn in enumerate(turns):
         layer, i, k = number // across**2, number % across, number // across % across
         place = [(i - across / 2) * PITCH, 0.1 + (layer + 0.1) * PITCH, (k - across / 2) * PITCH]
-        bodies.append(kinds[number % len(kinds)] | {"position": place, "orientation": turn.tolist()})
+        bodies.append(
+            kinds[number % len(kinds)] | {"position": place, "orientation": turn.tolist()}
+        )
     return json.dumps(heap | {"bodies": bodies})
 
 
 def resident(key: str) -> float:
-    """``VmRSS``, what this process holds of memory, or ``VmHWM``, the most that it has held [KiB]; Linux."""
+    """``VmRSS``, what this process holds of memory, or ``VmHWM``, the most that it has held [KiB];
+    Linux."""
     with open("/proc/self/status", encoding="ascii") as file:
         return next(float(line.split()[1]) for line in file if line.startswith(key))
 
@@ -87,14 +91,28 @@ def main() -> None:
             path = os.path.join(folder, "scene.json")
             with open(path, "w", encoding="utf-8") as file:
                 file.write(scene(size))
-            output = subprocess.run([sys.executable, __file__, path], check=True, capture_output=True, text=True).stdout
+            output = subprocess.run(
+                [sys.executable, __file__, path], check=True, capture_output=True, text=True
+            ).stdout
         row = json.loads(output.splitlines()[-1])
         first = rows[0]["us_per_piece"] if rows else row["us_per_piece"]
-        row = {"date": datetime.now(UTC).date().isoformat(), **row, "growth": row["us_per_piece"] / first}
-        rows.append({key: round(value, 3) if isinstance(value, float) else value for key, value in row.items()})
+        row = {
+            "date": datetime.now(UTC).date().isoformat(),
+            **row,
+            "growth": row["us_per_piece"] / first,
+        }
+        rows.append(
+            {
+                key: round(value, 3) if isinstance(value, float) else value
+                for key, value in row.items()
+            }
+        )
         print(rows[-1], flush=True)
     with open("bench/results/scaling.csv", "w", newline="", encoding="utf-8") as file:
-        file.write("# command: python bench/scaling.py; processor time of one thread, frames 31 to 60; growth is of the time per piece, from the smallest heap on\n")
+        file.write(
+            "# command: python bench/scaling.py; processor time of one thread, "
+            "frames 31 to 60; growth is of the time per piece, from the smallest heap on\n"
+        )
         table = csv.DictWriter(file, COLUMNS)
         table.writeheader()
         table.writerows(rows)

@@ -21,14 +21,13 @@ from ._frangible import (
     shot_scene,
     shots,
 )
-from .breaking import break_mesh
-from .cache import CacheError
-from .output import OutputError
+from .bench.verification import ClaimError, Finding, Verdict, verify
+from .breaking.break_mesh import break_mesh
+from .errors import CacheError, OutputError
 from .pieces import Piece, Pieces
 from .recording import Body, Recorder, Recording
 from .report import StepReport
 from .simulation import run
-from .verification import ClaimError, Finding, Verdict, verify
 
 __all__ = [
     "Body",

@@ -7,10 +7,10 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-from .cleaning import CleanMesh
+from .bench.verification import Finding
+from .breaking.cleaning import CleanMesh
 from .pieces import Contact
 from .report import StepReport
-from .verification import Finding
 
 __all__ = [
     "BuildError",
@@ -47,7 +47,8 @@ MOST_TRIANGLES: int
 """The most triangles of a mesh file, its instances counted one by one."""
 
 _memory_kept_ms: int
-"""How long freed memory is kept for the next frame [ms]; `MIMALLOC_PURGE_DELAY` in the environment says otherwise."""
+"""How long freed memory is kept for the next frame [ms]; `MIMALLOC_PURGE_DELAY` in the environment
+says otherwise."""
 
 class BuildError(ValueError):
     """A scene that cannot be built: the message names the field, the value and the rule."""
@@ -70,7 +71,8 @@ def shot_scene(
     seed: int | None = None,
     thickness: float | None = None,
 ) -> str:
-    """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that cannot be used.
+    """The scene of a shot, as JSON; `BuildError` for an unknown name or method, or a mesh that
+    cannot be used.
 
     Open parts of a mesh become plates of a ``thickness``, in the file's unit.
 
@@ -84,18 +86,21 @@ def claims() -> list[tuple[str, str, str]]:
     """Name, what is promised and who says so, for every claim."""
 
 def check_claim(name: str) -> list[Finding]:
-    """Measure a claim, on one thread and without the interpreter lock; `KeyError` for an unknown name."""
+    """Measure a claim, on one thread and without the interpreter lock; `KeyError` for an unknown
+    name."""
 
 def patterns() -> list[tuple[str, str]]:
     """Name and one line for every kind of pattern."""
 
 @final
 class Pattern:
-    """A box broken into cells, around its fracture centre. Lengths are in a unit of its own; z is the collision normal."""
+    """A box broken into cells, around its fracture centre. Lengths are in a unit of its own; z is
+    the collision normal."""
 
     @staticmethod
     def named(name: str, *, cells: int | None = None, seed: int | None = None) -> Pattern:
-        """A kind that `patterns` lists, with about so many cells, or one from a file if the name has an ending.
+        """A kind that `patterns` lists, with about so many cells, or one from a file if the name
+        has an ending.
 
         `BuildError` if there is none of this name, or a number is out of its range.
         """
@@ -113,10 +118,12 @@ class Pattern:
         voxels: int = 48,
         smallest_voxels: float = 27.0,
     ) -> tuple[Pattern, int]:
-        """The pattern, finer, coarser or larger, that breaks a mesh into about so many pieces, and how many it is on a grid of so many
-        voxels along the mesh's longest side. Without a mesh: with so many cells.
+        """The pattern, finer, coarser or larger, that breaks a mesh into about so many pieces, and
+        how many it is on a grid of so many voxels along the mesh's longest side. Without a mesh:
+        with so many cells.
 
-        A pattern from a file has the cells that it has, and can be laid on the mesh larger, not smaller.
+        A pattern from a file has the cells that it has, and can be laid on the mesh larger, not
+        smaller.
         """
 
     def with_pieces_by(self, pieces: int, attempt: Callable[[Pattern], int]) -> tuple[Pattern, int]:
@@ -124,7 +131,8 @@ class Pattern:
         pieces there are."""
 
     def save(self, path: str) -> None:
-        """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be written."""
+        """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be
+        written."""
 
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -142,12 +150,19 @@ class Pattern:
     def region_mesh(
         self, cell: int, longest_edge: float = ...
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-        """The closed surface of a cell: vertices (v, 3) and triangles (t, 3); `IndexError` if there is no such cell."""
+        """The closed surface of a cell: vertices (v, 3) and triangles (t, 3); `IndexError` if there
+        is no such cell."""
 
     def shapes(
         self,
-    ) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
-        """Of each cell (n,): its faces, its corners, its volume, and whether it touches no wall of the box.
+    ) -> tuple[
+        npt.NDArray[np.uint32],
+        npt.NDArray[np.uint32],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.bool_],
+    ]:
+        """Of each cell (n,): its faces, its corners, its volume, and whether it touches no wall of
+        the box.
 
         Cells with rough faces count as the plane ones behind them.
         """
@@ -155,21 +170,25 @@ class Pattern:
 def mesh_info(path: str) -> dict[str, Any]:
     """What a mesh file holds; `BuildError` if it cannot be read.
 
-    `unit_inertia_m5` is the tensor (3, 3) about `center_m` at unit density: times kg/m^3 it is in kg m^2.
+    `unit_inertia_m5` is the tensor (3, 3) about `center_m` at unit density: times kg/m^3 it is in
+    kg m^2.
     """
 
 def decode_meshopt(data: bytes, count: int, stride: int, mode: str, filter: str) -> bytes:
-    """`count` rows of `stride` bytes from a compressed view of a glTF file; `BuildError`, to follow the view's name."""
+    """`count` rows of `stride` bytes from a compressed view of a glTF file; `BuildError`, to follow
+    the view's name."""
 
 def load_mesh(path: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-    """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file; `BuildError` if it cannot be read."""
+    """Vertices (v, 3) [m] and triangles (t, 3) of a mesh file; `BuildError` if it cannot be
+    read."""
 
 def mesh_attributes(path: str) -> dict[str, Any] | None:
     """Attributes of a mesh file's triangles (t,); `None` if it says nothing.
 
-    `corners` (t, 3, 3) [m]; `object` (t,), index into `objects`, each a list of names, the root's first; `material` (t,), index
-    into `materials`: names in OBJ, numbers in glTF; -1 is none. `coordinates` (t, 3, 2) with v up, `normals` (t, 3, 3), unit, and
-    `colours` (t, 3, 4), linear, of the corners; NaN where there is nothing. `BuildError` if the file cannot be read.
+    `corners` (t, 3, 3) [m]; `object` (t,), index into `objects`, each a list of names, the root's
+    first; `material` (t,), index into `materials`: names in OBJ, numbers in glTF; -1 is none.
+    `coordinates` (t, 3, 2) with v up, `normals` (t, 3, 3), unit, and `colours` (t, 3, 4), linear,
+    of the corners; NaN where there is nothing. `BuildError` if the file cannot be read.
     """
 
 def closest_triangles(
@@ -180,14 +199,15 @@ def closest_triangles(
     wanted: npt.NDArray[np.int64],
     reach: npt.NDArray[np.float64],
 ) -> npt.NDArray[np.int64]:
-    """For each point (n, 3) the index of the closest of triangles (t, 3, 3) of groups (t,): of the `wanted` group (n,), -1 for
-    any. One that faces to the side of the point's normal (n, 3) comes first, unless it is farther away by its `reach` (n,)."""
+    """For each point (n, 3) the index of the closest of triangles (t, 3, 3) of groups (t,): of the
+    `wanted` group (n,), -1 for any. One that faces to the side of the point's normal (n, 3) comes
+    first, unless it is farther away by its `reach` (n,)."""
 
 def clean_mesh(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], name: str = ...
 ) -> CleanMesh:
-    """The solids that raw triangles bound, part by part: welded, repeated triangles dropped, turned to
-    agree, holes closed, open flat parts left out. `BuildError` if no part encloses a volume."""
+    """The solids that raw triangles bound, part by part: welded, repeated triangles dropped, turned
+    to agree, holes closed, open flat parts left out. `BuildError` if no part encloses a volume."""
 
 def thicken_mesh(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], thickness: float, name: str = ...
@@ -199,22 +219,30 @@ def thicken_mesh(
 def resurface(
     mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], voxels: int
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
-    """The surface of what a mesh encloses made anew, closed and free of crossings, on a grid of so many voxels along the longest
-    side; `BuildError` if the grid does not resolve it."""
+    """The surface of what a mesh encloses made anew, closed and free of crossings, on a grid of so
+    many voxels along the longest side; `BuildError` if the grid does not resolve it."""
 
 def mesh_mass(mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]) -> dict[str, Any]:
-    """`volume_m3`, `center_m` (3) and `unit_inertia_m5` (3, 3) about it, of what a closed mesh encloses."""
+    """`volume_m3`, `center_m` (3) and `unit_inertia_m5` (3, 3) about it, of what a closed mesh
+    encloses."""
 
-def join_slivers(volumes: list[float], contacts: list[tuple[list[int], float]], smallest: float) -> list[int]:
-    """For each piece the number of the one that it joins, its own for most, so that none is smaller than `smallest` of the mean.
+def join_slivers(
+    volumes: list[float], contacts: list[tuple[list[int], float]], smallest: float
+) -> list[int]:
+    """For each piece the number of the one that it joins, its own for most, so that none is smaller
+    than `smallest` of the mean.
 
-    `contacts` are pairs of pieces and areas [m^2]: a piece joins the neighbour that it touches over the largest.
+    `contacts` are pairs of pieces and areas [m^2]: a piece joins the neighbour that it touches over
+    the largest.
     """
 
 def piece_contacts(
-    pieces: list[tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], npt.NDArray[np.bool_]]],
+    pieces: list[
+        tuple[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]], npt.NDArray[np.bool_]]
+    ],
 ) -> list[Contact]:
-    """Contacts of pieces that were cut out of a mesh: for each the surface, and whether a crack made each triangle (t,)."""
+    """Contacts of pieces that were cut out of a mesh: for each the surface, and whether a crack
+    made each triangle (t,)."""
 
 def pattern_cutters(
     pattern: Pattern,
@@ -223,9 +251,10 @@ def pattern_cutters(
     normal: Sequence[float],
     coarseness: float = 1.0,
 ) -> list[tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint32]]]:
-    """The cells of a pattern, laid onto the box of a mesh (lowest and highest corner [m]) that is struck at a point: for each its
-    closed surface, and for each triangle the face that it is a part of: a plane, or a rough crack towards one neighbour. Cells
-    beside the box are empty; triangles of rough ones are larger by the ``coarseness``."""
+    """The cells of a pattern, laid onto the box of a mesh (lowest and highest corner [m]) that is
+    struck at a point: for each its closed surface, and for each triangle the face that it is a part
+    of: a plane, or a rough crack towards one neighbour. Cells beside the box are empty; triangles
+    of rough ones are larger by the ``coarseness``."""
 
 def break_mesh_on_grid(
     pattern: Pattern,
@@ -235,27 +264,31 @@ def break_mesh_on_grid(
     voxels: int,
     smallest: float = ...,
 ) -> dict[str, Any]:
-    """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there, `pieces` and `contacts`.
+    """Break a mesh on a grid of so many voxels along its longest side: `volume_m3` of it there,
+    `pieces` and `contacts`.
 
     Parts smaller than `smallest` of the mean piece join a neighbour.
 
-    A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3), `inner` (t,): whether a crack made each, and
-    texture `coordinates` (t, 3, 2) of their corners [m].
+    A piece has what `mesh_mass` says, and `vertices` (v, 3) [m], `triangles` (t, 3), `inner` (t,):
+    whether a crack made each, and texture `coordinates` (t, 3, 2) of their corners [m].
     """
 
 @final
 class World:
     """Bodies, and the engine that moves and breaks them.
 
-    Arrays are copies with one row for each living body; a body keeps its id as long as it lives. One thread at a time may use
-    a world (`RuntimeError`); a forked child may go on with a copy of its parent's.
+    Arrays are copies with one row for each living body; a body keeps its id as long as it lives.
+    One thread at a time may use a world (`RuntimeError`); a forked child may go on with a copy of
+    its parent's.
     """
 
     @staticmethod
     def build(scene: str | os.PathLike[str] | dict[str, Any], threads: int = 0) -> World:
-        """Check a scene and build it: JSON, a dictionary, or a file's path, which ends in .json or .toml or has a folder.
+        """Check a scene and build it: JSON, a dictionary, or a file's path, which ends in .json or
+        .toml or has a folder.
 
-        0 threads means one for every processor. `BuildError` if a rule is broken: path, value and rule.
+        0 threads means one for every processor. `BuildError` if a rule is broken: path, value and
+        rule.
         """
 
     def step(self) -> StepReport:
@@ -315,39 +348,49 @@ class World:
 
     @property
     def parents(self) -> list[int | None]:
-        """(n) id of the body that each fragment broke off from, `None` for the bodies of the scene."""
+        """(n) id of the body that each fragment broke off from, `None` for the bodies of the
+        scene."""
 
     @property
     def looks(self) -> list[str | None]:
-        """(n) what each body is drawn as: glass, concrete, brick, mortar, wood, stone or metal; `None` if nobody said."""
+        """(n) what each body is drawn as: glass, concrete, brick, mortar, wood, stone or metal;
+        `None` if nobody said."""
 
     def material_frame(self, id: int) -> tuple[list[float], list[float]]:
-        """The frame of a body's material, which is a mesh's own in metres, seen from its body frame: origin [m] and quaternion.
+        """The frame of a body's material, which is a mesh's own in metres, seen from its body
+        frame: origin [m] and quaternion.
 
-        Fragments keep that of the body that they broke off from. `KeyError` if no living body has the id.
+        Fragments keep that of the body that they broke off from. `KeyError` if no living body has
+        the id.
         """
 
-    def set_velocity(
-        self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike
-    ) -> None:
+    def set_velocity(self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike) -> None:
         """Give a dynamic or kinematic body a velocity, (3) each [m/s, rad/s], in the world frame.
 
-        A kinematic body keeps it until it gets another. `BuildError` if the body lives no longer or is static, or a number is not finite.
+        A kinematic body keeps it until it gets another. `BuildError` if the body lives no longer or
+        is static, or a number is not finite.
         """
 
     def surface(
         self, id: int
-    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32], npt.NDArray[np.bool_], npt.NDArray[np.float32]]:
-        """Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and texture coordinates.
+    ) -> tuple[
+        npt.NDArray[np.float32],
+        npt.NDArray[np.uint32],
+        npt.NDArray[np.bool_],
+        npt.NDArray[np.float32],
+    ]:
+        """Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,),
+        and texture coordinates.
 
-        The coordinates (t, 3, 2) of the triangles' corners are metres: of a crack in its own plane, of all else along the axes
-        of the body's material.
+        The coordinates (t, 3, 2) of the triangles' corners are metres: of a crack in its own plane,
+        of all else along the axes of the body's material.
 
         `KeyError` if no living body has the id.
         """
 
     def penetrations(self) -> npt.NDArray[np.float64]:
-        """(k,) how deep each overlapping pair of bodies is now [m]; found without the interpreter lock."""
+        """(k,) how deep each overlapping pair of bodies is now [m]; found without the interpreter
+        lock."""
 
     def state_hash(self) -> str:
         """Hexadecimal digest of the whole state: equal states have equal hashes."""

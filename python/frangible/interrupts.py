@@ -61,7 +61,8 @@ class Stop:
 
 @contextmanager
 def stop_when_asked() -> Iterator[Stop]:
-    """While the context lasts, the first signal is noted and the second ends the process, also in the middle of a frame."""
+    """While the context lasts, the first signal is noted and the second ends the process, also in
+    the middle of a frame."""
     stop = Stop()
 
     def note(number: int, _: FrameType | None) -> None:

@@ -1,25 +1,10 @@
-"""Colours, the same in every format: linear RGB, picked so that a crack stands out at a glance."""
+"""Materials, images and looks: linear RGB, picked so that a crack stands out at a glance."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
-
-import numpy as np
-
-from .paths import unique_names
-from .recording import Body, Bool, Float64
-from .skin import NO_MATERIAL
-
-# Steps of the two-dimensional golden-ratio sequence, which fills a square evenly (M. Roberts,
-# 2018).
-GOLDEN_STEPS = np.array([0.7548776662466927, 0.5698402909980532])
+from dataclasses import dataclass
 
 Colour = tuple[float, float, float]
-
-#: How a file refers to a material of its own.
-Handle = TypeVar("Handle")
 
 #: What cracks lay bare: fired clay.
 INSIDE: Colour = (0.42, 0.15, 0.085)
@@ -71,7 +56,8 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """One side of what a body is made of. Images are laid on by the texture coordinates; numbers multiply them."""
+    """One side of what a body is made of. Images are laid on by the texture coordinates; numbers
+    multiply them."""
 
     colour: Colour
     roughness: float
@@ -118,96 +104,20 @@ class Look:
 
 #: What a scene can say that a body looks like.
 LOOKS: dict[str, Look] = {
-    "glass": Look(Material((0.72, 0.95, 0.86), 0.02, clear=0.86), Material((0.28, 0.62, 0.47), 0.1, clear=0.45), 0.0),
+    "glass": Look(
+        Material((0.72, 0.95, 0.86), 0.02, clear=0.86),
+        Material((0.28, 0.62, 0.47), 0.1, clear=0.45),
+        0.0,
+    ),
     "concrete": Look(Material((0.37, 0.365, 0.35), 0.85), Material((0.47, 0.44, 0.39), 0.95), 0.06),
     "brick": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.50, 0.175, 0.10), 0.95), 0.45),
     "mortar": Look(Material((0.56, 0.53, 0.47), 0.95), Material((0.58, 0.55, 0.49), 0.95), 0.10),
     "masonry": Look(Material((0.40, 0.115, 0.062), 0.85), Material((0.56, 0.53, 0.47), 0.95), 0.12),
     "wood": Look(Material((0.58, 0.37, 0.18), 0.65), Material((0.70, 0.47, 0.20), 0.85), 0.22),
     "stone": Look(Material((0.46, 0.43, 0.38), 0.85), Material((0.55, 0.52, 0.46), 0.95), 0.15),
-    "metal": Look(Material((0.12, 0.12, 0.125), 0.35, metallic=1.0), Material((0.32, 0.32, 0.33), 0.5, metallic=1.0), 0.1),
+    "metal": Look(
+        Material((0.12, 0.12, 0.125), 0.35, metallic=1.0),
+        Material((0.32, 0.32, 0.33), 0.5, metallic=1.0),
+        0.1,
+    ),
 }
-
-
-def source_colours(families: dict[int, list[Body]]) -> dict[int, Colour]:
-    """A colour for each source id, given its bodies: for those without a look."""
-    movable = [source for source, family in families.items() if any(body.moves for body in family)]
-    colours = {source: OUTSIDE[i % len(OUTSIDE)] for i, source in enumerate(movable)}
-    return {source: colours.get(source, SCENERY) for source in families}
-
-
-def plain(colour: Colour) -> Look:
-    """The look of a body that nobody gave one."""
-    return Look(Material(colour, OUTSIDE_ROUGHNESS), Material(INSIDE, INSIDE_ROUGHNESS), 0.34)
-
-
-def look_of(body: Body) -> Look:
-    """The material that a body is drawn with; the colours of one without a look are its source's, not these."""
-    return plain(SCENERY) if body.look is None else LOOKS[body.look]
-
-
-def tint(body: Body, look: Look) -> Float64:
-    """(3,) factor of a piece's colours: pieces differ by a touch of brightness and warmth, so that they can be told apart."""
-    if body.parent is None:
-        return np.ones(3)
-    brightness, warmth = (body.id * GOLDEN_STEPS) % 1.0
-    shade = 1.0 + look.variation * (brightness - 0.53)
-    factor: Float64 = shade * (1.0 + 0.3 * look.variation * (warmth - 0.5) * np.array([1.0, 0.0, -1.2]))
-    return factor
-
-
-class Palette(Generic[Handle]):
-    """The materials of a file, each made when the first body needs it.
-
-    Materials of a mesh's file stay what they are. A body without a look has its source's outside besides, and the inside that
-    all share.
-    """
-
-    def __init__(
-        self, families: dict[int, list[Body]], make: Callable[[str, Material], Handle], sides: tuple[str, str] | None = None
-    ) -> None:
-        """``sides`` names outside and inside of bodies without a look, if all have the same."""
-        self._make = make
-        self._made: dict[Material, Handle] = {}
-        self._colours = source_colours(families)
-        self._inside = "inside" if sides is None else sides[1]
-        ours = [self._inside, *(f"{look}_{side}" for look in LOOKS for side in ("outside", "inside"))]
-        own = (family[0].name for family in families.values()) if sides is None else (sides[0] for _ in families)
-        names = list(unique_names([*ours, *own]))
-        self._names = dict(zip(families, names[len(ours) :], strict=True))
-        self._taken = set(names)
-
-    def groups(self, body: Body) -> list[tuple[Handle, Bool, bool]]:
-        """Each material of a body's triangles, its triangles (t,), and whether they are the inside."""
-        own = np.full(len(body.triangles), NO_MATERIAL) if body.skin is None else body.skin.material
-        groups = []
-        for is_inside in (False, True):
-            side = body.interior == is_inside
-            for index in np.unique(own[side]).tolist():
-                handle = self._side(body, is_inside) if index == NO_MATERIAL else self._of_file(body, index)
-                groups.append((handle, side & (own == index), is_inside))
-        return groups
-
-    def _side(self, body: Body, is_inside: bool) -> Handle:
-        if body.look is None:
-            look = plain(self._colours[body.source])
-            name = self._inside if is_inside else self._names[body.source]
-        else:
-            look, name = LOOKS[body.look], f"{body.look}_{'inside' if is_inside else 'outside'}"
-        return self._material(name, look.inside if is_inside else look.outside)
-
-    def _of_file(self, body: Body, index: int) -> Handle:
-        assert body.skin is not None
-        material = body.skin.materials[index]
-        if material not in self._made:
-            # Another material of that name keeps it.
-            *_, name = unique_names([*sorted(self._taken), material.name or "material"])
-            self._taken.add(name)
-            self._made[material] = self._make(name, material)
-        return self._made[material]
-
-    def _material(self, name: str, material: Material) -> Handle:
-        named = replace(material, name=name)
-        if named not in self._made:
-            self._made[named] = self._make(name, named)
-        return self._made[named]

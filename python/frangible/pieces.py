@@ -102,7 +102,10 @@ class Pieces:
         """All numbers, for JSON."""
         neighbours: list[list[dict[str, Any]]] = [[] for _ in self.pieces]
         for contact in self.contacts:
-            for own, other, sign in ((contact["a"], contact["b"], 1.0), (contact["b"], contact["a"], -1.0)):
+            for own, other, sign in (
+                (contact["a"], contact["b"], 1.0),
+                (contact["b"], contact["a"], -1.0),
+            ):
                 neighbours[own].append(
                     {
                         "name": self.pieces[other].name,
@@ -156,6 +159,7 @@ def describe_pieces(summary: dict[str, Any]) -> str:
         f"{counted(summary['pieces'], 'piece')} of {summary['mesh']} in {summary['seconds']:.2g} s,"
         f" {counted(summary['contacts'], 'contact')}",
         f"volume {whole:.6g} m^3; the pieces' add up to it within {summary['volume_defect']:.1g}",
-        f"largest piece {summary['largest_m3'] / whole:.2%}, smallest {summary['smallest_m3'] / whole:.2g} of it",
+        f"largest piece {summary['largest_m3'] / whole:.2%}, smallest "
+        f"{summary['smallest_m3'] / whole:.2g} of it",
     ]
     return "\n".join(lines)

@@ -1,4 +1,5 @@
-"""How far long work is, on stderr: for a run a bar on a terminal, a line for every tenth in a pipe."""
+"""How far long work is, on stderr: for a run a bar on a terminal, a line for every tenth in a
+pipe."""
 
 from __future__ import annotations
 
@@ -13,7 +14,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from .recording import ProgressCallback
 
-
 #: Told what begins.
 StageCallback = Callable[[str], None]
 #: A stage that takes longer is worth a line [s].
@@ -26,7 +26,8 @@ def no_stage(_: str) -> None:
 
 @contextmanager
 def report_stages(quiet: bool = False) -> Iterator[StageCallback]:
-    """A callback for what begins; a line on stderr for each stage that is not over within a second; none if quiet."""
+    """A callback for what begins; a line on stderr for each stage that is not over within a second;
+    none if quiet."""
     waiting: list[threading.Timer] = []
 
     def begin(stage: str) -> None:
@@ -35,7 +36,9 @@ def report_stages(quiet: bool = False) -> Iterator[StageCallback]:
         if quiet:
             return
         line = f"frangible: {stage} ..."
-        waiting[:] = [threading.Timer(LONG_STAGE, print, [line], {"file": sys.stderr, "flush": True})]
+        waiting[:] = [
+            threading.Timer(LONG_STAGE, print, [line], {"file": sys.stderr, "flush": True})
+        ]
         waiting[0].daemon = True
         waiting[0].start()
 
@@ -69,6 +72,10 @@ def report_progress(frames: int, quiet: bool = False) -> Iterator[ProgressCallba
         def line(frame: int, bodies: int) -> None:
             if frame * 10 // frames > (frame - 1) * 10 // frames:
                 left = (time.monotonic() - begin) / frame * (frames - frame)
-                print(f"frame {frame}/{frames}, {bodies} bodies, {left:.0f} s left", file=sys.stderr, flush=True)
+                print(
+                    f"frame {frame}/{frames}, {bodies} bodies, {left:.0f} s left",
+                    file=sys.stderr,
+                    flush=True,
+                )
 
         yield line

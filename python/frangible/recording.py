@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
+Int64 = npt.NDArray[np.int64]
 UInt32 = npt.NDArray[np.uint32]
 Bool = npt.NDArray[np.bool_]
 
@@ -74,7 +75,10 @@ class Body:
 
     def __repr__(self) -> str:
         last = "" if self.death_frame is None else f" to {self.death_frame - 1}"
-        return f"<Body {self.id} {self.name!r}, frames {self.birth_frame}{last or ' on'}, {len(self.triangles)} triangles>"
+        return (
+            f"<Body {self.id} {self.name!r}, frames {self.birth_frame}{last or ' on'}, "
+            f"{len(self.triangles)} triangles>"
+        )
 
     @property
     def moves(self) -> bool:
@@ -112,7 +116,10 @@ class Recording:
     reports: list[StepReport] = field(default_factory=list)
 
     def __repr__(self) -> str:
-        return f"<Recording of {self.shot!r}, {self.frames} frames at {self.fps:g} per second, {len(self.bodies)} bodies>"
+        return (
+            f"<Recording of {self.shot!r}, {self.frames} frames at {self.fps:g} per second, "
+            f"{len(self.bodies)} bodies>"
+        )
 
     @staticmethod
     def record(
@@ -142,21 +149,22 @@ class Recording:
         return [body for body in self.bodies if body.alive(frame)]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, .html to play it, .png for a picture."""
-        from .output import open_output
+        """Write the recording in the format of the path's ending: .npz, .usda, .usdc, .glb, .html
+        to play it, .png for a picture."""
+        from .io.output import open_output
 
         open_output(os.fspath(path)).write(self)
 
     def plot(self, path: str | os.PathLike[str]) -> None:
         """Draw energy by cause and momentum over time, as .png, .svg or .pdf."""
-        from .output import open_plot
+        from .io.output import open_plot
 
         open_plot(os.fspath(path)).write(self)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Recording:
         """Read a recording back from a ``.npz`` cache."""
-        from .cache import read_npz
+        from .io.cache import read_npz
 
         return read_npz(os.fspath(path))
 
@@ -175,7 +183,8 @@ def step_frames(
     progress: ProgressCallback | None = None,
     stop: Callable[[], bool] = lambda: False,
 ) -> list[float]:
-    """Step a world ``frames`` times, or until ``stop`` says so after a step; the wall-clock time of each step alone [ms]."""
+    """Step a world ``frames`` times, or until ``stop`` says so after a step; the wall-clock time of
+    each step alone [ms]."""
     step_ms = []
     for frame in range(1, frames + 1):
         begin = time.perf_counter()
@@ -190,7 +199,8 @@ def step_frames(
 
 
 class Recorder:
-    """Keeps the frames of a world that somebody steps, and each surface when its body is first seen."""
+    """Keeps the frames of a world that somebody steps, and each surface when its body is first
+    seen."""
 
     def __init__(self, world: World, skins: dict[int, BodySkin] | None = None) -> None:
         """``skins`` are those of `scene_skins`, for bodies that are meshes."""
@@ -213,7 +223,9 @@ class Recorder:
 
     def finish(self, shot: str, fps: float) -> Recording:
         """Everything kept so far."""
-        return Recording(shot, self.world.method, fps, len(self.reports), self._bodies(), self.reports)
+        return Recording(
+            shot, self.world.method, fps, len(self.reports), self._bodies(), self.reports
+        )
 
     def capture(self, report: StepReport) -> None:
         """Keep the state that a step led to, and its report."""
@@ -238,7 +250,12 @@ class Recorder:
         names, parents, masses, looks = world.names, world.parents, world.masses, world.looks
         for row in new:
             body_id = int(ids[row])
-            self._seen[body_id] = (names[row], float(masses[row]), looks[row], *world.surface(body_id))
+            self._seen[body_id] = (
+                names[row],
+                float(masses[row]),
+                looks[row],
+                *world.surface(body_id),
+            )
             self._material_frames[body_id] = world.material_frame(body_id)
             parent = parents[row]
             if parent is not None:
@@ -279,7 +296,9 @@ class Recorder:
         last_frame = len(self._ids) - 1
         laid = self._laid()
         bodies = []
-        for body_id, begin, end in zip(unique_ids.tolist(), first.tolist(), past.tolist(), strict=True):
+        for body_id, begin, end in zip(
+            unique_ids.tolist(), first.tolist(), past.tolist(), strict=True
+        ):
             name, mass, look, vertices, triangles, interior, coordinates = self._seen[body_id]
             skin = None
             if body_id in laid:
@@ -308,11 +327,14 @@ class Recorder:
         return sorted(bodies, key=lambda body: (body.birth_frame, body.id))
 
     def _laid(self) -> dict[int, tuple[Skin, Float32]]:
-        """Skin and texture coordinates of each body that is a part of a mesh, all parts of one at once."""
+        """Skin and texture coordinates of each body that is a part of a mesh, all parts of one at
+        once."""
         laid: dict[int, tuple[Skin, Float32]] = {}
         for source, skin in self._skins.items():
             own = [body_id for body_id in self._seen if self._source(body_id) == source]
-            found = skin.lay_on([(self._seen[body_id][3:], self._material_frames[body_id]) for body_id in own])
+            found = skin.lay_on(
+                [(self._seen[body_id][3:], self._material_frames[body_id]) for body_id in own]
+            )
             laid.update(zip(own, found, strict=True))
         return laid
 
@@ -323,7 +345,8 @@ class Recorder:
 
 
 def without_sign_flips(orientations: Float64) -> Float64:
-    """The same rotations (k, 4), each with the sign nearer to the one before, so that players interpolate the short way."""
+    """The same rotations (k, 4), each with the sign nearer to the one before, so that players
+    interpolate the short way."""
     dots = np.einsum("ij,ij->i", orientations[1:], orientations[:-1])
     signs = np.concatenate([[1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))])
     flipped: Float64 = orientations * signs[:, None]

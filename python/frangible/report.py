@@ -22,7 +22,8 @@ class Causes(TypedDict):
     fracture: float
     #: What the ledger took out.
     balance: float
-    #: What is left: flight and rotation, which conserve but for the rule by which bodies turn, and rounding.
+    #: What is left: flight and rotation, which conserve but for the rule by which bodies turn, and
+    #: rounding.
     flight: float
 
 
@@ -35,10 +36,11 @@ class Energy(TypedDict):
     total: float
     #: That kinematic bodies did in this frame.
     work: float
-    #: What the ledger's banks grew by in this frame: energy that was dissipated and may be spent again.
+    #: What the ledger's banks grew by in this frame: energy that was dissipated and may be spent
+    #: again.
     banked: float
-    #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in this frame, or, if
-    #: negative, was dissipated.
+    #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
+    #: this frame, or, if negative, was dissipated.
     gain: float
     #: What E(n+1) - E(n) consists of.
     causes: Causes
@@ -66,14 +68,16 @@ class Momentum(TypedDict):
     linear: list[float]
     #: About the world's origin [N m s].
     angular: list[float]
-    #: What neither gravity nor a static or kinematic body explains, relative to all momenta, since the world began.
+    #: What neither gravity nor a static or kinematic body explains, relative to all momenta, since
+    #: the world began.
     linear_error: float
     #: The same of angular momentum.
     angular_error: float
 
 
 class Impulses(TypedDict):
-    """Collision and contact impulses: how many were applied, shortened and dropped so that no energy came from them."""
+    """Collision and contact impulses: how many were applied, shortened and dropped so that no
+    energy came from them."""
 
     applied: int
     clamped: int
@@ -147,7 +151,7 @@ class StepReport(TypedDict):
     #: In order.
     fractures: list[Fracture]
     #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
-    #: books.
+    #: energy report.
     quarantined: list[Quarantined]
     #: Wall-clock time of each stage [ms], in order.
     stages: list[tuple[str, float]]

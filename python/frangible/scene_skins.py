@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from . import _frangible
-from .mesh_skin import MeshSkin, read_skin
+from .breaking.mesh_skin import MeshSkin, read_skin
+from .breaking.volumes import volumes_differ
 from .recording import Bool, Float32, Float64, UInt32, rotation_matrix
 from .skin import Skin
-from .volumes import volumes_differ
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
 DEFAULT_VOXELS = 64
@@ -38,7 +38,10 @@ class BodySkin:
             (surface[0].astype(np.float64) - np.array(origin)) @ turn / self.scale
             for (surface, (origin, _)), turn in zip(surfaces, turns, strict=True)
         ]
-        placed = [(vertices, surface[1], surface[2]) for vertices, (surface, _) in zip(in_mesh, surfaces, strict=True)]
+        placed = [
+            (vertices, surface[1], surface[2])
+            for vertices, (surface, _) in zip(in_mesh, surfaces, strict=True)
+        ]
         found = self.mesh.below(placed)
         laid = []
         for own, (surface, _), turn, below in zip(placed, surfaces, turns, found, strict=True):
@@ -59,7 +62,8 @@ def _meshes(scene: Any) -> Iterator[tuple[int, dict[str, Any], dict[str, Any]]]:
 
 
 def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[int, BodySkin]:
-    """For the number of each body that has one, its skin. ``readable`` is what `readable_scene` made of the scene, in its context."""
+    """For the number of each body that has one, its skin. ``readable`` is what `readable_scene`
+    made of the scene, in its context."""
     found: dict[int, BodySkin] = {}
     known: dict[str, MeshSkin | None] = {}
     for (number, _, shape), (_, _, plain) in zip(_meshes(scene), _meshes(readable), strict=True):
@@ -73,7 +77,8 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
 
 
 def volume_notes(readable: Any, masses: Any) -> list[str]:
-    """Sentences about meshes whose bodies have another volume than they, given the masses of all bodies [kg]."""
+    """Sentences about meshes whose bodies have another volume than they, given the masses of all
+    bodies [kg]."""
     notes = []
     density = _frangible.scene_schema()["$defs"]["BodyDesc"]["properties"]["density"]["default"]
     for number, body, shape in _meshes(readable):

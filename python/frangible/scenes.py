@@ -12,9 +12,8 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
-from .gltf_mesh import ENDINGS as GLTF_ENDINGS
-from .usd_mesh import ENDINGS as USD_ENDINGS
-from .usd_mesh import check_ending, readable_mesh
+from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
+from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
 from .words import did_you_mean
 
 #: A scene as `docs/scene_format.md` describes it.
@@ -36,7 +35,8 @@ def is_scene_file(name: str) -> bool:
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
-    """The scene of a .json or .toml file; what is relative in it is to the file's folder. `BuildError` if it is none."""
+    """The scene of a .json or .toml file; what is relative in it is to the file's folder.
+    `BuildError` if it is none."""
     name = os.fspath(path)
     try:
         with open(name, "rb") as file:
@@ -94,21 +94,30 @@ def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
             holder = body.get(field) if isinstance(body, dict) else None
             for name in inner:
                 holder = holder.get(name) if isinstance(holder, dict) else None
-            if isinstance(holder, dict) and holder.get("kind") == kind and isinstance(holder.get("path"), str):
+            if (
+                isinstance(holder, dict)
+                and holder.get("kind") == kind
+                and isinstance(holder.get("path"), str)
+            ):
                 yield holder
 
 
 @contextmanager
 def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
-    """A scene that the core can build, from JSON, a dictionary or a file's path, while the context lasts.
+    """A scene that the core can build, from JSON, a dictionary or a file's path, while the context
+    lasts.
 
     USD and glTF files are read here, with what moves in them as it is at a pose time [s].
     """
-    if isinstance(scene, os.PathLike) or (isinstance(scene, str) and is_scene_file(scene) and "{" not in scene):
+    if isinstance(scene, os.PathLike) or (
+        isinstance(scene, str) and is_scene_file(scene) and "{" not in scene
+    ):
         scene = read_scene(scene)
     elif isinstance(scene, str) and any(ending in scene for ending in (".usd", *GLTF_ENDINGS)):
         scene = parse_json("scene", scene)
-    if not isinstance(scene, dict) or not any(_is_converted(holder) for holder in _path_holders(scene)):
+    if not isinstance(scene, dict) or not any(
+        _is_converted(holder) for holder in _path_holders(scene)
+    ):
         yield scene
         return
     scene = copy.deepcopy(scene)
@@ -134,7 +143,8 @@ def find_scene(
     pieces: int | None = None,
     thickness: float | None = None,
 ) -> tuple[Scene, int, str]:
-    """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many frames it takes; its name.
+    """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many
+    frames it takes; its name.
 
     `BuildError` if there is none, or what is asked for does not fit it.
     """
@@ -147,12 +157,19 @@ def find_scene(
         return scene, _frames(scene), source
     for option, given in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
         if given is not None:
-            raise BuildError(f"{option}: {given}, must be left out for a scene of one's own, which says it itself")
+            raise BuildError(
+                f"{option}: {given}, must be left out for a scene of one's own, which says it "
+                "itself"
+            )
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
     if fps is not None:
         # It lasts as long as before.
-        if isinstance(scene.get("frames"), int) and isinstance(rate := scene.get("frames_per_second", 30.0), (int, float)):
-            scene["frames"] = max(1, math.ceil(scene["frames"] * fps / rate)) if rate > 0 else scene["frames"]
+        if isinstance(scene.get("frames"), int) and isinstance(
+            rate := scene.get("frames_per_second", 30.0), (int, float)
+        ):
+            scene["frames"] = (
+                max(1, math.ceil(scene["frames"] * fps / rate)) if rate > 0 else scene["frames"]
+            )
         scene["frames_per_second"] = fps
     if method is not None:
         scene["method"] = method
@@ -166,7 +183,9 @@ def find_scene(
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:
     if name not in dict(shots()) and os.path.exists(name):
         kind = "is a folder" if os.path.isdir(name) else "is no scene file"
-        raise BuildError(f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot")
+        raise BuildError(
+            f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot"
+        )
     if mesh is not None:
         check_ending(mesh)
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
@@ -182,7 +201,11 @@ def _set_pieces(scene: Scene, pieces: int | None) -> None:
     if pieces is None:
         return
     bodies = scene.get("bodies")
-    found = [body.get("breaking") for body in bodies if isinstance(body, dict)] if isinstance(bodies, list) else []
+    found = (
+        [body.get("breaking") for body in bodies if isinstance(body, dict)]
+        if isinstance(bodies, list)
+        else []
+    )
     breaking = [description for description in found if isinstance(description, dict)]
     if not breaking:
         raise BuildError(f"pieces: {pieces}, must come with a scene in which a body has 'breaking'")
@@ -203,9 +226,11 @@ def _frames(scene: Scene) -> int:
 
 
 def set_field(scene: Scene, assignment: str) -> None:
-    """Set a field by its path, as in ``bodies.wall.breaking.strength=2e6``; bodies by name or number, values as JSON.
+    """Set a field by its path, as in ``bodies.wall.breaking.strength=2e6``; bodies by name or
+    number, values as JSON.
 
-    A value that is no JSON is text. All bodies of a name are set. `BuildError` names the part of the path that does not fit.
+    A value that is no JSON is text. All bodies of a name are set. `BuildError` names the part of
+    the path that does not fit.
     """
     path, equals, text = assignment.partition("=")
     if not equals or not path.strip(". "):
@@ -239,16 +264,25 @@ def _assign(place: Any, rest: str, here: str, value: Any, at: str) -> None:
 
 
 def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], str]:
-    """The rows of a list that the path begins with, by number or by name, and the rest of the path."""
-    names = {row["name"] for row in place if isinstance(row, dict) and isinstance(row.get("name"), str)}
+    """The rows of a list that the path begins with, by number or by name, and the rest of the
+    path."""
+    names = {
+        row["name"] for row in place if isinstance(row, dict) and isinstance(row.get("name"), str)
+    }
     for name in sorted(names, key=len, reverse=True):
         if name and (rest == name or rest.startswith(f"{name}.")):
-            rows = [index for index, row in enumerate(place) if isinstance(row, dict) and row.get("name") == name]
+            rows = [
+                index
+                for index, row in enumerate(place)
+                if isinstance(row, dict) and row.get("name") == name
+            ]
             return rows, rest[len(name) + 1 :]
     step, _, after = rest.partition(".")
     if step.isdecimal() and int(step) < len(place):
         return [int(step)], after
-    rule = f"a number below {len(place)}" + (f", or a name: {', '.join(sorted(names))}" if names else "")
+    rule = f"a number below {len(place)}" + (
+        f", or a name: {', '.join(sorted(names))}" if names else ""
+    )
     raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
 
 

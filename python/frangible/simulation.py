@@ -22,13 +22,16 @@ def run(
     progress: ProgressCallback | None = None,
     inside: str | None = None,
 ) -> Recording:
-    """Build a scene, step it ``frames`` times at ``fps`` steps per second, and keep everything it shows.
+    """Build a scene, step it ``frames`` times at ``fps`` steps per second, and keep everything it
+    shows.
 
-    ``scene`` is the name of a shot, the path of a scene file (it ends in .json or .toml, or has a folder), or a scene as a
-    dictionary. ``mesh`` is a file for shots that break one; without ``frames`` a shot takes as long as it is meant to, and a
-    scene of one's own three seconds; what stands for `None` in ``fps``, ``method`` and ``seed`` of a shot, `shot_defaults`
-    says; 0 ``threads`` means one for every processor. ``inside`` names the material of what cracks lay bare in meshes, as in `break_mesh`. `BuildError` if the scene cannot be built, `ValueError` without a frame
-    to step.
+    ``scene`` is the name of a shot, the path of a scene file (it ends in .json or .toml, or has a
+    folder), or a scene as a dictionary. ``mesh`` is a file for shots that break one; without
+    ``frames`` a shot takes as long as it is meant to, and a scene of one's own three seconds; what
+    stands for `None` in ``fps``, ``method`` and ``seed`` of a shot, `shot_defaults` says; 0
+    ``threads`` means one for every processor. ``inside`` names the material of what cracks lay bare
+    in meshes, as in `break_mesh`. `BuildError` if the scene cannot be built, `ValueError` without a
+    frame to step.
     """
     # Before anything is built, which can take a while.
     if frames is not None:
@@ -40,7 +43,9 @@ def run(
         check_bodies(world)
         skins = scene_skins(found, readable, inside)
     rate = float(found.get("frames_per_second", 1.0 / world.dt))
-    return Recording.record(world, frames or own_frames, shot=name, fps=rate, progress=progress, skins=skins)
+    return Recording.record(
+        world, frames or own_frames, shot=name, fps=rate, progress=progress, skins=skins
+    )
 
 
 def check_bodies(world: World) -> None:

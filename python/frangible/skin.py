@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from .materials import Material
+from .materials import Material
 
 #: The material of a triangle that has none of the file's.
 NO_MATERIAL = -1
@@ -17,7 +15,8 @@ NO_MATERIAL = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Skin:
-    """Of the triangles (t,) of a body or a piece. Their texture coordinates are the body's own field."""
+    """Of the triangles (t,) of a body or a piece. Their texture coordinates are the body's own
+    field."""
 
     #: Shared by all bodies that broke off from the same mesh.
     materials: tuple[Material, ...]

@@ -8,8 +8,8 @@ import pytest
 from frangible import Recording, run
 from support import ScriptedWorld
 
-# What a shell runs in the background ignores interrupts, and so would the commands that tests start and interrupt: a handler of ours is not handed
-# on, and they get the system's.
+# What a shell runs in the background ignores interrupts, and so would the commands that tests start
+# and interrupt: a handler of ours is not handed on, and they get the system's.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -22,7 +22,9 @@ def scripted() -> Recording:
 def wall() -> Recording:
     """The wall, until a little after it broke."""
     recording = run("wall", frames=60)
-    assert any(report["fractures"] for report in recording.reports), "the wall must break in the frames that tests see"
+    assert any(report["fractures"] for report in recording.reports), (
+        "the wall must break in the frames that tests see"
+    )
     return recording
 
 

@@ -7,14 +7,16 @@ from typing import Any
 
 import numpy as np
 from frangible import Recording
-from frangible.camera import Camera
 from frangible.recording import Body
+from frangible.render.camera import Camera
 
 #: Width over height of pictures.
 ASPECT = 16 / 9
 TOOLS = Path(__file__).parents[2] / "tests" / "tools"
 
-CUBE_VERTICES = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32) / 2
+CUBE_VERTICES = (
+    np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32) / 2
+)
 CUBE_TRIANGLES = np.array(
     [
         [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5],  # x
@@ -26,9 +28,11 @@ CUBE_TRIANGLES = np.array(
 
 
 class ScriptedWorld:
-    """A slab of 2 m falls; at frame 3 it breaks into two cubes, of which one breaks again within the same frame.
+    """A slab of 2 m falls; at frame 3 it breaks into two cubes, of which one breaks again within
+    the same frame.
 
-    Bodies: 0 ground (static, flat and wide), 1 slab; 2 and 3 its halves, of which 3 is never seen; 4 and 5 those of 3.
+    Bodies: 0 ground (static, flat and wide), 1 slab; 2 and 3 its halves, of which 3 is never seen;
+    4 and 5 those of 3.
     """
 
     dt = 1 / 24
@@ -52,14 +56,20 @@ class ScriptedWorld:
     def positions(self) -> Any:
         across = {0: 0.0, 1: 0.0, 2: -0.5, 4: 0.25, 5: 0.75}
         height = {0: -0.5, 5: 1.0}
-        return np.array([[across[i], height.get(i, 4.0 - 0.5 * self.frame), 0.0] for i in self.ids.tolist()])
+        return np.array(
+            [[across[i], height.get(i, 4.0 - 0.5 * self.frame), 0.0] for i in self.ids.tolist()]
+        )
 
     @property
     def orientations(self) -> Any:
         # Body 2 turns by a quarter in each frame, and its quaternion's sign alternates.
-        turning = np.array([0.0, np.sin(np.pi / 4 * self.frame), 0.0, np.cos(np.pi / 4 * self.frame)])
+        turning = np.array(
+            [0.0, np.sin(np.pi / 4 * self.frame), 0.0, np.cos(np.pi / 4 * self.frame)]
+        )
         still = np.array([0.0, 0.0, 0.0, 1.0])
-        return np.array([turning * (-1) ** self.frame if i == 2 else still for i in self.ids.tolist()])
+        return np.array(
+            [turning * (-1) ** self.frame if i == 2 else still for i in self.ids.tolist()]
+        )
 
     @property
     def masses(self) -> Any:

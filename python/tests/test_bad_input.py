@@ -1,4 +1,5 @@
-"""Bad input is answered with one sentence that names what is wrong, before anything is simulated."""
+"""Bad input is answered with one sentence that names what is wrong, before anything is
+simulated."""
 
 import json
 import math
@@ -11,7 +12,6 @@ import numpy as np
 import pytest
 from frangible import BuildError, Recording, World, shot_frames, shot_scene
 from frangible.cli import main
-
 
 HERE = Path(__file__).parent
 
@@ -57,8 +57,14 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "wall", "--seed", str(2**64)], ["--seed", str(2**64), str(2**64 - 1)]),
         (["run", "wall", "--method", "magic"], ["method", "magic", "frame-rate, paper"]),
         (["run", "wall", "--out", "wall.fbx"], ["wall.fbx", "'.fbx'", ".usdc"]),
-        (["run", "wall", "--out", f"{__file__}/such/wall.glb"], [f"{__file__}/such/wall.glb", "is no folder"]),
-        (["run", "wall", "--frames", "3", "--frame", "4", "--out", "wall.png"], ["--frame", "4", "3"]),
+        (
+            ["run", "wall", "--out", f"{__file__}/such/wall.glb"],
+            [f"{__file__}/such/wall.glb", "is no folder"],
+        ),
+        (
+            ["run", "wall", "--frames", "3", "--frame", "4", "--out", "wall.png"],
+            ["--frame", "4", "3"],
+        ),
         (["run", "wall", "--frame", "4"], ["--frame", ".png"]),
         (["run"], ["SHOT", "see frangible run -h"]),
         (["run", "wall", "--frames", "9" * 20], ["--frames", "9" * 20, "to 4294967295"]),
@@ -80,8 +86,14 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["scene", "wal"], ["wal", "(did you mean 'wall'?)"]),
         (["scene", "impact"], ["impact", "--mesh FILE"]),
         (["info", "a.obj", "b.obj"], ["b.obj", "see frangible info -h"]),
-        (["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--at", "1,2"], ["--at", "X"]),
-        (["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--thickness", "1cm"], ["'1cm'"]),
+        (
+            ["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--at", "1,2"],
+            ["--at", "X"],
+        ),
+        (
+            ["break", "a.obj", "--pattern", "voronoi", "--out", "p.glb", "--thickness", "1cm"],
+            ["'1cm'"],
+        ),
         (["run", "wall", "--unknown"], ["--unknown"]),
         (["info", "no/such.obj"], ["no/such.obj", "no such file"]),
         (["info", str(HERE)], [str(HERE), "is a folder"]),
@@ -89,17 +101,44 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["plot", str(HERE), "--out", "energy.png"], [str(HERE), "is a folder"]),
         (["plot", __file__, "--out", "energy.png"], [__file__, "is not a .npz file"]),
         (["plot", __file__, "--out", "energy.glb"], ["energy.glb", ".pdf, .png, .svg"]),
-        (["plot", __file__, "--out", f"{__file__}/energy.png"], [f"{__file__}/energy.png", "is no folder"]),
+        (
+            ["plot", __file__, "--out", f"{__file__}/energy.png"],
+            [f"{__file__}/energy.png", "is no folder"],
+        ),
         (["plot", __file__], ["--out"]),
-        (["break", "no/such.obj", "--pattern", "voronoi", "--out", "p.glb"], ["no/such.obj", "no such file"]),
-        (["break", "no.obj", "--pattern", "glass", "--out", "p.glb"], ["glass", "radial", "voronoi", "file"]),
+        (
+            ["break", "no/such.obj", "--pattern", "voronoi", "--out", "p.glb"],
+            ["no/such.obj", "no such file"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "glass", "--out", "p.glb"],
+            ["glass", "radial", "voronoi", "file"],
+        ),
         (["break", "no.obj", "--pattern", "no/such.json", "--out", "p.glb"], ["no/such.json"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--out", "p.fbx"], ["p.fbx", ".glb", ".usdc", "folder"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--out", f"{__file__}/p.glb"], ["is no folder"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--out", str(HERE)], [str(HERE), "must be new, empty"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"], ["--cells", "from 1 to"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--at", "0", "x", "0", "--out", "p.glb"], ["--at", "'x'", "finite"]),
-        (["break", "no.obj", "--pattern", "voronoi", "--voxels", "9999", "--out", "p.glb"], ["--voxels", "1024"]),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--out", "p.fbx"],
+            ["p.fbx", ".glb", ".usdc", "folder"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--out", f"{__file__}/p.glb"],
+            ["is no folder"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--out", str(HERE)],
+            [str(HERE), "must be new, empty"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--cells", "0", "--out", "p.glb"],
+            ["--cells", "from 1 to"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--at", "0", "x", "0", "--out", "p.glb"],
+            ["--at", "'x'", "finite"],
+        ),
+        (
+            ["break", "no.obj", "--pattern", "voronoi", "--voxels", "9999", "--out", "p.glb"],
+            ["--voxels", "1024"],
+        ),
         (["break", "no.obj", "--out", "p.glb"], ["--pattern"]),
     ],
 )
@@ -124,7 +163,10 @@ MESHES = {
     "empty.obj": ("", ["empty.obj"]),
     "noise.stl": ("this is no mesh", ["noise.stl"]),
     "flat.obj": ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ["flat.obj", "volume"]),
-    "nan.obj": ("v 0 0 0\nv 1 0 0\nv 0 nan 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", ["nan.obj", "finite"]),
+    "nan.obj": (
+        "v 0 0 0\nv 1 0 0\nv 0 nan 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+        ["nan.obj", "finite"],
+    ),
     "index.obj": ("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 9\n", ["index.obj"]),
     "unknown.xyz": ("0 0 0\n", ["unknown.xyz"]),
 }
@@ -145,7 +187,9 @@ def test_meshes(name: str, complain: Callable[..., str], tmp_path: Path) -> None
 
 def test_other_arrays_are_no_cache(complain: Callable[..., str], tmp_path: Path) -> None:
     np.savez(tmp_path / "arrays.npz", positions=np.zeros((3, 3)))
-    assert "is not a Frangible cache" in complain("plot", tmp_path / "arrays.npz", "--out", tmp_path / "energy.png")
+    assert "is not a Frangible cache" in complain(
+        "plot", tmp_path / "arrays.npz", "--out", tmp_path / "energy.png"
+    )
 
 
 @pytest.mark.parametrize("frames", [0, -1])
@@ -169,7 +213,9 @@ def test_caches(name: str, complain: Callable[..., str], tmp_path: Path) -> None
     assert name in complain("info", tmp_path / name)
 
 
-def test_a_mesh_to_break_must_enclose_something(complain: Callable[..., str], tmp_path: Path) -> None:
+def test_a_mesh_to_break_must_enclose_something(
+    complain: Callable[..., str], tmp_path: Path
+) -> None:
     flat = tmp_path / "flat.obj"
     flat.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     line = complain("break", flat, "--pattern", "voronoi", "--out", tmp_path / "flat.glb")
@@ -188,7 +234,9 @@ def test_a_mesh_is_not_written_over(complain: Callable[..., str], tmp_path: Path
 def test_a_blow_must_come_from_somewhere(complain: Callable[..., str], tmp_path: Path) -> None:
     mesh = tmp_path / "tetrahedron.obj"
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
-    line = complain("break", mesh, "--pattern", "voronoi", "--normal", 0, 0, 0, "--out", tmp_path / "pieces.glb")
+    line = complain(
+        "break", mesh, "--pattern", "voronoi", "--normal", 0, 0, 0, "--out", tmp_path / "pieces.glb"
+    )
     assert "normal" in line and "zero" in line
 
 
@@ -197,12 +245,19 @@ def test_a_blow_must_come_from_somewhere(complain: Callable[..., str], tmp_path:
     [
         (["break", "MESH", "--pieces", "1"], "--pieces: 1, must be from 2 to 10000"),
         (["break", "MESH", "--inside", ""], "argument --inside: '', must be a name"),
-        (["break", "MESH", "--voxels", "0"], "argument --voxels: '0', must be a whole number from 1 to 1024"),
+        (
+            ["break", "MESH", "--voxels", "0"],
+            "argument --voxels: '0', must be a whole number from 1 to 1024",
+        ),
         (["break", "MESH.xyz"], "must end in one of .obj, .ply, .stl, .gltf, .glb, .usd, "),
     ],
 )
 def test_break_keeps_the_rules_of_run(
-    tetrahedron: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], sentence: str
+    tetrahedron: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    sentence: str,
 ) -> None:
     for name in ("a.obj", "a.xyz"):
         (tmp_path / name).write_text(tetrahedron)
@@ -233,7 +288,11 @@ def test_a_blow_beside_the_mesh_and_one_piece_are_named(
     [
         ("bodies.a.breaking.strength", "1e-200", "must be between 1e-15 and 1e12 N s"),
         ("bodies.a.linear_velocity", "[1e6, 0, 0]", "must be three numbers from -1e5 to 1e5 m/s"),
-        ("bodies.a.angular_velocity", "[0, 1e5, 0]", "must be three numbers from -1e4 to 1e4 rad/s"),
+        (
+            "bodies.a.angular_velocity",
+            "[0, 1e5, 0]",
+            "must be three numbers from -1e4 to 1e4 rad/s",
+        ),
         ("gravity", "[0, -1e30, 0]", "must be three numbers from -1e4 to 1e4 m/s^2"),
         ("frames", "0", "must be from 1 to 4294967295"),
         ("frames", "-3", "must be a whole number from 1 to 4294967295"),
@@ -252,7 +311,9 @@ def test_what_the_engine_cannot_hold_is_refused_by_its_field(
     assert field.rpartition(".")[2] in line and rule in line
 
 
-def test_usd_errors_name_no_place_in_its_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_usd_errors_name_no_place_in_its_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "a.usdz"
     path.write_bytes(b"PK damaged" * 20)
     assert main(["info", str(path)]) == 2

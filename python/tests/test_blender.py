@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Recording
-from frangible.paths import by_source, unique_names
+from frangible.names import by_source, unique_names
 
 BLENDER = os.environ.get("BLENDER_PYTHON")
 LOOK = Path(__file__).parents[2] / "tests" / "blender" / "look.py"

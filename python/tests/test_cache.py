@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Recording
-from frangible.cache import CacheError, read_npz, write_npz
 from frangible.cli import main
+from frangible.errors import CacheError
+from frangible.io.cache import read_npz, write_npz
 from pxr import Usd
 
 
@@ -99,7 +100,9 @@ def test_an_undamaged_cache_is_read(scripted: Recording, tmp_path: Path) -> None
         ("before", one((2, 6), 3.0), "before: one of length 3"),
     ],
 )
-def test_what_breaks_a_rule_is_named(scripted: Recording, tmp_path: Path, key: str, change: Any, sentence: str) -> None:
+def test_what_breaks_a_rule_is_named(
+    scripted: Recording, tmp_path: Path, key: str, change: Any, sentence: str
+) -> None:
     path = changed(scripted, tmp_path / "a.npz", **{key: change})
     with pytest.raises(CacheError, match=sentence) as error:
         read_npz(path)
@@ -146,19 +149,30 @@ def test_each_entry_of_each_array_is_read_in_range_or_not_at_all(
 def with_header(path: Path, shape: tuple[int, ...], content: bytes, descr: str = "<f8") -> str:
     """A cache with an array of a shape that its bytes may not have."""
     header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": descr, "fortran_order": False, "shape": shape})
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": descr, "fortran_order": False, "shape": shape}
+    )
     with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("more.npy", header.getvalue() + content)
     return str(path)
 
 
 #: A child that may have half a gigabyte more than Python takes.
-SMALL = "import resource, sys; from frangible.cli import main; resource.setrlimit(resource.RLIMIT_AS, ({0}, {0})); sys.exit(main(sys.argv[1:]))"
+SMALL = (
+    "import resource, sys; from frangible.cli import main; "
+    "resource.setrlimit(resource.RLIMIT_AS, ({0}, {0})); sys.exit(main(sys.argv[1:]))"
+)
 
 
 @pytest.mark.parametrize(
     ("shape", "content", "descr"),
-    [((10**10,), b"12345678", "<f8"), ((2**40, 2**40), b"", "<f8"), ((3,), b"", "|O"), ((10**10,), b"", "<U0"), ((1,), b"1", "<f8")],
+    [
+        ((10**10,), b"12345678", "<f8"),
+        ((2**40, 2**40), b"", "<f8"),
+        ((3,), b"", "|O"),
+        ((10**10,), b"", "<U0"),
+        ((1,), b"1", "<f8"),
+    ],
 )
 def test_a_count_without_its_bytes_takes_no_memory(
     scripted: Recording, tmp_path: Path, shape: tuple[int, ...], content: bytes, descr: str
@@ -170,13 +184,23 @@ def test_a_count_without_its_bytes_takes_no_memory(
 
 def test_a_bomb_is_not_unpacked(scripted: Recording, tmp_path: Path) -> None:
     path = changed(scripted, tmp_path / "a.npz")
-    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive, archive.open("more.npy", "w", force_zip64=True) as file:
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        archive.open("more.npy", "w", force_zip64=True) as file,
+    ):
         for _ in range(2049):
             file.write(bytes(2**20))
     done = subprocess.run(
-        [sys.executable, "-c", SMALL.format(2 << 30), "info", path], capture_output=True, text=True, timeout=120
+        [sys.executable, "-c", SMALL.format(2 << 30), "info", path],
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
-    assert done.returncode == 2 and "must be at most 2147483648" in done.stderr and len(done.stderr.splitlines()) == 1
+    assert (
+        done.returncode == 2
+        and "must be at most 2147483648" in done.stderr
+        and len(done.stderr.splitlines()) == 1
+    )
 
 
 def test_a_plot_of_reports_without_books_is_one_sentence(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import Recording
-from frangible.camera import Camera, CameraError, camera_for, frame_recording, read_camera
+from frangible.render.camera import CameraError, camera_for, frame_recording, read_camera
 from support import ASPECT, box, on_picture, shot
 
 

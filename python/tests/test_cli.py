@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from frangible import Recording, __version__, shot_defaults, shots
 from frangible.cli import main
-from frangible.shot_groups import GROUPS, OTHERS
+from frangible.cli.shot_groups import GROUPS, OTHERS
 
 
 def frangible(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -33,7 +33,9 @@ def test_shots_are_listed_with_a_line_each(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
-    run = frangible("run", "wall", "--frames", 12, "--json", "--out", tmp_path / "wall.npz", "--threads", 1)
+    run = frangible(
+        "run", "wall", "--frames", 12, "--json", "--out", tmp_path / "wall.npz", "--threads", 1
+    )
     assert run.returncode == 0
     summary = json.loads(run.stdout.splitlines()[-1])
     shapes = {
@@ -65,19 +67,26 @@ def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
     assert Recording.load(tmp_path / "wall.npz").frames == 12
 
 
-def test_a_run_tells_people_what_happened_and_writes_every_format(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_run_tells_people_what_happened_and_writes_every_format(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     outputs = [tmp_path / f"wall.{ending}" for ending in ("usda", "usdc", "glb", "npz", "png")]
     arguments = [argument for path in outputs for argument in ("--out", str(path))]
     assert main(["run", "wall", "--frames", "3", "--frame", "2", *arguments]) == 0
     captured = capsys.readouterr()
-    assert captured.out.splitlines()[1] == "nothing broke; no energy dissipated; no frame gained energy"
+    assert (
+        captured.out.splitlines()[1]
+        == "nothing broke; no energy dissipated; no frame gained energy"
+    )
     for path in outputs:
         assert path.stat().st_size > 0
         assert str(path) in captured.err
     assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in outputs)
 
 
-def test_what_happened_is_said_in_a_few_words(capsys: pytest.CaptureFixture[str], wall: Recording) -> None:
+def test_what_happened_is_said_in_a_few_words(
+    capsys: pytest.CaptureFixture[str], wall: Recording
+) -> None:
     assert main(["run", "wall", "--frames", "60", "--quiet"]) == 0
     captured = capsys.readouterr()
     assert captured.err == ""
@@ -87,7 +96,9 @@ def test_what_happened_is_said_in_a_few_words(capsys: pytest.CaptureFixture[str]
     (when,) = [report["time"] for report in wall.reports if report["fractures"]]
     assert lines[0].startswith("wall: 2 s in 60 frames, simulated in ")
     assert re.fullmatch(
-        rf"{pieces} pieces after {when:.2f} s; [\d.]+ % of the energy dissipated; no frame gained energy", lines[1]
+        rf"{pieces} pieces after {when:.2f} s; [\d.]+ % of the energy dissipated; no frame gained "
+        rf"energy",
+        lines[1],
     )
 
 
@@ -100,9 +111,15 @@ def test_the_bare_command_and_its_version(capsys: pytest.CaptureFixture[str]) ->
     assert capsys.readouterr().out == f"frangible {__version__}\n"
 
 
-@pytest.mark.parametrize("arguments", [["shots"], ["info", "tetrahedron.obj"], ["pattern", "slices"]])
+@pytest.mark.parametrize(
+    "arguments", [["shots"], ["info", "tetrahedron.obj"], ["pattern", "slices"]]
+)
 def test_lists_are_also_objects_of_json(
-    arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], tetrahedron: str, monkeypatch: pytest.MonkeyPatch
+    arguments: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    tetrahedron: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     (tmp_path / "tetrahedron.obj").write_text(tetrahedron)
     monkeypatch.chdir(tmp_path)
@@ -116,7 +133,7 @@ def test_folders_of_outputs_are_made_and_one_failure_leaves_the_others(
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("frangible.cache.write_npz", fail)
+    monkeypatch.setattr("frangible.io.cache.write_npz", fail)
     bad, good = tmp_path / "bad.npz", tmp_path / "new" / "deep" / "good.glb"
     assert main(["run", "wall", "--frames", "2", "--out", str(bad), "--out", str(good)]) == 1
     captured = capsys.readouterr()
@@ -137,7 +154,9 @@ def test_in_a_pipe_progress_is_a_line_for_every_tenth() -> None:
 def test_on_a_terminal_progress_is_a_bar() -> None:
     leader, follower = os.openpty()
     command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "20"]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=follower, env={**os.environ, "TERM": "xterm"})
+    process = subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=follower, env={**os.environ, "TERM": "xterm"}
+    )
     os.close(follower)
     shown = b""
     try:
@@ -153,13 +172,18 @@ def test_on_a_terminal_progress_is_a_bar() -> None:
 
 
 def test_threads_and_repetition_do_not_change_the_state() -> None:
-    runs = [frangible("run", "wall", "--frames", 40, "--json", "--threads", threads) for threads in (1, 2, 2)]
+    runs = [
+        frangible("run", "wall", "--frames", 40, "--json", "--threads", threads)
+        for threads in (1, 2, 2)
+    ]
     hashes = {json.loads(run.stdout)["state_hash"] for run in runs}
     assert len(hashes) == 1
 
 
 @pytest.mark.parametrize("ending", ["npz", "usdc", "glb"])
-def test_info_describes_our_caches(ending: str, wall: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_describes_our_caches(
+    ending: str, wall: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / f"wall.{ending}"
     wall.save(path)
     assert main(["info", str(path)]) == 0
@@ -169,22 +193,40 @@ def test_info_describes_our_caches(ending: str, wall: Recording, tmp_path: Path,
     assert str(len(wall.bodies)) in facts["bodies"]
 
 
-def test_info_describes_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str], tetrahedron: str) -> None:
+def test_info_describes_a_mesh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], tetrahedron: str
+) -> None:
     path = tmp_path / "tetrahedron.obj"
     path.write_text(tetrahedron)
     assert main(["info", str(path)]) == 0
     facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert facts["triangles"] == "4"
-    # Corners at the origin and at one metre along each axis, at unit density: the textbook's moments.
+    # Corners at the origin and at one metre along each axis, at unit density: the textbook's
+    # moments.
     assert float(facts["volume_m3"]) == pytest.approx(1 / 6, rel=1e-5)
     assert [float(word) for word in facts["center_m"].split()] == pytest.approx([0.25] * 3)
     rows = [[float(word) for word in row.split()] for row in facts["unit_inertia_m5"].split(";")]
-    assert rows == [pytest.approx([1 / 80 if i == j else 1 / 480 for j in range(3)], rel=1e-5) for i in range(3)]
+    assert rows == [
+        pytest.approx([1 / 80 if i == j else 1 / 480 for j in range(3)], rel=1e-5) for i in range(3)
+    ]
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_what_was_simulated_before_a_signal_is_kept(number: int, status: int, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "frangible", "run", "wall", "--frames", "1000", "--out", tmp_path / "wall.npz", "--json"]
+def test_what_was_simulated_before_a_signal_is_kept(
+    number: int, status: int, tmp_path: Path
+) -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "frangible",
+        "run",
+        "wall",
+        "--frames",
+        "1000",
+        "--out",
+        tmp_path / "wall.npz",
+        "--json",
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert process.stderr.readline().startswith("frame 100/1000")
@@ -193,7 +235,10 @@ def test_what_was_simulated_before_a_signal_is_kept(number: int, status: int, tm
     assert process.returncode == status
     frames = json.loads(out)["frames"]
     assert 100 <= frames < 1000
-    assert f"frangible: stopped after {frames} of 1000 frames; outputs are of those" in errors.splitlines()
+    assert (
+        f"frangible: stopped after {frames} of 1000 frames; outputs are of those"
+        in errors.splitlines()
+    )
     assert "Traceback" not in errors
     assert os.listdir(tmp_path) == ["wall.npz"]
     assert Recording.load(tmp_path / "wall.npz").frames == frames

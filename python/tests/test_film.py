@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frangible import OutputError, Recording, film_processes
-from frangible.camera import frame_recording
+from frangible import OutputError, Recording
 from frangible.cli import main
-from frangible.film import _encode
-from frangible.film_processes import Film, film_pictures
-from frangible.output import View, open_output
+from frangible.io.output import View, open_output
+from frangible.render import film_processes
+from frangible.render.camera import frame_recording
+from frangible.render.film import _encode
+from frangible.render.film_processes import Film, film_pictures
 from PIL import Image
 
 SIZE = (64, 36)
@@ -40,7 +41,7 @@ def test_a_gif_has_every_frame_and_goes_on(scripted: Recording, tmp_path: Path) 
 
 
 def test_a_folder_holds_the_pictures_of_one_camera(scripted: Recording, tmp_path: Path) -> None:
-    from frangible.render import picture
+    from frangible.render.picture import picture
 
     output = open_output(f"{tmp_path}/frames/", view=View(size=SIZE))
     output.write(scripted)
@@ -61,7 +62,9 @@ def test_a_folder_with_anything_else_stays(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif", "/"])
-def test_an_interrupted_film_leaves_nothing(ending: str, scripted: Recording, tmp_path: Path) -> None:
+def test_an_interrupted_film_leaves_nothing(
+    ending: str, scripted: Recording, tmp_path: Path
+) -> None:
     def interrupt(done: int, _: int) -> None:
         if done == 3:
             raise KeyboardInterrupt
@@ -101,7 +104,7 @@ def test_no_process_outlives_a_film(scripted: Recording, monkeypatch: pytest.Mon
             super().__init__(*arguments, **options)
             started.append(self)
 
-    monkeypatch.setattr("frangible.film_processes.subprocess.Popen", Counted)
+    monkeypatch.setattr("frangible.render.film_processes.subprocess.Popen", Counted)
     monkeypatch.setattr(film_processes, "_processes", lambda *_: 2)
     film = Film(scripted, frame_recording(scripted, 64 / 36), *SIZE)
     pictures = film_pictures(film, range(scripted.frames + 1))
@@ -146,7 +149,7 @@ def test_a_wrong_size_is_a_sentence(size: str, capsys: pytest.CaptureFixture[str
 def test_a_floor_has_no_speckles(scale: float, scripted: Recording) -> None:
     from dataclasses import replace
 
-    from frangible.render import picture
+    from frangible.render.picture import picture
 
     cube = scripted.body(5)
     turn = np.array([0.0, 0.0, -0.2, np.sqrt(1.0 - 0.04)])

@@ -1,4 +1,5 @@
-"""A new user's ten minutes: the demo, then a mesh and a scene of one's own; a browser plays both."""
+"""A new user's ten minutes: the demo, then a mesh and a scene of one's own; a browser plays
+both."""
 
 import os
 import subprocess
@@ -18,7 +19,8 @@ COMMANDS = Path(sys.executable).parent
 #: An arch, as two posts and a beam that are one surface.
 ARCH = """
 v -0.5 0 0\nv -0.3 0 0\nv -0.3 0.6 0\nv 0.3 0.6 0\nv 0.3 0 0\nv 0.5 0 0\nv 0.5 0.8 0\nv -0.5 0.8 0
-v -0.5 0 0.2\nv -0.3 0 0.2\nv -0.3 0.6 0.2\nv 0.3 0.6 0.2\nv 0.3 0 0.2\nv 0.5 0 0.2\nv 0.5 0.8 0.2\nv -0.5 0.8 0.2
+v -0.5 0 0.2\nv -0.3 0 0.2\nv -0.3 0.6 0.2\nv 0.3 0.6 0.2
+v 0.3 0 0.2\nv 0.5 0 0.2\nv 0.5 0.8 0.2\nv -0.5 0.8 0.2
 f 2 1 8 3\nf 3 8 7 4\nf 4 7 6 5\nf 9 10 11 16\nf 16 11 12 15\nf 15 12 13 14
 f 1 2 10 9\nf 2 3 11 10\nf 3 4 12 11\nf 4 5 13 12\nf 5 6 14 13\nf 6 7 15 14\nf 7 8 16 15\nf 8 1 9 16
 """
@@ -58,7 +60,10 @@ def pieces(recording: Recording) -> int:
     return sum(body.parent is not None for body in recording.bodies)
 
 
-def test_make_demo_makes_what_it_says(tmp_path: Path, play: Callable[..., dict[str, Any]]) -> None:  # noqa: F811
+def test_make_demo_makes_what_it_says(
+    tmp_path: Path,
+    play: Callable[..., dict[str, Any]],  # noqa: F811
+) -> None:
     # The target itself, with the package that is tested in place of the one that it builds.
     out = tmp_path / "out"
     command = ["make", "--assume-old=.venv/.installed", f"BIN={COMMANDS}", f"OUT={out}", "demo"]
@@ -93,7 +98,9 @@ def test_the_strength_decides_whether_it_breaks(tmp_path: Path) -> None:
 
 
 @needs_chromium
-def test_a_browser_plays_a_scene_of_ones_own(tmp_path: Path, play: Callable[..., dict[str, Any]]) -> None:  # noqa: F811
+def test_a_browser_plays_a_scene_of_ones_own(
+    tmp_path: Path, play: Callable[..., dict[str, Any]]
+) -> None:  # noqa: F811
     recording = run_scene(tmp_path)
     shown = play(tmp_path / "out" / "arch.html", [24])
     assert shown["errors"] == [] and shown["requests"] == []

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from frangible import Recording, run
-from frangible.camera import Camera, frame_recording
 from frangible.recording import Body, rotation_matrix
+from frangible.render.camera import Camera, frame_recording
 from support import ASPECT, box, on_picture, shot
 
 FRAMES = 60

@@ -15,15 +15,24 @@ from support import TOOLS
 
 def khronos_report(path: Path) -> dict[str, Any]:
     run = subprocess.run(
-        ["node", TOOLS / "validate_gltf.js", path], capture_output=True, text=True, check=True, timeout=60
+        ["node", TOOLS / "validate_gltf.js", path],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
     )
     report: dict[str, Any] = json.loads(run.stdout)
     return report
 
 
 def objections(issues: dict[str, Any]) -> list[dict[str, Any]]:
-    """All messages but the remark that no texture uses the coordinates: they wait for the user's."""
-    return [one for one in issues["messages"] if one["code"] != "UNUSED_OBJECT" or not one["pointer"].endswith("/TEXCOORD_0")]
+    """All messages but the remark that no texture uses the coordinates: they wait for the
+    user's."""
+    return [
+        one
+        for one in issues["messages"]
+        if one["code"] != "UNUSED_OBJECT" or not one["pointer"].endswith("/TEXCOORD_0")
+    ]
 
 
 def parse(path: Path) -> tuple[dict[str, Any], Any]:
@@ -35,7 +44,9 @@ def parse(path: Path) -> tuple[dict[str, Any], Any]:
     def read(index: int) -> np.ndarray:
         accessor = document["accessors"][index]
         columns = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
-        begin = document["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor["byteOffset"]
+        begin = (
+            document["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor["byteOffset"]
+        )
         kind = {5126: np.float32, 5125: np.uint32}[accessor["componentType"]]
         return np.frombuffer(binary, kind, accessor["count"] * columns, begin).reshape(-1, columns)
 
@@ -83,28 +94,49 @@ def test_every_frame_shows_what_the_recording_shows(path: Path, scripted: Record
         for body, node in zip(scripted.bodies, nodes.values(), strict=True):
             seconds = frame / scripted.fps
             size = at(node, "scale", seconds, [1.0, 1.0, 1.0])
-            assert size.tolist() == ([1.0] * 3 if body.alive(frame) else [0.0] * 3), (body.id, frame)
+            assert size.tolist() == ([1.0] * 3 if body.alive(frame) else [0.0] * 3), (
+                body.id,
+                frame,
+            )
             if body.alive(frame):
                 position, orientation = body.pose(frame)
-                assert at(node, "translation", seconds, [0.0] * 3) == pytest.approx(position, abs=1e-6)
-                assert at(node, "rotation", seconds, [0.0] * 4) == pytest.approx(orientation, abs=1e-6)
+                assert at(node, "translation", seconds, [0.0] * 3) == pytest.approx(
+                    position, abs=1e-6
+                )
+                assert at(node, "rotation", seconds, [0.0] * 4) == pytest.approx(
+                    orientation, abs=1e-6
+                )
 
 
 def test_constant_channels_are_dropped_and_times_shared(path: Path) -> None:
     document, _ = parse(path)
     (animation,) = document["animations"]
-    names = [document["nodes"][channel["target"]["node"]]["name"] for channel in animation["channels"]]
+    names = [
+        document["nodes"][channel["target"]["node"]]["name"] for channel in animation["channels"]
+    ]
     assert "ground" not in names
-    assert [c["target"]["path"] for c, name in zip(animation["channels"], names, strict=True) if name == "slab_5"] == ["scale"]
-    moving = [sampler["input"] for sampler in animation["samplers"] if sampler["interpolation"] == "LINEAR"]
+    assert [
+        c["target"]["path"]
+        for c, name in zip(animation["channels"], names, strict=True)
+        if name == "slab_5"
+    ] == ["scale"]
+    moving = [
+        sampler["input"]
+        for sampler in animation["samplers"]
+        if sampler["interpolation"] == "LINEAR"
+    ]
     assert len(moving) == 4
     assert len(set(moving)) == 2
 
 
 def test_cracks_are_a_primitive_with_a_material_of_their_own(path: Path) -> None:
     document, read = parse(path)
-    mesh = next(document["meshes"][node["mesh"]] for node in document["nodes"] if node["name"] == "slab_4")
-    names = [document["materials"][primitive["material"]]["name"] for primitive in mesh["primitives"]]
+    mesh = next(
+        document["meshes"][node["mesh"]] for node in document["nodes"] if node["name"] == "slab_4"
+    )
+    names = [
+        document["materials"][primitive["material"]]["name"] for primitive in mesh["primitives"]
+    ]
     assert names == ["slab", "inside"]
     assert [len(read(primitive["indices"])) // 3 for primitive in mesh["primitives"]] == [8, 4]
     # The cracks of the piece in the middle are its two faces across x.
@@ -114,9 +146,13 @@ def test_cracks_are_a_primitive_with_a_material_of_their_own(path: Path) -> None
 
 def test_textures_are_as_large_as_what_they_lie_on(path: Path) -> None:
     document, read = parse(path)
-    mesh = next(document["meshes"][node["mesh"]] for node in document["nodes"] if node["name"] == "slab_4")
+    mesh = next(
+        document["meshes"][node["mesh"]] for node in document["nodes"] if node["name"] == "slab_4"
+    )
     for primitive in mesh["primitives"]:
-        positions, places = (read(primitive["attributes"][key]) for key in ("POSITION", "TEXCOORD_0"))
+        positions, places = (
+            read(primitive["attributes"][key]) for key in ("POSITION", "TEXCOORD_0")
+        )
         assert len(places) == len(positions)
         indices = read(primitive["indices"]).reshape(-1, 3)
         sides = np.roll(indices, -1, axis=1)
@@ -137,7 +173,12 @@ def test_glass_is_clear_and_the_rest_is_not(path: Path) -> None:
     document, _ = parse(path)
     materials = {material["name"]: material for material in document["materials"]}
     assert set(materials) == {"ground", "slab", "inside", "glass_outside", "glass_inside"}
-    alpha = {name: material["pbrMetallicRoughness"]["baseColorFactor"][3] for name, material in materials.items()}
+    alpha = {
+        name: material["pbrMetallicRoughness"]["baseColorFactor"][3]
+        for name, material in materials.items()
+    }
     assert alpha["glass_outside"] < alpha["glass_inside"] < 1.0
-    assert {name for name, material in materials.items() if material.get("alphaMode") == "BLEND"} == {"glass_outside", "glass_inside"}
+    assert {
+        name for name, material in materials.items() if material.get("alphaMode") == "BLEND"
+    } == {"glass_outside", "glass_inside"}
     assert alpha["slab"] == alpha["inside"] == alpha["ground"] == 1.0

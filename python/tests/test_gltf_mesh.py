@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from frangible import BuildError, mesh_info, run
 from frangible.cli import main
-from frangible.gltf_document import own_file
-from frangible.usd_mesh import readable_mesh
+from frangible.io.gltf_document import own_file
+from frangible.io.mesh_files import readable_mesh
 
 #: A cube from (0, 0, 0) to (1, 1, 1).
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
@@ -28,9 +28,17 @@ TRIANGLES = np.array(
 
 #: The same, packed by meshoptimizer: corners as singles, as exponents and as 1000ths; triangles as
 #: a list and a sequence.
-SINGLES = "oAAAAQDAAAD/AQDAAAB+AAABDMwAAP///wEMzAAAfn1+AAABP/8AAP////////8BP/8AAH59fn1+fX4AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="
-EXPONENTS = "oAABAMAAAAgAAAABDMwAAAgHCAAAAAIIeHh4AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAD2AAAA9gAAAPY="
-THOUSANDTHS = "oAEAwAAALwEAwAAABgEMzAAALzAvAQzMAAAGBQYBP/8AAC8wLzAvMC8CBlZWVgAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA"
+SINGLES = (
+    "oAAAAQDAAAD/AQDAAAB+AAABDMwAAP///wEMzAAAfn1+AAABP/8AAP////////8BP/8AAH59fn1+fX4AAAAAAAAA"
+    "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA=="
+)
+EXPONENTS = (
+    "oAABAMAAAAgAAAABDMwAAAgHCAAAAAIIeHh4AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAD2AAAA9gAAAPY="
+)
+THOUSANDTHS = (
+    "oAEAwAAALwEAwAAABgEMzAAALzAvAQzMAAAGBQYBP/8AAC8wLzAvMC8CBlZWVgAAAAAAAAAAAAAAAAAAAAAAAAAA"
+    "AAAAAAAAAAAAAAAAAAAAAAAA"
+)
 LIST = "4f4A/w8HFqECBxORBQ8G/wIEAgMAdodWZ3iphmWJaJgBaQAA"
 SEQUENCE = "0QAECAoMAggIBAoMBhIQBBIUDgQEEBIUAhYIEBYYBgoQCBYYDgAAAAA="
 
@@ -56,22 +64,37 @@ class Made:
         return self.json["meshes"][0]["primitives"][0]
 
     def view(self, content: bytes, **more: Any) -> int:
-        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content), **more})
+        self.json["bufferViews"].append(
+            {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content), **more}
+        )
         self.data += content + b"\0" * (-len(content) % 4)
         return len(self.json["bufferViews"]) - 1
 
     def accessor(self, rows: Any, **more: Any) -> int:
-        kinds = {"float32": 5126, "int16": 5122, "uint16": 5123, "int8": 5120, "uint8": 5121, "uint32": 5125}
+        kinds = {
+            "float32": 5126,
+            "int16": 5122,
+            "uint16": 5123,
+            "int8": 5120,
+            "uint8": 5121,
+            "uint32": 5125,
+        }
         rows = np.asarray(rows)
         columns = 1 if rows.ndim == 1 else rows[0].size
         size = {1: "SCALAR", 3: "VEC3", 4: "VEC4", 16: "MAT4"}[columns]
-        made = {"bufferView": self.view(rows.tobytes()), "componentType": kinds[rows.dtype.name], "count": len(rows)}
+        made = {
+            "bufferView": self.view(rows.tobytes()),
+            "componentType": kinds[rows.dtype.name],
+            "count": len(rows),
+        }
         self.json["accessors"].append({**made, "type": size, **more})
         return len(self.json["accessors"]) - 1
 
     def cube(self, corners: Any = CORNERS, **more: Any) -> "Made":
         low, high = np.min(corners, axis=0).tolist(), np.max(corners, axis=0).tolist()
-        self.primitive["attributes"]["POSITION"] = self.accessor(corners, **{"min": low, "max": high, **more})
+        self.primitive["attributes"]["POSITION"] = self.accessor(
+            corners, **{"min": low, "max": high, **more}
+        )
         self.primitive["indices"] = self.accessor(TRIANGLES.ravel())
         return self
 
@@ -88,7 +111,12 @@ class Made:
             return str(path)
         text = json.dumps(self.json).encode()
         text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(self.data), b"BIN\0") + self.data
+        chunks = (
+            struct.pack("<I4s", len(text), b"JSON")
+            + text
+            + struct.pack("<I4s", len(self.data), b"BIN\0")
+            + self.data
+        )
         path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
         return str(path)
 
@@ -100,7 +128,9 @@ def info(path: str, pose_time: float | None = None) -> dict[str, Any]:
 
 def is_cube(facts: dict[str, Any], low: Any = (0, 0, 0), high: Any = (1, 1, 1)) -> None:
     assert facts["watertight"] and facts["triangles"] == 12
-    assert facts["low_m"] == pytest.approx(low, abs=1e-6) and facts["high_m"] == pytest.approx(high, abs=1e-6)
+    assert facts["low_m"] == pytest.approx(low, abs=1e-6) and facts["high_m"] == pytest.approx(
+        high, abs=1e-6
+    )
     assert facts["volume_m3"] == pytest.approx(np.prod(np.subtract(high, low)), rel=1e-5)
 
 
@@ -131,23 +161,37 @@ def test_rows_of_a_sparse_accessor_are_others(tmp_path: Path, ending: str) -> No
 
 @pytest.mark.parametrize(
     ("dtype", "normalized", "unit"),
-    [("int16", False, 1), ("uint16", True, 65535), ("int8", True, 127), ("uint8", False, 1), ("int16", True, 32767)],
+    [
+        ("int16", False, 1),
+        ("uint16", True, 65535),
+        ("int8", True, 127),
+        ("uint8", False, 1),
+        ("int16", True, 32767),
+    ],
 )
-def test_quantised_positions_are_read(tmp_path: Path, dtype: str, normalized: bool, unit: int) -> None:
+def test_quantised_positions_are_read(
+    tmp_path: Path, dtype: str, normalized: bool, unit: int
+) -> None:
     # Rows are four bytes or eight apart, as glTF asks for.
     wide = np.zeros((8, 4), dtype)
     wide[:, :3] = CORNERS * unit
     made = Made().cube()
     view = made.view(wide.tobytes(), byteStride=wide.strides[0])
     kind = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123}[dtype]
-    made.json["accessors"][0] |= {"bufferView": view, "componentType": kind, "normalized": normalized}
+    made.json["accessors"][0] |= {
+        "bufferView": view,
+        "componentType": kind,
+        "normalized": normalized,
+    }
     made.json["nodes"][0] |= {"scale": [2, 2, 2], "translation": [5, 0, 0]}
     made.uses("KHR_mesh_quantization")
     is_cube(info(made.save(tmp_path)), low=(5, 0, 0), high=(7, 2, 2))
 
 
 @pytest.mark.parametrize("extension", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
-@pytest.mark.parametrize(("corners", "filter"), [(SINGLES, "NONE"), (EXPONENTS, "EXPONENTIAL"), (THOUSANDTHS, None)])
+@pytest.mark.parametrize(
+    ("corners", "filter"), [(SINGLES, "NONE"), (EXPONENTS, "EXPONENTIAL"), (THOUSANDTHS, None)]
+)
 @pytest.mark.parametrize(("indices", "mode"), [(LIST, "TRIANGLES"), (SEQUENCE, "INDICES")])
 def test_what_meshoptimizer_packed_is_unpacked(
     tmp_path: Path, extension: str, corners: str, filter: str | None, indices: str, mode: str
@@ -159,7 +203,15 @@ def test_what_meshoptimizer_packed_is_unpacked(
     stride = 12 if filter else 8
     for number, (text, packed) in enumerate(
         [
-            (corners, {"byteStride": stride, "count": 8, "mode": "ATTRIBUTES", **({"filter": filter} if filter else {})}),
+            (
+                corners,
+                {
+                    "byteStride": stride,
+                    "count": 8,
+                    "mode": "ATTRIBUTES",
+                    **({"filter": filter} if filter else {}),
+                },
+            ),
             (indices, {"byteStride": 2, "count": 36, "mode": mode}),
         ]
     ):
@@ -167,7 +219,11 @@ def test_what_meshoptimizer_packed_is_unpacked(
         at = len(made.data)
         made.data += data + b"\0" * (-len(data) % 4)
         extensions = {extension: {"buffer": 0, "byteOffset": at, "byteLength": len(data), **packed}}
-        views[number] = {"buffer": 1, "byteLength": packed["byteStride"] * packed["count"], "extensions": extensions}
+        views[number] = {
+            "buffer": 1,
+            "byteLength": packed["byteStride"] * packed["count"],
+            "extensions": extensions,
+        }
     views[0]["byteStride"] = stride
     if not filter:
         made.json["accessors"][0]["componentType"] = 5122
@@ -181,7 +237,11 @@ def test_what_meshoptimizer_packed_is_unpacked(
         ("byteLength", 20, "view 0 holds no ATTRIBUTES that can be unpacked"),
         ("byteStride", 7, "view 0 has 8 rows of 7 bytes"),
         ("mode", "WORDS", "must be ATTRIBUTES, TRIANGLES or INDICES"),
-        ("filter", "OCTAHEDRAL" if filter else "QUARTZ", "which ATTRIBUTES and OCTAHEDRAL do not have|unknown filter"),
+        (
+            "filter",
+            "OCTAHEDRAL" if filter else "QUARTZ",
+            "which ATTRIBUTES and OCTAHEDRAL do not have|unknown filter",
+        ),
         ("count", 10**10, "unpacks to more than"),
     ):
         before = dict(packed)
@@ -194,15 +254,21 @@ def test_what_meshoptimizer_packed_is_unpacked(
 
 def test_what_draco_packed_is_unpacked(tmp_path: Path) -> None:
     made = Made().cube(CORNERS + np.float32(3.0))
-    data = DracoPy.encode(CORNERS + np.float32(3.0), TRIANGLES.astype(np.uint32), quantization_bits=14)
+    data = DracoPy.encode(
+        CORNERS + np.float32(3.0), TRIANGLES.astype(np.uint32), quantization_bits=14
+    )
     view = made.view(data)
-    made.primitive["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}}
+    made.primitive["extensions"] = {
+        "KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}
+    }
     # A packed file has no views.
     for accessor in made.json["accessors"]:
         del accessor["bufferView"]
     made.uses("KHR_draco_mesh_compression")
     facts = info(made.save(tmp_path))
-    assert facts["volume_m3"] == pytest.approx(1.0, rel=1e-3) and facts["low_m"] == pytest.approx([3, 3, 3], abs=1e-3)
+    assert facts["volume_m3"] == pytest.approx(1.0, rel=1e-3) and facts["low_m"] == pytest.approx(
+        [3, 3, 3], abs=1e-3
+    )
 
     # Damaged.
     made.json["bufferViews"][view]["byteLength"] = 30
@@ -210,16 +276,21 @@ def test_what_draco_packed_is_unpacked(tmp_path: Path) -> None:
         info(made.save(tmp_path))
 
 
-def test_without_the_package_for_draco_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_package_for_draco_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     made = Made().cube()
     made.uses("KHR_draco_mesh_compression")
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
-    with pytest.raises(BuildError, match=r"is compressed with Draco: .*pip install 'frangible\[gltf\]'"):
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
+    with pytest.raises(
+        BuildError, match=r"is compressed with Draco: .*pip install 'frangible\[gltf\]'"
+    ):
         info(made.save(tmp_path))
 
 
 def swing() -> Made:
-    """A cube that moves by 2 along x and turns by a right angle about z, and grows, within a second."""
+    """A cube that moves by 2 along x and turns by a right angle about z, and grows, within a
+    second."""
     made = Made().cube()
     times = made.accessor(np.float32([0, 1]), min=[0], max=[1])
     half = np.sqrt(0.5)
@@ -231,7 +302,10 @@ def swing() -> Made:
     made.json["animations"] = [
         {
             "samplers": [{"input": times, "output": output} for output in outputs.values()],
-            "channels": [{"sampler": n, "target": {"node": 0, "path": path}} for n, path in enumerate(outputs)],
+            "channels": [
+                {"sampler": n, "target": {"node": 0, "path": path}}
+                for n, path in enumerate(outputs)
+            ],
         }
     ]
     return made
@@ -251,8 +325,12 @@ def test_nodes_are_posed_at_a_time(tmp_path: Path) -> None:
     assert half["high_m"] == pytest.approx([1 + diagonal, 2 * diagonal, 1], abs=1e-6)
 
 
-@pytest.mark.parametrize(("interpolation", "at"), [("STEP", 0.0), ("LINEAR", 0.5), ("CUBICSPLINE", 0.3125)])
-def test_keys_are_interpolated_as_the_animation_says(tmp_path: Path, interpolation: str, at: float) -> None:
+@pytest.mark.parametrize(
+    ("interpolation", "at"), [("STEP", 0.0), ("LINEAR", 0.5), ("CUBICSPLINE", 0.3125)]
+)
+def test_keys_are_interpolated_as_the_animation_says(
+    tmp_path: Path, interpolation: str, at: float
+) -> None:
     made = swing()
     sampler = made.json["animations"][0]["samplers"][0]
     sampler["interpolation"] = interpolation
@@ -276,9 +354,15 @@ def test_morph_targets_follow_their_weights(tmp_path: Path) -> None:
     # A node's own weights count more, and an animation's most.
     made.json["nodes"][0]["weights"] = [2.0]
     is_cube(info(made.save(tmp_path)), high=(3, 1, 1))
-    times, weights = made.accessor(np.float32([0, 2]), min=[0], max=[2]), made.accessor(np.float32([0, 1]))
+    times, weights = (
+        made.accessor(np.float32([0, 2]), min=[0], max=[2]),
+        made.accessor(np.float32([0, 1])),
+    )
     made.json["animations"] = [
-        {"samplers": [{"input": times, "output": weights}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}]}
+        {
+            "samplers": [{"input": times, "output": weights}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+        }
     ]
     is_cube(info(made.save(tmp_path), 1.0), high=(1.5, 1, 1))
 
@@ -286,11 +370,17 @@ def test_morph_targets_follow_their_weights(tmp_path: Path) -> None:
 def test_skins_follow_their_joints_and_not_their_node(tmp_path: Path) -> None:
     made = Made().cube()
     # Left and right follow a joint each; each was at x = 10 when they were bound.
-    made.primitive["attributes"]["JOINTS_0"] = made.accessor(np.uint8([[int(x), 0, 0, 0] for x, _, _ in CORNERS]))
-    made.primitive["attributes"]["WEIGHTS_0"] = made.accessor(np.uint8([[255, 0, 0, 0]] * 8), normalized=True)
+    made.primitive["attributes"]["JOINTS_0"] = made.accessor(
+        np.uint8([[int(x), 0, 0, 0] for x, _, _ in CORNERS])
+    )
+    made.primitive["attributes"]["WEIGHTS_0"] = made.accessor(
+        np.uint8([[255, 0, 0, 0]] * 8), normalized=True
+    )
     bind = np.eye(4, dtype=np.float32)
     bind[0, 3] = -10.0
-    made.json["skins"] = [{"joints": [1, 2], "inverseBindMatrices": made.accessor(np.array([bind.T, bind.T]))}]
+    made.json["skins"] = [
+        {"joints": [1, 2], "inverseBindMatrices": made.accessor(np.array([bind.T, bind.T]))}
+    ]
     made.json["nodes"] = [
         {"mesh": 0, "skin": 0, "translation": [7, 7, 7], "scale": [9, 9, 9]},
         {"translation": [10, 0, 0], "children": [2]},
@@ -302,7 +392,10 @@ def test_skins_follow_their_joints_and_not_their_node(tmp_path: Path) -> None:
     times = made.accessor(np.float32([0, 1]), min=[0], max=[1])
     way = made.accessor(np.float32([[10, 0, 0], [10, 4, 0]]))
     made.json["animations"] = [
-        {"samplers": [{"input": times, "output": way}], "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]}
+        {
+            "samplers": [{"input": times, "output": way}],
+            "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+        }
     ]
     is_cube(info(made.save(tmp_path), 0.5), low=(0, 2, 0), high=(4, 3, 1))
     # A joint that is not there.
@@ -317,7 +410,11 @@ def test_instances_are_nodes_and_what_is_hidden_is_none(tmp_path: Path) -> None:
     scales = made.accessor(np.float32([[1, 1, 1], [1, 2, 1], [1, 1, 1]]))
     attributes = {"TRANSLATION": places, "SCALE": scales}
     made.json["nodes"] = [
-        {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}}, "translation": [0, 1, 0]},
+        {
+            "mesh": 0,
+            "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}},
+            "translation": [0, 1, 0],
+        },
         {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": False}}, "children": [2]},
         {"mesh": 0},
     ]
@@ -328,7 +425,9 @@ def test_instances_are_nodes_and_what_is_hidden_is_none(tmp_path: Path) -> None:
     assert (facts["low_m"], facts["high_m"]) == (pytest.approx([0, 1, 0]), pytest.approx([7, 3, 1]))
 
 
-def test_textures_of_extensions_do_no_harm_and_unknown_extensions_are_refused(tmp_path: Path) -> None:
+def test_textures_of_extensions_do_no_harm_and_unknown_extensions_are_refused(
+    tmp_path: Path,
+) -> None:
     made = Made().cube()
     made.json["images"] = [{"uri": "no.ktx2"}]
     made.json["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}, {}]
@@ -339,7 +438,10 @@ def test_textures_of_extensions_do_no_harm_and_unknown_extensions_are_refused(tm
     with pytest.warns(UserWarning, match="has no image 'no.ktx2' in its own folder"):
         is_cube(info(made.save(tmp_path)))
     made.uses("KHR_gaussian_splatting")
-    with pytest.raises(BuildError, match="made.glb: requires the extension KHR_gaussian_splatting, which is not read"):
+    with pytest.raises(
+        BuildError,
+        match="made.glb: requires the extension KHR_gaussian_splatting, which is not read",
+    ):
         info(made.save(tmp_path))
 
 
@@ -351,14 +453,19 @@ def test_files_of_version_1_are_named_as_such(tmp_path: Path) -> None:
         info(made.save(tmp_path))
 
 
-def test_whole_commands_take_packed_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_whole_commands_take_packed_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     made = Made().cube(CORNERS.astype(np.int16))
     made.uses("KHR_mesh_quantization")
     path = made.save(tmp_path)
     assert main(["info", path]) == 0
     assert re.search(r"^volume_m3 +1$", capsys.readouterr().out, re.MULTILINE)
     out = str(tmp_path / "pieces.glb")
-    assert main(["break", path, "--pattern", "slices", "--cells", "3", "--voxels", "16", "--out", out]) == 0
+    assert (
+        main(["break", path, "--pattern", "slices", "--cells", "3", "--voxels", "16", "--out", out])
+        == 0
+    )
     assert main(["info", out]) == 0
     assert "mesh" in [body.name for body in run("impact", mesh=path, frames=1, threads=1).bodies]
     moving = swing().save(tmp_path)
@@ -370,7 +477,8 @@ def test_whole_commands_take_packed_files(tmp_path: Path, capsys: pytest.Capture
 @pytest.mark.parametrize(
     "name",
     [
-        "../out.bin", "a/../../out.bin", "{folder}/out.bin", "file://{folder}/out.bin", "/dev/zero", "link.bin",
+        "../out.bin", "a/../../out.bin", "{folder}/out.bin", "file://{folder}/out.bin",
+        "/dev/zero", "link.bin",
         "..%2Fout.bin", "http://a/b.bin", "a\\..\\b",
     ],
 )  # fmt: skip
@@ -411,10 +519,13 @@ def test_a_pipe_is_no_buffer(tmp_path: Path, is_plain: bool) -> None:
 @pytest.mark.parametrize(
     ("key", "value"),
     [
-        ("nodes", 7), ("nodes", [{"mesh": "a"}]), ("nodes", [{"children": [0]}]), ("nodes", [{"children": [1]}, {"children": [0]}]),
+        ("nodes", 7), ("nodes", [{"mesh": "a"}]), ("nodes", [{"children": [0]}]),
+        ("nodes", [{"children": [1]}, {"children": [0]}]),
         ("accessors", [{}]), ("meshes", [{}]), ("bufferViews", [{"buffer": 0, "byteLength": 1e10}]),
-        ("scenes", [[]]), ("textures", [3]), ("accessors", [{"type": "VEC9", "count": 3, "componentType": 5126}]),
-        ("accessors", [{"type": "VEC3", "count": 10**10, "componentType": 5126}] * 2), ("nodes", [{"mesh": 0, "scale": ["a"]}]),
+        ("scenes", [[]]), ("textures", [3]),
+        ("accessors", [{"type": "VEC9", "count": 3, "componentType": 5126}]),
+        ("accessors", [{"type": "VEC3", "count": 10**10, "componentType": 5126}] * 2),
+        ("nodes", [{"mesh": 0, "scale": ["a"]}]),
     ],
 )  # fmt: skip
 def test_whatever_is_damaged_gets_one_sentence(tmp_path: Path, key: str, value: Any) -> None:
@@ -425,4 +536,6 @@ def test_whatever_is_damaged_gets_one_sentence(tmp_path: Path, key: str, value: 
     with pytest.raises(BuildError) as error:
         info(path)
     sentence = str(error.value)
-    assert sentence.startswith(f"{path}: ") and "\n" not in sentence and len(sentence) < 300, sentence
+    assert sentence.startswith(f"{path}: ") and "\n" not in sentence and len(sentence) < 300, (
+        sentence
+    )

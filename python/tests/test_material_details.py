@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 from frangible import Recording, _frangible
-from frangible.breaking import break_mesh
+from frangible.breaking.break_mesh import break_mesh
 from frangible.cli import main
-from frangible.pieces_files import open_pieces_output
+from frangible.io.pieces_output import open_pieces_output
 from pxr import Usd, UsdGeom, UsdShade
 
 VERTICES = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]

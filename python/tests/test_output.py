@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from frangible import OutputError, Recording, _frangible
 from frangible.cli import main
-from frangible.output import open_output
-from frangible.whole import whole_file, whole_folder
+from frangible.io.output import open_output
+from frangible.io.whole import whole_file, whole_folder
 
 
 def test_a_file_takes_its_name_only_when_it_is_whole(tmp_path: Path) -> None:
@@ -54,17 +54,20 @@ def test_every_writer_leaves_nothing_of_a_recording_that_it_cannot_write(
 def test_a_run_that_is_asked_to_end_leaves_nothing(number: signal.Signals, tmp_path: Path) -> None:
     script = (
         "import sys, time\n"
-        "from frangible import cli, output\n"
+        "from frangible import cli\n"
+        "from frangible.io.whole import whole_file\n"
         "from frangible.cli import run as module\n"
         "def run(options):\n"
-        "    with output.whole_file(sys.argv[1]) as part:\n"
+        "    with whole_file(sys.argv[1]) as part:\n"
         "        open(part, 'w').write('half')\n"
         "        print('writing', flush=True)\n"
         "        time.sleep(60)\n"
         "module._run = run\n"
         "sys.exit(cli.main(['run', 'wall']))\n"
     )
-    process = subprocess.Popen([sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, tmp_path / "file.txt"], stdout=subprocess.PIPE, text=True
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "writing\n"
     assert len(os.listdir(tmp_path)) == 1
@@ -110,7 +113,19 @@ def test_a_link_to_the_standard_output_is_one(tmp_path: Path, tetrahedron: str) 
     (tmp_path / "mesh.obj").write_text(tetrahedron)
     (tmp_path / "out.glb").symlink_to("/dev/stdout")
     script = "import sys; from frangible.cli import main; sys.exit(main(sys.argv[1:]))"
-    command = [sys.executable, "-c", script, "break", "mesh.obj", "--pattern", "slices", "--voxels", "16", "--out", "out.glb"]
+    command = [
+        sys.executable,
+        "-c",
+        script,
+        "break",
+        "mesh.obj",
+        "--pattern",
+        "slices",
+        "--voxels",
+        "16",
+        "--out",
+        "out.glb",
+    ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True)
     assert done.returncode == 0 and done.stdout.startswith(b"glTF")
     assert (tmp_path / "out.glb").is_symlink()
@@ -124,7 +139,9 @@ def test_folders_on_the_way_are_made(scripted: Recording, tmp_path: Path) -> Non
     assert (tmp_path / "link.npz").is_symlink()
 
 
-def test_what_is_written_is_on_the_disk_before_it_takes_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     order: list[str] = []
     sync, replace_file = os.fsync, os.replace
     monkeypatch.setattr(os, "fsync", lambda descriptor: (order.append("sync"), sync(descriptor)))
@@ -157,7 +174,17 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
 ) -> None:
     (tmp_path / "mesh.obj").write_text(tetrahedron)
     folder = tmp_path / "pieces"
-    command = ["break", str(tmp_path / "mesh.obj"), "--pattern", "slices", "--voxels", "16", "--out", f"{folder}/", "--cells"]
+    command = [
+        "break",
+        str(tmp_path / "mesh.obj"),
+        "--pattern",
+        "slices",
+        "--voxels",
+        "16",
+        "--out",
+        f"{folder}/",
+        "--cells",
+    ]
     assert main([*command, "12"]) == 0
     before = sorted(os.listdir(folder))
     assert "pieces.json" in before
@@ -165,10 +192,13 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
     def fail(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("frangible.pieces_files._write_report", fail)
+    monkeypatch.setattr("frangible.io.pieces_output._write_report", fail)
     assert main([*command, "2"]) == 1
     monkeypatch.undo()
-    assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == ["mesh.obj", "pieces"]
+    assert sorted(os.listdir(folder)) == before and sorted(os.listdir(tmp_path)) == [
+        "mesh.obj",
+        "pieces",
+    ]
     assert main([*command, "2"]) == 0
     assert len(os.listdir(folder)) < len(before)
     monkeypatch.chdir(folder)
@@ -183,7 +213,9 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
         ("folder.glb", "must be a file"),
     ],
 )
-def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp_path: Path) -> None:
+def test_destinations_that_cannot_be_written_are_named(
+    name: str, rule: str, tmp_path: Path
+) -> None:
     (tmp_path / "folder.glb").mkdir()
     with pytest.raises(OutputError) as caught:
         open_output(str(tmp_path / name))
@@ -191,14 +223,16 @@ def test_destinations_that_cannot_be_written_are_named(name: str, rule: str, tmp
     assert rule in str(caught.value)
 
 
-def test_a_missing_optional_package_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+def test_a_missing_optional_package_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(OutputError, match=r"pip install 'frangible\[usd\]'"):
         open_output(str(tmp_path / "wall.usdc"))
 
 
 def test_a_picture_shows_the_bodies_on_the_floor(scripted: Recording) -> None:
-    from frangible.render import picture
+    from frangible.render.picture import picture
 
     scripted = replace(scripted, bodies=[replace(body, look=None) for body in scripted.bodies])
     image = picture(scripted, 5, width=160, height=90).astype(int)
@@ -222,7 +256,9 @@ def test_a_full_disk_is_a_sentence_that_names_the_file(ending: str, tmp_path: Pa
         "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000));"
         f"sys.exit(main(['run', 'wall', '--frames', '6', '--out', 'wall.{ending}']))"
     )
-    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True
+    )
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].startswith(f"frangible: wall.{ending}: ")
     assert "Traceback" not in done.stderr
@@ -237,8 +273,8 @@ def test_the_compiled_module_names_no_folder_of_the_machine_that_built_it() -> N
 
 
 def test_glass_lets_through_what_lies_behind(scripted: Recording) -> None:
-    from frangible.camera import Camera
-    from frangible.render import picture
+    from frangible.render.camera import Camera
+    from frangible.render.picture import picture
 
     brick = replace(scripted.body(4), interior=np.zeros(12, bool), look="brick")
     before_it = brick.positions + [-0.5, 0.5, 1.1]

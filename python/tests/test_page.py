@@ -16,19 +16,20 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import OutputError, Recording
-from frangible.camera import frame_recording
+from frangible.io.page import ASPECT, DATA, PLAYER, TITLE
+from frangible.io.page_data import encode
 from frangible.materials import Image, Material
-from frangible.page import ASPECT, DATA, PLAYER, TITLE
-from frangible.page_data import encode
 from frangible.recording import Body
-from frangible.render import picture
+from frangible.render.camera import frame_recording
+from frangible.render.picture import picture
 from frangible.skin import Skin
 from PIL import Image as Pillow
 from support import TOOLS
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
 needs_chromium = pytest.mark.skipif(
-    CHROMIUM is None, reason="Chromium is not installed: apt-get install chromium, or name one in CHROMIUM"
+    CHROMIUM is None,
+    reason="Chromium is not installed: apt-get install chromium, or name one in CHROMIUM",
 )
 
 Play = Callable[..., dict[str, Any]]
@@ -36,7 +37,8 @@ Play = Callable[..., dict[str, Any]]
 
 @pytest.fixture
 def play() -> Play:
-    """The state of a page in headless Chromium: it plays by itself, then stops at the frames asked for."""
+    """The state of a page in headless Chromium: it plays by itself, then stops at the frames asked
+    for."""
 
     def run(page: Path, frames: list[int], *pictures: str, size: str = "480x270") -> dict[str, Any]:
         command = ["node", str(TOOLS / "play_page.js"), str(page), "--size", size]
@@ -45,7 +47,11 @@ def play() -> Play:
         for picture in pictures:
             command += ["--picture", picture]
         done = subprocess.run(
-            command, capture_output=True, text=True, timeout=240, env={**os.environ, "CHROMIUM": CHROMIUM or ""}
+            command,
+            capture_output=True,
+            text=True,
+            timeout=240,
+            env={**os.environ, "CHROMIUM": CHROMIUM or ""},
         )
         assert done.returncode == 0, done.stderr
         shown: dict[str, Any] = json.loads(done.stdout)
@@ -71,14 +77,20 @@ def columns(recording: Recording, name: str) -> np.ndarray[Any, Any]:
     folded = np.zeros(count, np.int64)
     for plane in range(info["bytes"]):
         begin = end + info["offset"] + plane * count
-        folded |= np.frombuffer(inflated[begin : begin + count], np.uint8).astype(np.int64) << (8 * plane)
-    values = np.where(folded & 1, -(folded + 1) // 2, folded // 2).reshape(info["columns"], info["rows"])
+        folded |= np.frombuffer(inflated[begin : begin + count], np.uint8).astype(np.int64) << (
+            8 * plane
+        )
+    values = np.where(folded & 1, -(folded + 1) // 2, folded // 2).reshape(
+        info["columns"], info["rows"]
+    )
     for _ in range(info["order"]):
         values = np.cumsum(values, axis=1)
     return ((values + 2**31) % 2**32 - 2**31).T
 
 
-def test_a_page_is_whole_and_refers_to_nothing_outside_itself(scripted: Recording, tmp_path: Path) -> None:
+def test_a_page_is_whole_and_refers_to_nothing_outside_itself(
+    scripted: Recording, tmp_path: Path
+) -> None:
     shot = "</script><b>a & b"
     replace(scripted, shot=shot).save(tmp_path / "slab.html")
     page = (tmp_path / "slab.html").read_text(encoding="utf-8")
@@ -106,10 +118,15 @@ def test_positions_and_lives_are_those_of_the_recording(wall: Recording) -> None
     assert columns(wall, "end")[:, 0].tolist() == ends
 
 
-def test_pieces_are_pulled_from_their_parents_centre_and_not_into_the_floor(scripted: Recording) -> None:
+def test_pieces_are_pulled_from_their_parents_centre_and_not_into_the_floor(
+    scripted: Recording,
+) -> None:
     camera = frame_recording(scripted, ASPECT)
     step = float((camera.target - camera.eye) @ camera.axes[2]) / 2**17
-    pulls = {body.id: pull for body, pull in zip(scripted.bodies, columns(scripted, "pull") * step, strict=True)}
+    pulls = {
+        body.id: pull
+        for body, pull in zip(scripted.bodies, columns(scripted, "pull") * step, strict=True)
+    }
     # 2 weighs 1 kg at x = -0.5; 4 and 5 weigh 0.5 kg at 0.25 and 0.75: their middle is 0. Of these
     # 5 is the lowest, at y = 1.
     expected = {0: [0, 0, 0], 1: [0, 0, 0], 2: [-0.5, 1.5, 0], 4: [0.25, 1.5, 0], 5: [0.75, 0, 0]}
@@ -125,7 +142,7 @@ def test_a_recording_with_nothing_in_it_is_a_page(scripted: Recording, tmp_path:
 def test_a_missing_player_is_a_sentence(
     scripted: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("frangible.page.PLAYER", PLAYER.with_name("nothing.html"))
+    monkeypatch.setattr("frangible.io.page.PLAYER", PLAYER.with_name("nothing.html"))
     with pytest.raises(OutputError, match=r"npm ci && npm run build"):
         scripted.save(tmp_path / "slab.html")
     assert os.listdir(tmp_path) == []
@@ -247,17 +264,26 @@ def test_a_browser_plays_the_wall_from_a_file(wall: Recording, play: Play, tmp_p
     # It goes on by itself, and stops at frames that say how many bodies there are.
     early, later = (int(caption["frame"].split()[1]) for caption in shown["played"])
     assert early <= later and later >= 2
-    assert shown["first"] == {"shot": "wall", "frame": "frame 0 of 60", "time": "0.00 s", "bodies": "3 bodies"}
+    assert shown["first"] == {
+        "shot": "wall",
+        "frame": "frame 0 of 60",
+        "time": "0.00 s",
+        "bodies": "3 bodies",
+    }
     for frame, caption in zip([broken - 1, broken, 60], shown["steps"], strict=True):
         assert caption["frame"] == f"frame {frame} of 60"
         assert caption["bodies"] == f"{len(wall.alive(frame))} bodies"
 
 
 @needs_chromium
-def test_a_page_that_cannot_be_played_says_why(scripted: Recording, play: Play, tmp_path: Path) -> None:
+def test_a_page_that_cannot_be_played_says_why(
+    scripted: Recording, play: Play, tmp_path: Path
+) -> None:
     scripted.save(tmp_path / "slab.html")
     page = (tmp_path / "slab.html").read_text(encoding="utf-8")
     data = re.findall(r'id="recording">([^<]*)</script>', page)[0]
-    (tmp_path / "torn.html").write_text(page.replace(data, data[: len(data) // 2]), encoding="utf-8")
+    (tmp_path / "torn.html").write_text(
+        page.replace(data, data[: len(data) // 2]), encoding="utf-8"
+    )
     with pytest.raises(AssertionError, match="The recording cannot be played"):
         play(tmp_path / "torn.html", [1])

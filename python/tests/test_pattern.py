@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import Pattern, patterns
+from frangible.breaking.pattern import exploded
 from frangible.cli import main
-from frangible.pattern import exploded
 from PIL import Image
 
 
@@ -23,9 +23,27 @@ def test_each_kind_is_made_and_fills_its_box(kind: str) -> None:
     assert np.min(volumes) > 0
 
 
-def test_a_pattern_is_saved_drawn_and_read_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pattern_is_saved_drawn_and_read_back(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     saved, picture = tmp_path / "rubble.json", tmp_path / "rubble.png"
-    assert main(["pattern", "natural", "--cells", "12", "--seed", "3", "--out", str(saved), "--picture", str(picture)]) == 0
+    assert (
+        main(
+            [
+                "pattern",
+                "natural",
+                "--cells",
+                "12",
+                "--seed",
+                "3",
+                "--out",
+                str(saved),
+                "--picture",
+                str(picture),
+            ]
+        )
+        == 0
+    )
     facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert facts["cells"] == "12"
     assert Pattern.load(str(saved)) == Pattern.named("natural", cells=12, seed=3)
@@ -40,7 +58,9 @@ def test_a_pattern_is_saved_drawn_and_read_back(tmp_path: Path, capsys: pytest.C
 
 
 @pytest.mark.parametrize("lost", [None, 3])
-def test_a_drawn_pattern_is_told_where_it_has_a_gap(tmp_path: Path, capsys: pytest.CaptureFixture[str], lost: int | None) -> None:
+def test_a_drawn_pattern_is_told_where_it_has_a_gap(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], lost: int | None
+) -> None:
     pattern, text, first = Pattern.named("voronoi", cells=8), "", 1
     for cell in range(8):
         vertices, triangles = pattern.region_mesh(cell)
@@ -54,7 +74,10 @@ def test_a_drawn_pattern_is_told_where_it_has_a_gap(tmp_path: Path, capsys: pyte
         assert main(["pattern", str(path)]) == 0
     else:
         assert main(["pattern", str(path)]) == 2
-        assert f"{path}: a gap of 0.78 m^3 (9.8 % of the box) around (-0.7236, 0.086, 0.5948)" in capsys.readouterr().err
+        assert (
+            f"{path}: a gap of 0.78 m^3 (9.8 % of the box) around (-0.7236, 0.086, 0.5948)"
+            in capsys.readouterr().err
+        )
 
 
 def test_pieces_are_pulled_apart_from_the_middle() -> None:
@@ -86,7 +109,10 @@ def test_kinds_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         (["bubbles"], "pattern: bubbles, must be one of radial, voronoi, natural"),
         (["natural", "--cells", "20000"], "cells: 20000, must be from 1 to 10000"),
         (["none.json"], "none.json: no such file"),
-        (["natural", "--out", "x.obj"], "x.obj: the ending '.obj' is unknown, must be one of .json, .png"),
+        (
+            ["natural", "--out", "x.obj"],
+            "x.obj: the ending '.obj' is unknown, must be one of .json, .png",
+        ),
         (["natural", "--picture", "x.jpg"], "--picture: x.jpg, must end in .png"),
     ],
 )

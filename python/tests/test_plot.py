@@ -9,25 +9,54 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import CacheError, OutputError, Recording
-from frangible.books import read_books
 from frangible.cli import main
-from frangible.plot import draw
+from frangible.render.energy_series import read_energy_series
+from frangible.render.plot import draw
 from matplotlib.axes import Axes
 
 
 def report(frame: int, **energy: Any) -> Any:
     books = {"kinetic": 0.0, "potential": 0.0, "work": 0.0, "banked": 0.0, "gain": 0.0, **energy}
-    momentum = {"linear": [frame, 0.0, 0.0], "angular": [0.0, 0.0, 2.0 * frame], "linear_error": 0.0, "angular_error": 1e-12}
-    return {"frame": frame, "time": 0.5 * frame, "energy": books, "momentum": momentum, "fractures": [], "quarantined": []}
+    momentum = {
+        "linear": [frame, 0.0, 0.0],
+        "angular": [0.0, 0.0, 2.0 * frame],
+        "linear_error": 0.0,
+        "angular_error": 1e-12,
+    }
+    return {
+        "frame": frame,
+        "time": 0.5 * frame,
+        "energy": books,
+        "momentum": momentum,
+        "fractures": [],
+        "quarantined": [],
+    }
 
 
 @pytest.fixture
 def told(scripted: Recording) -> Recording:
-    """Ten joules at first; six of work enter, of nine that are lost friction takes eight, and a body of two is taken out."""
+    """Ten joules at first; six of work enter, of nine that are lost friction takes eight, and a
+    body of two is taken out."""
     reports = [
-        report(1, kinetic=14.0, potential=-2.0, work=6.0, gain=-4.0, causes={"friction": -4.0, "work": 6.0, "contact": 0.0}),
-        report(2, kinetic=8.0, potential=-1.0, gain=-4.0, banked=1.0, causes={"friction": -4.0, "work": 0.0, "contact": -1.0}),
-        report(3, kinetic=8.0, potential=-3.0, causes={"friction": 0.0, "work": 0.0, "contact": 0.0}),
+        report(
+            1,
+            kinetic=14.0,
+            potential=-2.0,
+            work=6.0,
+            gain=-4.0,
+            causes={"friction": -4.0, "work": 6.0, "contact": 0.0},
+        ),
+        report(
+            2,
+            kinetic=8.0,
+            potential=-1.0,
+            gain=-4.0,
+            banked=1.0,
+            causes={"friction": -4.0, "work": 0.0, "contact": -1.0},
+        ),
+        report(
+            3, kinetic=8.0, potential=-3.0, causes={"friction": 0.0, "work": 0.0, "contact": 0.0}
+        ),
     ]
     reports[2]["quarantined"] = [1]
     reports[1]["fractures"] = [{}]
@@ -35,7 +64,7 @@ def told(scripted: Recording) -> Recording:
 
 
 def test_books_are_sums_over_the_frames(told: Recording) -> None:
-    books = read_books(told)
+    books = read_energy_series(told)
     assert books.times.tolist() == [0.5, 1.0, 1.5]
     assert books.potential.tolist() == [1.0, 2.0, 0.0]
     assert books.total.tolist() == [15.0, 10.0, 8.0]
@@ -54,7 +83,7 @@ def test_books_are_sums_over_the_frames(told: Recording) -> None:
 
 
 def test_a_run_keeps_below_its_bound_and_every_cause_is_counted(wall: Recording) -> None:
-    books = read_books(wall)
+    books = read_energy_series(wall)
     scale = books.available.max()
     assert np.all(books.total + books.bank <= books.available + 1e-9 * scale)
     # The wall broke, and lost energy that no line could hide.
@@ -101,7 +130,11 @@ MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
 @pytest.mark.parametrize("ending", MAGIC)
 def test_equal_recordings_give_equal_plots(ending: str, wall: Recording, tmp_path: Path) -> None:
-    cache, first, second = tmp_path / "wall.npz", tmp_path / f"first.{ending}", tmp_path / f"second.{ending}"
+    cache, first, second = (
+        tmp_path / "wall.npz",
+        tmp_path / f"first.{ending}",
+        tmp_path / f"second.{ending}",
+    )
     wall.save(cache)
     assert main(["plot", str(cache), "--out", str(first)]) == 0
     wall.plot(second)
@@ -115,7 +148,9 @@ def test_a_recording_without_frames_says_so(scripted: Recording, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_extra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch, wall: Recording, tmp_path: Path) -> None:
-    monkeypatch.setattr("frangible.output.find_spec", lambda _: None)
+def test_the_extra_is_named_where_it_is_missing(
+    monkeypatch: pytest.MonkeyPatch, wall: Recording, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("frangible.extras.find_spec", lambda _: None)
     with pytest.raises(OutputError, match=r"pip install 'frangible\[plot\]'"):
         wall.plot(tmp_path / "wall.png")

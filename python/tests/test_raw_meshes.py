@@ -1,4 +1,5 @@
-"""Meshes as they come, from `info` to pieces: open floors, repeated and turned faces, parts that touch."""
+"""Meshes as they come, from `info` to pieces: open floors, repeated and turned faces, parts that
+touch."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import BuildError, Pattern, World, _frangible, break_mesh
-from frangible.mesh_facts import describe_mesh
+from frangible.breaking.mesh_facts import describe_mesh
 
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 QUADS = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
@@ -87,7 +88,11 @@ def test_sheets_with_a_thickness_are_plates(thickness: float, exact: bool, tmp_p
     second = [(x + 4.0, y + 1.0, z) for x, y, z in FLOOR[0]]
     for parts in ([FLOOR], [FLOOR, (second, FLOOR[1])], [FLOOR, box()]):
         path = written(tmp_path, parts)
-        expected = 1.0 + 9.0 * thickness if len(parts[1:]) and parts[1] == box() else thickness * area(path)
+        expected = (
+            1.0 + 9.0 * thickness
+            if len(parts[1:]) and parts[1] == box()
+            else thickness * area(path)
+        )
         pieces = break_mesh(
             path,
             Pattern.named("voronoi", cells=6, seed=2),
@@ -120,23 +125,48 @@ def test_sheets_break_in_scenes(tmp_path: Path) -> None:
     shape["scale"] = 2.0
     assert World.build({"bodies": [body]}).masses[0] == pytest.approx(36.0, rel=1e-3)
     vertices = [list(corner) for corner in FLOOR[0]]
-    shape = {"kind": "triangles", "positions": vertices, "triangles": [[0, 3, 2], [0, 2, 1]], "thickness": 0.5}
-    assert World.build({"bodies": [{"shape": shape, "density": 2.0}]}).masses[0] == pytest.approx(9.0, rel=0.02)
+    shape = {
+        "kind": "triangles",
+        "positions": vertices,
+        "triangles": [[0, 3, 2], [0, 2, 1]],
+        "thickness": 0.5,
+    }
+    assert World.build({"bodies": [{"shape": shape, "density": 2.0}]}).masses[0] == pytest.approx(
+        9.0, rel=0.02
+    )
     for wrong in (0.0, -1.0):
         with pytest.raises(BuildError, match="thickness"):
             World.build({"bodies": [{"shape": {**shape, "thickness": wrong}}]})
 
 
 def test_a_floor_that_is_left_out_is_named(tmp_path: Path) -> None:
-    pieces = break_mesh(written(tmp_path, [box(), FLOOR]), Pattern.named("voronoi", cells=6), exact=True)
+    pieces = break_mesh(
+        written(tmp_path, [box(), FLOOR]), Pattern.named("voronoi", cells=6), exact=True
+    )
     (note,) = pieces.notes
-    assert note == "1 open part that encloses nothing left out: 2 triangles from (-1, -1, -1) to (2, -1, 2)"
+    assert (
+        note
+        == "1 open part that encloses nothing left out: 2 triangles from (-1, -1, -1) to (2, -1, 2)"
+    )
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_long_work_says_what_it_does_and_stops_when_asked(number: signal.Signals, tmp_path: Path) -> None:
+def test_long_work_says_what_it_does_and_stops_when_asked(
+    number: signal.Signals, tmp_path: Path
+) -> None:
     path = written(tmp_path, [box()])
-    command = [sys.executable, "-m", "frangible", "break", path, "--pattern", "voronoi", "--grid", "--voxels", "500"]
+    command = [
+        sys.executable,
+        "-m",
+        "frangible",
+        "break",
+        path,
+        "--pattern",
+        "voronoi",
+        "--grid",
+        "--voxels",
+        "500",
+    ]
     process = subprocess.Popen(
         [*command, "--out", str(tmp_path / "pieces.glb")], stderr=subprocess.PIPE, text=True
     )

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import CacheError, Recording
-from frangible.normals import shaded_mesh
-from frangible.paths import telling_samples, unique_names
+from frangible.io.keyframes import telling_samples
+from frangible.names import unique_names
 from frangible.recording import rotation_matrix
+from frangible.render.normals import shaded_mesh
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 
 
@@ -17,7 +18,8 @@ def test_lives_span_the_frames_that_show_a_body(scripted: Recording) -> None:
     assert [body.id for body in scripted.alive(2)] == [0, 1]
     assert [body.id for body in scripted.alive(3)] == [0, 2, 4, 5]
     assert all(
-        len(body.positions) == (body.death_frame or scripted.frames + 1) - body.birth_frame for body in scripted.bodies
+        len(body.positions) == (body.death_frame or scripted.frames + 1) - body.birth_frame
+        for body in scripted.bodies
     )
 
 
@@ -128,9 +130,18 @@ def test_a_crack_is_an_edge_even_where_it_is_flat() -> None:
 def _sphere(rings: int) -> tuple[np.ndarray, np.ndarray]:
     """A unit sphere of rings of latitude, with single vertices at the poles."""
     latitude, longitude = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1)[1:-1], np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False), indexing="ij"
+        np.linspace(0, np.pi, rings + 1)[1:-1],
+        np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False),
+        indexing="ij",
     )
-    ring = np.stack([np.sin(latitude) * np.cos(longitude), np.cos(latitude), np.sin(latitude) * np.sin(longitude)], -1)
+    ring = np.stack(
+        [
+            np.sin(latitude) * np.cos(longitude),
+            np.cos(latitude),
+            np.sin(latitude) * np.sin(longitude),
+        ],
+        -1,
+    )
     vertices = np.concatenate([ring.reshape(-1, 3), [[0, 1, 0], [0, -1, 0]]]).astype(np.float32)
     columns, last = 2 * rings, len(vertices) - 2
     triangles = []
@@ -138,6 +149,11 @@ def _sphere(rings: int) -> tuple[np.ndarray, np.ndarray]:
         k = (j + 1) % columns
         triangles += [[last, k, j], [last + 1, last - columns + j, last - columns + k]]
         for i in range(rings - 2):
-            a, b, c, d = i * columns + j, i * columns + k, (i + 1) * columns + j, (i + 1) * columns + k
+            a, b, c, d = (
+                i * columns + j,
+                i * columns + k,
+                (i + 1) * columns + j,
+                (i + 1) * columns + k,
+            )
             triangles += [[a, b, d], [a, d, c]]
     return vertices, np.array(triangles, np.uint32)

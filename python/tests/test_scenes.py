@@ -1,4 +1,5 @@
-"""Scenes of one's own: files, dictionaries, fields set by hand, and what is said of what does not fit."""
+"""Scenes of one's own: files, dictionaries, fields set by hand, and what is said of what does not
+fit."""
 
 import copy
 import json
@@ -20,8 +21,8 @@ import numpy as np
 import pytest
 from frangible import BuildError, World
 from frangible.cli import main
-from frangible.scene_page import scene_page
-from frangible.toml_text import as_toml
+from frangible.cli.scene_page import scene_page
+from frangible.io.toml_text import as_toml
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENES = sorted(path for path in (DOCS / "scenes").iterdir() if path.suffix in (".json", ".toml"))
@@ -45,16 +46,30 @@ def a_scene() -> dict[str, Any]:
                 "density": 2400,
                 "look": "concrete",
                 "breaking": {
-                    "strength": {"tensile_strength": 3e6, "youngs_modulus": 30e9, "fracture_energy": 100},
+                    "strength": {
+                        "tensile_strength": 3e6,
+                        "youngs_modulus": 30e9,
+                        "fracture_energy": 100,
+                    },
                     "pattern": {"kind": "voronoi", "cells": 12, "grading": [0, 0, 0], "seed": 3},
                     "generations": 1,
                 },
             },
-            {"name": "hull", "shape": {"kind": "hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}, "position": [5, 1, 0]},
+            {
+                "name": "hull",
+                "shape": {"kind": "hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+                "position": [5, 1, 0],
+            },
             {
                 "name": "stool",
                 "position": [-5, 1, 0],
-                "shape": {"kind": "compound", "parts": [{"kind": "box", "size": [1, 0.1, 1]}, {"kind": "box", "size": [0.1, 1, 0.1]}]},
+                "shape": {
+                    "kind": "compound",
+                    "parts": [
+                        {"kind": "box", "size": [1, 0.1, 1]},
+                        {"kind": "box", "size": [0.1, 1, 0.1]},
+                    ],
+                },
             },
             {
                 "name": "beam",
@@ -85,7 +100,9 @@ def test_the_scenes_of_the_docs_run_and_break(path: Path) -> None:
 
 def test_the_page_is_what_the_descriptions_say() -> None:
     stored = (DOCS / "scene_format.md").read_text(encoding="utf-8")
-    assert stored == scene_page(frangible.scene_schema()), "write it anew: frangible schema --markdown > docs/scene_format.md"
+    assert stored == scene_page(frangible.scene_schema()), (
+        "write it anew: frangible schema --markdown > docs/scene_format.md"
+    )
 
 
 def test_the_package_holds_the_schema_that_the_descriptions_make() -> None:
@@ -147,7 +164,9 @@ def test_a_scene_is_the_same_from_everywhere(tmp_path: Path) -> None:
     assert len(hashes) == 1
 
 
-def test_a_shot_that_is_printed_runs_as_the_shot_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_shot_that_is_printed_runs_as_the_shot_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["scene", "wall-ball"]) == 0
     path = tmp_path / "scene.json"
     path.write_text(capsys.readouterr().out)
@@ -160,11 +179,20 @@ def test_a_shot_that_is_printed_runs_as_the_shot_does(tmp_path: Path, capsys: py
     assert ends[0]["state_hash"] == ends[1]["state_hash"] and ends[0]["frames"] == ends[1]["frames"]
 
 
-def test_fields_are_set_by_name_and_number(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_fields_are_set_by_name_and_number(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(a_scene()))
-    arguments = ["bodies.wall.breaking.strength=2e6", "bodies[2].position[1]=3", "bodies.stool.look=wood", "gravity=[0,0,0]"]
-    assert main(["scene", str(path), *(word for text in arguments for word in ("--set", text))]) == 0
+    arguments = [
+        "bodies.wall.breaking.strength=2e6",
+        "bodies[2].position[1]=3",
+        "bodies.stool.look=wood",
+        "gravity=[0,0,0]",
+    ]
+    assert (
+        main(["scene", str(path), *(word for text in arguments for word in ("--set", text))]) == 0
+    )
     scene = json.loads(capsys.readouterr().out)
     assert scene["bodies"][1]["breaking"]["strength"] == 2e6
     assert scene["bodies"][2]["position"] == [5, 3, 0]
@@ -183,7 +211,9 @@ def test_fields_are_set_by_name_and_number(capsys: pytest.CaptureFixture[str], t
         ("density", ["PATH=VALUE"]),
     ],
 )
-def test_what_cannot_be_set_is_named(assignment: str, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_set_is_named(
+    assignment: str, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(a_scene()))
     assert main(["run", str(path), "--set", assignment]) == 2
@@ -194,7 +224,11 @@ def test_what_cannot_be_set_is_named(assignment: str, words: list[str], tmp_path
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        ("bodies.1.density", math.nan, ["bodies[1].density: NaN, must be a finite number", 'body "wall"']),
+        (
+            "bodies.1.density",
+            math.nan,
+            ["bodies[1].density: NaN, must be a finite number", 'body "wall"'],
+        ),
         ("bodies.1.density", math.inf, ["bodies[1].density: Infinity, must be"]),
         ("bodies.1.density", 10**400, ["bodies[1].density", "1.8e308"]),
         ("bodies.1.density", None, ["bodies[1].density: null, must be a finite number"]),
@@ -205,23 +239,67 @@ def test_what_cannot_be_set_is_named(assignment: str, words: list[str], tmp_path
         ("bodies.1.look", "glas", ["bodies[1].look", '"glas"', "did you mean 'glass'?"]),
         ("bodies.1.shape", {"kind": "bx"}, ["bodies[1].shape.kind", '"bx"', "did you mean 'box'?"]),
         ("bodies.1.shape", {}, ["bodies[1].shape.kind: missing, must be one of half-space"]),
-        ("bodies.1.shape", {"kind": "box"}, ["bodies[1].shape.size: missing, must be a list of 3 numbers"]),
+        (
+            "bodies.1.shape",
+            {"kind": "box"},
+            ["bodies[1].shape.size: missing, must be a list of 3 numbers"],
+        ),
         ("bodies.1.shape", 3, ["bodies[1].shape: 3, must be an object whose kind is one of"]),
-        ("bodies.1.breaking.pattern.cells", 1.5, ["bodies[1].breaking.pattern.cells: 1.5, must be a whole number"]),
-        ("bodies.1.breaking.pattern.cells", 10**9, ["bodies[1].breaking.pattern.cells: 1000000000, must be"]),
-        ("bodies.1.breaking.pattern.seed", -1, ["bodies[1].breaking.pattern.seed: -1, must be a whole number"]),
-        ("bodies.1.breaking.strength", "papier", ["bodies[1].breaking.strength", '"papier"', "glass"]),
-        ("bodies.1.breaking.strength", [1], ["bodies[1].breaking.strength: [1], must be a finite number, or one of glass"]),
-        ("bodies.1.breaking.strength.tensile_strength", "x", ["bodies[1].breaking.strength.tensile_strength"]),
-        ("bodies.1.breaking.strenth", 3, ["bodies[1].breaking.strenth", "did you mean 'strength'?"]),
+        (
+            "bodies.1.breaking.pattern.cells",
+            1.5,
+            ["bodies[1].breaking.pattern.cells: 1.5, must be a whole number"],
+        ),
+        (
+            "bodies.1.breaking.pattern.cells",
+            10**9,
+            ["bodies[1].breaking.pattern.cells: 1000000000, must be"],
+        ),
+        (
+            "bodies.1.breaking.pattern.seed",
+            -1,
+            ["bodies[1].breaking.pattern.seed: -1, must be a whole number"],
+        ),
+        (
+            "bodies.1.breaking.strength",
+            "papier",
+            ["bodies[1].breaking.strength", '"papier"', "glass"],
+        ),
+        (
+            "bodies.1.breaking.strength",
+            [1],
+            ["bodies[1].breaking.strength: [1], must be a finite number, or one of glass"],
+        ),
+        (
+            "bodies.1.breaking.strength.tensile_strength",
+            "x",
+            ["bodies[1].breaking.strength.tensile_strength"],
+        ),
+        (
+            "bodies.1.breaking.strenth",
+            3,
+            ["bodies[1].breaking.strenth", "did you mean 'strength'?"],
+        ),
         ("bodies.2.shape.points", [[0, 0, 0]] * 5, ["bodies[2].shape.points", "5 points"]),
         ("bodies.2.shape.points.1", [0, 0], ["bodies[2].shape.points[1]", "3 numbers"]),
         ("bodies.3.shape.parts.1.size", "x", ["bodies[3].shape.parts[1].size"]),
         ("bodies.4.bonds.anchors.0.low", {"x": 1}, ["bodies[4].bonds.anchors[0].low"]),
-        ("bodies.1.shape", {"kind": "mesh", "path": "no.obj"}, ["bodies[1].shape.path", "no.obj", "no such file"]),
-        ("bodies.1.breaking.pattern", {"kind": "file", "path": "no.json"}, ["bodies[1].breaking.pattern.path", "no.json"]),
+        (
+            "bodies.1.shape",
+            {"kind": "mesh", "path": "no.obj"},
+            ["bodies[1].shape.path", "no.obj", "no such file"],
+        ),
+        (
+            "bodies.1.breaking.pattern",
+            {"kind": "file", "path": "no.json"},
+            ["bodies[1].breaking.pattern.path", "no.json"],
+        ),
         ("bodies", {}, ["bodies: {}, must be a list of objects"]),
-        ("method", "papr", ['method: "papr", must be one of frame-rate, paper', "did you mean 'paper'?"]),
+        (
+            "method",
+            "papr",
+            ['method: "papr", must be one of frame-rate, paper', "did you mean 'paper'?"],
+        ),
         ("frames", 0, ["frames: 0"]),
         ("gravity", {1, 2}, ["gravity: a value of type set, must be a list of 3 numbers"]),
     ],
@@ -256,16 +334,26 @@ def test_no_scene_at_all() -> None:
 
 
 BAD: list[Any] = [
-    None, True, "x", -1, 0, 1e308, -1e308, 5e-324, 1e9, 1e-12, 2**63, 2**64, 10**400, math.nan, -math.inf, [], {}, [0, 0, 0],
-    [1e308] * 3, [[[[]]]], "\u0000", "é" * 1000, {"kind": "box"}, {"kind": "mesh", "path": "/"}, {"kind": "compound", "parts": []},
-    {"kind": "triangles", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "triangles": [[0, 1, 9]]},
-    {"kind": "voronoi", "cells": 10**9}, {"kind": "slices", "axis": [0, 0, 0]}, {"voxels": [2**40] * 3}, {"voxels": [0, 0, 0]},
+    None, True, "x", -1, 0, 1e308, -1e308, 5e-324, 1e9, 1e-12, 2**63, 2**64, 10**400, math.nan,
+    -math.inf, [], {}, [0, 0, 0],
+    [1e308] * 3, [[[[]]]], "\u0000", "é" * 1000, {"kind": "box"}, {"kind": "mesh", "path": "/"},
+    {"kind": "compound", "parts": []},
+    {"kind": "triangles", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+     "triangles": [[0, 1, 9]]},
+    {"kind": "voronoi", "cells": 10**9}, {"kind": "slices", "axis": [0, 0, 0]},
+    {"voxels": [2**40] * 3}, {"voxels": [0, 0, 0]},
     {"sample_spacing": 1e-9}, {"kind": "radial", "spokes": 2**62, "rings": 2**62},
 ]  # fmt: skip
 
 
 def places(value: Any, here: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    items = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
     return [here, *(place for key, item in items for place in places(item, (*here, key)))]
 
 
@@ -330,7 +418,8 @@ from test_scenes import run_in_child
 ground = dict(motion="static", shape=dict(kind="half-space"))
 box = dict(shape=dict(kind="box", size=[1, 1, 1]), position=[0, 0.5, 0], angular_velocity=[0, 1, 0])
 world = frangible.World.build(dict(bodies=[ground, box]), 2)
-frangible.mesh_info({str(mesh)!r}), frangible.break_mesh({str(mesh)!r}, frangible.Pattern.named("voronoi"), voxels=16)
+frangible.mesh_info({str(mesh)!r})
+frangible.break_mesh({str(mesh)!r}, frangible.Pattern.named("voronoi"), voxels=16)
 for _ in range(4):
     world.step()
 path = {str(tmp_path / "hash")!r}
@@ -346,7 +435,9 @@ for _ in range(4):
 assert status == 0, status
 assert open(path).read() == world.state_hash()
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -373,7 +464,9 @@ def test_a_world_is_used_by_one_thread_at_a_time() -> None:
     stepping, using = threading.Thread(target=step), threading.Thread(target=use)
     stepping.start(), using.start()
     stepping.join(), using.join()
-    assert said and set(said) == {"the world is in use by another thread: only one thread at a time may use a world"}
+    assert said and set(said) == {
+        "the world is in use by another thread: only one thread at a time may use a world"
+    }
     world.step()
 
 
@@ -381,7 +474,11 @@ def test_errors_of_momentum_are_relative_to_what_is_there() -> None:
     """Three boxes that overlap push each other apart without gravity: all momenta are rounding."""
 
     def box(x: float, y: float, orientation: list[float]) -> dict[str, Any]:
-        return {"shape": {"kind": "box", "size": [1, 1, 1]}, "position": [x, y, 0], "orientation": orientation}
+        return {
+            "shape": {"kind": "box", "size": [1, 1, 1]},
+            "position": [x, y, 0],
+            "orientation": orientation,
+        }
 
     still = [0, 0, 0, 1]
     for scale in (1.0, 1e-3, 100.0):

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Piece, Pieces, Recording
-from frangible.gltf import write_pieces as write_gltf
+from frangible.io.gltf import write_pieces as write_gltf
+from frangible.io.usd import write_pieces as write_usd
 from frangible.materials import Image, Material
 from frangible.skin import NO_MATERIAL, Skin
-from frangible.usd import write_pieces as write_usd
 from pxr import Usd, UsdGeom, UsdShade
 from support import CUBE_TRIANGLES, CUBE_VERTICES
 from test_gltf import khronos_report, objections, parse
@@ -24,16 +24,31 @@ def png(pixels: Any) -> bytes:
     height, width, _ = pixels.shape
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     rows = b"".join(b"\0" + row.tobytes() for row in np.asarray(pixels, np.uint8))
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(rows))
+        + chunk(b"IEND", b"")
+    )
 
 
-CHECKS = png(np.kron(np.indices((4, 4)).sum(axis=0)[..., None] % 2 * [255, 200, 40], np.ones((4, 4, 1))))
+CHECKS = png(
+    np.kron(np.indices((4, 4)).sum(axis=0)[..., None] % 2 * [255, 200, 40], np.ones((4, 4, 1)))
+)
 IMAGE = Image("checks.png", "image/png", CHECKS)
-PAINT = Material((0.8, 0.7, 0.6), 0.4, name="Old Paint", image=IMAGE, surface_image=Image("orm.png", "image/png", CHECKS))
+PAINT = Material(
+    (0.8, 0.7, 0.6),
+    0.4,
+    name="Old Paint",
+    image=IMAGE,
+    surface_image=Image("orm.png", "image/png", CHECKS),
+)
 STEEL = Material((0.5, 0.5, 0.55), 0.3, metallic=1.0, name="Steel", emission=(0.0, 0.1, 0.0))
 
 
@@ -53,18 +68,34 @@ def pieces() -> Pieces:
     inner[10:] = True
     coordinates = np.random.default_rng(1).random((12, 3, 2)).astype(np.float32)
     piece = Piece(
-        "piece_000", CUBE_VERTICES.astype(np.float64), CUBE_TRIANGLES, inner, coordinates, 1.0, np.zeros(3), np.eye(3) / 6, skin()
+        "piece_000",
+        CUBE_VERTICES.astype(np.float64),
+        CUBE_TRIANGLES,
+        inner,
+        coordinates,
+        1.0,
+        np.zeros(3),
+        np.eye(3) / 6,
+        skin(),
     )
     return Pieces("cube", [piece], [], 1.0, np.zeros(3), np.array([0.0, 1.0, 0.0]))
 
 
-def test_gltf_has_materials_images_colours_normals_and_names(pieces: Pieces, tmp_path: Path) -> None:
+def test_gltf_has_materials_images_colours_normals_and_names(
+    pieces: Pieces, tmp_path: Path
+) -> None:
     path = tmp_path / "cube.glb"
     write_gltf(pieces, str(path))
     assert objections(khronos_report(path)["issues"]) == []
     document, read = parse(path)
-    assert [material["name"] for material in document["materials"]] == ["Old Paint", "Steel", "inner"]
-    assert document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx([0.8, 0.7, 0.6, 1.0])
+    assert [material["name"] for material in document["materials"]] == [
+        "Old Paint",
+        "Steel",
+        "inner",
+    ]
+    assert document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx(
+        [0.8, 0.7, 0.6, 1.0]
+    )
     assert document["materials"][1]["emissiveFactor"] == [0.0, 0.1, 0.0]
     assert [image["name"] for image in document["images"]] == ["checks.png", "orm.png"]
     data = path.read_bytes()
@@ -98,11 +129,16 @@ def test_usd_has_materials_images_colours_normals_and_names(pieces: Pieces, tmp_
     primvars = UsdGeom.PrimvarsAPI(mesh)
     assert np.array(primvars.GetPrimvar("displayColor").Get())[:6, 1] == pytest.approx(0.25)
     assert np.array(primvars.GetPrimvar("normals").Get())[0] == pytest.approx([-0.6, 0.8, 0.0])
-    assert np.array(primvars.GetPrimvar("st").Get()) == pytest.approx(pieces.pieces[0].coordinates.reshape(-1, 2))
+    assert np.array(primvars.GetPrimvar("st").Get()) == pytest.approx(
+        pieces.pieces[0].coordinates.reshape(-1, 2)
+    )
 
 
 def test_a_recording_keeps_its_skins(scripted: Recording, tmp_path: Path) -> None:
-    bodies = [replace(body, skin=skin() if len(body.triangles) == 12 else None) for body in scripted.bodies]
+    bodies = [
+        replace(body, skin=skin() if len(body.triangles) == 12 else None)
+        for body in scripted.bodies
+    ]
     recording = replace(scripted, bodies=bodies)
     recording.save(tmp_path / "slab.npz")
     again = Recording.load(tmp_path / "slab.npz")
@@ -110,7 +146,11 @@ def test_a_recording_keeps_its_skins(scripted: Recording, tmp_path: Path) -> Non
         if body.skin is None:
             assert kept is None
             continue
-        assert kept is not None and kept.materials == body.skin.materials and kept.path == body.skin.path
+        assert (
+            kept is not None
+            and kept.materials == body.skin.materials
+            and kept.path == body.skin.path
+        )
         for name in ("material", "colours", "normals"):
             assert np.array_equal(getattr(kept, name), getattr(body.skin, name))
     again.save(tmp_path / "slab.glb")
@@ -125,7 +165,17 @@ def test_a_recording_keeps_its_skins(scripted: Recording, tmp_path: Path) -> Non
 def test_a_cache_of_the_format_before_can_be_read(scripted: Recording, tmp_path: Path) -> None:
     scripted.save(tmp_path / "new.npz")
     with np.load(tmp_path / "new.npz") as arrays:
-        later = ("paths", "materials", "image_data", "image_offsets", "material", "colours", "colour_offsets", "normals", "normal_offsets")
+        later = (
+            "paths",
+            "materials",
+            "image_data",
+            "image_offsets",
+            "material",
+            "colours",
+            "colour_offsets",
+            "normals",
+            "normal_offsets",
+        )
         kept = {key: arrays[key] for key in arrays if key not in later}
     np.savez(tmp_path / "old.npz", **{**kept, "format": np.array(3)})
     again = Recording.load(tmp_path / "old.npz")

@@ -1,4 +1,5 @@
-"""Thin meshes, and those of many parts, break into the pieces that are asked for, with their volume."""
+"""Thin meshes, and those of many parts, break into the pieces that are asked for, with their
+volume."""
 
 from __future__ import annotations
 
@@ -7,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from frangible import Piece, _frangible, boolean
-from frangible.breaking import break_mesh
-from frangible.mesh_facts import describe_mesh
+from frangible import Piece, _frangible
+from frangible.breaking import exact_cut
+from frangible.breaking.break_mesh import break_mesh
+from frangible.breaking.mesh_facts import describe_mesh
 
 #: Corners of a unit box, and its faces.
 BOX = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
@@ -73,7 +74,9 @@ def test_the_fingers_of_a_comb_are_no_pieces(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("thickness", [0.01, 0.001])
-def test_a_thin_surface_that_crosses_itself_keeps_its_volume(tmp_path: Path, thickness: float) -> None:
+def test_a_thin_surface_that_crosses_itself_keeps_its_volume(
+    tmp_path: Path, thickness: float
+) -> None:
     strip = crossing_strip(tmp_path / "strip.obj", thickness)
     whole = 0.5 * thickness * 6.0
     facts = describe_mesh(str(strip))
@@ -114,7 +117,11 @@ def shells(piece: Piece) -> list[float]:
 @pytest.mark.parametrize("pattern", ["voronoi", "concrete", "radial", "bricks"])
 def test_pieces_of_a_grid_have_no_loose_parts(tmp_path: Path, pattern: str) -> None:
     # Two legs and a bar, fingers of two voxels, and a block beside them.
-    legs = [((0.0, 0.0, 0.0), (0.3, 2.0, 0.6)), ((1.2, 0.0, 0.0), (0.3, 2.0, 0.6)), ((0.0, 1.7, 0.0), (1.5, 0.3, 0.6))]
+    legs = [
+        ((0.0, 0.0, 0.0), (0.3, 2.0, 0.6)),
+        ((1.2, 0.0, 0.0), (0.3, 2.0, 0.6)),
+        ((0.0, 1.7, 0.0), (1.5, 0.3, 0.6)),
+    ]
     fingers = [((0.2 * n, 2.0, 0.1), (0.09, 0.7, 0.09)) for n in range(7)]
     mesh = written(tmp_path / "legs.obj", [*legs, *fingers, ((1.7, 0.0, 0.0), (0.5, 0.5, 0.5))])
     named = _frangible.Pattern.named(pattern, seed=2)
@@ -156,7 +163,8 @@ def star_prism(path: Path, points: int) -> Path:
 
 
 def faces_of_edges(piece: Piece) -> set[int]:
-    """By how many faces the edges of a piece are shared, where vertices closer than a part in 1e9 are one."""
+    """By how many faces the edges of a piece are shared, where vertices closer than a part in 1e9
+    are one."""
     size = np.ptp(piece.vertices, axis=0).max()
     places = np.round(piece.vertices / (1e-9 * size)).astype(np.int64)
     _, place = np.unique(places, axis=0, return_inverse=True)
@@ -172,7 +180,11 @@ def faces_of_edges(piece: Piece) -> set[int]:
 def test_pieces_of_a_grid_are_solids(tmp_path: Path, shape: str, pattern: str) -> None:
     sizes = {"cube": (1.0, 1.0, 1.0), "plate": (2.0, 0.1, 1.0), "thin plate": (2.0, 0.01, 1.0)}
     path = tmp_path / "mesh.obj"
-    mesh = star_prism(path, 7) if shape == "star" else written(path, [((-0.5, 0.0, -0.5), sizes[shape])])
+    mesh = (
+        star_prism(path, 7)
+        if shape == "star"
+        else written(path, [((-0.5, 0.0, -0.5), sizes[shape])])
+    )
     for voxels in (24, 40):
         named = _frangible.Pattern.named(pattern, seed=3)
         broken = break_mesh(mesh, named, exact=False, voxels=voxels)
@@ -193,7 +205,7 @@ def test_parts_that_are_apart_end_the_search(
 ) -> None:
     boxes = [((3.0 * n, 0.0, 0.0), (1.0, 1.0, 1.0)) for n in range(12)]
     mesh = written(tmp_path / "row.obj", boxes)
-    function = boolean.cut
+    function = exact_cut.cut
     counts: list[int] = []
 
     def counted(*arguments: Any) -> Any:
@@ -201,7 +213,7 @@ def test_parts_that_are_apart_end_the_search(
         counts.append(made.count)
         return made
 
-    monkeypatch.setattr(boolean, "cut", counted)
+    monkeypatch.setattr(exact_cut, "cut", counted)
     broken = break_mesh(mesh, _frangible.Pattern.named("voronoi", seed=1), pieces=5, exact=exact)
     assert len(broken.pieces) == 12
     assert broken.notes[-1] == "5 pieces were asked for, and the mesh has 12 parts that lie apart"

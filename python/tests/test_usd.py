@@ -11,11 +11,16 @@ from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
 
 def violations(stage: Any) -> list[str]:
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    return [f"{error.GetName()}: {error.GetMessage()}" for error in UsdValidation.ValidationContext(validators).Validate(stage)]
+    return [
+        f"{error.GetName()}: {error.GetMessage()}"
+        for error in UsdValidation.ValidationContext(validators).Validate(stage)
+    ]
 
 
 @pytest.fixture(scope="module", params=["usda", "usdc"])
-def stage(request: pytest.FixtureRequest, scripted: Recording, tmp_path_factory: pytest.TempPathFactory) -> Any:
+def stage(
+    request: pytest.FixtureRequest, scripted: Recording, tmp_path_factory: pytest.TempPathFactory
+) -> Any:
     path = tmp_path_factory.mktemp("usd") / f"slab.{request.param}"
     scripted.save(path)
     return Usd.Stage.Open(str(path))
@@ -25,7 +30,9 @@ def test_no_validator_of_usd_objects(stage: Any) -> None:
     assert violations(stage) == []
 
 
-def test_the_validators_do_object_to_a_face_that_is_not_there(scripted: Recording, tmp_path: Path) -> None:
+def test_the_validators_do_object_to_a_face_that_is_not_there(
+    scripted: Recording, tmp_path: Path
+) -> None:
     scripted.save(tmp_path / "wrong.usda")
     stage = Usd.Stage.Open(str(tmp_path / "wrong.usda"))
     UsdGeom.Subset(stage.GetPrimAtPath("/World/slab/slab_4/inside")).GetIndicesAttr().Set([12])
@@ -34,7 +41,9 @@ def test_the_validators_do_object_to_a_face_that_is_not_there(scripted: Recordin
 
 def test_extents_are_those_of_the_points(stage: Any) -> None:
     for mesh in (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)):
-        assert mesh.GetExtentAttr().Get() == UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get())
+        assert mesh.GetExtentAttr().Get() == UsdGeom.PointBased.ComputeExtent(
+            mesh.GetPointsAttr().Get()
+        )
 
 
 def test_the_wall_is_valid_too(wall: Recording, tmp_path: Path) -> None:
@@ -50,20 +59,33 @@ def test_units_and_times_are_stated(stage: Any) -> None:
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
     assert stage.GetMetadata("kilogramsPerUnit") == 1.0
-    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()) == (0.0, 6.0, 24.0)
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()) == (
+        0.0,
+        6.0,
+        24.0,
+    )
 
 
 def test_fragments_lie_under_their_source(stage: Any) -> None:
     meshes = [str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
-    assert meshes == ["/World/ground/ground", *(f"/World/slab/slab{suffix}" for suffix in ("", "_2", "_4", "_5"))]
+    assert meshes == [
+        "/World/ground/ground",
+        *(f"/World/slab/slab{suffix}" for suffix in ("", "_2", "_4", "_5")),
+    ]
 
 
 def test_every_frame_shows_what_the_recording_shows(stage: Any, scripted: Recording) -> None:
-    paths = {0: "/World/ground/ground", 1: "/World/slab/slab", **{i: f"/World/slab/slab_{i}" for i in (2, 4, 5)}}
+    paths = {
+        0: "/World/ground/ground",
+        1: "/World/slab/slab",
+        **{i: f"/World/slab/slab_{i}" for i in (2, 4, 5)},
+    }
     for frame in range(scripted.frames + 1):
         for body in scripted.bodies:
             prim = UsdGeom.Imageable(stage.GetPrimAtPath(paths[body.id]))
-            assert (prim.ComputeVisibility(frame) == UsdGeom.Tokens.inherited) == body.alive(frame), (body.id, frame)
+            assert (prim.ComputeVisibility(frame) == UsdGeom.Tokens.inherited) == body.alive(
+                frame
+            ), (body.id, frame)
             if body.alive(frame):
                 world = prim.ComputeLocalToWorldTransform(frame)
                 points = UsdGeom.Mesh(prim).GetPointsAttr().Get()
@@ -107,7 +129,10 @@ def test_cracks_have_a_material_of_their_own(stage: Any) -> None:
 
 def test_corners_have_places_in_the_texture(stage: Any, scripted: Recording) -> None:
     primvar = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/slab/slab_4")).GetPrimvar("st")
-    assert (primvar.GetInterpolation(), str(primvar.GetTypeName())) == ("faceVarying", "texCoord2f[]")
+    assert (primvar.GetInterpolation(), str(primvar.GetTypeName())) == (
+        "faceVarying",
+        "texCoord2f[]",
+    )
     assert np.array(primvar.Get()) == pytest.approx(scripted.body(4).coordinates.reshape(-1, 2))
 
 

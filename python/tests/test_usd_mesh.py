@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from frangible import BuildError, Pattern, break_mesh, mesh_info, run
 from frangible.cli import main
-from frangible.usd_mesh import readable_mesh
+from frangible.io.mesh_files import readable_mesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 #: A cube of edge 2 around the origin, its faces counter-clockwise from outside.
@@ -56,7 +56,10 @@ def test_units_axes_and_transforms_are_applied(saved: Any, ending: str) -> None:
     assert facts["volume_m3"] == pytest.approx(2.0 * 1.0 * 0.5)
     # What was up, along z, is up along y; what was in front, along y, is at -z.
     assert facts["center_m"] == pytest.approx([0.0, 5.0, -3.0])
-    assert (facts["low_m"], facts["high_m"]) == (pytest.approx([-1, 4.75, -3.5]), pytest.approx([1, 5.25, -2.5]))
+    assert (facts["low_m"], facts["high_m"]) == (
+        pytest.approx([-1, 4.75, -3.5]),
+        pytest.approx([1, 5.25, -2.5]),
+    )
 
 
 def test_what_is_mirrored_or_left_handed_is_turned_right_side_out(saved: Any) -> None:
@@ -85,7 +88,9 @@ def test_instances_count_and_what_is_not_seen_does_not(saved: Any) -> None:
 
 
 @pytest.mark.parametrize("ending", ["usda", "usdc"])
-def test_a_mesh_in_usd_is_simulated(saved: Any, capsys: pytest.CaptureFixture[str], ending: str) -> None:
+def test_a_mesh_in_usd_is_simulated(
+    saved: Any, capsys: pytest.CaptureFixture[str], ending: str
+) -> None:
     path = saved(lambda stage: cube(stage, "/Cube") and None, f"drawn.{ending}")
     assert main(["run", "impact", "--mesh", path, "--frames", "1", "--threads", "1", "--json"]) == 0
     assert '"frames": 1' in capsys.readouterr().out
@@ -94,7 +99,9 @@ def test_a_mesh_in_usd_is_simulated(saved: Any, capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize("lost", [None, 3])
-def test_a_pattern_is_drawn_in_usd(saved: Any, capsys: pytest.CaptureFixture[str], lost: int | None) -> None:
+def test_a_pattern_is_drawn_in_usd(
+    saved: Any, capsys: pytest.CaptureFixture[str], lost: int | None
+) -> None:
     pattern = Pattern.named("voronoi", cells=8)
 
     def fill(stage: Any) -> None:
@@ -111,14 +118,34 @@ def test_a_pattern_is_drawn_in_usd(saved: Any, capsys: pytest.CaptureFixture[str
         assert re.search(r"^cells +8$", capsys.readouterr().out, re.MULTILINE)
     else:
         assert main(["pattern", path]) == 2
-        assert f"{path}: a gap of 0.78 m^3 (9.8 % of the box) around (-0.7236, 0.086, 0.5948)" in capsys.readouterr().err
+        assert (
+            f"{path}: a gap of 0.78 m^3 (9.8 % of the box) around (-0.7236, 0.086, 0.5948)"
+            in capsys.readouterr().err
+        )
 
 
-def test_a_mesh_in_usd_breaks_and_is_described(saved: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mesh_in_usd_breaks_and_is_described(
+    saved: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = saved(lambda stage: cube(stage, "/Cube") and None)
     pieces = break_mesh(path, Pattern.named("voronoi", cells=6))
     assert pieces.name == "drawn" and len(pieces.pieces) > 2
-    assert main(["break", path, "--pattern", "slices", "--cells", "4", "--exact", "--out", str(tmp_path / "pieces.usdc")]) == 0
+    assert (
+        main(
+            [
+                "break",
+                path,
+                "--pattern",
+                "slices",
+                "--cells",
+                "4",
+                "--exact",
+                "--out",
+                str(tmp_path / "pieces.usdc"),
+            ]
+        )
+        == 0
+    )
     capsys.readouterr()
     assert main(["info", path]) == 0
     assert re.search(r"^volume_m3 +8$", capsys.readouterr().out, re.MULTILINE)
@@ -128,11 +155,19 @@ def test_a_mesh_in_usd_breaks_and_is_described(saved: Any, tmp_path: Path, capsy
     ("fill", "sentence"),
     [
         (lambda stage: UsdGeom.Xform.Define(stage, "/Empty"), "has no mesh that can be seen"),
-        (lambda stage: cube(stage, "/Cube").CreateFaceVertexIndicesAttr([0, 1, 99]), "the faces of /Cube do not fit its points"),
-        (lambda stage: cube(stage, "/Cube").CreatePointsAttr([(0, 0, float("inf"))] * 8), "coordinates must be finite"),
+        (
+            lambda stage: cube(stage, "/Cube").CreateFaceVertexIndicesAttr([0, 1, 99]),
+            "the faces of /Cube do not fit its points",
+        ),
+        (
+            lambda stage: cube(stage, "/Cube").CreatePointsAttr([(0, 0, float("inf"))] * 8),
+            "coordinates must be finite",
+        ),
     ],
 )
-def test_a_bad_mesh_gets_a_sentence_with_its_path(saved: Any, fill: Callable[[Any], Any], sentence: str) -> None:
+def test_a_bad_mesh_gets_a_sentence_with_its_path(
+    saved: Any, fill: Callable[[Any], Any], sentence: str
+) -> None:
     path = saved(lambda stage: fill(stage) and None)
     with pytest.raises(BuildError, match=sentence) as error:
         info(path)
@@ -144,11 +179,26 @@ def test_a_bad_mesh_gets_a_sentence_with_its_path(saved: Any, fill: Callable[[An
 SHAPES = {
     "cube": (UsdGeom.Cube, {"size": 3.0}, 27.0, (3, 3, 3)),
     "ball": (UsdGeom.Sphere, {"radius": 0.5}, math.pi / 6, (1, 1, 1)),
-    "cylinder along x": (UsdGeom.Cylinder, {"radius": 1.0, "height": 4.0, "axis": "X"}, 4 * math.pi, (4, 2, 2)),
+    "cylinder along x": (
+        UsdGeom.Cylinder,
+        {"radius": 1.0, "height": 4.0, "axis": "X"},
+        4 * math.pi,
+        (4, 2, 2),
+    ),
     "cylinder": (UsdGeom.Cylinder, {}, 2 * math.pi, (2, 2, 2)),
     "cone along y": (UsdGeom.Cone, {"radius": 1.0, "height": 3.0, "axis": "Y"}, math.pi, (2, 3, 2)),
-    "capsule along x": (UsdGeom.Capsule, {"radius": 0.5, "height": 2.0, "axis": "X"}, 2 * math.pi / 3, (3, 1, 1)),
-    "a long capsule": (UsdGeom.Capsule, {"radius": 0.5, "height": 90.0}, math.pi * (22.5 + 1 / 6), (1, 1, 91)),
+    "capsule along x": (
+        UsdGeom.Capsule,
+        {"radius": 0.5, "height": 2.0, "axis": "X"},
+        2 * math.pi / 3,
+        (3, 1, 1),
+    ),
+    "a long capsule": (
+        UsdGeom.Capsule,
+        {"radius": 0.5, "height": 90.0},
+        math.pi * (22.5 + 1 / 6),
+        (1, 1, 91),
+    ),
 }
 
 
@@ -168,7 +218,9 @@ def test_shapes_are_meshes_of_their_volume_and_size(saved: Any, name: str) -> No
     facts = info(saved(fill))
     assert facts["watertight"] and facts["volume_m3"] == pytest.approx(8 * volume, rel=1e-9)
     assert facts["center_m"][:2] == pytest.approx([7, -3]) or "cone" in name
-    assert np.subtract(facts["high_m"], facts["low_m"]) == pytest.approx(2 * np.array(size), abs=2e-3 * min(size))
+    assert np.subtract(facts["high_m"], facts["low_m"]) == pytest.approx(
+        2 * np.array(size), abs=2e-3 * min(size)
+    )
 
 
 def test_the_tip_of_a_cone_and_the_ends_of_a_capsule_are_where_they_should_be(saved: Any) -> None:
@@ -187,12 +239,16 @@ def test_the_tip_of_a_cone_and_the_ends_of_a_capsule_are_where_they_should_be(sa
 
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_shape_without_a_size_is_refused(saved: Any, value: float) -> None:
-    path = saved(lambda stage: UsdGeom.Sphere.Define(stage, "/Ball").CreateRadiusAttr(value) and None)
+    path = saved(
+        lambda stage: UsdGeom.Sphere.Define(stage, "/Ball").CreateRadiusAttr(value) and None
+    )
     with pytest.raises(BuildError, match=f"the radius of /Ball: {value}, must be a number > 0"):
         info(path)
 
 
-def instancer(stage: Any, path: str, prototypes: list[str], indices: list[int], positions: list[Any]) -> Any:
+def instancer(
+    stage: Any, path: str, prototypes: list[str], indices: list[int], positions: list[Any]
+) -> Any:
     made = UsdGeom.PointInstancer.Define(stage, path)
     made.CreatePrototypesRel().SetTargets(prototypes)
     made.CreateProtoIndicesAttr(indices)
@@ -203,8 +259,16 @@ def instancer(stage: Any, path: str, prototypes: list[str], indices: list[int], 
 def test_instances_of_an_instancer_are_moved_turned_scaled_and_hidden(saved: Any) -> None:
     def fill(stage: Any) -> None:
         UsdGeom.Xform.Define(stage, "/World").AddTranslateOp().Set(Gf.Vec3d(100, 0, 0))
-        made = instancer(stage, "/World/Many", ["/World/Many/Proto"], [0, 0, 0], [(0, 0, 0), (10, 0, 0), (20, 0, 0)])
-        made.CreateOrientationsAttr([Gf.Quath(1, 0, 0, 0), Gf.Quath(0.7071, 0, 0, 0.7071), Gf.Quath(1, 0, 0, 0)])
+        made = instancer(
+            stage,
+            "/World/Many",
+            ["/World/Many/Proto"],
+            [0, 0, 0],
+            [(0, 0, 0), (10, 0, 0), (20, 0, 0)],
+        )
+        made.CreateOrientationsAttr(
+            [Gf.Quath(1, 0, 0, 0), Gf.Quath(0.7071, 0, 0, 0.7071), Gf.Quath(1, 0, 0, 0)]
+        )
         made.CreateScalesAttr([(1, 1, 1), (3, 1, 1), (1, 1, 1)])
         made.CreateIdsAttr([11, 12, 13])
         made.CreateInvisibleIdsAttr([13])
@@ -220,9 +284,17 @@ def test_instances_of_an_instancer_are_moved_turned_scaled_and_hidden(saved: Any
 
 def test_instancers_of_instancers_and_of_prototypes_that_are_not_drawn(saved: Any) -> None:
     def fill(stage: Any) -> None:
-        inner = instancer(stage, "/Outer/Inner", ["/Drawer/Cube", "/Outer/Inner/Ball"], [0, 1], [(0, 0, 0), (0, 5, 0)])
+        inner = instancer(
+            stage,
+            "/Outer/Inner",
+            ["/Drawer/Cube", "/Outer/Inner/Ball"],
+            [0, 1],
+            [(0, 0, 0), (0, 5, 0)],
+        )
         UsdGeom.Sphere.Define(stage, "/Outer/Inner/Ball")
-        instancer(stage, "/Outer", [str(inner.GetPath())], [0, 0, 0], [(0, 0, 0), (9, 0, 0), (0, 0, 9)])
+        instancer(
+            stage, "/Outer", [str(inner.GetPath())], [0, 0, 0], [(0, 0, 0), (9, 0, 0), (0, 0, 9)]
+        )
         # A prim that is only `over` is a prototype, and nothing by itself.
         cube(stage, "/Drawer/Cube")
         stage.GetPrimAtPath("/Drawer").SetSpecifier(Sdf.SpecifierOver)
@@ -238,7 +310,12 @@ def test_instances_that_do_not_fit_are_refused(saved: Any, monkeypatch: pytest.M
 
     for indices in ([0, 1], [0, -1], [0]):
         with pytest.raises(BuildError, match="the instances of /Many do not fit its prototypes"):
-            info(saved(lambda stage, indices=indices: fill(stage, indices), f"{len(str(indices))}{indices[-1]}.usda"))
+            info(
+                saved(
+                    lambda stage, indices=indices: fill(stage, indices),
+                    f"{len(str(indices))}{indices[-1]}.usda",
+                )
+            )
 
     def within_itself(stage: Any) -> None:
         instancer(stage, "/A", ["/A/B"], [0], [(0, 0, 0)])
@@ -250,17 +327,24 @@ def test_instances_that_do_not_fit_are_refused(saved: Any, monkeypatch: pytest.M
     def crowd(stage: Any) -> None:
         lower = cube(stage, "/Cube").GetPath()
         for level in range(9):
-            lower = instancer(stage, f"/Level{level}", [str(lower)], [0] * 10, [(0, 0, 0)] * 10).GetPath()
+            lower = instancer(
+                stage, f"/Level{level}", [str(lower)], [0] * 10, [(0, 0, 0)] * 10
+            ).GetPath()
 
-    for limit, most, what in (("MOST_PARTS", 2000, "meshes"), ("MOST_TRIANGLES", 20000, "triangles")):
-        monkeypatch.setattr(f"frangible.usd_mesh.{limit}", most)
+    for limit, most, what in (
+        ("MOST_PARTS", 2000, "meshes"),
+        ("MOST_TRIANGLES", 20000, "triangles"),
+    ):
+        monkeypatch.setattr(f"frangible.io.usd_mesh.{limit}", most)
         sentence = f"has [0-9]+ {what} or more, each instance counted, must have at most {most}$"
         with pytest.raises(BuildError, match=sentence):
             info(saved(crowd, f"{what}.usda"))
         monkeypatch.undo()
 
 
-def test_what_is_left_out_is_named_once_each(saved: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_left_out_is_named_once_each(
+    saved: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
     def fill(stage: Any) -> None:
         cube(stage, "/Cube").CreateSubdivisionSchemeAttr(UsdGeom.Tokens.catmullClark)
         for number in range(3):
@@ -272,8 +356,10 @@ def test_what_is_left_out_is_named_once_each(saved: Any, capsys: pytest.CaptureF
     path = saved(fill)
     assert main(["info", path]) == 0
     assert capsys.readouterr().err.splitlines() == [
-        f"frangible: {path}: is not complete: Could not open asset @lost.usda@ for reference introduced by @{path}@</Lost>",
-        f"frangible: {path}: left out: BasisCurves (/Hair0 and 2 more), Points (/Dust), subdivision of Mesh (/Cube)",
+        f"frangible: {path}: is not complete: Could not open asset @lost.usda@ for reference "
+        f"introduced by @{path}@</Lost>",
+        f"frangible: {path}: left out: BasisCurves (/Hair0 and 2 more), Points (/Dust), "
+        "subdivision of Mesh (/Cube)",
     ]
 
 
@@ -362,8 +448,12 @@ def test_units_are_read_from_whatever_they_are_stored_as(saved: Any, value: Any)
             info(path)
 
 
-@pytest.mark.parametrize("reason", [RuntimeError("a\nb"), KeyError("x"), OverflowError("too large"), MemoryError()])
-def test_whatever_the_library_raises_is_one_sentence(saved: Any, monkeypatch: pytest.MonkeyPatch, reason: Exception) -> None:
+@pytest.mark.parametrize(
+    "reason", [RuntimeError("a\nb"), KeyError("x"), OverflowError("too large"), MemoryError()]
+)
+def test_whatever_the_library_raises_is_one_sentence(
+    saved: Any, monkeypatch: pytest.MonkeyPatch, reason: Exception
+) -> None:
     path = saved(lambda stage: cube(stage, "/Cube") and None)
 
     def fail(*_: object) -> None:

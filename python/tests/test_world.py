@@ -11,7 +11,12 @@ import pytest
 from frangible import BuildError, Recording, World, shot_defaults, shot_frames, shot_scene
 from frangible.report import Fracture, StepReport
 
-BALL = {"name": "ball", "shape": {"kind": "sphere", "radius": 0.5}, "position": [1, 2, 3], "density": 1000.0}
+BALL = {
+    "name": "ball",
+    "shape": {"kind": "sphere", "radius": 0.5},
+    "position": [1, 2, 3],
+    "density": 1000.0,
+}
 GROUND = {"name": "ground", "shape": {"kind": "half-space"}, "motion": "static"}
 
 
@@ -21,7 +26,11 @@ def build(*bodies: dict[str, Any], **fields: Any) -> World:
 
 def test_a_free_body_flies_as_newton_says() -> None:
     spin = [0.0, 2.0, 0.0]
-    world = build(GROUND, {**BALL, "linear_velocity": [3, 0, 0], "angular_velocity": spin}, gravity=[0, -10, 0])
+    world = build(
+        GROUND,
+        {**BALL, "linear_velocity": [3, 0, 0], "angular_velocity": spin},
+        gravity=[0, -10, 0],
+    )
     for _ in range(6):
         report = world.step()
     t = 6 / 30
@@ -33,7 +42,10 @@ def test_a_free_body_flies_as_newton_says() -> None:
     # Its momentum, and its angular momentum about the origin.
     mass = world.masses[1]
     assert report["momentum"]["linear"] == pytest.approx(mass * world.velocities[1])
-    orbital, own = mass * np.cross(world.positions[1], world.velocities[1]), 0.4 * mass * 0.5**2 * np.array(spin)
+    orbital, own = (
+        mass * np.cross(world.positions[1], world.velocities[1]),
+        0.4 * mass * 0.5**2 * np.array(spin),
+    )
     assert report["momentum"]["angular"] == pytest.approx(orbital + own)
 
 
@@ -41,7 +53,9 @@ def test_arrays_have_a_row_for_each_body() -> None:
     world = build(GROUND, BALL, BALL)
     assert world.ids.dtype == np.uint64
     assert len(set(world.ids.tolist())) == 3
-    assert world.positions.shape == world.velocities.shape == world.angular_velocities.shape == (3, 3)
+    assert (
+        world.positions.shape == world.velocities.shape == world.angular_velocities.shape == (3, 3)
+    )
     assert world.orientations.shape == (3, 4)
     assert world.masses == pytest.approx([np.inf, *[1000 * np.pi / 6] * 2])
     assert world.names == ["ground", "ball", "ball"]
@@ -49,7 +63,9 @@ def test_arrays_have_a_row_for_each_body() -> None:
 
 
 def test_a_kinematic_body_has_infinite_mass_and_its_own_velocity() -> None:
-    world = build({**BALL, "motion": "kinematic", "linear_velocity": [0, 0, 4], "angular_velocity": [1, 0, 0]})
+    world = build(
+        {**BALL, "motion": "kinematic", "linear_velocity": [0, 0, 4], "angular_velocity": [1, 0, 0]}
+    )
     world.step()
     assert world.masses.tolist() == [np.inf]
     assert world.velocities[0].tolist() == [0, 0, 4]
@@ -134,9 +150,18 @@ def test_equal_scenes_have_equal_hashes_and_others_do_not() -> None:
         ({"restitution": 1.5}, ["bodies[0].restitution", "1.5", "between 0 and 1"]),
         ({"position": [0, 1e999, 0]}, ["bodies[0].position[1]", "Infinity", "finite"]),
         ({"orientation": [0, 0, 0, 0]}, ["bodies[0].orientation", "zero"]),
-        ({"shape": {"kind": "sphere", "radius": -2}}, ["bodies[0].shape.radius", "-2", "between 1e-6 and 1e6 m"]),
         (
-            {"shape": {"kind": "box", "size": [1, 1, 1], "resolution": {"voxels": [4000, 4000, 4000]}}},
+            {"shape": {"kind": "sphere", "radius": -2}},
+            ["bodies[0].shape.radius", "-2", "between 1e-6 and 1e6 m"],
+        ),
+        (
+            {
+                "shape": {
+                    "kind": "box",
+                    "size": [1, 1, 1],
+                    "resolution": {"voxels": [4000, 4000, 4000]},
+                }
+            },
             ["bodies[0].shape.resolution.voxels", "4000", "at most"],
         ),
         ({"shape": {"kind": "mesh", "path": "no/such.obj"}}, ["no/such.obj", "no such file"]),
@@ -144,7 +169,9 @@ def test_equal_scenes_have_equal_hashes_and_others_do_not() -> None:
         ({"colour": "red"}, ["colour", "density"]),
     ],
 )
-def test_a_scene_that_breaks_a_rule_names_field_value_and_rule(change: dict[str, Any], words: list[str]) -> None:
+def test_a_scene_that_breaks_a_rule_names_field_value_and_rule(
+    change: dict[str, Any], words: list[str]
+) -> None:
     with pytest.raises(BuildError) as caught:
         build({**BALL, **change})
     message = str(caught.value)
@@ -185,7 +212,11 @@ def test_what_is_not_asked_for_is_the_engines_default() -> None:
 
 
 def test_freed_memory_is_kept_for_a_minute_or_as_long_as_the_environment_says() -> None:
-    ask = [sys.executable, "-c", "from frangible import _frangible; print(_frangible._memory_kept_ms)"]
+    ask = [
+        sys.executable,
+        "-c",
+        "from frangible import _frangible; print(_frangible._memory_kept_ms)",
+    ]
     others = {name: value for name, value in os.environ.items() if not name.startswith("MIMALLOC")}
     for said, kept in [({}, 60_000), ({"MIMALLOC_PURGE_DELAY": "5"}, 5)]:
         answer = subprocess.run(ask, env=others | said, capture_output=True, text=True, check=True)

@@ -1,4 +1,4 @@
-// The blob that `python/frangible/page_data.py` describes: a header, and streams of whole numbers.
+// The blob that `python/frangible/io/page_data.py` describes: a header, and streams of whole numbers.
 
 /** A stream as the header describes it. */
 export interface StreamInfo {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Clock, TEXELS, breaks, countAlive, decode, fillPoses, unfold } from "../dist/model.mjs";
 
-/** Fold and split whole numbers as `python/frangible/page_streams.py` does. */
+/** Fold and split whole numbers as `python/frangible/io/page_streams.py` does. */
 function encode(columns, order) {
   const folded = columns.flatMap((column) => {
     let values = column;

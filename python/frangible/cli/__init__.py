@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from .. import _frangible
-from ..cache import CacheError
-from ..camera import CameraError
+from ..bench.run_process import BenchError
+from ..bench.verification import ClaimError
+from ..errors import CacheError, OutputError
 from ..interrupts import own_process
-from ..output import OutputError
-from ..reading import FileNote
-from ..stepping import BenchError
-from ..verification import ClaimError
+from ..io.reading import FileNote
+from ..render.camera import CameraError
 from .bench import add_bench
 from .breaking import add_break
 from .files import add_info, add_plot, add_shots
@@ -29,7 +28,19 @@ from .scene import add_scene, add_schema
 from .verify import add_verify
 
 #: In the order in which the help lists them.
-COMMANDS = (add_run, add_scene, add_bench, add_break, add_plot, add_render, add_verify, add_pattern, add_shots, add_info, add_schema)
+COMMANDS = (
+    add_run,
+    add_scene,
+    add_bench,
+    add_break,
+    add_plot,
+    add_render,
+    add_verify,
+    add_pattern,
+    add_shots,
+    add_info,
+    add_schema,
+)
 
 
 #: Signals that ask a program to end.
@@ -38,6 +49,7 @@ POLITE = (signal.SIGTERM, signal.SIGHUP)
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; answers with its exit status."""
+
     # A polite kill, or the end of the terminal, unwinds like an interrupt, so that temporary files
     # go away.
     def terminate(number: int, _: object) -> NoReturn:
@@ -65,7 +77,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             status: int = options.command(options) or 0
         sys.stdout.flush()
         return status
-    except (_frangible.BuildError, BenchError, CacheError, CameraError, ClaimError, OutputError) as error:
+    except (
+        _frangible.BuildError,
+        BenchError,
+        CacheError,
+        CameraError,
+        ClaimError,
+        OutputError,
+    ) as error:
         print(f"frangible: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except BrokenPipeError:
@@ -74,7 +93,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_PIPE_CLOSED
     except OSError as error:
         # The disk is full, or the folder went away during the run.
-        print(f"frangible: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        print(
+            f"frangible: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr
+        )
         return EXIT_FAILED
     except KeyboardInterrupt:
         print("frangible: interrupted", file=sys.stderr)

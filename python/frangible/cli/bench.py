@@ -6,24 +6,54 @@ import argparse
 import json
 from typing import Any
 
-from ..bench import RESULTS, bench, describe_bench, shots_to_bench
-from ..summary import Summary
+from ..bench.stage_times import RESULTS, bench, describe_bench, shots_to_bench
+from ..bench.summary import Summary
 from .options import MOST_THREADS, count, naturals
 
 
 def add_bench(commands: Any) -> None:
     """Add the command."""
-    bencher = commands.add_parser("bench", help="measure how long the stages of a frame take, and how much memory a piece")
+    bencher = commands.add_parser(
+        "bench", help="measure how long the stages of a frame take, and how much memory a piece"
+    )
     bencher.set_defaults(command=_bench)
-    bencher.add_argument("shot", metavar="SHOT", nargs="?", help="one of those that `frangible shots` lists, or all [the piles, and some small ones]")
+    bencher.add_argument(
+        "shot",
+        metavar="SHOT",
+        nargs="?",
+        help="one of those that `frangible shots` lists, or all [the piles, and some small ones]",
+    )
     bencher.add_argument("--frames", type=count, metavar="N", help="number of steps [each shot's]")
     bencher.add_argument(
-        "--threads", type=naturals(MOST_THREADS), default=[1], metavar="N[,N]", help="0 means one for every processor; of several, each in turn [1]"
+        "--threads",
+        type=naturals(MOST_THREADS),
+        default=[1],
+        metavar="N[,N]",
+        help="0 means one for every processor; of several, each in turn [1]",
     )
-    bencher.add_argument("--peers", action="store_true", help="piles in other engines too, on one core; from the root of the repository")
-    bencher.add_argument("--runs", type=count, default=3, metavar="N", help="of each engine with --peers, by turns [%(default)s]")
-    bencher.add_argument("--out", default=RESULTS, metavar="FOLDER", help="where the table goes that results are appended to [%(default)s]")
-    bencher.add_argument("--json", action="store_true", help="one line of JSON on stdout for every shot, instead of its table")
+    bencher.add_argument(
+        "--peers",
+        action="store_true",
+        help="piles in other engines too, on one core; from the root of the repository",
+    )
+    bencher.add_argument(
+        "--runs",
+        type=count,
+        default=3,
+        metavar="N",
+        help="of each engine with --peers, by turns [%(default)s]",
+    )
+    bencher.add_argument(
+        "--out",
+        default=RESULTS,
+        metavar="FOLDER",
+        help="where the table goes that results are appended to [%(default)s]",
+    )
+    bencher.add_argument(
+        "--json",
+        action="store_true",
+        help="one line of JSON on stdout for every shot, instead of its table",
+    )
 
 
 def _bench(options: argparse.Namespace) -> None:
@@ -31,7 +61,7 @@ def _bench(options: argparse.Namespace) -> None:
         print(json.dumps(summary) if options.json else describe_bench(summary), flush=True)
 
     if options.peers:
-        from ..peers import PILES, compare, describe_peers
+        from ..bench.peers import PILES, compare, describe_peers
 
         piles = PILES if options.shot is None else shots_to_bench(options.shot)
 

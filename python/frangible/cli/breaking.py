@@ -10,22 +10,20 @@ import time
 from typing import Any
 
 from .. import _frangible
-from ..breaking import DEFAULT_NORMAL, DEFAULT_SMALLEST, DEFAULT_VOXELS, MOST_VOXELS, break_mesh
-from ..output import OutputError
-from ..piece_count import MOST_PIECES
-from ..pieces import describe_pieces
-from ..pieces_files import open_pieces_output
-from ..progress import report_stages
-from ..usd_mesh import readable_mesh
-from .options import (
-    add_inside,
-    add_pose_time,
-    add_thickness,
-    check_pieces,
-    count,
-    finite,
-    natural,
+from ..breaking.break_mesh import (
+    DEFAULT_NORMAL,
+    DEFAULT_SMALLEST,
+    DEFAULT_VOXELS,
+    MOST_VOXELS,
+    break_mesh,
 )
+from ..breaking.piece_count import MOST_PIECES
+from ..errors import OutputError
+from ..io.mesh_files import readable_mesh
+from ..io.pieces_output import open_pieces_output
+from ..pieces import describe_pieces
+from ..progress import report_stages
+from .options import add_inside, add_pose_time, add_thickness, check_pieces, count, finite, natural
 
 
 def add_break(commands: Any) -> None:
@@ -33,7 +31,12 @@ def add_break(commands: Any) -> None:
     breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
     breaker.set_defaults(command=_break)
     breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
-    breaker.add_argument("--pattern", required=True, metavar="NAME|FILE", help="built-in pattern, or a file that holds one")
+    breaker.add_argument(
+        "--pattern",
+        required=True,
+        metavar="NAME|FILE",
+        help="built-in pattern, or a file that holds one",
+    )
     breaker.add_argument("--cells", type=count, metavar="N", help="number of cells [the pattern's]")
     breaker.add_argument(
         "--pieces",
@@ -48,13 +51,19 @@ def add_break(commands: Any) -> None:
         metavar="FRACTION",
         help="smaller pieces join a neighbour; of the mean piece's volume [%(default)g]",
     )
-    breaker.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pieces [the pattern's]")
+    breaker.add_argument(
+        "--seed",
+        type=natural(2**64 - 1),
+        metavar="N",
+        help="same seed, same pieces [the pattern's]",
+    )
     breaker.add_argument(
         "--at",
         nargs=3,
         type=finite,
         metavar=("X", "Y", "Z"),
-        help="point that is struck, in the mesh's own frame [where a blow through the middle of the bounding box lands]",
+        help="point that is struck, in the mesh's own frame [where a blow through the middle of "
+        "the bounding box lands]",
     )
     breaker.add_argument(
         "--normal",
@@ -84,7 +93,8 @@ def add_break(commands: Any) -> None:
         type=natural(MOST_VOXELS, 1),
         default=DEFAULT_VOXELS,
         metavar="N",
-        help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses itself, or with --grid",
+        help="of the grid, along the mesh's longest side [%(default)s]; of a mesh that crosses "
+        "itself, or with --grid",
     )
     add_thickness(breaker)
     add_pose_time(breaker)
@@ -92,7 +102,8 @@ def add_break(commands: Any) -> None:
         "--out",
         required=True,
         metavar="FILE|FOLDER",
-        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and neighbours go beside it as .json",
+        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and "
+        "neighbours go beside it as .json",
     )
     breaker.add_argument("--quiet", action="store_true", help="no progress and no list of files")
     breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")

@@ -7,12 +7,12 @@ import json
 from typing import Any
 
 from .. import _frangible
-from ..output import open_plot
+from ..io.output import open_plot
 from ..progress import report_stages
 from ..recording import Recording
-from ..shot_groups import grouped
 from .options import add_pose_time, readable
 from .outputs import write
+from .shot_groups import grouped
 
 
 def add_plot(commands: Any) -> None:
@@ -21,7 +21,11 @@ def add_plot(commands: Any) -> None:
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="FILE", help="what `frangible run --out FILE` wrote, .npz")
     plot.add_argument(
-        "--out", action="append", required=True, metavar="FILE", help=".png, .svg or .pdf; may be repeated"
+        "--out",
+        action="append",
+        required=True,
+        metavar="FILE",
+        help=".png, .svg or .pdf; may be repeated",
     )
 
 
@@ -29,16 +33,24 @@ def add_shots(commands: Any) -> None:
     """Add the command."""
     shots = commands.add_parser("shots", help="list the shots by what they show")
     shots.set_defaults(command=_shots)
-    shots.add_argument("--json", action="store_true", help="a JSON object instead: the line of each name")
+    shots.add_argument(
+        "--json", action="store_true", help="a JSON object instead: the line of each name"
+    )
 
 
 def add_info(commands: Any) -> None:
     """Add the command."""
-    info = commands.add_parser("info", help="describe a mesh, with its mass properties at unit density, or a cache")
+    info = commands.add_parser(
+        "info", help="describe a mesh, with its mass properties at unit density, or a cache"
+    )
     info.set_defaults(command=_info)
     add_pose_time(info)
     info.add_argument("--json", action="store_true", help="a JSON object instead")
-    info.add_argument("file", metavar="FILE", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)")
+    info.add_argument(
+        "file",
+        metavar="FILE",
+        help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd) or cache (.npz, .usda, .usdc)",
+    )
 
 
 def _plot(options: argparse.Namespace) -> int:
@@ -59,7 +71,7 @@ def _shots(options: argparse.Namespace) -> None:
 
 
 def _info(options: argparse.Namespace) -> None:
-    from ..info import describe_file
+    from .info import describe_file
 
     with report_stages() as stage:
         stage("measuring what the file holds")

@@ -8,10 +8,10 @@ import re
 import signal
 import sys
 from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from .. import _frangible
-from ..piece_count import LEAST_PIECES, MOST_PIECES
+from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
 from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 
@@ -43,7 +43,9 @@ class Parser(argparse.ArgumentParser):
             return f", must be {name} {form}".rstrip()
         near = self._near(message)
         # `choose from` names them already.
-        return near or ("" if "invalid" in message or "must be" in message else f"; see {self.prog} -h")
+        return near or (
+            "" if "invalid" in message or "must be" in message else f"; see {self.prog} -h"
+        )
 
     def _near(self, message: str) -> str:
         if bad_choice := re.search(r"invalid choice: '([^']*)'", message):
@@ -57,7 +59,11 @@ class Parser(argparse.ArgumentParser):
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that choose a scene, for `chosen_scene`."""
     defaults = _frangible.shot_defaults()
-    parser.add_argument("shot", metavar="SHOT|FILE", help="one of those that `frangible shots` lists, or a scene file (.json, .toml)")
+    parser.add_argument(
+        "shot",
+        metavar="SHOT|FILE",
+        help="one of those that `frangible shots` lists, or a scene file (.json, .toml)",
+    )
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
     parser.add_argument(
         "--set",
@@ -67,12 +73,27 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=VALUE",
         help="a field of the scene, as in bodies.wall.breaking.strength=2e6; may be repeated",
     )
-    parser.add_argument("--fps", type=positive, metavar="HZ", help=f"steps per second [{defaults['fps']:g}, or the file's]")
-    parser.add_argument("--method", help=f"which step advances a frame [{defaults['method']}, or the file's]")
     parser.add_argument(
-        "--pieces", type=natural(MOST_PIECES), metavar="N", help="each break makes about so many pieces [what its pattern makes]"
+        "--fps",
+        type=positive,
+        metavar="HZ",
+        help=f"steps per second [{defaults['fps']:g}, or the file's]",
     )
-    parser.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help=f"same seed, same shot [{defaults['seed']}]")
+    parser.add_argument(
+        "--method", help=f"which step advances a frame [{defaults['method']}, or the file's]"
+    )
+    parser.add_argument(
+        "--pieces",
+        type=natural(MOST_PIECES),
+        metavar="N",
+        help="each break makes about so many pieces [what its pattern makes]",
+    )
+    parser.add_argument(
+        "--seed",
+        type=natural(2**64 - 1),
+        metavar="N",
+        help=f"same seed, same shot [{defaults['seed']}]",
+    )
     add_thickness(parser)
     add_pose_time(parser)
 
@@ -127,7 +148,8 @@ def add_pose_time(parser: argparse.ArgumentParser) -> None:
         "--pose-time",
         type=finite,
         metavar="SECONDS",
-        help="how long after its beginning an animation in a .gltf, .glb or .usd stands still [its rest pose]",
+        help="how long after its beginning an animation in a .gltf, .glb or .usd stands still "
+        "[its rest pose]",
     )
 
 
@@ -137,7 +159,9 @@ def check_pieces(pieces: int | None, cells: int | None) -> None:
         rule = f"from {LEAST_PIECES} to {MOST_PIECES}"
         raise _frangible.BuildError(f"--pieces: {pieces}, must be {rule}")
     if pieces is not None and cells is not None:
-        raise _frangible.BuildError(f"--pieces: {pieces}, must come without --cells, which follow from it")
+        raise _frangible.BuildError(
+            f"--pieces: {pieces}, must come without --cells, which follow from it"
+        )
 
 
 def finite(text: str) -> float:

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from ..output import Output, View, open_output
+from ..io.output import Output, View, open_output
 from ..recording import Recording
 from .options import EXIT_FAILED
 
@@ -33,7 +33,8 @@ def _progress(path: str) -> Callable[[int, int], None]:
 
 
 def write(outputs: list[Output], recording: Recording, quiet: bool = False) -> int:
-    """Each output, with a line for each on stderr; those that fail do not keep the others. The exit status."""
+    """Each output, with a line for each on stderr; those that fail do not keep the others. The exit
+    status."""
     status = 0
     for output in outputs:
         try:

@@ -9,9 +9,9 @@ import sys
 from typing import Any
 
 from .. import _frangible
-from ..output import OutputError
-from ..piece_count import MOST_PIECES
-from ..usd_mesh import readable_mesh
+from ..breaking.piece_count import MOST_PIECES
+from ..errors import OutputError
+from ..io.mesh_files import readable_mesh
 from .options import check_pieces, count, natural, readable
 
 
@@ -21,25 +21,44 @@ def add_pattern(commands: Any) -> None:
         "pattern",
         help="make a fracture pattern, save it and draw it with its pieces pulled apart",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="kinds:\n" + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
+        epilog="kinds:\n"
+        + "\n".join(f"  {name:10} {line}" for name, line in _frangible.patterns()),
     )
     pattern.set_defaults(command=_pattern)
-    pattern.add_argument("name", metavar="NAME", help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed parts fill a box (.obj, .gltf, .glb, .usd)")
-    pattern.add_argument("--cells", type=count, metavar="N", help="about so many pieces [the kind's]")
     pattern.add_argument(
-        "--pieces", type=natural(MOST_PIECES), metavar="N", help="so many pieces, as nearly as the kind has them [the cells']"
+        "name",
+        metavar="NAME",
+        help="a kind listed below, or a file: a saved pattern (.json) or a mesh whose closed "
+        "parts fill a box (.obj, .gltf, .glb, .usd)",
     )
-    pattern.add_argument("--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]")
     pattern.add_argument(
-        "--out", action="append", default=[], metavar="FILE", help=".json, or .png for a picture; may be repeated"
+        "--cells", type=count, metavar="N", help="about so many pieces [the kind's]"
+    )
+    pattern.add_argument(
+        "--pieces",
+        type=natural(MOST_PIECES),
+        metavar="N",
+        help="so many pieces, as nearly as the kind has them [the cells']",
+    )
+    pattern.add_argument(
+        "--seed", type=natural(2**64 - 1), metavar="N", help="same seed, same pattern [1]"
+    )
+    pattern.add_argument(
+        "--out",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=".json, or .png for a picture; may be repeated",
     )
     pattern.add_argument("--json", action="store_true", help="a JSON object instead of lines")
-    pattern.add_argument("--picture", metavar="FILE", help="a picture beside what --out writes, .png")
+    pattern.add_argument(
+        "--picture", metavar="FILE", help="a picture beside what --out writes, .png"
+    )
 
 
 def _pattern(options: argparse.Namespace) -> None:
-    from ..pattern import check_pattern_file, describe_pattern, write_pattern
-    from ..piece_count import difference
+    from ..breaking.pattern import check_pattern_file, describe_pattern, write_pattern
+    from ..breaking.piece_count import difference
 
     check_pieces(options.pieces, options.cells)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..output import OutputError
+from ..errors import OutputError
 from ..recording import Recording
 from .options import add_view, natural
 from .outputs import open_outputs, write

@@ -11,16 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _frangible
+from ..bench.run_process import moving_mass
+from ..bench.summary import describe, summarise
+from ..errors import OutputError
 from ..interrupts import stop_when_asked
-from ..output import OutputError
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
 from ..simulation import check_bodies
-from ..stepping import moving_mass
-from ..summary import describe, summarise
 from .options import (
     MOST_THREADS,
     add_inside,
@@ -35,20 +35,37 @@ from .outputs import open_outputs, write
 
 def add_run(commands: Any) -> None:
     """Add the command."""
-    run = commands.add_parser("run", help="simulate a shot or a scene of your own, and write what it looks like")
+    run = commands.add_parser(
+        "run", help="simulate a shot or a scene of your own, and write what it looks like"
+    )
     run.set_defaults(command=_run)
     add_scene_options(run)
     run.add_argument(
         "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
     )
-    run.add_argument("--threads", type=natural(MOST_THREADS), default=0, metavar="N", help="0 means one for every processor [0]")
     run.add_argument(
-        "--out", action="append", default=[], metavar="FILE", help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for its frames; may be repeated"
+        "--threads",
+        type=natural(MOST_THREADS),
+        default=0,
+        metavar="N",
+        help="0 means one for every processor [0]",
+    )
+    run.add_argument(
+        "--out",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for "
+        "its frames; may be repeated",
     )
     add_inside(run, "inside, or the look's own")
     add_view(run)
-    run.add_argument("--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]")
-    run.add_argument("--quiet", action="store_true", help="no progress and no list of what was written")
+    run.add_argument(
+        "--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]"
+    )
+    run.add_argument(
+        "--quiet", action="store_true", help="no progress and no list of what was written"
+    )
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
 
 
@@ -58,10 +75,15 @@ def _run(options: argparse.Namespace) -> int:
     scene, frames, name = chosen_scene(options)
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
-        raise OutputError(f"--frame: {options.frame}, must be at most the number of frames, {frames}")
+        raise OutputError(
+            f"--frame: {options.frame}, must be at most the number of frames, {frames}"
+        )
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
-    with readable_scene(scene, options.pose_time) as readable, report_stages(options.quiet) as stage:
+    with (
+        readable_scene(scene, options.pose_time) as readable,
+        report_stages(options.quiet) as stage,
+    ):
         stage("building the world")
         world = _frangible.World.build(readable, options.threads)
         check_bodies(world)

@@ -7,10 +7,10 @@ import json
 from typing import Any
 
 from .. import _frangible
-from ..scene_page import scene_page
+from ..io.toml_text import as_toml
 from ..scenes import as_json
-from ..toml_text import as_toml
 from .options import add_scene_options, chosen_scene
+from .scene_page import scene_page
 
 
 def add_scene(commands: Any) -> None:
@@ -29,7 +29,9 @@ def _scene(options: argparse.Namespace) -> None:
 
 def add_schema(commands: Any) -> None:
     """Add the command."""
-    schema = commands.add_parser("schema", help="print the JSON Schema of scene files, or their description for people")
+    schema = commands.add_parser(
+        "schema", help="print the JSON Schema of scene files, or their description for people"
+    )
     schema.set_defaults(command=_schema)
     schema.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
 

@@ -1,4 +1,4 @@
-// Fragment shaders: the light of the gallery's pictures (`python/frangible/render.py`), without
+// Fragment shaders: the light of the gallery's pictures (`python/frangible/render/picture.py`), without
 // rays.
 
 /** Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando 2005). */
@@ -93,7 +93,7 @@ vec3 skyLight(vec3 n) {
 }
 `;
 
-/** Grain of wood and gravel in concrete, drawn by position as `python/frangible/textures.py` does. */
+/** Grain of wood and gravel in concrete, drawn by position as `python/frangible/render/textures.py` does. */
 const GRAIN = /* glsl */ `
 float hashed(ivec3 at) {
   uvec3 v = uvec3(at) * 1664525u + 1013904223u;

@@ -1,7 +1,7 @@
 //! The things that the programs beside this one share: the file of a pile that they read, and the times and
 //! states that they write.
 //!
-//! `python/frangible/pile_file.py` writes the file and says what stands in it.
+//! `python/frangible/bench/pile_file.py` writes the file and says what stands in it.
 
 use cpu_time::ProcessTime;
 use std::fmt::Write as _;

@@ -1,0 +1,1 @@
+"""Measurements: times, memory, claims, and other engines beside ours."""

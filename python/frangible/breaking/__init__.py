@@ -1,0 +1,1 @@
+"""Breaking meshes without a simulation."""

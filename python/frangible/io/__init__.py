@@ -1,0 +1,1 @@
+"""Files: a writer and a reader for each format."""

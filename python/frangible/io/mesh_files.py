@@ -1,0 +1,63 @@
+"""Mesh files of every format, handed to the core as one that it reads."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from .._frangible import BuildError
+from ..extras import missing_packages
+from .gltf_mesh import ENDINGS as GLTF_ENDINGS
+from .gltf_mesh import make_plain
+from .reading import file_fault
+
+#: What USD files end in.
+USD_ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
+
+
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """`BuildError` unless the file's ending is that of a mesh file."""
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    known = (".obj", ".ply", ".stl", *GLTF_ENDINGS, *USD_ENDINGS)
+    if ending not in known:
+        rule = f"must end in one of {', '.join(known)}"
+        raise BuildError(f"{os.fspath(path)}: ends in {ending!r}, {rule}")
+
+
+@contextmanager
+def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) -> Iterator[str]:
+    """The path itself, or for a USD or glTF file that of a plain mesh file that the core reads,
+    while the context lasts.
+
+    USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What
+    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it.
+    `BuildError` if there is no mesh, or a package for it is missing; `FileNote` warnings name what
+    is left out.
+    """
+    path = os.fspath(path)
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or file_fault(path):
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        name = os.path.join(
+            folder, f"{os.path.basename(path)}{'.obj' if ending in USD_ENDINGS else '.glb'}"
+        )
+        if ending in USD_ENDINGS:
+            _stage_to_obj(path, name, pose_time)
+        elif not make_plain(path, name, pose_time):
+            name = path
+        try:
+            yield name
+        except BuildError as error:
+            raise BuildError(str(error).replace(name, path)) from None
+
+
+def _stage_to_obj(path: str, obj: str, pose_time: float | None) -> None:
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .usd_mesh import write_stage
+
+    write_stage(path, obj, pose_time)

@@ -1,0 +1,252 @@
+"""USD: one Mesh prim for every body, under an Xform for the body of the scene that it was a part
+of."""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
+
+from ..errors import CacheError
+from ..names import by_source, unique_names
+from ..pieces import Pieces
+from ..recording import Body, Recording
+from ..render.ground import with_visible_ground
+from ..render.normals import corner_normals, shaded_mesh
+from ..render.palette import Palette
+from .image_folder import ImageFolder
+from .keyframes import telling_samples
+from .usd_materials import add_material
+from .usd_stage import mark, open_stage, written_as
+from .whole import whole_path
+
+#: How long a body takes to appear and to vanish [frames].
+STEP = 1.0 / 64.0
+#: The marker of a stage that a recording was written as.
+RECORDING = "recording"
+
+
+def write_usd(recording: Recording, path: str) -> None:
+    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is
+    up."""
+    # Sample times and units.
+    stage = Usd.Stage.CreateNew(path)
+    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetMetadata("kilogramsPerUnit", 1.0)
+    stage.SetTimeCodesPerSecond(recording.fps)
+    stage.SetFramesPerSecond(recording.fps)
+    stage.SetStartTimeCode(0.0)
+    stage.SetEndTimeCode(float(recording.frames))
+    mark(stage, RECORDING)
+
+    # The root.
+    root = UsdGeom.Xform.Define(stage, "/World")
+    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
+    stage.SetDefaultPrim(root.GetPrim())
+    UsdGeom.Scope.Define(stage, "/World/Materials")
+
+    # One Xform for each source, with its pieces.
+    families = by_source(with_visible_ground(recording).bodies)
+    palette = Palette(
+        families,
+        lambda name, material: add_material(stage, f"/World/Materials/{name}", material, images),
+    )
+    names = unique_names(["Materials", *(family[0].name for family in families.values())])
+    next(names)
+    for family, name in zip(families.values(), names, strict=True):
+        UsdGeom.Xform.Define(stage, f"/World/{name}")
+        place = _places(stage, f"/World/{name}")
+        for body in family:
+            mesh = _mesh(stage, place(body, body.name), body, palette)
+            _motion(mesh, body)
+            _life(mesh, body)
+    _save(stage)
+
+
+def write_pieces(pieces: Pieces, path: str) -> None:
+    """Write a broken mesh: a Mesh for each piece, with its origin at its centre of mass."""
+    stage = Usd.Stage.CreateNew(path)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    (name,) = unique_names([pieces.name])
+    root = UsdGeom.Xform.Define(stage, f"/{name}")
+    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
+    stage.SetDefaultPrim(root.GetPrim())
+    UsdGeom.Scope.Define(stage, f"/{name}/Materials")
+    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
+    bodies = [piece.body(index) for index, piece in enumerate(pieces.pieces)]
+    palette = Palette(
+        by_source(bodies),
+        lambda own, material: add_material(stage, f"/{name}/Materials/{own}", material, images),
+        ("outer", "inner"),
+    )
+    place = _places(stage, f"/{name}")
+    for body in bodies:
+        _motion(_mesh(stage, place(body, body.name), body, palette), body)
+    _save(stage)
+
+
+def _places(stage: Any, root: str) -> Callable[[Body, str], str]:
+    """Where each next body goes below a root: under the nodes that its mesh has in its file, with a
+    name of its own there."""
+    branches: dict[tuple[str, ...], str] = {(): root}
+    taken: dict[str, list[str]] = {root: ["Materials"]}
+
+    def child(parent: str, name: str) -> str:
+        *_, own = unique_names([*taken.setdefault(parent, []), name])
+        taken[parent].append(own)
+        return f"{parent}/{own}"
+
+    def branch(path: tuple[str, ...]) -> str:
+        if path not in branches:
+            branches[path] = child(branch(path[:-1]), path[-1])
+            UsdGeom.Xform.Define(stage, branches[path])
+        return branches[path]
+
+    return lambda body, name: child(branch(() if body.skin is None else body.skin.path), name)
+
+
+def _save(stage: Any) -> None:
+    try:
+        stage.GetRootLayer().Save()
+    except Tf.ErrorException as error:
+        raise OSError(
+            errno.EIO, "the USD library could not write all of it; is the disk full?"
+        ) from error
+
+
+def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
+    # The surface, with normals of its own so that edges stay sharp and points stay shared.
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(body.vertices, np.float32)))
+    mesh.CreateFaceVertexCountsAttr(
+        Vt.IntArray.FromNumpy(np.full(len(body.triangles), 3, np.int32))
+    )
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(body.triangles.ravel().astype(np.int32)))
+    if body.skin is not None:
+        shown = np.unique(body.skin.material[body.skin.material >= 0]).tolist()
+        if any(body.skin.materials[index].double_sided for index in shown):
+            mesh.CreateDoubleSidedAttr(True)
+    low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
+    mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
+    shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
+    primvars = UsdGeom.PrimvarsAPI(mesh)
+    normals = primvars.CreatePrimvar(
+        "normals", Sdf.ValueTypeNames.Normal3fArray, UsdGeom.Tokens.faceVarying
+    )
+    if body.skin is None or body.skin.normals is None:
+        normals.Set(Vt.Vec3fArray.FromNumpy(shaded.normals))
+        normals.SetIndices(Vt.IntArray.FromNumpy(shaded.triangles.ravel().astype(np.int32)))
+    else:
+        normals.Set(
+            Vt.Vec3fArray.FromNumpy(
+                np.ascontiguousarray(corner_normals(body, shaded).reshape(-1, 3))
+            )
+        )
+
+    coordinates = primvars.CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+    )
+    coordinates.Set(
+        Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(body.coordinates.reshape(-1, 2), np.float32))
+    )
+    if body.skin is not None and body.skin.colours is not None:
+        colours = np.ascontiguousarray(body.skin.colours.reshape(-1, 4), np.float32)
+        mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.faceVarying).Set(
+            Vt.Vec3fArray.FromNumpy(colours[:, :3].copy())
+        )
+        if np.any(colours[:, 3] != 1.0):
+            opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
+            opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
+
+    # What cracks laid bare has a material of its own, and what was outside all along keeps the
+    # mesh's; a subset for each.
+    groups = palette.groups(body)
+    if not groups:
+        return mesh
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(groups[0][0])
+    if len(groups) > 1:
+        outer = sum(not is_inside for _, _, is_inside in groups)
+        sides = [
+            ("inside" if is_inside else "outside", outer if not is_inside else len(groups) - outer)
+            for *_, is_inside in groups
+        ]
+        names = unique_names(
+            side if count == 1 else group[0].GetPrim().GetName()
+            for group, (side, count) in zip(groups, sides, strict=True)
+        )
+        for (material, faces, _), name in zip(groups, names, strict=True):
+            subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset(
+                name,
+                Vt.IntArray.FromNumpy(np.flatnonzero(faces).astype(np.int32)),
+                UsdGeom.Tokens.face,
+            )
+            UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
+    return mesh
+
+
+def _motion(mesh: Any, body: Body) -> None:
+    frames = body.birth_frame + np.arange(len(body.positions))
+
+    # Samples only while the body lives, and none that interpolation gives anyway.
+    translate = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
+    positions = [Gf.Vec3d(*position) for position in body.positions.tolist()]
+    _set_samples(translate.GetAttr(), frames, positions, telling_samples(body.positions))
+    orient = mesh.AddOrientOp(UsdGeom.XformOp.PrecisionFloat)
+    orientations = [Gf.Quatf(w, x, y, z) for x, y, z, w in body.orientations.tolist()]
+    _set_samples(orient.GetAttr(), frames, orientations, telling_samples(body.orientations))
+
+
+def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> None:
+    if len(rows) == 1:
+        attribute.Set(values[0])
+        return
+    # Thousands of paths are long: write to the layer itself, without a notice for every sample.
+    layer, path = attribute.GetStage().GetRootLayer(), attribute.GetPath()
+    with Sdf.ChangeBlock():
+        for row in rows.tolist():
+            layer.SetTimeSample(path, float(frames[row]), values[row])
+
+
+def _life(mesh: Any, body: Body) -> None:
+    """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
+    if body.birth_frame == 0 and body.death_frame is None:
+        return
+    visibility = mesh.CreateVisibilityAttr()
+    scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
+    nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
+    birth, death = float(body.birth_frame), body.death_frame
+    if birth > 0.0:
+        visibility.Set(UsdGeom.Tokens.invisible, 0.0)
+        # Scales between two samples are interpolated: each change is a steep one.
+        scale.Set(nothing, birth - STEP)
+    visibility.Set(UsdGeom.Tokens.inherited, birth)
+    scale.Set(whole, birth)
+    if death is not None:
+        visibility.Set(UsdGeom.Tokens.invisible, float(death))
+        scale.Set(whole, death - STEP)
+        scale.Set(nothing, float(death))
+
+
+def describe_usd(path: str) -> dict[str, object] | None:
+    """Frames, frame rate and bodies of a recording of ours; `None` for any other stage,
+    `CacheError` if it is damaged."""
+    with open_stage(path, CacheError) as stage:
+        if written_as(stage) != RECORDING:
+            return None
+        frames, fps = stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()
+        if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):
+            raise CacheError(
+                f"{path}: has {frames:g} frames at {fps:g} a second, must be a whole number and a "
+                "rate > 0"
+            )
+        bodies = sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse())
+        return {"frames": int(frames), "fps": fps, "bodies": bodies}

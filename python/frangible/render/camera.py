@@ -1,0 +1,215 @@
+"""Where pictures are taken from: one camera for a whole recording, fitted to it or from a file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..recording import Float64, Recording
+from .framing import Subject, find_subject
+
+#: Vertical opening of the lens [degrees]: a short telephoto, which keeps uprights upright.
+FIELD_OF_VIEW_DEGREES = 28.0
+#: From the subject to the camera: in front, a little to the left (right, front), and a little above
+#: or, into pits that hide at least so much of it, from high above.
+VIEW_FROM = np.array([-0.62, 1.0])
+HEIGHTS = (0.40, 2.0)
+PIT = 0.5
+#: A subject this much thinner in one horizontal direction than in the other has a front.
+THIN = 0.8
+#: What the subject's extent in the picture is multiplied by.
+MARGIN = 1.08
+#: Places that are checked for whether something hides them, about.
+HIDEABLE = 60
+#: A file about a camera that is larger than this holds something else [bytes].
+LARGEST_FILE = 1 << 16
+
+
+class CameraError(ValueError):
+    """A camera that cannot look at anything, in one sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A pinhole camera in the world frame."""
+
+    #: (3,) [m].
+    eye: Float64
+    #: (3, 3) rows are right, up and forward.
+    axes: Float64
+    #: Half of the picture's height at distance 1.
+    half_height: float
+    #: (3,) middle of what it looks at [m].
+    target: Float64
+
+    @staticmethod
+    def look_at(
+        eye: Sequence[float],
+        target: Sequence[float],
+        up: Sequence[float] = (0.0, 1.0, 0.0),
+        fov: float = FIELD_OF_VIEW_DEGREES,
+    ) -> Camera:
+        """A camera at a place [m] that looks at another, with a vertical opening [degrees].
+
+        `CameraError` if the three do not span a picture.
+        """
+        place, middle, above = (np.array(vector, np.float64) for vector in (eye, target, up))
+        distance = float(np.linalg.norm(middle - place))
+        if distance == 0.0:
+            raise CameraError(f"eye: {list(eye)}, must differ from target")
+        forward = (middle - place) / distance
+        right = np.cross(forward, above)
+        width = float(np.linalg.norm(right))
+        if width <= 1e-9 * float(np.linalg.norm(above)):
+            rule = "must not be 0, nor point along the way the camera looks"
+            raise CameraError(f"up: {list(up)}, {rule}")
+        if not 0.0 < fov < 180.0:
+            raise CameraError(f"fov: {fov:g}, must be > 0 and < 180 degrees")
+        axes = np.array([right / width, np.cross(right / width, forward), forward])
+        return Camera(place, axes, float(np.tan(np.radians(fov / 2))), middle)
+
+    @property
+    def fov(self) -> float:
+        """Vertical opening [degrees]."""
+        return float(np.degrees(2.0 * np.arctan(self.half_height)))
+
+    def rays(self, x: Float64, y: Float64, width: int, height: int) -> Float64:
+        """Unit directions (n, 3) through the pixel coordinates x, y (n,), with y down."""
+        scale = 2.0 * self.half_height / height
+        right, up, forward = self.axes
+        across = ((x - width / 2) * scale)[:, None] * right
+        along = ((height / 2 - y) * scale)[:, None] * up
+        directions = forward + across + along
+        unit: Float64 = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        return unit
+
+
+def frame_recording(recording: Recording, aspect: float) -> Camera:
+    """One camera for every frame, ``aspect`` wide for its height.
+
+    It sees what moves or breaks in all frames, but for what comes from far away or goes astray
+    (docs/films.md).
+    """
+    subject = find_subject(recording)
+    # The first from which nothing in between hides more than from the others.
+    best, least = None, np.inf
+    for height in HEIGHTS:
+        for front, side in _sides(subject):
+            camera = _from_side(subject, height, front, side, aspect)
+            hidden = round(_hidden(subject, camera), 1)
+            if best is None or hidden < least:
+                best, least = camera, hidden
+            if hidden == 0.0:
+                return camera
+        if least < PIT:
+            break
+    assert best is not None
+    return best
+
+
+def _from_side(
+    subject: Subject, height: float, front: Float64, side: float, aspect: float
+) -> Camera:
+    half_height = float(np.tan(np.radians(FIELD_OF_VIEW_DEGREES / 2)))
+    across = side * np.cross([0.0, 1.0, 0.0], front)
+    forward = -VIEW_FROM @ np.array([across, front]) - np.array([0.0, height, 0.0])
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0.0, 1.0, 0.0])
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(right, forward), forward])
+
+    # Slide sideways until opposite margins are equal, then back until everything is inside them.
+    boxes = subject.boxes
+    middle = boxes.around().centres[0]
+    centres, halves = boxes.centres - middle, (boxes.high - boxes.low) / 2
+    place = np.zeros(3)
+    retreats = []
+    for axis, slope in ((0, half_height * aspect / MARGIN), (1, half_height / MARGIN)):
+        # The planes of two opposite margins touch the boxes.
+        first, second = axes[axis] - slope * axes[2], axes[axis] + slope * axes[2]
+        high = np.max(centres @ first + halves @ np.abs(first))
+        low = np.min(centres @ second - halves @ np.abs(second))
+        place[axis] = (high + low) / 2
+        retreats.append((low - high) / (2 * slope))
+    place[2] = min(retreats)
+    return Camera(eye=middle + place @ axes, axes=axes, half_height=half_height, target=middle)
+
+
+def _sides(subject: Subject) -> list[tuple[Float64, float]]:
+    """Horizontal unit vectors towards the camera, the best first, with 1 for a little to the left.
+
+    The best is across the subject, where it goes.
+    """
+    extents = subject.extents
+    across_x = extents[0] < THIN * extents[2]
+    front = np.array([1.0, 0.0, 0.0] if across_x else [0.0, 0.0, 1.0])
+    thin = across_x or extents[2] < THIN * extents[0]
+    best = -front if thin and float(subject.drift @ front) < 0.0 else front
+    beside = np.cross([0.0, 1.0, 0.0], best)
+    return [(way, side) for way in (best, -best, beside, -beside) for side in (1.0, -1.0)]
+
+
+def _hidden(subject: Subject, camera: Camera) -> float:
+    """Share of the subject's parts that boxes around other bodies hide."""
+    places, others = subject.middles, subject.others
+    if not len(others.low):
+        return 0.0
+    ways = places[:: -(-len(places) // HIDEABLE)] - camera.eye
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # (k, b, 2, 3) where the lines of sight cross the planes of the boxes' sides.
+        sides = np.stack([others.low, others.high], axis=1) - camera.eye
+        crossings = sides / ways[:, None, None, :]
+    enter = np.nanmax(np.nanmin(crossings, axis=2), axis=2)
+    leave = np.nanmin(np.nanmax(crossings, axis=2), axis=2)
+    blocked = (enter <= leave) & (leave > 0.0) & (enter < 0.99)
+    return float(blocked.any(axis=1).mean())
+
+
+def camera_for(recording: Recording, choice: str, aspect: float) -> Camera:
+    """The camera of ``--camera``: ``fit`` frames the recording, all else is a file's name."""
+    return frame_recording(recording, aspect) if choice == "fit" else read_camera(choice)
+
+
+def read_camera(path: str) -> Camera:
+    """Read a camera from JSON (docs/films.md); `CameraError` names file, field, value and rule."""
+    if not os.path.isfile(path):
+        raise CameraError(f"{path}: no such file; --camera takes 'fit' or a .json file")
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read(LARGEST_FILE + 1)
+        document = json.loads(text) if len(text) <= LARGEST_FILE else None
+    except (OSError, UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise CameraError(f"{path}: is not a readable JSON file ({error})") from error
+    if not isinstance(document, dict):
+        raise CameraError(f"{path}: must hold one JSON object with 'eye' and 'target'")
+    fields = ("eye", "target", "up", "fov")
+    for name in document:
+        if name not in fields:
+            known = ", ".join(fields)
+            raise CameraError(f"{path}: field {name!r} is unknown, must be one of {known}")
+    for name in ("eye", "target"):
+        if name not in document:
+            raise CameraError(f"{path}: has no field {name!r}, must have 'eye' and 'target'")
+    for name in ("eye", "target", "up"):
+        if name in document and not _is_vector(document[name]):
+            given = json.dumps(document[name])[:60]
+            raise CameraError(f"{path}: {name}: {given}, must be three finite numbers")
+    if "fov" in document and not _is_number(document["fov"]):
+        given = json.dumps(document["fov"])[:60]
+        raise CameraError(f"{path}: fov: {given}, must be a number of degrees")
+    try:
+        return Camera.look_at(**document)
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from error
+
+
+def _is_vector(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and -1e30 < value < 1e30
