@@ -66,8 +66,10 @@ def run_here(request: Request) -> Summary:
     the machine hardly changes. ``penetration_m`` is of the last state: to look for it between the
     steps would disturb what is timed.
     """
+    scene = shot_scene(request.shot)
+    # As the other engines' programs count it: from before the world is built.
     memory = peak_memory()
-    world = World.build(shot_scene(request.shot), request.threads)
+    world = World.build(scene, request.threads)
     start_bodies, start_mass, start_energy = len(world.ids), moving_mass(world), world.energy
     ids = world.ids
     start, widths = world.positions[np.isfinite(world.masses)], _widths(world)
