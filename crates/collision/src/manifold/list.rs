@@ -43,10 +43,13 @@ impl Manifolds {
         })
     }
 
-    /// Iterates over pairs and their points, before any are replaced.
+    /// Iterates over pairs and their points, replaced ones last.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
-        debug_assert!(self.replaced.pairs.is_empty());
-        self.parts.iter_mut().flat_map(Found::iter_mut)
+        let Self { parts, replaced } = self;
+        let pairs: Vec<Pair> = replaced.pairs.iter().map(|found| found.pair).collect();
+        let is_kept = move |pair: &Pair| pairs.binary_search(pair).is_err();
+        let kept = parts.iter_mut().flat_map(Found::iter_mut);
+        kept.filter(move |(pair, _)| is_kept(pair)).chain(replaced.iter_mut())
     }
 
     /// Iterates over pairs and their approach speeds [m/s], before any are replaced.
@@ -97,5 +100,49 @@ impl Found {
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
         self.points.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn point(gap: f64) -> ManifoldPoint {
+        ManifoldPoint {
+            anchor_first: DVec3::ZERO,
+            anchor_second: DVec3::ZERO,
+            rounding: [0.0; 2],
+            normal: DVec3::Y,
+            feature: crate::manifold::FeatureId { is_of_first: true, index: 0 },
+            approach: 0.0,
+            gap,
+        }
+    }
+
+    /// Replaced points stand where those of the same pair were, new pairs in their order, and a
+    /// change of all points reaches them and not those that they replaced.
+    #[test]
+    fn replaced_manifolds_stand_in_the_order_of_their_pairs() {
+        let pair = |second: usize| Pair { first: 0, second };
+        let mut found = Found::default();
+        [2, 4, 6].into_iter().for_each(|second| found.add(pair(second), [point(1.0)]));
+        let mut manifolds = Manifolds { parts: vec![found], ..Manifolds::default() };
+        let new = |second: usize| (pair(second), vec![point(2.0); 2]);
+        manifolds.replace(&[new(1), new(4), new(7)]);
+        let seen = |manifolds: &Manifolds| -> Vec<(usize, usize, f64)> {
+            let of = |all: Manifold| (all.pair.second, all.points.len(), all.points[0].gap);
+            manifolds.iter().map(of).collect()
+        };
+        let wanted = [(1, 2, 2.0), (2, 1, 1.0), (4, 2, 2.0), (6, 1, 1.0), (7, 2, 2.0)];
+        assert_eq!(seen(&manifolds), wanted);
+
+        let mut pairs: Vec<usize> = Vec::new();
+        for (pair, points) in manifolds.iter_mut() {
+            pairs.push(pair.second);
+            points.iter_mut().for_each(|point| point.gap += 1.0);
+        }
+        assert_eq!(pairs, [2, 6, 1, 4, 7]);
+        assert_eq!(seen(&manifolds), wanted.map(|(second, count, gap)| (second, count, gap + 1.0)));
     }
 }
