@@ -51,7 +51,8 @@ impl BallisticPath {
             Motion::Dynamic => {
                 let angular = bodies.inertias[i]
                     .angular_velocity(start.orientation, velocity.angular_momentum);
-                (velocity.linear, angular, frame.gravity)
+                let supported = bodies.activities[i].support;
+                (velocity.linear, angular, (1.0 - supported) * frame.gravity)
             }
         };
         let (spin, radius) = (angular.length(), bodies.radii[i]);

@@ -84,7 +84,7 @@ impl BallContact<'_> {
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
-                return gap;
+                return self.grazes(gap).unwrap_or(gap);
             }
             let time = gap.time + CAUTION * gap.phi / most_speed;
             let parts = self.parting(&gap) >= 0.0;
@@ -94,6 +94,23 @@ impl BallContact<'_> {
             gap = self.gap(time);
         }
         gap
+    }
+
+    /// Closest approach after a touch that does not get deeper than grazing.
+    fn grazes(&self, touch: Gap) -> Option<Gap> {
+        let PairMotion { most_speed, frame, grazing, .. } = *self.pair_motion;
+        let mut gap = touch;
+        for _ in 0..MOST_STEPS {
+            if gap.phi <= -grazing {
+                return None;
+            }
+            let time = gap.time + (gap.phi + grazing) / most_speed;
+            if time > frame.dt || self.parting(&gap) >= 0.0 {
+                return Some(self.nearest(gap));
+            }
+            gap = self.gap(time);
+        }
+        None
     }
 
     /// Closest approach after an instant, by bisection, or the frame's end.

@@ -100,9 +100,57 @@ impl<'a> Approach<'a> {
                 let contact =
                     if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
-                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
+                let first = Instant { time, world_from_first, pair, contact, lasts: time == 0.0 };
+                if is_passing || steps_left == 0 {
+                    return Ok(first);
+                }
+                return Ok(self.grazing(first, closing, scratch));
             }
             time = next;
+        }
+    }
+
+    /// The instant of a touch, with the points in `scratch`; or for hulls that do not get deeper
+    /// than grazing afterwards an instant of a separating axis along which they pass.
+    fn grazing(&self, touch: Instant<'a>, closing: f64, scratch: &mut Scratch) -> Instant<'a> {
+        let PairMotion { size, search, frame, grazing, paths, .. } = *self.pair_motion;
+        let (mut time, mut gap, mut closing) = (touch.time, touch.contact.gap, closing);
+        let touching = std::mem::take(&mut scratch.points);
+        let mut last = None;
+        for _ in 0..MOST_STEPS {
+            if gap <= -grazing {
+                last = None;
+                break;
+            }
+            let next = time + (gap + grazing) / closing;
+            if !(time..=frame.dt).contains(&next) {
+                break;
+            }
+            time = next;
+            let poses = [paths[0].pose(time), paths[1].pose(time)];
+            let [world_from_first, world_from_second] =
+                [poses[0].world_from_body(), poses[1].world_from_body()];
+            let first_from_second = world_from_first.inverse().after(&world_from_second);
+            let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
+            let contact =
+                pair.face_axes(search).ok().and_then(|axes| pair.contact(&axes, search, scratch));
+            let Some(contact) = contact else { break };
+            gap = contact.gap;
+            closing = self.fastest_closing(time, poses[0].orientation * contact.normal);
+            last = Some((
+                Instant { time, world_from_first, pair, contact, lasts: false },
+                std::mem::take(&mut scratch.points),
+            ));
+        }
+        match last {
+            Some((instant, points)) => {
+                scratch.points = points;
+                instant
+            }
+            None => {
+                scratch.points = touching;
+                touch
+            }
         }
     }
 
@@ -125,7 +173,7 @@ impl<'a> Approach<'a> {
         if instant.time == 0.0 {
             return true;
         }
-        self.gap_at_start(instant, point) >= point.gap.min(0.0)
+        self.gap_at_start(instant, point) >= point.gap.min(0.0) - self.pair_motion.grazing
     }
 
     /// Separation at the frame's start, along the point's normal [m].
