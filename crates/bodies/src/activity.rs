@@ -7,8 +7,6 @@ pub struct Activity {
     pub substeps: Substeps,
     /// Its calm and its sleep.
     pub drowsiness: Drowsiness,
-    /// Part of gravity that contacts took in the last frame [1]: 0 in free fall, 1 at rest.
-    pub support: f64,
 }
 
 /// The substeps of an island; none if it touched nothing.

@@ -90,8 +90,7 @@ fn solve_with<I: Instructions>(
     let drowsiness = islands.sleep.drowsiness(bodies, frame, &are_asleep);
     for (i, substeps) in islands.substeps.into_iter().enumerate() {
         let drowsiness = drowsiness.get(i).copied().unwrap_or_default();
-        let support = start.support(bodies, i, frame);
-        bodies.activities[i] = Activity { substeps, drowsiness, support };
+        bodies.activities[i] = Activity { substeps, drowsiness };
     }
     solved
 }

@@ -51,14 +51,19 @@ impl BallisticPath {
             Motion::Dynamic => {
                 let angular = bodies.inertias[i]
                     .angular_velocity(start.orientation, velocity.angular_momentum);
-                let supported = bodies.activities[i].support;
-                (velocity.linear, angular, (1.0 - supported) * frame.gravity)
+                (velocity.linear, angular, frame.gravity)
             }
         };
         let (spin, radius) = (angular.length(), bodies.radii[i]);
         // Unbounded bodies have no spin.
         let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
         Self { start, linear, angular, acceleration, radius, spin_speed }
+    }
+
+    /// The same way without gravity: of a body that something carries.
+    #[inline]
+    pub fn straight(&self) -> Self {
+        Self { acceleration: DVec3::ZERO, ..*self }
     }
 
     /// Where the body is after `time` [s].

@@ -33,17 +33,6 @@ impl FrameStart {
         Self { poses: bodies.poses.clone(), velocities: bodies.velocities.clone() }
     }
 
-    /// Part of gravity that contacts took from a body [1].
-    pub(super) fn support(&self, bodies: &Bodies, i: usize, frame: &Frame) -> f64 {
-        let gained = bodies.velocities[i].linear - self.velocities[i].linear;
-        let squared = frame.gravity.length_squared() * frame.dt;
-        if squared > 0.0 {
-            (1.0 - gained.dot(frame.gravity) / squared).clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
-    }
-
     fn energy(&self, bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
         energy(bodies, i, &self.poses[i], &self.velocities[i], gravity)
     }

@@ -33,6 +33,8 @@ pub(super) struct Substep<I> {
     pub(super) recovery_speed: Single<I>,
     /// Threshold velocity of restitution, negative: a faster approach bounces [m/s].
     pub(super) bounce_velocity: Single<I>,
+    /// True in the frame's last substep.
+    pub(super) is_last: bool,
 }
 
 /// Soft-constraint coefficients [Cat24].
@@ -270,7 +272,10 @@ impl<I: Instructions> ContactBatch<I> {
                 let twice = velocity[i] + velocity[i];
                 let may_meet = zero.above(separation + twice * substep.h);
                 comes = comes.or(bounce.above(twice).and(may_meet).and(self.bounces));
-                target[i] = passes.select(velocity[i], is_open.select(-closing, zero));
+                // After the last drift open points stop nothing: the bodies may part before they meet.
+                let most = if substep.is_last { velocity[i] } else { Single::same(f32::MAX) };
+                let target_if_open = (-closing).min(most);
+                target[i] = passes.select(velocity[i], is_open.select(target_if_open, zero));
                 let recovered = self.points[i].impulse * velocity[i];
                 self.recovery = self.recovery + is_open.select(zero, recovered);
             }

@@ -88,7 +88,11 @@ impl<'a> Approach<'a> {
             }
 
             // Advance to the earliest possible time of impact.
-            let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
+            let closing = fastest_closing(
+                self.pair_motion.paths,
+                (time, frame.dt),
+                poses[0].orientation * apart.normal,
+            );
             let next = time + apart.gap / closing;
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
@@ -104,65 +108,47 @@ impl<'a> Approach<'a> {
                 if is_passing || steps_left == 0 {
                     return Ok(first);
                 }
-                return Ok(self.grazing(first, closing, scratch));
+                return Ok(self.grazing(first, scratch));
             }
             time = next;
         }
     }
 
-    /// The instant of a touch, with the points in `scratch`; or for hulls that do not get deeper
-    /// than grazing afterwards an instant of a separating axis along which they pass.
-    fn grazing(&self, touch: Instant<'a>, closing: f64, scratch: &mut Scratch) -> Instant<'a> {
+    /// The instant of a touch, with the points in `scratch`. Hulls that would not overlap deeper than
+    /// grazing if something carried them get the instant at which they come nearest then.
+    fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
         let PairMotion { size, search, frame, grazing, paths, .. } = *self.pair_motion;
-        let (mut time, mut gap, mut closing) = (touch.time, touch.contact.gap, closing);
+        let paths = paths.map(BallisticPath::straight);
         let touching = std::mem::take(&mut scratch.points);
-        let mut last = None;
+        let (mut time, mut nearest) = (touch.time, None);
         for _ in 0..MOST_STEPS {
-            if gap <= -grazing {
-                last = None;
-                break;
-            }
-            let next = time + (gap + grazing) / closing;
-            if !(time..=frame.dt).contains(&next) {
-                break;
-            }
-            time = next;
             let poses = [paths[0].pose(time), paths[1].pose(time)];
             let [world_from_first, world_from_second] =
                 [poses[0].world_from_body(), poses[1].world_from_body()];
             let first_from_second = world_from_first.inverse().after(&world_from_second);
             let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
-            let contact =
-                pair.face_axes(search).ok().and_then(|axes| pair.contact(&axes, search, scratch));
-            let Some(contact) = contact else { break };
-            gap = contact.gap;
-            closing = self.fastest_closing(time, poses[0].orientation * contact.normal);
-            last = Some((
-                Instant { time, world_from_first, pair, contact, lasts: false },
-                std::mem::take(&mut scratch.points),
-            ));
-        }
-        match last {
-            Some((instant, points)) => {
-                scratch.points = points;
-                instant
+            let Ok(axes) = pair.face_axes(search) else { break };
+            let Some(contact) = pair.contact(&axes, search, scratch) else { break };
+            if contact.gap <= -grazing {
+                nearest = None;
+                break;
             }
-            None => {
-                scratch.points = touching;
-                touch
+            let closing = fastest_closing(
+                [&paths[0], &paths[1]],
+                (time, frame.dt),
+                poses[0].orientation * contact.normal,
+            );
+            let next = time + (contact.gap + grazing) / closing;
+            nearest = Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
+            if !(time..=frame.dt).contains(&next) {
+                break;
             }
+            time = next;
         }
-    }
-
-    /// Upper bound of the closing speed of any two points along a normal in the world frame, from
-    /// an instant to the frame's end [m/s]; negative if all separate.
-    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
-        let [first, second] = self.pair_motion.paths;
-        let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
-        // Common gravity cancels.
-        let falling = (second.acceleration - first.acceleration).dot(normal);
-        let most = (time * falling).max(self.pair_motion.frame.dt * falling);
-        (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
+        nearest.unwrap_or_else(|| {
+            scratch.points = touching;
+            touch
+        })
     }
 
     /// True for a point that can touch within the frame from a separated start.
@@ -203,6 +189,20 @@ impl<'a> Approach<'a> {
             gap: self.gap_at_start(instant, point),
         }
     }
+}
+
+/// Upper bound of the closing speed of any two points along a normal in the world frame, from an
+/// instant to the frame's end [m/s]; negative if all separate.
+fn fastest_closing(
+    [first, second]: [&BallisticPath; 2],
+    (time, end): (f64, f64),
+    normal: DVec3,
+) -> f64 {
+    let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
+    // Common gravity cancels.
+    let falling = (second.acceleration - first.acceleration).dot(normal);
+    let most = (time * falling).max(end * falling);
+    (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
 }
 
 impl Instant<'_> {
