@@ -105,50 +105,51 @@ impl<'a> Approach<'a> {
                     if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
                 let first = Instant { time, world_from_first, pair, contact, lasts: time == 0.0 };
-                if is_passing || steps_left == 0 {
-                    return Ok(first);
-                }
                 return Ok(self.grazing(first, scratch));
             }
             time = next;
         }
     }
 
-    /// The instant of a touch, with the points in `scratch`. Hulls that would not overlap deeper than
-    /// grazing if something carried them get the instant at which they come nearest then.
+    /// Contact instant of hulls that touch at `touch`, with the points in `scratch`. Gravity is left
+    /// out, as of bodies that something carries: hulls that overlap no deeper than grazing then, and
+    /// come no nearer, pass along the axis of that instant.
     fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
-        let PairMotion { size, search, frame, grazing, paths, .. } = *self.pair_motion;
+        let PairMotion { grazing, frame, paths, .. } = *self.pair_motion;
         let paths = paths.map(BallisticPath::straight);
-        let touching = std::mem::take(&mut scratch.points);
-        let (mut time, mut nearest) = (touch.time, None);
-        for _ in 0..MOST_STEPS {
-            let poses = [paths[0].pose(time), paths[1].pose(time)];
-            let [world_from_first, world_from_second] =
-                [poses[0].world_from_body(), poses[1].world_from_body()];
-            let first_from_second = world_from_first.inverse().after(&world_from_second);
-            let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
-            let Ok(axes) = pair.face_axes(search) else { break };
-            let Some(contact) = pair.contact(&axes, search, scratch) else { break };
-            if contact.gap <= -grazing {
-                nearest = None;
-                break;
+        let paths = [&paths[0], &paths[1]];
+        let next = |instant: &Instant| {
+            let normal = instant.world_from_first.direction(instant.contact.normal);
+            let closing = fastest_closing(paths, (instant.time, frame.dt), normal);
+            let next = instant.time + (instant.contact.gap + grazing) / closing;
+            (instant.time..=frame.dt).contains(&next).then_some(next)
+        };
+        let Some(time) = next(&touch) else { return touch };
+        let of_touch = std::mem::take(&mut scratch.points);
+        match self.at(paths, time, scratch) {
+            Some(later) if later.contact.gap > -grazing && next(&later).is_none() => later,
+            _ => {
+                scratch.points = of_touch;
+                touch
             }
-            let closing = fastest_closing(
-                [&paths[0], &paths[1]],
-                (time, frame.dt),
-                poses[0].orientation * contact.normal,
-            );
-            let next = time + (contact.gap + grazing) / closing;
-            nearest = Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
-            if !(time..=frame.dt).contains(&next) {
-                break;
-            }
-            time = next;
         }
-        nearest.unwrap_or_else(|| {
-            scratch.points = touching;
-            touch
-        })
+    }
+
+    /// The hulls at an instant of other paths, with the points in `scratch`.
+    fn at(
+        &self,
+        paths: [&BallisticPath; 2],
+        time: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Instant<'a>> {
+        let PairMotion { size, search, frame, .. } = *self.pair_motion;
+        let [world_from_first, world_from_second] =
+            paths.map(|path| path.pose(time).world_from_body());
+        let first_from_second = world_from_first.inverse().after(&world_from_second);
+        let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
+        let axes = pair.face_axes(search).ok()?;
+        let contact = pair.contact(&axes, search, scratch)?;
+        Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 })
     }
 
     /// True for a point that can touch within the frame from a separated start.
