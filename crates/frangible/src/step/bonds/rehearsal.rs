@@ -1,3 +1,4 @@
+//! Rehearsal of a frame's blows on bonds.
 //!
 //! An anchored body has infinite mass: in the solver a striker would lose all momentum to it,
 //! although the bonds around the impact bear less. Bonds are therefore tested before contact is
