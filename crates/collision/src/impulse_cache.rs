@@ -107,9 +107,9 @@ impl ImpulseCache {
         self.of_pair(bodies, pair).iter().find(|carried| carried.feature == feature)
     }
 
-    /// Drops the cached impulses of contacts with the bodies `who`.
-    pub fn forget(&mut self, who: &[BodyId]) {
-        let mut places: Vec<usize> = who.iter().filter_map(|&id| self.places.get(id)).collect();
+    /// Drops the cached impulses of contacts with the bodies `ids`.
+    pub fn forget(&mut self, ids: &[BodyId]) {
+        let mut places: Vec<usize> = ids.iter().filter_map(|&id| self.places.get(id)).collect();
         places.sort_unstable();
         let is_forgotten = |place: usize| places.binary_search(&place).is_ok();
         self.pairs.retain(|kept| !is_forgotten(kept.pair.first) && !is_forgotten(kept.pair.second));

@@ -65,7 +65,7 @@ impl ManifoldPoint {
 pub struct Manifold<'a> {
     /// Dense indices of both bodies.
     pub pair: Pair,
-    /// At most [`MOST_POINTS`] points.
+    /// At most eight points.
     pub points: &'a [ManifoldPoint],
 }
 

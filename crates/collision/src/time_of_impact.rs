@@ -1,3 +1,5 @@
+//! First touch of two bodies on their way through a frame: the centre of a fracture
+//! [Su09 sec. 4.1].
 //!
 //! Collisions are found with samples at the predicted poses, where a fast body may be deep inside
 //! another and the deepest sample lies beside the line of impact. The first touch on the way,

@@ -16,7 +16,7 @@ use std::hint::black_box;
 
 const PASSES: usize = 201;
 
-/// A body, where it is struck, and along which pattern it breaks.
+/// A body, its impact point, and its pattern.
 struct Case {
     name: &'static str,
     path: &'static str,

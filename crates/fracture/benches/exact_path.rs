@@ -1,6 +1,5 @@
-//! Processor time that it takes to break a convex body exactly: cells, slivers, mass properties,
-//! shapes. As in `breaking`, it is the thread's own, and what becomes of the pieces is not in it:
-//! they are dropped when the clock has stopped.
+//! Processor time to break a convex body exactly: cells, slivers, mass properties, shapes. As in
+//! `breaking`, the time is the thread's own, and excludes dropping the pieces.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot go on stops")]
 
@@ -32,7 +31,7 @@ fn voronoi(cells: usize, seed: u64) -> Pattern {
     Pattern::voronoi(&Voronoi { cells, seed, ..Voronoi::default() }).unwrap()
 }
 
-/// The first pattern that leaves so many pieces of the body.
+/// The first pattern with this number of pieces of the body.
 fn pieces_of(shape: &Shape, impact: &Impact, pieces: usize) -> Pattern {
     let settings = ShatterSettings::default();
     let pattern = |seed: u64| voronoi(pieces + 4 * pieces * (seed as usize % 8) / 8, seed);

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     ];
     let impact = Impact { point_body: DVec3::new(0.5, 0.2, -0.3), normal_body: DVec3::Y };
     for (name, pattern) in patterns {
-        // The least of many times: what else runs on the machine only adds.
+        // Minimum of many runs: other load on the machine only adds time.
         let mut least = f64::INFINITY;
         let mut fragments = Vec::new();
         for _ in 0..50 {

@@ -1,4 +1,4 @@
-//! Laying a pattern onto a body, so that it breaks around the point of impact [Su09 sec. 4.1].
+//! Aligns a pattern with a body, to break it around the point of impact [Su09 sec. 4.1].
 
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
@@ -73,7 +73,7 @@ fn longest_axis_across(z: DVec3, points: &[DVec3; 8]) -> DVec3 {
     let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
     let extent = high - low;
 
-    // An axis that is this much longer than an earlier one takes over: round-off must not decide
+    // Minimum length ratio for a later axis to replace an earlier axis: round-off must not decide
     // between equal edges.
     const CLEARLY: f64 = 1.0 + 1e-6;
     let mut longest = DVec3::ZERO;

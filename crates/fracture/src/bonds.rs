@@ -10,13 +10,13 @@ use crate::slivers::Smallest;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use crate::{interfaces, polygon};
 use frangible_geometry::outer;
-use frangible_geometry::{Clipper, Geometry, HalfSpace, Hull, Shape};
+use frangible_geometry::{Geometry, HalfSpace, Hull, PlaneClipper, Shape};
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What a bond bears [Pa].
+/// Strength of a bond [Pa].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BondStrength {
     /// Across it.
@@ -25,8 +25,7 @@ pub struct BondStrength {
     pub shear: f64,
 }
 
-/// Convex pieces with a bond at each face that two of them share; all in one frame, that of the
-/// body before it broke.
+/// Convex pieces with a bond at each common face; all in the frame of the body before it broke.
 #[derive(Clone, Debug)]
 pub struct Glued {
     hulls: Vec<Arc<Hull>>,
@@ -41,7 +40,7 @@ pub struct Glued {
     displacements: Vec<Wrench>,
 }
 
-/// The blocks of some pieces.
+/// Blocks of pieces.
 struct Rigid {
     /// For each piece.
     block_of: Vec<usize>,
@@ -60,21 +59,21 @@ pub struct PointLoad {
 /// The bonds that gave way under a load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaveWay {
-    /// The bonds that broke, in order.
+    /// Broken bonds, in order.
     pub broken: Vec<Interface>,
     /// The largest part of the load that bonds carried when the next ones broke, from 0 to 1: the
     /// load at which the piece came free that was struck.
     pub bore: f64,
 }
 
-/// What is nearly as bad as the worst.
+/// Strains above this fraction of the worst also break.
 const NEARLY: f64 = 0.8;
 
-/// Rounds of breaking and looking again. What still gives then gives in the next frame.
+/// Maximum number of rounds of breaking and stress analysis per frame. The next frame continues.
 const MOST_ROUNDS: u32 = 32;
 
 impl Glued {
-    /// Pieces that touch, of which some cannot move. Those of one block stay together.
+    /// Touching pieces, of which some are anchored. Pieces of one block stay together.
     pub fn new(
         prescored: Prescored,
         anchored: impl Fn(DVec3) -> bool,
@@ -119,7 +118,7 @@ impl Glued {
         &self.bonds
     }
 
-    /// Whether a piece cannot move.
+    /// True for an anchored piece.
     pub fn is_anchored(&self) -> bool {
         self.pieces.iter().any(|piece| piece.anchored)
     }
@@ -133,8 +132,8 @@ impl Glued {
         self.blocks[bond.a] == self.blocks[bond.b]
     }
 
-    /// How near each bond is to breaking, 1 if it just does not, and 0 within a block, under point
-    /// loads and an acceleration that all pieces feel [m/s^2] at a density [kg/m^3].
+    /// Strain of each bond relative to its strength (0 within a block), under point loads and an
+    /// acceleration field [m/s^2] at a density [kg/m^3].
     pub fn strains(&mut self, loads: &[PointLoad], field: DVec3, density: f64) -> Vec<f64> {
         let Rigid { block_of, blocks } = self.rigid_blocks();
         let mut wrenches: Vec<Wrench> = blocks
@@ -232,7 +231,7 @@ impl Glued {
         self.bonds.retain(|bond| !names.contains(&[numbers[bond.a], numbers[bond.b]]));
     }
 
-    /// What still holds together, each with its bonds.
+    /// Islands of intact bonds, each with its bonds.
     pub fn islands(&self) -> Vec<Self> {
         let mut place = vec![(0, 0); self.pieces.len()];
         let members = islands(self.pieces.len(), &self.bonds);
@@ -258,10 +257,9 @@ impl Glued {
         members.iter().enumerate().map(part).collect()
     }
 
-    /// What the points of one contact carry, spread over the faces of pieces that lie in it: a flat
-    /// contact has few points, but presses everywhere, by so much more towards one side that the
-    /// middle of its pressure stays where it is. Contacts that are not flat, or of fewer than three
-    /// points, stay as they are.
+    /// Spreads the point forces of a flat contact over the faces of pieces in it: a flat contact
+    /// has few points but a distributed pressure. A linear pressure keeps the centre of pressure.
+    /// Contacts that are not flat, or have fewer than three points, stay unchanged.
     pub fn spread(&self, contact: Vec<PointLoad>) -> Vec<PointLoad> {
         let force: DVec3 = contact.iter().map(|load| load.force).sum();
         let Some(normal) = force.try_normalize().filter(|_| contact.len() >= 3) else {
@@ -338,8 +336,8 @@ impl Glued {
 pub struct Prescored {
     /// In the frame of the body's grid.
     pub hulls: Vec<Hull>,
-    /// For each of them; pieces of one block stay together: mortar sticks to the brick that it was
-    /// laid on.
+    /// Block of each piece. Pieces of one block stay together: mortar sticks to the brick of its
+    /// block.
     pub blocks: Vec<u32>,
 }
 
@@ -355,8 +353,8 @@ impl Prescored {
         Self { hulls: Vec::with_capacity(pieces), blocks: Vec::with_capacity(pieces) }
     }
 
-    /// Adds what a cell of a pattern cut out of one of a body's parts. A joint is in the block of
-    /// the last cell before it that is none, and of another material than what it is a part of.
+    /// Adds the piece that a cell of a pattern cuts out of one of a body's parts. A joint belongs
+    /// to the block of the last non-joint cell before it, and has its own material.
     fn add(&mut self, hull: Hull, pattern: &Pattern, part: usize, cell: usize) {
         let owner = (0..=cell).rev().find(|&cell| !pattern.is_joint(cell)).unwrap_or(cell);
         self.hulls.push(if pattern.is_joint(cell) { hull.all_inner() } else { hull });
@@ -389,7 +387,7 @@ pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Opt
 
     // Each part of a compound is cut by itself.
     let regions = align_pattern(pattern, impact, body);
-    let mut clipper = Clipper::default();
+    let mut clipper = PlaneClipper::default();
     let mut pieces = Prescored::with_capacity(parts.len());
     for (number, part) in parts.iter().enumerate() {
         for (cell, region) in regions.iter().enumerate() {
@@ -404,7 +402,8 @@ pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Opt
     Some(pieces)
 }
 
-/// How far from a plane, relative to a contact's extent, its points and a face may lie to be in it.
+/// Maximum distance from a plane, relative to a contact's extent, for points and faces in the
+/// contact.
 const FLAT: f64 = 1e-3;
 
 /// Part of a body's volume below which a piece is rounding.

@@ -5,11 +5,11 @@ use frangible_geometry::{Hull, TriMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Vertices of neighbours that are this close, relative to the box, are one: much more than
-/// rounding makes of the meeting point of four cells, much less than any edge that can be seen.
+/// Vertices of neighbours closer than this fraction of the box are equal: far above the rounding of
+/// the meeting point of four cells, and far below any visible edge.
 const SAME_VERTEX: f64 = 1e-9;
 
-/// Edges are halved at most so many times.
+/// Maximum number of halvings per edge.
 const MOST_HALVINGS: usize = 12;
 
 /// A cell's surface within the pattern's box.
@@ -64,9 +64,8 @@ impl CellMesh {
         points.iter().map(&mut number_of).collect()
     }
 
-    /// The same surface, its edges halved until none is longer than `longest_edge`. What becomes of
-    /// an edge and of a triangle depends on their corners only, so that surfaces that fitted still
-    /// do.
+    /// The same surface with edges halved to at most `longest_edge`. The result for an edge and a
+    /// triangle depends only on their corners: matching surfaces still match.
     pub(crate) fn refined(mut self, longest_edge: f64) -> Self {
         for _ in 0..MOST_HALVINGS {
             let before = self.mesh.triangles.len();
@@ -78,7 +77,7 @@ impl CellMesh {
         self
     }
 
-    /// Halves each edge that is too long, and cuts the triangles beside it.
+    /// Halves each edge above the limit, and cuts its triangles.
     fn halve_edges(&mut self, longest_edge: f64) {
         let positions = &mut self.mesh.positions;
         let mut middle_of: BTreeMap<[u32; 2], u32> = BTreeMap::new();
@@ -103,8 +102,7 @@ impl CellMesh {
     }
 }
 
-/// The triangles that one becomes when some of its sides, counted from its first corner, are
-/// halved.
+/// Cuts a triangle with halved sides, counted from its first corner.
 fn cut_triangle(
     [a, b, c]: [u32; 3],
     middles: [Option<u32>; 3],

@@ -10,7 +10,7 @@ pub struct Fragment {
     pub shape: Shape,
     /// The fragment's body frame in the parent's.
     pub parent_from_fragment: RigidTransform,
-    /// The cell of the pattern that it, or its heaviest part, came from.
+    /// Cell of the pattern for this fragment, or for its heaviest part.
     pub cell: u32,
 }
 

@@ -1,5 +1,4 @@
-//! Which pieces of a break touch, where and over what area: what glue holds, and what a crack has
-//! laid bare.
+//! Contacts between pieces of a break, with areas: sites of glue, and newly exposed crack faces.
 
 pub(crate) mod hulls;
 pub(crate) mod interface;

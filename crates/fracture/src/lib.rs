@@ -7,11 +7,11 @@
 mod align;
 mod bonds;
 mod cell_mesh;
-mod drawn;
 mod fragment;
 mod generators;
 mod interfaces;
 mod mesh_break;
+mod mesh_pattern;
 mod nearby;
 mod noise;
 mod pattern;
@@ -28,7 +28,6 @@ mod velocities;
 
 pub use align::{Impact, align_pattern};
 pub use bonds::{BondStrength, GaveWay, Glued, PointLoad, prescore};
-pub use drawn::Drawn;
 pub use fragment::Fragment;
 pub use generators::bricks::Bricks;
 pub use generators::concrete::Concrete;
@@ -42,6 +41,7 @@ pub use interfaces::interface::Interface;
 pub use interfaces::interfaces;
 pub use interfaces::meshes::{CutPiece, mesh_interfaces};
 pub use mesh_break::{Cutter, MeshBreakError, break_on_grid, cutters, resurfaced, sampled_body};
+pub use mesh_pattern::Drawn;
 pub use noise::Noise;
 pub use pattern::error::PatternError;
 pub use pattern::region::{Cut, Region};

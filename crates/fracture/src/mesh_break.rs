@@ -18,9 +18,8 @@ use frangible_math::RigidTransform;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How much larger than the smallest the pattern's box is, relatively: its walls must not lie in
-/// the mesh's own faces, whose triangles are to be told from the cutter's. Far above rounding, far
-/// below what can be seen.
+/// Relative enlargement of the pattern's box: box walls must not coincide with the mesh's own
+/// faces, to tell both apart. Far above rounding, far below visible sizes.
 const CLEAR_OF_THE_BOX: f64 = 1e-6;
 
 /// Triangles this close to a plane, relative to their cell, lie in it.
@@ -50,7 +49,7 @@ pub enum MeshBreakError {
     /// It has no level set there.
     #[error(transparent)]
     Sampling(#[from] MeshToLevelSetError),
-    /// What is left of it on the grid has no mass.
+    /// The part on the grid has no mass.
     #[error(transparent)]
     NoMass(#[from] NoMass),
 }
@@ -68,7 +67,7 @@ pub fn cutters(
     let mut placement = Placement::around(pattern, impact, &corners((low, high)));
     placement.scale *= 1.0 + CLEAR_OF_THE_BOX;
 
-    // The cells, where they belong.
+    // Place the cells in the mesh's frame.
     let volume = 8.0 * pattern.half_extent.element_product();
     let longest_edge = match pattern.planar() {
         Some(_) => f64::INFINITY,
@@ -117,7 +116,7 @@ pub fn cutters(
     meshes.into_iter().zip(0..).map(with_neighbours).collect()
 }
 
-/// The triangles of a polyhedron by the planes that they lie in.
+/// Groups a polyhedron's triangles by plane.
 fn with_planes(mesh: TriMesh) -> Cutter {
     let (low, high) = mesh.bounds();
     let near = SAME_PLANE * (high - low).max_element();
@@ -154,7 +153,8 @@ fn corner_bits(mesh: &TriMesh, triangle: usize) -> [[u64; 3]; 3] {
 /// The mesh is cleaned first, see [`TriMesh::cleaned`]; its solids may cross.
 ///
 /// # Errors
-/// If the mesh encloses nothing, or nothing that the grid resolves, or the grid does not fit into memory.
+/// If the mesh encloses nothing, or nothing that the grid resolves, or the grid does not
+/// fit into memory.
 pub fn break_on_grid(
     mesh: &TriMesh,
     pattern: &Pattern,

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-/// The box is halved so many times along each axis.
+/// Number of halvings of the box along each axis.
 const HALVINGS: u32 = 5;
 
 /// Cubes along each axis.
@@ -17,11 +17,11 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(crate) struct Nearby {
     half_extent: DVec3,
-    /// In ascending order, those of one cuboid after those of another.
+    /// Candidate cells in ascending order, cuboid by cuboid.
     cells: Vec<u32>,
-    /// Where those of each cuboid begin, and one more entry at the end.
+    /// Offset of each cuboid's list, and the end.
     first: Vec<u32>,
-    /// The cell that is nearest all over the cuboid, if one is.
+    /// The nearest cell everywhere in a cuboid, if unique.
     sure: Vec<u32>,
 }
 
@@ -79,8 +79,8 @@ struct Search<D> {
 }
 
 impl<D: Fn(usize, DVec3) -> f64> Search<D> {
-    /// Finds those of `cells` that can be near a cuboid, or its parts: the cuboid at a `place`
-    /// after so many halvings.
+    /// Finds candidates among `cells` for a cuboid or its parts; the cuboid is at `place` after
+    /// `halvings`.
     fn divide(
         &self,
         place: [usize; 3],

@@ -1,4 +1,4 @@
-//! A smooth, bounded, random displacement of space that is one-to-one.
+//! A smooth, bounded, random, invertible displacement of space.
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};

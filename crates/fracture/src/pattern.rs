@@ -6,7 +6,7 @@ pub(crate) mod region;
 
 use crate::pattern::region::Region;
 use crate::pattern::region::nearest_region;
-use crate::{cell_mesh::CellMesh, drawn::Drawn, polygon, rough::Rough};
+use crate::{cell_mesh::CellMesh, mesh_pattern::Drawn, polygon, rough::Rough};
 use frangible_geometry::{HalfSpace, TriMesh};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -24,14 +24,14 @@ pub struct Pattern {
     pub half_extent: DVec3,
     /// The fracture centre, strictly inside of the box: what is laid on the impact point.
     pub center: DVec3,
-    /// How many times larger its box is than the smallest that encloses what it breaks, at least 1:
-    /// the larger, the fewer cells meet the body.
+    /// Size of the box relative to the smallest enclosing box of a body, at least 1: larger
+    /// patterns have fewer cells in the body.
     #[serde(default = "unmagnified", skip_serializing_if = "is_unmagnified")]
     pub magnification: f64,
     /// The cells that are mortar between others, in ascending order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<usize>,
-    /// They tile the box, and go on beyond it.
+    /// Cells that tile the box, and continue beyond it.
     pub cells: Cells,
 }
 
@@ -43,13 +43,13 @@ fn is_unmagnified(magnification: &f64) -> bool {
     *magnification == 1.0
 }
 
-/// What a pattern's cells are made of.
+/// Kinds of pattern cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cells {
     /// Convex regions between planes.
     Planar(Vec<Region>),
-    /// Such regions with rough faces.
+    /// Planar regions with rough faces.
     Rough(Rough),
     /// Closed meshes.
     Drawn(Drawn),
@@ -75,7 +75,7 @@ impl Pattern {
         }
     }
 
-    /// Whether a cell is mortar between others.
+    /// True for mortar between other cells.
     pub fn is_joint(&self, cell: usize) -> bool {
         self.joints.binary_search(&cell).is_ok()
     }
@@ -89,7 +89,7 @@ impl Pattern {
         }
     }
 
-    /// Whether there is no cell.
+    /// True without cells.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -171,9 +171,9 @@ impl Pattern {
         (faces + outer) / 3.0
     }
 
-    /// How far the regions' volumes are from adding up to the box's, relative to it: zero for a
-    /// tiling. Rough cells tile as their regions do; the meshes of drawn ones may leave small gaps,
-    /// which their neighbours fill.
+    /// Relative difference between the regions' total volume and the box's: zero for a tiling.
+    /// Rough cells tile like their regions; meshes of drawn cells may leave small gaps, which
+    /// neighbours fill.
     pub fn tiling_defect(&self) -> f64 {
         let e = self.half_extent;
         let whole = 8.0 * e.x * e.y * e.z;

@@ -8,17 +8,17 @@ use frangible_geometry::{TriMesh, mesh_io, read_file};
 use serde::Serialize;
 use std::path::Path;
 
-/// What a file says that it is.
+/// Format name of a pattern file.
 const FORMAT: &str = "frangible-pattern";
 
-/// The version that is written, and the newest that is read.
+/// Version of written files, and the newest readable version.
 const VERSION: u32 = 1;
 
 /// Volumes of the cells in a file may miss the box's by this part of it: digits that a program cut
 /// off, no cell.
 const MOST_DEFECT: f64 = 1e-6;
 
-/// A file as it is written.
+/// Record of a written file.
 #[derive(Serialize)]
 struct Written<'a> {
     format: &'static str,
@@ -164,7 +164,7 @@ impl Pattern {
 }
 
 fn parse(text: &str) -> Result<Pattern, String> {
-    // What is it?
+    // Detect the kind of file.
     let mut fields: serde_json::Map<String, serde_json::Value> =
         serde_json::from_str(text).map_err(|error| format!("is not a pattern: {error}"))?;
     let format = fields.remove("format");
@@ -182,7 +182,7 @@ fn parse(text: &str) -> Result<Pattern, String> {
         }
     }
 
-    // Read it and check it.
+    // Parse and validate it.
     let pattern: Pattern = serde_json::from_value(fields.into())
         .map_err(|error| format!("is not a pattern: {error}"))?;
     pattern.check()?;

@@ -11,7 +11,7 @@ pub struct Placement {
     pub grid_from_pattern: DMat3,
     /// Metres per unit of the pattern.
     pub scale: f64,
-    /// What is laid on the impact point, pattern frame.
+    /// Point of the pattern to place at the impact point, pattern frame.
     pub center_pattern: DVec3,
     /// The impact point, grid frame [m].
     pub point_grid: DVec3,

@@ -18,9 +18,9 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rough {
-    /// They tile the box.
+    /// Regions that tile the box.
     pub regions: Vec<Region>,
-    /// What makes their faces rough.
+    /// Noise that roughens their faces.
     pub noise: Noise,
     /// Made from the others when a body breaks first.
     #[serde(skip)]
@@ -48,14 +48,14 @@ impl Moved {
     }
 }
 
-/// They follow from all else.
+/// Derived from all other fields.
 impl PartialEq for Sampled {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// The noise on a lattice, and who is near whom.
+/// The noise on a lattice, and the neighbourhoods of cells.
 #[derive(Debug)]
 struct Samples {
     grid: Grid,
@@ -147,7 +147,7 @@ impl Rough {
         moved
     }
 
-    /// [`Rough::distance`] at some nodes, from the `first` on.
+    /// [`Rough::distance`] at nodes from `first` on.
     pub(crate) fn distances(&self, cell: usize, moved: &Moved, first: usize, of_nodes: &mut [f32]) {
         let nodes = first..first + of_nodes.len();
         let [x, y, z] = [&moved.x, &moved.y, &moved.z].map(|axis| &axis[nodes.clone()]);

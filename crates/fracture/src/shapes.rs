@@ -1,7 +1,7 @@
-//! What the cells of a pattern look like: faces, corners and sizes.
+//! Shapes of a pattern's cells: faces, corners and sizes.
 
 use crate::cell_mesh::CellMesh;
-use crate::drawn::Drawn;
+use crate::mesh_pattern::Drawn;
 use crate::pattern::region::Region;
 use crate::pattern::{Cells, Pattern};
 use crate::rough::Rough;
@@ -16,12 +16,12 @@ pub struct CellShape {
     pub corners: usize,
     /// In the pattern's unit, cubed.
     pub volume: f64,
-    /// Whether none of its faces lies on the box.
+    /// True without faces on the box.
     pub inner: bool,
 }
 
 impl Pattern {
-    /// The shape of each cell; rough ones count as the plane regions behind them.
+    /// The shape of each cell; rough cells count as their planar regions.
     pub fn cell_shapes(&self) -> Vec<CellShape> {
         match &self.cells {
             Cells::Planar(regions) | Cells::Rough(Rough { regions, .. }) => {

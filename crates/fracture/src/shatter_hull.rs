@@ -15,19 +15,19 @@ use crate::shatter::settings::ShatterSettings;
 use crate::slivers::{Groups, Smallest};
 use frangible_geometry::parallel_axis;
 use frangible_geometry::weld_hulls;
-use frangible_geometry::{Carver, HalfSpace, Hull, HullFace, MassProperties, Shape};
+use frangible_geometry::{CellCutter, HalfSpace, Hull, HullFace, MassProperties, Shape};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// What has less of the parent's volume than this is round-off, not a piece.
+/// Parts below this fraction of the parent's volume are round-off.
 const NO_VOLUME: f64 = 1e-13;
 
-/// Two pieces may leave out the crack between them if the convex body without it is their union, up
-/// to so much of the parent's volume.
+/// Two pieces merge across a crack if their convex hull equals their union, within this fraction of
+/// the parent's volume.
 const SAME_VOLUME: f64 = 1e-12;
 
-/// Vertices of neighbours that are closer than this, relative to the parent's longest side, are
-/// one. Cuts in different orders move them by some 1e-15.
+/// Vertices of neighbours closer than this fraction of the parent's longest side are equal.
+/// Different cutting orders displace vertices by about 1e-15.
 const SAME_VERTEX: f64 = 1e-12;
 
 /// Pieces of which so much of the parent's volume is missing, or is there twice, are none: a rod a
@@ -45,9 +45,9 @@ const FEW: usize = 16;
 /// A part of the parent, on its way to a fragment.
 struct Piece {
     hull: Hull,
-    /// What cut it out of the parent: where in the workshop's list of cuts.
+    /// Cuts of this piece, as a range in the workshop's list.
     cuts: Range<usize>,
-    /// With that of slivers that it has absorbed, in the parent's grid frame.
+    /// Mass properties including absorbed slivers, in the parent's grid frame.
     mass: MassProperties,
     /// Where it, or its larger part, comes from.
     cell: u32,
@@ -140,7 +140,7 @@ fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
     }
 }
 
-/// Mass properties of two things that move as one.
+/// Mass properties of two rigidly joined parts.
 fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
     let volume = a.volume + b.volume;
     let center = (a.volume * a.center + b.volume * b.center) / volume;
@@ -149,7 +149,7 @@ fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
     MassProperties { volume, center, inertia: about(a) + about(b) }
 }
 
-/// The parent and what cuts it, in its grid frame.
+/// The parent and its cuts, in its grid frame.
 struct Workshop<'a> {
     /// Middle and half of the edges of the parent's bounding box, and the radius of the ball around
     /// its middle that holds the parent [m].
@@ -158,7 +158,7 @@ struct Workshop<'a> {
     radius: f64,
     /// [m^3]
     volume: f64,
-    carver: Carver<'a>,
+    cutter: CellCutter<'a>,
     /// Of all pieces.
     cuts: Vec<HalfSpace>,
     /// A region's planes that reach the parent, with the heights of its middle over them [m].
@@ -171,10 +171,10 @@ impl<'a> Workshop<'a> {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let square = |vertex: &DVec3| vertex.distance_squared(middle);
         let radius = parent.vertices().iter().map(square).fold(0.0, f64::max).sqrt();
-        let carver = Carver::new(parent);
+        let cutter = CellCutter::new(parent);
         // A few planes of each cell reach the parent.
         let (cuts, reaching) = (Vec::with_capacity(FEW * FEW), Vec::with_capacity(FEW));
-        Self { middle, half, radius, volume, carver, cuts, reaching }
+        Self { middle, half, radius, volume, cutter, cuts, reaching }
     }
 
     /// The parent's longest side [m].
@@ -184,8 +184,7 @@ impl<'a> Workshop<'a> {
 
     /// The part of the parent in a region of the pattern.
     fn cell(&mut self, placement: &Placement, region: &Region, cell: u32) -> Option<Piece> {
-        // Only planes that reach the parent cut it; the deepest first, because the later ones then
-        // have less to do.
+        // Keep planes that reach the parent, deepest first: later cuts then have less to do.
         self.reaching.clear();
         for cut in &region.cuts {
             let plane = placement.half_space(&cut.half_space);
@@ -206,7 +205,7 @@ impl<'a> Workshop<'a> {
 
     /// The part of the parent inside of the last cuts, from `first` on.
     fn piece(&mut self, first: usize, cell: u32) -> Option<Piece> {
-        let hull = self.carver.part(&self.cuts[first..]);
+        let hull = self.cutter.part(&self.cuts[first..]);
         let piece = hull.map(|hull| (hull.mass_properties(), hull));
         let Some((mass, hull)) = piece.filter(|(mass, _)| mass.volume > NO_VOLUME * self.volume)
         else {
@@ -234,7 +233,7 @@ impl<'a> Workshop<'a> {
         let contacts = contacts_of_some(&hulls, &too_small);
         let mut groups = Groups::new(&volumes, &too_small);
 
-        // First those that are convex with a neighbour, then what nobody misses.
+        // Merge slivers that are convex with a neighbour, then absorb negligible slivers.
         groups.join(&contacts, |sliver, host, _| {
             pieces[host] = self.join(&pieces[sliver], &pieces[host])?;
             Some(is_small(&pieces[host].mass))
@@ -296,7 +295,7 @@ impl<'a> Workshop<'a> {
         None
     }
 
-    /// Whether two planes, and the sides they look to, are the same but for rounding.
+    /// True if two half-spaces are equal to rounding.
     fn same(&self, a: &HalfSpace, b: &HalfSpace) -> bool {
         let apart = (a.distance(self.middle) - b.distance(self.middle)).abs();
         a.normal.distance_squared(b.normal) < SAME_VERTEX && apart < SAME_VERTEX * self.size()

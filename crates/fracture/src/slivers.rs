@@ -47,8 +47,8 @@ impl Smallest {
         }
     }
 
-    /// The volume [m^3] below which none of these pieces, which have so much each, is one: the mean
-    /// is that of the pieces that stay.
+    /// Sliver volume limit [m^3] for pieces with these volumes, relative to the mean of the
+    /// remaining pieces.
     pub(crate) fn least(&self, volumes: &[f64]) -> f64 {
         let total: f64 = volumes.iter().sum();
         let mut least = self.volume;
@@ -73,15 +73,13 @@ fn slenderness(moments: DVec3) -> f64 {
     if moments.max_element() > 0.0 { moments.min_element() / moments.max_element() } else { 0.0 }
 }
 
-/// Two pieces that touch, and over what area, in any unit.
+/// Two touching pieces, and their contact area in any unit.
 pub type Contact = ([usize; 2], f64);
 
-/// Which pieces stay together: for each the number of the one that it has joined, its own for those
-/// that have joined none.
+/// Merges slivers: for each piece the index of its host, its own index if unmerged.
 ///
-/// A piece that is too small joins the neighbour that it touches over the largest area, the
-/// lightest first. One that touches no other stays, but for one below [`Smallest::volume`], which
-/// joins the heaviest.
+/// A sliver joins the neighbour with the largest contact area, lightest first. A sliver without
+/// neighbours stays, unless below [`Smallest::volume`]: then it joins the heaviest piece.
 pub fn join_slivers(volumes: &[f64], contacts: &[Contact], smallest: &Smallest) -> Vec<usize> {
     let least = smallest.least(volumes);
     let too_small: Vec<bool> = volumes.iter().map(|&volume| volume < least).collect();
@@ -91,7 +89,7 @@ pub fn join_slivers(volumes: &[f64], contacts: &[Contact], smallest: &Smallest) 
     groups.of_piece()
 }
 
-/// Pieces that stay together, by the number of one of them.
+/// Groups of merged pieces, named by one member.
 pub(crate) struct Groups {
     /// [m^3], of all members.
     volumes: Vec<f64>,
@@ -108,10 +106,10 @@ impl Groups {
         Self { volumes: volumes.to_vec(), too_small: too_small.to_vec(), members }
     }
 
-    /// Joins each that is too small with the neighbour over the largest area that it fits, the
-    /// lightest first, the least number of equals. `fits(sliver, host, volume)` is asked for the
-    /// two, which have so much together [m^3]: `None` if they do not fit. Otherwise they are one
-    /// from then on, in the host's place, and it tells whether that is too small as well.
+    /// Merges each sliver with a fitting neighbour by contact area, lightest first, lowest index on
+    /// ties. `fits(sliver, host, volume)` tests a pair with their total volume [m^3]: `None` if
+    /// they do not fit, else true if the merged piece is still a sliver. The merged piece takes the
+    /// host's place.
     pub(crate) fn join(
         &mut self,
         contacts: &[Contact],
@@ -146,7 +144,8 @@ impl Groups {
         }
     }
 
-    /// A sliver that fits no neighbour joins the heaviest piece, if it `fits(sliver, heaviest)`.
+    /// Merges a sliver without a fitting neighbour into the heaviest piece, if `fits(sliver,
+    /// heaviest)`.
     pub(crate) fn join_loose(&mut self, mut fits: impl FnMut(usize, usize) -> bool) {
         let heaviest = (0..self.volumes.len())
             .max_by(|&a, &b| self.volumes[a].total_cmp(&self.volumes[b]).then(b.cmp(&a)));
@@ -162,7 +161,7 @@ impl Groups {
         }
     }
 
-    /// For each piece the group that it is in.
+    /// Group of each piece.
     pub(crate) fn of_piece(&self) -> Vec<usize> {
         let mut of_piece = vec![0; self.members.len()];
         for (group, members) in self.members.iter().enumerate() {

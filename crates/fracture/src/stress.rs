@@ -1,12 +1,12 @@
-//! What glue between pieces has to bear: rigid pieces joined by springs at the faces that they
-//! share, the rigid-body-spring model [Kaw78].
+//! Stress in the glue between pieces: rigid pieces joined by springs at common faces, the
+//! rigid-body-spring model [Kaw78].
 //!
-//! A bond stretches, shears, bends and twists as a short bar between the centres of its two pieces
-//! would: of the face's area A, with the section's moments of a square of that area. Only the
-//! ratios of its stiffnesses matter, so Young's modulus is 1. The displacements x that balance the
-//! loads solve K x = f, by conjugate gradients with the 6 x 6 blocks of the pieces as
-//! preconditioner, from the last solution on. What is not anchored is accelerated by its loads as
-//! one body, and inertia balances them (inertia relief).
+//! A bond stretches, shears, bends and twists like a short bar between the centres of its two
+//! pieces, with the face's area A and the section's moments of a square of this area. Only ratios
+//! of stiffness matter: Young's modulus is 1. Balanced displacements x solve K x = f, by conjugate
+//! gradients with the 6 x 6 blocks of the pieces as preconditioner, from the last solution on.
+//! Islands without anchor accelerate as one body, and inertia balances their loads (inertia
+//! relief).
 
 use crate::interfaces::interface::Interface;
 use frangible_geometry::parallel_axis;
@@ -22,12 +22,12 @@ pub struct RigidPiece {
     pub volume: f64,
     /// About its centre, in the shared frame [m^5].
     pub inertia: DMat3,
-    /// Whether it cannot move.
+    /// True for anchored pieces.
     pub anchored: bool,
 }
 
 impl RigidPiece {
-    /// Some pieces that move as one.
+    /// Pieces that move as one body.
     pub(crate) fn of(pieces: &[&Self]) -> Self {
         if let [piece] = pieces {
             return **piece;
@@ -150,8 +150,8 @@ impl Spring {
     }
 }
 
-/// The stresses in bonds under loads on their pieces. `displacements` are those of the last
-/// solution, or zero, one for each piece, and become those of this one.
+/// Stresses in bonds under loads on pieces. `displacements` holds the last solution or zeros, one
+/// per piece, and receives the new solution.
 pub(crate) fn bond_stresses(
     pieces: &[RigidPiece],
     bonds: &[Interface],
@@ -187,8 +187,7 @@ pub(crate) fn islands(count: usize, bonds: &[Interface]) -> Vec<Vec<usize>> {
     members
 }
 
-/// Loads with what inertia sets against them: those of each island that is not anchored add up to
-/// nothing.
+/// Loads with inertia relief: the loads of each island without anchor add up to zero.
 fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec<Wrench> {
     let mut balanced = loads.to_vec();
     for island in islands(pieces.len(), bonds) {
@@ -216,9 +215,8 @@ fn balanced(pieces: &[RigidPiece], bonds: &[Interface], loads: &[Wrench]) -> Vec
     balanced
 }
 
-/// Preconditioned conjugate gradients [She94]. What is left unbalanced is small against the loads
-/// as they were before inertia was set against them: in free fall nothing is left of them but
-/// rounding.
+/// Preconditioned conjugate gradients [She94]. The residual is small relative to the loads before
+/// inertia relief: in free fall the balanced loads are pure rounding.
 fn solve(
     pieces: &[RigidPiece],
     springs: &[Spring],
@@ -231,7 +229,7 @@ fn solve(
         springs.iter().for_each(|spring| spring.add_to(x, &mut product));
         product
     };
-    // What is anchored does not move.
+    // Anchored pieces do not move.
     let free = |mut values: Vec<Wrench>| {
         for (value, _) in values.iter_mut().zip(pieces).filter(|(_, piece)| piece.anchored) {
             *value = Wrench::default();

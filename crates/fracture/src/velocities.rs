@@ -1,4 +1,4 @@
-//! How fragments move on.
+//! Velocities of fragments.
 
 use glam::DVec3;
 

@@ -13,7 +13,7 @@ fn corners(shape: &Shape) -> Vec<DVec3> {
     (0..8).map(|n| DVec3::new(pick(n & 1 > 0, 0), pick(n & 2 > 0, 1), pick(n & 4 > 0, 2))).collect()
 }
 
-/// How far out in the pattern's box the farthest of some grid points lies: 1 on its wall.
+/// Largest distance of grid points in units of the pattern's box: 1 on its wall.
 fn reach(
     pattern: &Pattern,
     placement: &Placement,
@@ -96,8 +96,8 @@ fn the_twist_follows_the_longest_edge() {
     }
 }
 
-/// The authors' code lays the pattern's cells one to one onto the body's, and what lies beyond the
-/// pattern vanishes. At half of our scale that happens; at ours it cannot.
+/// The authors' code maps the pattern's cells one to one onto the body's, and body parts beyond the
+/// pattern vanish. At half of our scale this happens; at our scale it cannot.
 #[test]
 fn a_pattern_that_does_not_enclose_the_body_loses_parts_of_it() {
     let body = common::wall();

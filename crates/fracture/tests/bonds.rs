@@ -1,4 +1,4 @@
-//! What glue between pieces bears, against the formulas of beams.
+//! Strength of glue between pieces, against beam formulas.
 
 #![allow(
     clippy::unwrap_used,
@@ -56,7 +56,8 @@ fn a_cantilever_breaks_at_its_root_when_the_formula_says_so() {
             strains[worst]
         );
 
-        // A little stronger it holds; a little weaker it breaks there, and nowhere else.
+        // With slightly more strength it holds; with slightly less it breaks there, and nowhere
+        // else.
         let mut strong = glued(row(count, edge, DVec3::X), wall, 1.05 * expected, 1e12);
         assert!(strong.give_way(&loads, GRAVITY, DENSITY).broken.is_empty());
         let mut weak = glued(row(count, edge, DVec3::X), wall, 0.95 * expected, 1e12);

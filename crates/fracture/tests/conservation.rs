@@ -1,5 +1,5 @@
-//! What a break must keep: every voxel's material, mass, momentum, angular momentum and kinetic
-//! energy.
+//! Conservation through a break: every voxel's material, mass, momentum, angular momentum and
+//! kinetic energy.
 
 mod common;
 
@@ -33,8 +33,7 @@ fn breaks_keep_everything() {
     assert_eq!(breaks, 120);
 }
 
-/// Fragments are bodies like any other: they break again, and what they were made of is still all
-/// there.
+/// Fragments are ordinary bodies: they break again, without loss of material.
 #[test]
 fn fragments_break_again() {
     let mut random = common::random(12);

@@ -1,4 +1,4 @@
-//! Cells that somebody drew fill their box, or get a sentence that says where they do not.
+//! Drawn cells fill their box, or an error message locates the misfit.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -65,8 +65,7 @@ fn load(text: &str) -> Result<Pattern, String> {
     Pattern::load(&path).map_err(|error| sentence(error.to_string()))
 }
 
-/// Drawn cells answer as the planar ones that they were drawn from, up to what the lattice
-/// resolves.
+/// Drawn cells match their planar originals within the lattice resolution.
 fn check_drawn(cells: usize, seed: u64) {
     let planar = voronoi(cells, seed);
     let meshes = as_meshes(&planar);

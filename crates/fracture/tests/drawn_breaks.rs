@@ -1,4 +1,4 @@
-//! Cells that somebody drew break what lies on a grid, convex or not.
+//! Drawn cells break bodies on grids, convex or not.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -89,7 +89,7 @@ fn a_drawn_corner_breaks_out() {
     let quarter = fragments[1].parent_from_fragment.translation;
     assert!((quarter - DVec3::new(0.25, 0.25, 0.0)).length() < 0.05, "{quarter}");
 
-    // Where the corner is hollow, and what fills it, in the parent's frame.
+    // The hollow of the corner and its filling, in the parent's frame.
     for (point, owner) in [(DVec3::new(0.2, 0.2, 0.0), 1), (DVec3::new(0.2, -0.2, 0.0), 0)] {
         for (at, fragment) in fragments.iter().enumerate() {
             let own = fragment.parent_from_fragment.inverse().point(point);
@@ -98,7 +98,7 @@ fn a_drawn_corner_breaks_out() {
     }
 }
 
-/// Convex cells that were drawn break a body into the pieces that they break it into as planes.
+/// Drawn convex cells break a body into the same pieces as their planes.
 #[test]
 fn drawn_cells_break_as_the_planes_they_were_drawn_from() {
     let half_extent = DVec3::new(1.0, 0.8, 0.6);

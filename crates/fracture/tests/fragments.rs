@@ -1,4 +1,4 @@
-//! What the fragments look like: level sets, samples, slivers.
+//! Geometry of fragments: level sets, samples, slivers.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -248,7 +248,8 @@ fn surfaces_fit_together() {
         let volume = |shape: &Shape| polygonize(solid(shape)).mesh.mass_properties().volume;
         let whole = volume(&body);
         let parts: f64 = fragments.iter().map(|fragment| volume(&fragment.shape)).sum();
-        // What is missing is rounded off along the rims, where three surfaces meet within a voxel.
+        // The missing volume is rounded off along the rims, where three surfaces meet within a
+        // voxel.
         assert!(parts < 1.001 * whole && parts > 0.97 * whole, "{name}: {parts} of {whole} m^3");
     }
 }

@@ -173,7 +173,8 @@ fn means(patterns: &[Pattern]) -> [(f64, f64); 2] {
     })
 }
 
-/// Natural fragments are cuboids in the mean [DJKT20]; Voronoi cells, a negative control, have 15.54 faces far from walls.
+/// Natural fragments are cuboids in the mean [DJKT20]; Voronoi cells, a negative control, have
+/// 15.54 faces far from walls.
 #[test]
 fn natural_cells_have_six_faces_and_eight_corners_in_the_mean() {
     for cells in [25, 100, 500] {

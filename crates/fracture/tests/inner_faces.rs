@@ -1,5 +1,4 @@
-//! Whatever breaks a body, the faces that cracks lay bare are marked, and are as large as the
-//! contacts of both sides.
+//! For any way to break a body, crack faces are marked, and equal the contact area of both sides.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -50,8 +49,7 @@ fn ratio(fragments: &[Fragment]) -> f64 {
     inner / (2.0 * interfaces(fragments).iter().map(|contact| contact.area).sum::<f64>())
 }
 
-/// How far the two areas may be apart. The wedges around a blow end in tips thinner than a voxel,
-/// which no voxel stands for.
+/// Maximum difference of the two areas. Wedges around a blow end in tips thinner than a voxel.
 fn most(pattern: &str) -> f64 {
     match pattern {
         "radial" => 0.1,

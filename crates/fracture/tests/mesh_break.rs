@@ -1,4 +1,4 @@
-//! Cells as cutters, and the contacts of what they cut.
+//! Cells as cutters, and contacts of the cut pieces.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 

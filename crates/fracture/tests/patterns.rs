@@ -57,7 +57,7 @@ fn regions_tile_the_box() {
     }
 }
 
-/// A pattern that has lost a region, or has one twice, is found out.
+/// A pattern with a lost or a repeated region is detected.
 #[test]
 fn the_tiling_check_sees_gaps_and_overlaps() {
     let whole = Pattern::voronoi(&Voronoi::default()).unwrap();
@@ -170,7 +170,7 @@ fn cell_meshes_are_closed_and_fill_their_cells() {
     }
 }
 
-/// What of a cell's mesh does not lie on the box is a neighbour's, bit for bit, turned round.
+/// Cell triangles off the box match a neighbour's bit for bit, reversed.
 #[test]
 fn neighbours_share_the_triangles_between_them() {
     for pattern in many_patterns().into_iter().skip(1).step_by(4) {

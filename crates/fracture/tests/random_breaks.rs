@@ -68,8 +68,8 @@ fn patterns(seed: u64) -> Vec<Pattern> {
     ]
 }
 
-/// How much two pieces may overlap, and half of how wide a gap may be [m]; what is exact is seen
-/// through samples in f32.
+/// Allowed overlap of two pieces, and half of the allowed gap [m]; samples in f32 limit even exact
+/// pieces.
 fn half_cell(parent: &Shape) -> f64 {
     match &parent.geometry {
         Geometry::Grid(solid) => 0.5 * solid.grid().spacing,
@@ -96,8 +96,8 @@ fn overlap(fragments: &[Fragment], stride: usize) -> f64 {
     deepest
 }
 
-/// At points of the parent, the farthest that one is from all pieces, and the deepest that one is
-/// in two [m].
+/// Over points of the parent: the largest distance from all pieces, and the largest depth in two
+/// pieces [m].
 fn gap_and_overlap(
     parent: &Shape,
     fragments: &[Fragment],
@@ -125,7 +125,8 @@ fn gap_and_overlap(
     worst
 }
 
-/// Whether each edge of a surface is passed once in each direction, and it encloses something.
+/// True if each edge of a surface is passed once in each direction, and the enclosed volume is
+/// positive.
 fn is_closed_and_oriented(mesh: &TriMesh) -> bool {
     let mut passed: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for [a, b, c] in &mesh.triangles {
@@ -138,7 +139,7 @@ fn is_closed_and_oriented(mesh: &TriMesh) -> bool {
     !passed.is_empty() && passed.iter().all(paired) && mesh.mass_properties().volume > 0.0
 }
 
-/// What is wrong with a break.
+/// Faults of a break.
 fn faults(parent: &Shape, fragments: &[Fragment], random: &mut Pcg64Mcg) -> Vec<String> {
     let mut faults = Vec::new();
     let mut demand = |holds: bool, fault: String| {
@@ -222,8 +223,7 @@ fn a_thousand_random_breaks_keep_what_they_must() {
     assert!(whole <= 20, "{whole} bodies did not break");
 }
 
-/// What the checks are for, they find: a lost piece, one that is moved, one that spins, an open
-/// surface.
+/// The checks detect their faults: a lost piece, a moved piece, a spinning piece, an open surface.
 #[test]
 fn the_checks_find_what_is_wrong() {
     let mut random = common::random(42);

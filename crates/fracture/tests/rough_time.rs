@@ -9,7 +9,7 @@ use frangible_fracture::{Concrete, Impact, Pattern, ShatterSettings, shatter};
 use frangible_geometry::ClosedForm;
 use glam::DVec3;
 
-/// Processor time that a break may take, five times what it takes [s].
+/// Processor time limit of a break, five times the measured time [s].
 const MOST_SECONDS: f64 = 0.2;
 
 #[test]

@@ -8,7 +8,7 @@ use frangible_fracture::{
     Cells, Cut, Fragment, Impact, Pattern, Radial, Region, ShatterSettings, Smallest,
     fragment_velocity, shatter, shatter_hull,
 };
-use frangible_geometry::{Clipper, ClosedForm, Geometry, HalfSpace, Hull, Shape, Surface};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, PlaneClipper, Shape, Surface};
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -114,7 +114,7 @@ fn assert_exact(parent: &Shape, fragments: &[Fragment]) {
     assert!((volume / parent.volume - 1.0).abs() < 1e-9, "{volume} of {}", parent.volume);
     let defect = defect(parent, fragments);
     assert!(defect < 1e-10, "{defect}");
-    // Slivers that are absorbed leave a void that nobody sees.
+    // Absorbed slivers leave an unnoticeable void.
     let filled: f64 = fragments.iter().map(|fragment| hull(fragment).volume()).sum();
     assert!(
         filled > (1.0 - 1e-4) * parent.breaks_as().unwrap().volume(),
@@ -145,9 +145,9 @@ fn assert_exact(parent: &Shape, fragments: &[Fragment]) {
     }
 }
 
-/// What two polyhedra have in common [m^3].
+/// Volume common to two polyhedra [m^3].
 fn overlap(a: &Hull, b: &Hull) -> f64 {
-    Clipper::default().clipped(a, b.planes()).map_or(0.0, |common| common.volume())
+    PlaneClipper::default().clipped(a, b.planes()).map_or(0.0, |common| common.volume())
 }
 
 /// Planes through the middle of a box: eight, four or two boxes.
@@ -307,7 +307,7 @@ fn fragments_break_again() {
             let mut fragments = shatter(&parent, &pattern, &impact, &EVERY_CRUMB);
             assert!(fragments.len() > 1);
             assert_exact(&parent, &fragments);
-            // What was inner stays so, what was outer too: no surface is lost, and cracks have two
+            // Inner faces stay inner and outer faces outer: no surface is lost, and cracks have two
             // sides.
             let whole = parent.breaks_as().unwrap();
             let sums = |inner: bool| fragments.iter().map(|f| area(hull(f), inner)).sum::<f64>();

@@ -52,7 +52,7 @@ fn advance(world: &mut World) -> StepReport {
     let bank = world.ledger.bank();
 
     // Bonds give way to blows.
-    let (mut broken, bonds_tally) = strike_bonds(world, &blows, &frame);
+    let (mut broken, bond_accounts) = strike_bonds(world, &blows, &frame);
     clock.lap("strike_bonds");
 
     // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet
@@ -72,7 +72,7 @@ fn advance(world: &mut World) -> StepReport {
         before: solved_from,
     } = moved;
     world.end_sparing();
-    accounts.add(bonds_tally);
+    accounts.add(bond_accounts);
     broken.extend(fractures);
     let culprits = contain(world, &solved_from, &mut accounts);
 
@@ -186,9 +186,9 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
     bodies.velocities = accelerate(bodies, &bodies.velocities, frame.dt, frame);
     let mut contact = Contact::new(bodies, bodies.velocities.clone(), Phase::Velocity, frame);
     contact.resolve(&touching);
-    let Contact { velocities, accounts: velocity_tally, .. } = contact;
+    let Contact { velocities, accounts: velocity_accounts, .. } = contact;
     bodies.velocities = velocities;
-    accounts.add(velocity_tally);
+    accounts.add(velocity_accounts);
     clock.lap("velocity_contact");
     Moved {
         fractures,
@@ -229,9 +229,9 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
     let before = Before::of(bodies);
-    let Solved { accounts: solved_tally, gravity, short_of_substeps } =
+    let Solved { accounts: solver_accounts, gravity, short_of_substeps } =
         solve(bodies, &manifolds, warm, frame);
-    accounts.add(solved_tally);
+    accounts.add(solver_accounts);
     // Contact forces load the bonds of glued bodies in the next frame.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
     if are_glued.contains(&true) {

@@ -151,8 +151,11 @@ impl World {
         self.clock = Some(seconds);
     }
 
+    /// Sets the velocity of a dynamic or kinematic body: `linear` of its centre of mass [m/s] and
+    /// `angular` [rad/s], world frame. A kinematic body keeps it until the next call. The change of
+    /// energy and momentum belongs to no step and no report.
     ///
-    ///
+    /// # Errors
     /// If the body is gone or static, or a number is out of range.
     pub fn set_velocity(
         &mut self,

@@ -92,8 +92,8 @@ impl Bvh {
         }
     }
 
-    /// Sorts axis-aligned boxes, each from its lowest to its highest corner [m], into a tree for [`Bvh::visit`]: a box is the one
-    /// around its own diagonal.
+    /// Sorts axis-aligned boxes, each from its lowest to its highest corner [m], into a tree for
+    /// [`Bvh::visit`]: a box is the one around its own diagonal.
     pub fn of_boxes(boxes: &[(DVec3, DVec3)]) -> Self {
         let diagonals: Vec<[DVec3; 3]> =
             boxes.iter().map(|&(low, high)| [low, high, high]).collect();

@@ -43,8 +43,8 @@ impl TriMesh {
     /// flat parts are left out. Parts that only touch at a vertex, an edge or a face stay parts.
     ///
     /// # Errors
-    /// As for [`TriMesh::check`], if there are more than [`TriMesh::MOST_TRIANGLES`], and if no part
-    /// encloses a volume. `name` begins the sentence.
+    /// As for [`TriMesh::check`], if there are more than [`TriMesh::MOST_TRIANGLES`], and
+    /// if no part encloses a volume. `name` begins the sentence.
     pub fn cleaned(&self, name: &str) -> Result<CleanMesh, MeshError> {
         Self::check_size(name, self.triangles.len())?;
         self.check(name)?;

@@ -143,15 +143,15 @@ mod tests {
     use super::*;
     use crate::closed_form::ClosedForm;
     use crate::mass_properties::MassProperties;
-    use crate::material::{Held, Material};
     use crate::moments::VoxelMoments;
+    use crate::voxel_runs::{Held, VoxelRuns};
     use frangible_math::RigidTransform;
     use glam::{DMat3, DQuat};
     use proptest::prelude::*;
 
     fn dense_mass_properties(grid: &Grid, coverage: &[f32]) -> MassProperties {
         let outside = LevelSet::new(*grid, vec![1.0; grid.len()]);
-        Held::all(grid, Material::from_nodes(&outside, coverage)).mass
+        Held::all(grid, VoxelRuns::from_nodes(&outside, coverage)).mass
     }
 
     proptest! {

@@ -12,8 +12,8 @@ use crate::crossings::{PaddedSigns, find_crossings};
 use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::outline_pieces::OutlinePieces;
-use crate::placement::{CornerClaim, Placement, settle_corners};
 use crate::sheets::{is_ambiguous, passes_twice, sheets};
+use crate::vertex_placement::{CornerClaim, Placement, settle_corners};
 use rayon::prelude::*;
 
 /// Vertices and quads of a solid's surface, in the grid frame.

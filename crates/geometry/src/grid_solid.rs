@@ -1,6 +1,5 @@
 //! A solid on a grid: what can break.
 
-use crate::clip::{Clip, RowScratch, distances_over, larger};
 use crate::closed_form::ClosedForm;
 use crate::coverage;
 use crate::grid::Grid;
@@ -9,10 +8,11 @@ use crate::hull::Hull;
 use crate::level_set::LevelSet;
 use crate::mass_properties::MassProperties;
 use crate::mass_properties::NoMass;
-use crate::material::{Held, Material};
 use crate::moments::Portion;
+use crate::outline_clip::{Clip, RowScratch, distances_over, larger};
 use crate::run_core::RunCore;
 use crate::runs::Run;
+use crate::voxel_runs::{Held, VoxelRuns};
 use glam::{DVec3, Vec3};
 use std::sync::{Arc, OnceLock};
 
@@ -119,7 +119,7 @@ impl GridSolid {
     fn whole(field: Arc<LevelSet>, coverage: &[f32], root: Root) -> Self {
         Self {
             grid: *field.grid(),
-            held: Held::all(field.grid(), Material::from_nodes(&field, coverage)),
+            held: Held::all(field.grid(), VoxelRuns::from_nodes(&field, coverage)),
             field,
             shift: [0; 3],
             parts: Vec::new(),
@@ -233,7 +233,7 @@ impl GridSolid {
     }
 
     /// Material of each voxel of [`GridSolid::grid`] in this solid.
-    pub fn material(&self) -> &Material {
+    pub fn material(&self) -> &VoxelRuns {
         self.held.material()
     }
 

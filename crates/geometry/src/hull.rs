@@ -1,13 +1,13 @@
 //! Convex polyhedra in double precision: exact, and cut exactly.
 
-pub(crate) mod carve;
-pub(crate) mod clip;
+pub(crate) mod cell_cutter;
 pub(crate) mod columns;
 pub(crate) mod distance;
 pub(crate) mod edges;
-pub(crate) mod loops;
-pub(crate) mod net;
-pub(crate) mod of_points;
+pub(crate) mod face_loops;
+pub(crate) mod half_edges;
+pub(crate) mod plane_clip;
+pub(crate) mod quickhull;
 pub(crate) mod round;
 pub(crate) mod rounded;
 pub(crate) mod samples;
@@ -19,10 +19,10 @@ use crate::hull::edges::HullEdge;
 use crate::mass_properties::MassProperties;
 use crate::mesh::{Surface, Tetrahedra, TriMesh};
 use columns::LazyColumns;
+use face_loops::FaceLoops;
 use frangible_math::RigidTransform;
 use glam::DVec3;
-use loops::Loops;
-use net::Net;
+use half_edges::HalfEdgeMesh;
 use std::sync::Arc;
 
 /// A convex polyhedron: vertices, polygonal faces and edges.
@@ -31,7 +31,7 @@ pub struct Hull {
     vertices: Vec<DVec3>,
     /// Of the faces.
     planes: Vec<HalfSpace>,
-    net: Arc<Net>,
+    net: Arc<HalfEdgeMesh>,
     columns: LazyColumns,
 }
 
@@ -55,7 +55,7 @@ impl Hull {
         let sign = |bit: usize| if bit & 1 == 1 { 1.0 } else { -1.0 };
         let vertices =
             (0..8).map(|n| half * DVec3::new(sign(n), sign(n >> 1), sign(n >> 2))).collect();
-        let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(6));
+        let (mut loops, mut planes) = (FaceLoops::default(), Vec::with_capacity(6));
         for axis in 0..3 {
             let (high, u, v) = (1 << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
             let mut face = |normal: DVec3, corners: [u32; 4]| {
@@ -65,10 +65,10 @@ impl Hull {
             face(DVec3::AXES[axis], [high, high + u, high + u + v, high + v]);
             face(-DVec3::AXES[axis], [0, v, u + v, u]);
         }
-        Self::new(vertices, planes, Net::of(&loops).unwrap_or_default())
+        Self::new(vertices, planes, HalfEdgeMesh::of(&loops).unwrap_or_default())
     }
 
-    fn new(vertices: Vec<DVec3>, planes: Vec<HalfSpace>, net: Net) -> Self {
+    fn new(vertices: Vec<DVec3>, planes: Vec<HalfSpace>, net: HalfEdgeMesh) -> Self {
         Self { vertices, planes, net: Arc::new(net), columns: LazyColumns::default() }
     }
 
@@ -241,14 +241,14 @@ impl Hull {
     fn from_loops(
         vertices: &[DVec3],
         mut planes: Vec<HalfSpace>,
-        mut loops: Loops,
+        mut loops: FaceLoops,
     ) -> Option<Self> {
         loops.straighten(vertices.len(), &mut planes);
         let mut corners = Vec::with_capacity(vertices.len());
         loops.renumber(vertices, &mut corners);
 
         // Euler's formula distinguishes a sphere from other closed surfaces.
-        let net = Net::of(&loops)?;
+        let net = HalfEdgeMesh::of(&loops)?;
         let is_sphere = planes.len() >= 4 && corners.len() + planes.len() == net.edges().len() + 2;
         is_sphere.then(|| Self::new(corners, planes, net))
     }

@@ -1,3 +1,4 @@
+//! Exact winding numbers of closed surfaces, by counting crossings of a line along x.
 //!
 //! Lines through an edge or a vertex are displaced symbolically, first along y and by far less
 //! along z [EM90]: exactly one of two triangles with a common edge is crossed.

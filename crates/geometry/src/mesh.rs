@@ -43,7 +43,8 @@ impl TriMesh {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }
 
-    /// Volume, centre and inertia enclosed by the surface, by the divergence theorem [Su09 sec. 4.4].
+    /// Volume, centre and inertia enclosed by the surface, by the divergence theorem
+    /// [Su09 sec. 4.4].
     ///
     /// Each hole counts as closed by the cone from its rim to the surface's centroid. The volume is
     /// negative if the triangles face inward, and zero volume has its centre at the surface's

@@ -2,13 +2,13 @@
 
 use crate::bvh::{Bvh, closest_point_on_triangle};
 use crate::cleaning::clean_mesh::CleanMesh;
+use crate::fast_sweeping::{Nearest, UNKNOWN};
 use crate::grid::Grid;
 use crate::level_set::LevelSet;
 use crate::line_crossings::LineCrossings;
 use crate::mesh::TriMesh;
 use crate::mesh_check::{MeshError, short};
 use crate::solid_boundary::{Deep, boundary_triangles};
-use crate::sweep::{Nearest, UNKNOWN};
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -23,7 +23,7 @@ pub(crate) fn triangulate(corners: &[u32], at: &impl Fn(u32) -> DVec3) -> Vec<[u
         return triangles;
     }
     let points: Vec<DVec3> = corners.iter().map(|&corner| at(corner) - at(corners[0])).collect();
-    let clipper = Clipper::new(points);
+    let clipper = PlaneClipper::new(points);
     let triangles = if clipper.is_convex() {
         (1..corners.len() - 1).map(|n| [0, n, n + 1]).collect()
     } else {
@@ -33,7 +33,7 @@ pub(crate) fn triangulate(corners: &[u32], at: &impl Fn(u32) -> DVec3) -> Vec<[u
 }
 
 /// A loop whose ears are clipped off.
-struct Clipper {
+struct PlaneClipper {
     points: Vec<DVec3>,
     /// Mean normal, a unit.
     normal: DVec3,
@@ -44,7 +44,7 @@ struct Clipper {
     version: Vec<Option<u32>>,
 }
 
-impl Clipper {
+impl PlaneClipper {
     fn new(points: Vec<DVec3>) -> Self {
         let count = points.len();
         let pairs = points.iter().zip(points.iter().cycle().skip(1));

@@ -8,7 +8,8 @@ const MOST_BYTES: u64 = 1 << 31;
 
 /// The bytes of a regular file of at most 2 GiB: devices and pipes may never end.
 ///
-/// # Errors If there is no such file, or it is no regular one, or too large: in words that follow
+/// # Errors
+/// If there is no such file, or it is no regular one, or too large: in words that follow
 /// "cannot be read".
 pub fn read_file(path: &Path) -> Result<Vec<u8>> {
     let status = std::fs::metadata(path)?;

@@ -1,3 +1,4 @@
+//! Sheets of the surface in one cell of a dual contour.
 //!
 //! Corner index `x + 2 y + 4 z`; edge index along axis `a`: `4 a + p + 2 q`, with `p` and `q` its
 //! position along the next two axes, cyclically; face index `2 a + side`.

@@ -8,8 +8,8 @@
 )]
 
 use frangible_geometry::{
-    Carver, Clipper, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace,
-    MassProperties, Shape,
+    CellCutter, ClosedForm, Geometry, GridSolid, HalfSpace, Hull, HullError, HullFace,
+    MassProperties, PlaneClipper, Shape,
 };
 use frangible_math::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
@@ -403,10 +403,10 @@ proptest! {
             HalfSpace { normal, offset: if at < through { normal.dot(vertex) } else { offset } }
         };
         let cuts: Vec<HalfSpace> = cuts.into_iter().enumerate().map(cut).collect();
-        let mut carver = Carver::new(&hull);
+        let mut cutter = CellCutter::new(&hull);
         // Earlier carving has no effect.
-        carver.part(&cuts[..1]);
-        let (carved, clipped) = (carver.part(&cuts), Clipper::default().clipped(&hull, &cuts));
+        cutter.part(&cuts[..1]);
+        let (carved, clipped) = (cutter.part(&cuts), PlaneClipper::default().clipped(&hull, &cuts));
         prop_assert_eq!(carved.is_some(), clipped.is_some());
         if let (Some(carved), Some(clipped)) = (carved, clipped) {
             check(&carved, 1e-9);

@@ -1,3 +1,5 @@
+//! Parallel loops on the current thread pool. Results are the same, to the bit, for any number of
+//! threads: each item belongs to one thread, and results are combined in item order.
 //!
 //! The pool only sees item numbers and a single call type. With generic kernels each call site
 //! would be compiled three times, two fifths of the whole compile time.

@@ -1,3 +1,5 @@
+//! Claims of the paper and of this engine, measured: one source for the tests and for `frangible
+//! verify`.
 //!
 //! A claim builds its own small scenes, runs them and returns findings. Findings without bounds are
 //! for information.

@@ -7,7 +7,7 @@ use frangible::World;
 use frangible_shots::{Shot, ShotOptions};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What the module holds between calls.
+/// State of the module between calls.
 static STATE: Mutex<State> = Mutex::new(State { name: Vec::new(), world: None });
 
 struct State {

@@ -45,31 +45,34 @@ pub fn evolve_all(
 /// [`evolve`] for some bodies.
 pub fn evolve_these(
     bodies: &Bodies,
-    who: &[usize],
+    body_indices: &[usize],
     (poses, velocities): (&[Pose], &[Velocity]),
     frame: &Frame,
 ) -> Vec<Pose> {
-    let of_share = |who: &[usize]| {
-        with_widest!(frame.settings.width, evolve_some(bodies, who, (poses, velocities), frame))
+    let of_share = |body_indices: &[usize]| {
+        with_widest!(
+            frame.settings.width,
+            evolve_some(bodies, body_indices, (poses, velocities), frame)
+        )
     };
-    threads::map(who.chunks(SHARE).collect(), who.len(), of_share).concat()
+    threads::map(body_indices.chunks(SHARE).collect(), body_indices.len(), of_share).concat()
 }
 
 /// [`evolve`] for some bodies, those that turn slowly side by side.
 fn evolve_some<I: Instructions>(
     bodies: &Bodies,
-    who: &[usize],
+    body_indices: &[usize],
     (poses, velocities): (&[Pose], &[Velocity]),
     frame: &Frame,
 ) -> Vec<Pose> {
-    let mut ends: Vec<Pose> = who.iter().map(|&i| poses[i]).collect();
+    let mut ends: Vec<Pose> = body_indices.iter().map(|&i| poses[i]).collect();
     I::run(
         #[inline(always)]
         || {
-            for (ends, who) in ends.chunks_mut(LANES).zip(who.chunks(LANES)) {
+            for (ends, body_indices) in ends.chunks_mut(LANES).zip(body_indices.chunks(LANES)) {
                 // Bodies that do not turn, in the lanes that hold none.
                 let (mut motions, mut turns) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
-                for (lane, (pose, &i)) in ends.iter().zip(who).enumerate() {
+                for (lane, (pose, &i)) in ends.iter().zip(body_indices).enumerate() {
                     let (l, q) = (velocities[i].angular_momentum, pose.orientation);
                     let m = bodies.inertias[i].inverse_moments;
                     motions[lane] = Numbers([l.x, l.y, l.z, m.x, m.y, m.z, m.max_element(), 0.0]);
@@ -85,7 +88,7 @@ fn evolve_some<I: Instructions>(
                 let zero = Lanes::ZERO;
                 let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
                 let is_exact = frame.settings.rotation == Rotation::Exact;
-                for (lane, (end, &i)) in ends.iter_mut().zip(who).enumerate() {
+                for (lane, (end, &i)) in ends.iter_mut().zip(body_indices).enumerate() {
                     let Numbers([x, y, z, w, ..]) = turned[lane];
                     if is_exact && is_slow.get(lane) && bodies.motions[i] == Motion::Dynamic {
                         let position = end.position + frame.dt * velocities[i].linear;

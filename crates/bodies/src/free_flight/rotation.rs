@@ -9,8 +9,8 @@ use frangible_math::Turn;
 use glam::{DQuat, DVec3};
 
 /// Moves a pose over `dt` [s]: the centre by its linear velocity, the orientation by `rotation`.
-/// The angular momentum is an input only, so it is conserved by construction; the energy fix aims
-/// at the energy at the start of this very step [Su09 sec. 2]. What has infinite inertia keeps its
+/// Angular momentum is an input only, hence conserved by construction; the energy fix aims at the
+/// energy at the start of this very step [Su09 sec. 2]. Bodies with infinite inertia keep their
 /// orientation here.
 #[inline]
 pub fn advance(

@@ -1,3 +1,4 @@
+//! Crowds: dense overlaps with an unmanageable number of pairs.
 //!
 //! Only the deepest overlaps are kept. After those bodies separate, others follow.
 

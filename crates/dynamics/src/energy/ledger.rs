@@ -51,13 +51,13 @@ pub struct EnergyAtStart(PerBody<f64>);
 impl EnergyAtStart {
     /// Records all energies at the start of a frame.
     pub fn new(bodies: &Bodies, frame: &Frame) -> Self {
-        let mut energy_at_start = Self::default();
+        let mut start = Self::default();
         for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
             if !bodies.inertias[i].is_infinite() {
-                energy_at_start.0.insert(bodies.ids[i], energy);
+                start.0.insert(bodies.ids[i], energy);
             }
         }
-        energy_at_start
+        start
     }
 }
 
@@ -72,7 +72,7 @@ impl Ledger {
     pub fn balance(
         &mut self,
         bodies: &mut Bodies,
-        energy_at_start: &EnergyAtStart,
+        start: &EnergyAtStart,
         contact_free: &ContactFreeState,
         frame: &Frame,
         accounts: &mut FrameAccounts,
@@ -83,18 +83,11 @@ impl Ledger {
             energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity)
         };
         let now = &*bodies;
-        let (energies, islands) = threads::join(
-            now.len(),
-            || energies(now, frame),
-            || self.islands(now, energy_at_start, accounts),
-        );
+        let find_islands = || self.islands(now, start, accounts);
+        let (energies, islands) = threads::join(now.len(), || energies(now, frame), find_islands);
         // Bodies born in this frame have no known gain.
-        let gained_by = |i: usize| {
-            energy_at_start
-                .0
-                .get(bodies.ids[i])
-                .map_or(0.0, |energy_at_start| energies[i] - energy_at_start)
-        };
+        let gained_by =
+            |i: usize| start.0.get(bodies.ids[i]).map_or(0.0, |start| energies[i] - start);
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
         for mut island in islands {
             let total = |bodies: &Bodies, members: &[usize]| -> f64 {
@@ -177,7 +170,7 @@ impl Ledger {
     fn islands(
         &self,
         bodies: &Bodies,
-        energy_at_start: &EnergyAtStart,
+        start: &EnergyAtStart,
         accounts: &FrameAccounts,
     ) -> Vec<Island> {
         let are_immobile: Vec<bool> = bodies.inertias.iter().map(Inertia::is_infinite).collect();
@@ -238,7 +231,7 @@ impl Ledger {
                 members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
                 anchor: anchor_of(bodies, anchors[number]),
                 recovered: recovered[number].max(0.0),
-                allowance: sum(&energy_at_start.0, ids) + work_on(&accounts.work, ids),
+                allowance: sum(&start.0, ids) + work_on(&accounts.work, ids),
                 bank: sum(&self.bank, ids),
                 gains: gains[number].clone(),
             }

@@ -44,7 +44,7 @@ pub(crate) fn blows_of(
     (acts_at, size): (DVec3, f64),
     first_touch: impl FnOnce() -> Touch,
 ) -> [Option<Blow>; 2] {
-    let borne = borne_by(bodies, pair);
+    let borne = smaller_strength(bodies, pair);
     if size <= borne {
         return [None; 2];
     }
@@ -75,7 +75,7 @@ fn strength(bodies: &Bodies, i: usize) -> f64 {
 }
 
 /// Smaller strength of a pair: the largest impulse through its contact [N s].
-fn borne_by(bodies: &Bodies, pair: Pair) -> f64 {
+fn smaller_strength(bodies: &Bodies, pair: Pair) -> f64 {
     strength(bodies, pair.first).min(strength(bodies, pair.second))
 }
 
@@ -97,7 +97,7 @@ pub fn strike(
     let mut broken = vec![false; bodies.len()];
     let mut finder = ManifoldFinder::default();
     for &pair in pairs {
-        if broken[pair.first] || broken[pair.second] || bears_all(bodies, pair, frame) {
+        if broken[pair.first] || broken[pair.second] || withstands_all(bodies, pair, frame) {
             continue;
         }
         let Some((approach, touch)) = next_touch(bodies, pair, predicted, &mut finder, frame)
@@ -129,8 +129,8 @@ pub fn strike(
 /// True if no impulse between a pair within the frame can exceed its smaller strength. An impulse
 /// without energy gain satisfies `|u + K j| <= |u|` in the norm of the pair's K, hence never
 /// exceeds twice the reduced mass times the relative speed.
-fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
-    let borne = borne_by(bodies, pair);
+fn withstands_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
+    let borne = smaller_strength(bodies, pair);
     let answer =
         bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
     if borne.is_infinite() {
@@ -142,7 +142,7 @@ fn bears_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
 
 /// A collision within the frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Coming {
+pub struct UpcomingImpact {
     /// Relative motion at the contact, at the frame's start.
     pub approach: Approach,
     /// Impulse that would stop the approach.
@@ -154,12 +154,17 @@ pub struct Coming {
 }
 
 /// The next collision of a pair on the way to `predicted`, if any.
-pub fn coming(bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Option<Coming> {
+pub fn upcoming_impact(
+    bodies: &Bodies,
+    pair: Pair,
+    predicted: &[Pose],
+    frame: &Frame,
+) -> Option<UpcomingImpact> {
     let finder = &mut ManifoldFinder::default();
     let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, finder, frame)?;
     let surfaces = bodies.pair_surface(pair.first, pair.second);
     let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
-    Some(Coming { approach, impulse, point: contact.point, poses })
+    Some(UpcomingImpact { approach, impulse, point: contact.point, poses })
 }
 
 /// Applies an impulse to a pair before the frame's motion, clamped to the available energy, and

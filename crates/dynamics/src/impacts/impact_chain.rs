@@ -95,10 +95,11 @@ fn predict_deviations(
     frame: &Frame,
 ) -> Option<Deviations> {
     // Skip resting contacts: gravity's approach over a frame stays within the speculative margin.
-    let chain = ChainMotion { bodies, ends, frame, least: 2.0 * frame.speculative_margin() };
-    let comes = manifolds.approaches().map(|(pair, approach)| (pair, approach * frame.dt));
-    let impacts: Vec<(Pair, f64)> = comes.filter(|&(_, comes)| comes > chain.least).collect();
-    let furthest = impacts.iter().map(|&(_, comes)| comes).reduce(f64::max)?;
+    let motion = ChainMotion { bodies, ends, frame, least: 2.0 * frame.speculative_margin() };
+    let approaches = manifolds.approaches().map(|(pair, approach)| (pair, approach * frame.dt));
+    let impacts: Vec<(Pair, f64)> =
+        approaches.filter(|&(_, displacement)| displacement > motion.least).collect();
+    let furthest = impacts.iter().map(|&(_, displacement)| displacement).reduce(f64::max)?;
     if impacts.len() > MAX_IMPACTS {
         return None;
     }
@@ -107,10 +108,15 @@ fn predict_deviations(
     let longest = 2.0 * furthest;
     let mut found =
         Deviations { deviations: vec![Deviation::NONE; bodies.len()], more: BTreeSet::new() };
-    let mut next = Next::default();
-    for (Pair { first, second }, comes) in impacts {
+    let mut queue = DeviationQueue::default();
+    for (Pair { first, second }, displacement) in impacts {
         for (i, by) in [(first, second), (second, first)] {
-            next.add(i, chain.deviation(i, by, comes, chain.turning(i)), by, Deviation::NONE);
+            queue.add(
+                i,
+                motion.deviation(i, by, displacement, motion.turning(i)),
+                by,
+                Deviation::NONE,
+            );
         }
     }
 
@@ -118,28 +124,30 @@ fn predict_deviations(
     // first.
     let mut spheres = SweptSpheres::new(bodies, ends, &swept.bounds, frame);
     let mut visits = 0;
-    while let Some((i, deviation)) = next.pop() {
+    while let Some((i, deviation)) = queue.pop() {
         found.deviations[i] = deviation;
         if visits == MAX_VISITS {
             continue;
         }
         visits += 1;
-        let mut room = MAX_NEIGHBOURS;
+        let mut free_places = MAX_NEIGHBOURS;
         for other in spheres.reached(i, &found.deviations) {
             let is_fixed = bodies.inertias[other].is_infinite();
-            if !is_fixed && room == 0 {
+            if !is_fixed && free_places == 0 {
                 continue;
             }
-            room -= usize::from(!is_fixed);
+            free_places -= usize::from(!is_fixed);
             let pair = Pair { first: i.min(other), second: i.max(other) };
             if swept.pairs.binary_search(&pair).is_err() {
                 found.more.insert(pair);
             }
-            let known = *next.of(other).unwrap_or(&found.deviations[other]);
-            let comes = deviation.against(other);
-            let pushed = chain.deviation(other, i, comes + chain.comes(pair), 0.0).min(longest);
-            if comes > 0.0 && pushed > MIN_GROWTH * known.most.0 + chain.least {
-                next.add(other, pushed, i, known);
+            let known = *queue.of(other).unwrap_or(&found.deviations[other]);
+            let displacement = deviation.against(other);
+            let pushed = motion
+                .deviation(other, i, displacement + motion.relative_displacement(pair), 0.0)
+                .min(longest);
+            if displacement > 0.0 && pushed > MIN_GROWTH * known.most.0 + motion.least {
+                queue.add(other, pushed, i, known);
             }
         }
     }
@@ -156,15 +164,15 @@ struct ChainMotion<'a> {
 }
 
 impl ChainMotion<'_> {
-    /// Upper bound of a body's deviation after an impact, for a relative displacement `come` [m] of
-    /// the pair. `turning` adds the rotational part of the inverse effective mass [1/kg] for
-    /// off-centre impacts.
-    fn deviation(&self, i: usize, by: usize, come: f64, turning: f64) -> f64 {
+    /// Upper bound of a body's deviation after an impact, for a relative `displacement` [m] of the
+    /// pair. `turning` adds the rotational part of the inverse effective mass [1/kg] for off-centre
+    /// impacts.
+    fn deviation(&self, i: usize, by: usize, displacement: f64, turning: f64) -> f64 {
         let inverse_mass = |i: usize| self.bodies.inertias[i].inverse_mass;
         let answer = inverse_mass(i) + turning;
         let restitution = self.bodies.pair_surface(i, by).restitution;
         if answer > 0.0 {
-            (1.0 + restitution) * answer / (answer + inverse_mass(by)) * come
+            (1.0 + restitution) * answer / (answer + inverse_mass(by)) * displacement
         } else {
             0.0
         }
@@ -183,7 +191,7 @@ impl ChainMotion<'_> {
     }
 
     /// Upper bound of the relative displacement of a pair's points [m]; 0 for resting pairs.
-    fn comes(&self, pair: Pair) -> f64 {
+    fn relative_displacement(&self, pair: Pair) -> f64 {
         let way = |i: usize| self.ends[i].position - self.bodies.poses[i].position;
         let turns = |i: usize| {
             let spin =
@@ -191,22 +199,22 @@ impl ChainMotion<'_> {
             // Unbounded bodies have no spin.
             if spin > 0.0 { self.bodies.radii[i] * (spin * self.frame.dt).min(2.0) } else { 0.0 }
         };
-        let comes =
+        let displacement =
             (way(pair.first) - way(pair.second)).length() + turns(pair.first) + turns(pair.second);
-        if comes > self.least { comes } else { 0.0 }
+        if displacement > self.least { displacement } else { 0.0 }
     }
 }
 
 /// Priority queue of bodies by deviation, largest first.
 #[derive(Default)]
-struct Next {
+struct DeviationQueue {
     deviations: BTreeMap<usize, Deviation>,
     /// Deviation as bits (positive floats sort like their bits), and body; may hold outdated
     /// entries.
     order: BinaryHeap<(u64, Reverse<usize>)>,
 }
 
-impl Next {
+impl DeviationQueue {
     /// Registers a deviation [m] caused by the body `by`.
     fn add(&mut self, i: usize, deviation: f64, by: usize, known: Deviation) {
         if deviation > 0.0 {

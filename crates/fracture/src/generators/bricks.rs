@@ -11,8 +11,8 @@ use rand_pcg::Pcg64Mcg;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Bricks in running bond: courses along x, stacked along y, each shifted by half a brick; one brick deep. Mortar breaks off in
-/// pieces of its own, a joint beside each brick and one above it.
+/// Bricks in running bond: courses along x, stacked along y, each shifted by half a brick; one
+/// brick deep. Mortar breaks off in pieces of its own, a joint beside each brick and one above it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bricks {
@@ -22,7 +22,7 @@ pub struct Bricks {
     pub courses: usize,
     /// Thickness of the joints relative to the height of a course, from 0 (none) to 0.5.
     pub mortar: f64,
-    /// How irregular, from 0 to 1: how far the ends of the bricks are off their place.
+    /// Irregularity from 0 to 1: displacement of the bricks' ends.
     pub jitter: f64,
     /// Of the random numbers.
     pub seed: u64,
@@ -101,7 +101,8 @@ impl Pattern {
     }
 }
 
-/// What lies between two places along x and two along y; the sides that lie on the box are no cracks. `None` if it is empty.
+/// The block between two positions along x and two along y; sides on the box are no cracks. `None`
+/// if empty.
 fn block([left, right]: [f64; 2], [bottom, top]: [f64; 2], half_extent: DVec3) -> Option<Region> {
     // Joints of no width are rounding.
     let tiny = 1e-9 * half_extent.max_element();

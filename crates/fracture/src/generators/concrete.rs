@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub struct Concrete {
     /// Number of cells, from 1 to 10000.
     pub cells: usize,
-    /// How rough the faces are, from 0 (plane) to 1 (as far as the cells stay in one piece).
+    /// Roughness of the faces, from 0 (planar) to 1 (the limit for connected cells).
     pub roughness: f64,
     /// Size of the largest bumps, relative to that of a cell; from 0.05 to 2.
     pub grain: f64,

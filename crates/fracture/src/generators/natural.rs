@@ -11,15 +11,16 @@ use rand_pcg::Pcg64Mcg;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Rock that cracks again and again, each crack ending at the ones before it. The cells of such a *primary mosaic* have 6 faces
-/// and 8 corners in the mean, as natural fragments do [DKST15, DJKT20].
+/// Rock that cracks again and again, each crack ending at the ones before it. The cells of such a
+/// *primary mosaic* have 6 faces and 8 corners in the mean, as natural fragments do
+/// [DKST15, DJKT20].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Natural {
     /// Number of cells, from 1 to 10000.
     pub cells: usize,
-    /// How much the sizes differ, from 0 (always the largest cell cracks) over 0.5 (any, in proportion to its volume) to 1 (any,
-    /// whatever its volume).
+    /// Spread of sizes, from 0 (the largest cell cracks) over 0.5 (probability proportional to
+    /// volume) to 1 (equal probability).
     pub spread: f64,
     /// Of the random numbers.
     pub seed: u64,
@@ -34,7 +35,8 @@ impl Default for Natural {
     }
 }
 
-/// Of so many random directions a cell cracks across the one in which it is longest, so that no needles and plates come out.
+/// Number of random directions per cell; the cell cracks across the direction of its largest
+/// extent, to avoid needles and plates.
 const DIRECTIONS: usize = 5;
 
 /// A crack lies at most this share of the cell's length off its middle.
@@ -45,7 +47,7 @@ struct Part {
     half_spaces: Vec<HalfSpace>,
     hull: Hull,
     center: DVec3,
-    /// What its chance of being cut is proportional to.
+    /// Probability weight for the next cut.
     weight: f64,
 }
 
@@ -83,7 +85,7 @@ impl Part {
             let hull = self.hull.clipped(&half_space)?;
             let mut half_spaces = self.half_spaces.clone();
             half_spaces.push(half_space);
-            // What has come to lie outside of the cell bounds it no more.
+            // Drop half-spaces that no longer bound the cell.
             half_spaces.retain(|&known| hull.planes().contains(&known));
             Some(Self::new(half_spaces, hull, spread))
         };

@@ -1,4 +1,4 @@
-//! Parameters of generators: what they must fulfil, and random ones.
+//! Parameters of generators: validation, and random values.
 
 use crate::pattern::error::PatternError;
 use glam::DVec3;
@@ -29,12 +29,12 @@ pub(crate) fn require_box(half_extent: DVec3) -> Result<(), PatternError> {
     require(ratio <= 1000.0, "half_extent", ratio, "at most 1000 times as long as it is wide")
 }
 
-/// Checks a number of things against what a computer can bear.
+/// Checks a count against memory limits.
 pub(crate) fn require_count(count: usize, parameter: &'static str) -> Result<(), PatternError> {
     require((1..=MOST_CELLS).contains(&count), parameter, count as f64, "from 1 to 10000")
 }
 
-/// A pattern may have so many cells.
+/// Maximum number of cells in a pattern.
 pub const MOST_CELLS: usize = 10_000;
 
 /// A direction, each as likely as another.

@@ -12,8 +12,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Cracks that run from the centre like spokes, crossed by rings: struck glass. Every crack contains the direction of
-/// the collision normal.
+/// Cracks that run from the centre like spokes, crossed by rings: struck glass. Every crack
+/// contains the direction of the collision normal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Radial {
@@ -21,7 +21,7 @@ pub struct Radial {
     pub spokes: usize,
     /// Number of rings around the centre, denser towards it; 0 is the paper's pattern.
     pub rings: usize,
-    /// How irregular, from 0 (regular) to 1.
+    /// Irregularity, from 0 (regular) to 1.
     pub jitter: f64,
     /// Of the random numbers.
     pub seed: u64,
@@ -33,8 +33,8 @@ impl Default for Radial {
     }
 }
 
-/// Half-space around the z axis' side of the vertical plane through `from` and `to`; both counter-clockwise about the
-/// axis.
+/// Half-space around the z axis' side of the vertical plane through `from` and `to`; both
+/// counter-clockwise about the axis.
 fn chord(from: DVec2, to: DVec2) -> HalfSpace {
     let along = (to - from).normalize();
     let normal = DVec3::new(along.y, -along.x, 0.0);
@@ -59,20 +59,23 @@ impl Pattern {
         require((0.0..=1.0).contains(&radial.jitter), "jitter", radial.jitter, "from 0 to 1")?;
         let mut random = Pcg64Mcg::seed_from_u64(radial.seed);
 
-        // Angles of the spokes. No step exceeds 1.4 times the regular one, which is less than half a turn.
+        // Angles of the spokes. No step exceeds 1.4 times the regular one, which is less than half
+        // a turn.
         let step = TAU / radial.spokes as f64;
         let directions: Vec<DVec2> = (0..radial.spokes)
             .map(|spoke| step * (spoke as f64 + 0.4 * radial.jitter * deviation(&mut random)))
             .map(|angle| DVec2::new(libm::cos(angle), libm::sin(angle)))
             .collect();
 
-        // Corners of the cobweb, ring by ring outwards. They stay in order along each spoke, so chords never cross.
+        // Corners of the cobweb, ring by ring outwards. They stay in order along each spoke, so
+        // chords never cross.
         let corners: Vec<Vec<DVec2>> = (0..radial.rings)
             .map(|ring| {
                 let corner = |&direction: &DVec2| {
                     let place = (ring as f64 + 1.0 + 0.6 * radial.jitter * deviation(&mut random))
                         / (radial.rings as f64 + 0.5);
-                    // Radii grow as the power 3/2 of the ring's number, from a small middle to nearly the rim.
+                    // Radii grow as the power 3/2 of the ring's number, from a small middle to
+                    // nearly the rim.
                     direction * (place * place.sqrt())
                 };
                 directions.iter().map(corner).collect()

@@ -17,10 +17,12 @@ use serde::{Deserialize, Serialize};
 pub struct Slices {
     /// Number of slices, from 1 to 10000.
     pub cells: usize,
-    /// Across what they lie; any length but zero. z is the collision normal, x the longest direction across it.
+    /// Normal of the slices; any length except zero. z is the collision normal, x the longest
+    /// direction across it.
     #[schemars(with = "[f64; 3]")]
     pub axis: DVec3,
-    /// How irregular, from 0 (equally thick, parallel) to 1 (neighbours nearly touch at an edge of the box).
+    /// Irregularity, from 0 (equally thick, parallel) to 1 (neighbours nearly touch at an edge of
+    /// the box).
     pub jitter: f64,
     /// Of the random numbers.
     pub seed: u64,
@@ -55,13 +57,14 @@ impl Pattern {
         let axis = axis / length;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
 
-        // How far the box reaches along the axis and across it.
+        // Extent of the box along the axis and across it.
         let along = half_extent.dot(axis.abs());
         let across = half_extent.length();
         let step = 2.0 * along / cells as f64;
         let (u, v) = axis.any_orthonormal_pair();
 
-        // Each plane keeps within half a step from its place in all of the box, 0.2 by its offset and 0.28 by its tilt.
+        // Each plane keeps within half a step from its place in all of the box, 0.2 by its offset
+        // and 0.28 by its tilt.
         let planes: Vec<HalfSpace> = (1..cells)
             .map(|number| {
                 let shift = 0.4 * jitter * step * deviation(&mut random);

@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 
 /// Long splinters along a grain, with irregular cross sections and pointed ends: wood.
 ///
-/// Cracks run along the grain around random lines, and each splinter between them is broken across, where it pleases, at a steep
-/// angle.
+/// Cracks run along the grain around random lines, and each splinter between them is broken across,
+/// where it pleases, at a steep angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Splinters {
@@ -24,15 +24,18 @@ pub struct Splinters {
     pub fibres: usize,
     /// Number of pieces that each splinter is broken into along its length, at least 1.
     pub pieces: usize,
-    /// Along what the splinters lie: 0, 1 or 2 for the pattern's x, y or z. x follows the body's longest side.
+    /// Along what the splinters lie: 0, 1 or 2 for the pattern's x, y or z. x follows the body's
+    /// longest side.
     pub grain: usize,
-    /// How many times longer the pointed ends are than the splinter is wide, from 0 (cut square) to 20.
+    /// Length of the pointed ends relative to the splinter's width, from 0 (cut square) to 20.
     pub sharpness: f64,
-    /// How far from their regular places splinters are broken, from 0 to 1, in lengths of a piece: at 0 all break in the same place.
+    /// Displacement of the splinters' breaks from their regular places, from 0 (all in the same
+    /// place) to 1, in piece lengths.
     pub spread: f64,
     /// Of the random numbers.
     pub seed: u64,
-    /// Shape of the pattern's box; only its proportions matter. A long one suits what is long along the grain.
+    /// Shape of the pattern's box; only its proportions matter. A long one suits what is long along
+    /// the grain.
     #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
@@ -82,7 +85,8 @@ impl Pattern {
             let half_length = half_extent[grain];
             let piece = 2.0 * half_length / pieces as f64;
             let width = reach_across(column, site, axis, half_extent);
-            // Steep, but so that the cracks of one splinter meet neither each other nor the box's ends.
+            // Steep, but so that the cracks of one splinter meet neither each other nor the box's
+            // ends.
             let room = 0.25 * piece;
             let slope = (sharpness * (0.5 + random_share(&mut random))).min(room / width);
             let breaks: Vec<HalfSpace> = (1..pieces)
@@ -112,7 +116,7 @@ fn random_share(random: &mut Pcg64Mcg) -> f64 {
     deviation(random) + 0.5
 }
 
-/// How far a splinter reaches from its line.
+/// Extent of a splinter from its line.
 fn reach_across(column: &Region, site: DVec3, axis: DVec3, half_extent: DVec3) -> f64 {
     let hull = column.hull(half_extent);
     let corners = hull.iter().flat_map(|hull| hull.vertices());

@@ -17,16 +17,18 @@ use serde::{Deserialize, Serialize};
 pub struct Voronoi {
     /// Number of cells, from 1 to 10000.
     pub cells: usize,
-    /// From 0 to 30. 0 spreads the points evenly over the box; any other number gathers them around the centre, in a
-    /// Gaussian whose standard deviation is `half_extent / clustering`.
+    /// From 0 to 30. 0 spreads the points evenly over the box; any other number gathers them around
+    /// the centre, in a Gaussian whose standard deviation is `half_extent / clustering`.
     pub clustering: f64,
-    /// From -10 to 10 along each axis. The points are `exp(2 grading)` times as dense at the box's upper end of an axis as at
-    /// its lower, growing exponentially: small pieces at one end, large ones at the other.
+    /// From -10 to 10 along each axis. The points are `exp(2 grading)` times as dense at the box's
+    /// upper end of an axis as at its lower, growing exponentially: small pieces at one end, large
+    /// ones at the other.
     #[schemars(with = "[f64; 3]")]
     pub grading: DVec3,
     /// Of the random numbers.
     pub seed: u64,
-    /// Shape of the pattern's box; only its proportions matter. A flat one suits walls that are struck on their face.
+    /// Shape of the pattern's box; only its proportions matter. A flat one suits walls that are
+    /// struck on their face.
     #[schemars(with = "[f64; 3]")]
     pub half_extent: DVec3,
 }
@@ -59,7 +61,8 @@ impl Pattern {
         Ok(Self::planar_in_box(half_extent, regions))
     }
 }
-/// Points in the box: distributed along each axis as the grading says, kept with the Gaussian's probability.
+/// Points in the box: distributed along each axis as the grading says, kept with the Gaussian's
+/// probability.
 fn draw_sites(voronoi: &Voronoi) -> Vec<DVec3> {
     let mut random = Pcg64Mcg::seed_from_u64(voronoi.seed);
     let mut sites = Vec::with_capacity(voronoi.cells);
@@ -75,7 +78,8 @@ fn draw_sites(voronoi: &Voronoi) -> Vec<DVec3> {
     sites
 }
 
-/// Numbers that are uniform in [-1, 1), distributed with density proportional to `exp(grading number)` instead.
+/// Numbers that are uniform in [-1, 1), distributed with density proportional to `exp(grading
+/// number)` instead.
 fn graded(uniform: DVec3, grading: DVec3) -> DVec3 {
     let along = |u: f64, g: f64| {
         let (low, high) = (libm::exp(-g), libm::exp(g));
@@ -92,8 +96,8 @@ pub(super) fn voronoi_regions(sites: &[DVec3], half_extent: DVec3) -> Vec<Region
         .collect()
 }
 
-/// The points nearer to one site than to each other site; near sites first, because they cut most. The list ends with the
-/// first site that is too far to cut anything.
+/// The points nearer to one site than to each other site; near sites first, because they cut most.
+/// The list ends with the first site that is too far to cut anything.
 fn bisectors(sites: &[DVec3], cell: usize, half_extent: DVec3) -> Vec<HalfSpace> {
     let site = sites[cell];
     let mut others: Vec<DVec3> = sites

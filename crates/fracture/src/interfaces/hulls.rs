@@ -1,4 +1,4 @@
-//! Contacts of convex polyhedra: the overlap of faces that lie in one plane.
+//! Contacts of convex polyhedra: overlaps of coplanar faces.
 
 use crate::interfaces::interface::{Contacts, Interface};
 use crate::polygon;
@@ -18,7 +18,7 @@ pub(super) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
     let longest = bounds.iter().map(|(low, high)| (high - low).max_element()).fold(0.0, f64::max);
     let near = SAME_PLANE * longest;
 
-    // Sweep along x: a box can touch only those that begin before it ends.
+    // Sweep along x: a box touches only boxes that begin before its end.
     let mut order: Vec<usize> = (0..hulls.len()).collect();
     order.sort_by(|&a, &b| bounds[a].0.x.total_cmp(&bounds[b].0.x).then(a.cmp(&b)));
     let mut contacts = Contacts::default();
@@ -59,7 +59,7 @@ pub(crate) fn contacts_of_some(hulls: &[&Hull], some: &[bool]) -> Vec<Contact> {
         .collect()
 }
 
-/// Adds the overlaps of all faces of two polyhedra that lie in one plane.
+/// Adds the overlaps of all coplanar faces of two polyhedra.
 fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &Hull), near: f64) {
     let corners = |hull: &Hull, face: &HullFace<'_>| -> Vec<DVec3> {
         face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
@@ -82,7 +82,7 @@ fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &H
     }
 }
 
-/// Whether all of a polyhedron lies in front of a plane or on it.
+/// True if a polyhedron lies completely in front of a plane or on it.
 fn separates(plane: &HalfSpace, hull: &Hull, near: f64) -> bool {
     hull.vertices().iter().all(|&vertex| plane.distance(vertex) >= -near)
 }

@@ -25,7 +25,7 @@ pub(crate) struct Contacts {
     of_pair: BTreeMap<(usize, usize), Sum>,
 }
 
-/// What adds up.
+/// Additive part of an interface.
 #[derive(Clone, Copy, Default)]
 struct Sum {
     /// [m^2]

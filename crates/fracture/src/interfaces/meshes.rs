@@ -7,12 +7,12 @@ use frangible_geometry::Bvh;
 use frangible_geometry::TriMesh;
 use glam::DVec3;
 
-/// A piece of a mesh: a connected part of what one cell of a pattern cut out of it.
+/// A piece of a mesh: a connected part of the mesh within one cell of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutPiece {
     /// Closed [m].
     pub mesh: TriMesh,
-    /// For each triangle, whether a crack made it.
+    /// Per triangle: true if a crack made it.
     pub inner: Vec<bool>,
 }
 
@@ -67,7 +67,7 @@ pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
     contacts.into_interfaces()
 }
 
-/// The triangles of a piece's cracks, without those that have no area.
+/// Crack triangles of a piece, without degenerate triangles.
 fn crack_triangles(number: usize, piece: &CutPiece) -> impl Iterator<Item = CrackTriangle> {
     let inner = (0..piece.mesh.triangles.len()).filter(|&triangle| piece.inner[triangle]);
     inner.filter_map(move |triangle| {

@@ -5,7 +5,7 @@ use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Two cracks are the two sides of one plane if they agree so far, in units of the spacing.
+/// Maximum difference of two sides of one crack plane, in units of the spacing.
 const SAME_PLANE: f64 = 1e-6;
 /// A voxel face belongs to a crack plane that passes its centre this closely, in units of the
 /// spacing: half a voxel by construction, and as much again for where a break snaps to the lattice.
@@ -38,7 +38,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
         sum.add(&face);
     });
 
-    // A crack that leaves the material at a slant does so between the nodes.
+    // Cracks at a slant leave the material between nodes.
     let rims = Rims::new(solids, &planes);
     lattice.for_each_rim(|face| {
         for (other, plane) in rims.beyond(&face) {
@@ -68,7 +68,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
 /// A part of a contact that counts as flat.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
-    /// On one of the planes that the two pieces share.
+    /// On a common plane of the two pieces.
     OnPlane(usize),
     /// In a cube of [`CUBE`] voxels a side, at these places in the row of cubes along each axis.
     InCube([usize; 3]),
@@ -77,7 +77,7 @@ enum Part {
 /// The voxel faces of one part.
 #[derive(Clone, Copy, Default)]
 struct PartSum {
-    /// Number of faces, those that are filled in part counted in part.
+    /// Number of faces, weighted by their fill.
     weight: f64,
     /// Sum of their directions.
     vector: DVec3,
@@ -104,16 +104,15 @@ struct Face {
     center: DVec3,
     /// The node at the lower end.
     node: [usize; 3],
-    /// How much of the face is in the material, in (0, 1]: the mean of the two voxels.
+    /// Material fraction of the face, in (0, 1]: the mean of both voxels.
     filled: f64,
 }
 
-/// The pieces behind the crack planes of each piece.
+/// Pieces behind the crack planes of each piece.
 ///
-/// Where a crack meets the body's surface at a slant, a wedge thinner than half a voxel has no
-/// voxel of its own, and the staircase stops short. On average it stops half a voxel before the
-/// surface. So it goes on by the faces between the last voxel and the empty one that lies on the
-/// other side of the crack, which count by half like all that are half empty.
+/// At a slanted crack, a wedge thinner than half a voxel has no voxel of its own, and the staircase
+/// of faces stops short by half a voxel on average. The contact area therefore also counts faces
+/// between the last voxel and the empty voxel across the crack, by half like all half-empty faces.
 struct Rims<'a> {
     solids: &'a [&'a GridSolid],
     /// For each piece: another one, the plane between the two, whose inside is the first piece's,
@@ -160,7 +159,7 @@ impl Face {
     }
 }
 
-/// The cracks of one piece that are the other side of one of the other's.
+/// Cracks of a piece that face a crack of the other piece.
 fn shared_planes(a: &GridSolid, b: &GridSolid, spacing: f64) -> Vec<HalfSpace> {
     // The lattice's middle is where the planes must agree; the origin may be far away.
     let (low, high) = a.grid().bounds();
@@ -192,7 +191,7 @@ struct Lattice {
     grid: Grid,
     /// Which piece each voxel belongs to.
     owner: Vec<u32>,
-    /// How much of each voxel is material.
+    /// Material fraction of each voxel.
     coverage: Vec<f32>,
 }
 

@@ -1,6 +1,6 @@
-//! Patterns of meshes that somebody drew.
+//! Patterns from user meshes.
 
-use crate::drawn::{Drawn, bounds, parts};
+use crate::mesh_pattern::{Drawn, bounds, parts};
 use crate::pattern::error::PatternError;
 use crate::pattern::{Cells, Pattern};
 use frangible_geometry::TriMesh;
@@ -11,8 +11,8 @@ impl Pattern {
     /// own units.
     ///
     /// # Errors
-    /// If a mesh is not closed, or if together they leave a gap in their bounding box, or overlap, by more than a hundredth of
-    /// its longest edge.
+    /// If a mesh is not closed, or if together they leave a gap in their bounding box, or
+    /// overlap, by more than a hundredth of its longest edge.
     pub fn drawn(meshes: &[TriMesh], name: &str) -> Result<Self, PatternError> {
         let wrong = |reason: String| PatternError::File { path: name.to_owned(), reason };
         let (low, high) =

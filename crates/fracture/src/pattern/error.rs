@@ -12,7 +12,7 @@ pub enum PatternError {
         parameter: &'static str,
         /// As given.
         value: f64,
-        /// What it must fulfil.
+        /// Violated rule.
         rule: &'static str,
     },
     /// A file cannot be read, written or used.

@@ -51,7 +51,7 @@ impl From<Cut> for CutRecord {
 const SMALLEST_FACE: f64 = 1e-14;
 
 impl Region {
-    /// The intersection of half-spaces, without those that do not bound it within the box.
+    /// Intersection of half-spaces, without half-spaces that do not bound it within the box.
     pub fn from_half_spaces(half_spaces: &[HalfSpace], half_extent: DVec3) -> Self {
         let smallest = SMALLEST_FACE * half_extent.length_squared();
         let mut cuts = Vec::new();
@@ -79,8 +79,8 @@ impl Region {
     }
 
     /// Largest signed distance to any of the cuts, negative inside; the distance to the region in
-    /// the sense of
-    /// [Su09 sec. 4.2]: right inside, a lower bound outside. Minus infinity for a region without cuts.
+    /// the sense of [Su09 sec. 4.2]: right inside, a lower bound outside. Minus infinity for a
+    /// region without cuts.
     pub fn distance(&self, point: DVec3) -> f64 {
         self.cuts.iter().map(|cut| cut.half_space.distance(point)).fold(f64::NEG_INFINITY, f64::max)
     }

@@ -11,7 +11,7 @@ use glam::DVec3;
 pub(crate) struct Components {
     /// Region of each component.
     pub(crate) region: Vec<u32>,
-    /// Whether it has nodes inside, or is only a film of surface voxels.
+    /// True if the component has inside nodes; false for films of surface voxels.
     pub(crate) has_inside: Vec<bool>,
     /// Its material [voxels].
     pub(crate) material: Vec<f64>,
@@ -43,8 +43,8 @@ pub(crate) fn rows_beside(grid: &Grid, row: usize) -> impl Iterator<Item = usize
     beside.into_iter().flatten()
 }
 
-/// What the regions hold of a convex body, one component for each that holds anything: it is
-/// connected, whether or not the grid shows it. Numbered in the order of their first runs.
+/// Components of a convex body: one per region with content, as convexity implies connectivity at
+/// any resolution. Numbered in the order of their first runs.
 pub(crate) fn of_convex(portions_of_regions: Vec<Portion>) -> Components {
     let held =
         portions_of_regions.into_iter().zip(0..).filter(|(portion, _)| !portion.runs.is_empty());
@@ -230,8 +230,8 @@ fn shares_beside(
 /// A surface voxel: its row and its share.
 type SurfaceVoxel = (usize, usize);
 
-/// Gives surface voxels to components that they touch, first of their own region, then of any; from
-/// the body outwards, one layer at a time. Returns those that touch nothing.
+/// Assigns surface voxels to components in contact, first of their own region, then of any, layer
+/// by layer from the body outwards. Returns the isolated voxels.
 fn attach_surface_voxels(
     solid: &GridSolid,
     shares: &Shares,
@@ -302,7 +302,7 @@ fn found_islands(
     }
 }
 
-/// How far around a sliver's nodes the rest of its tip is looked for [nodes].
+/// Search radius around a sliver's nodes for the rest of its tip [nodes].
 const TIP: usize = 3;
 
 /// Thin tips fall apart between the nodes. A sliver rejoins a larger component of its region if a
@@ -374,7 +374,7 @@ fn rest_of_tip(
     None
 }
 
-/// Whether a line between two nodes lies inside of a solid.
+/// True if a line between two nodes lies inside a solid.
 fn is_inside_all_along(solid: &GridSolid, from: DVec3, to: DVec3) -> bool {
     // Between two nodes the samples have few features.
     let steps = (2.0 * from.distance(to) / solid.grid().spacing) as usize + 2;

@@ -12,14 +12,14 @@ use glam::{DVec2, DVec3};
 pub(crate) use parent::Parent;
 use std::ops::Range;
 
-/// One of a region's cracks.
+/// A crack of a region.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CrackFace<'a> {
     /// Between its edges; grid frame [m].
     inner: &'a [DVec3],
-    /// On those edges that the region's faces before have not brought [m].
+    /// Samples on edges not covered by the region's earlier faces [m].
     on_edges: &'a [DVec3],
-    /// Of a polygon that holds all of them [m].
+    /// Corners of a polygon that contains all samples [m].
     pub(crate) corners: &'a [DVec3],
     /// Out of the region.
     pub(crate) normal: DVec3,
@@ -32,9 +32,9 @@ impl<'a> CrackFace<'a> {
     }
 }
 
-/// A face of a pattern that lies in the parent, for both regions that share it.
+/// A face of a pattern in the parent, common to two regions.
 struct SharedFace {
-    /// Of the region that brought it.
+    /// Half-space of the region with the first sample.
     half_space: HalfSpace,
     /// Where its corners are in `placed`.
     placed: Range<usize>,
@@ -48,7 +48,7 @@ struct SharedFace {
 pub(crate) struct Sampler<'a> {
     parent: &'a Parent<'a>,
     spacing: f64,
-    /// All faces that were sampled, and what they refer to; grid frame [m].
+    /// All sampled faces, and their data; grid frame [m].
     shared: Vec<SharedFace>,
     placed: Vec<DVec3>,
     corners: Vec<DVec3>,
@@ -57,7 +57,7 @@ pub(crate) struct Sampler<'a> {
     /// normal out of the region.
     faces: Vec<(usize, usize, DVec3)>,
     on_edges: Vec<DVec3>,
-    /// The edges and corners that one of its faces has brought already.
+    /// Edges and corners already covered by a face.
     known_edges: Vec<[DVec3; 2]>,
     known_corners: Vec<DVec3>,
     scratch: Scratch,
@@ -161,7 +161,7 @@ impl Sampler<'_> {
     /// Samples the face with the corners that are placed last, without its edges. False, and
     /// nothing done, if none of it is left within the parent's flat pieces.
     fn sample_face(&mut self, half_space: &HalfSpace, placed: usize) -> bool {
-        // What is flat cuts the face exactly, so that its corners are the fragment's corners.
+        // Flat surfaces cut the face exactly: its corners are the fragment's corners.
         let (start, clipped) = (self.corners.len(), &mut self.scratch.clipped);
         self.corners.extend_from_slice(&self.placed[placed..]);
         for wall in &self.parent.walls {

@@ -12,7 +12,7 @@ use std::ops::Range;
 pub(crate) struct Laid<'a> {
     pattern: &'a Pattern,
     placement: Placement,
-    /// The body's nodes, and the layers that its pieces may have around them.
+    /// Nodes of the body, with a margin for layers around its pieces.
     grid: Grid,
     /// Where the noise of rough cells moves each node.
     moved: Option<Moved>,
@@ -81,7 +81,7 @@ impl<'a> Laid<'a> {
         if own == other {
             return None;
         }
-        // How much nearer the first cell is than the second.
+        // Difference of the distances to the second and to the first cell.
         let [from, until] = nodes.map(|(point, to)| {
             let distance = |cell: usize| match (&self.pattern.cells, to) {
                 (Cells::Rough(rough), Some(to)) => rough.regions[cell].distance(to),

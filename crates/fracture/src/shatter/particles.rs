@@ -22,7 +22,7 @@ const FEWEST_SAMPLES: usize = 4;
 /// a level set round its edges off.
 const AT_SURFACE: f64 = 0.05;
 
-/// What samples are shared out among.
+/// Lookup of the piece at a sample.
 pub(crate) struct Lookup<'a> {
     /// Of planar cells, with where it is laid.
     pub(crate) pattern: Option<(&'a Placement, &'a [Region])>,
@@ -135,7 +135,7 @@ pub(crate) fn assign_to_sampled(
     finish(collectors, pieces)
 }
 
-/// Puts each piece's samples together, and gives one that has next to none those of its voxels.
+/// Collects each piece's samples; pieces with almost none get samples from their voxels.
 fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<ClusteredSamples> {
     let finish = |(mut collector, (solid, _)): (Collector, &(GridSolid, BodyFrame))| {
         let count = collector.whole.samples.len() + collector.single.len() + collector.cracks.len();
@@ -157,8 +157,7 @@ fn finish(collectors: Vec<Collector>, pieces: &[(GridSolid, BodyFrame)]) -> Vec<
 }
 
 impl Sharing<'_> {
-    /// Gives the parent's samples to the fragments that they lie on: a cluster that no crack passes
-    /// as a whole.
+    /// Distributes the parent's samples to fragments: clusters without a crack move as a whole.
     fn share_out_samples(&self, parent: &Shape, collectors: &mut [Collector]) {
         let regions = BodyRegions::new(self.lookup.regions, parent);
         let only_piece = |&number: &usize| match self.lookup.of_regions[number].as_slice() {
@@ -262,9 +261,8 @@ impl Sharing<'_> {
         }
     }
 
-    /// Whether a region's crack is known to be on a piece everywhere, the region being all of that
-    /// one: the body is whole, so that its surface alone bounds the crack, and what joined the
-    /// piece lies nowhere across.
+    /// True if a region's crack is known to lie on a piece everywhere, with the region as the whole
+    /// piece: the parent is unbroken, and no merged sliver lies across.
     fn is_all_on_surface(&self, parent: &GridSolid, piece: usize, face: CrackFace) -> bool {
         let (solid, _) = &self.lookup.pieces[piece];
         let across = 0.5 * solid.grid().spacing * face.normal;
@@ -280,8 +278,8 @@ impl Sharing<'_> {
         }
     }
 
-    /// Whether a point of a region's crack is on a piece, and the crack is not healed there because
-    /// a sliver joined from across.
+    /// True if a point of a region's crack is on a piece, and no sliver merged across the crack
+    /// there.
     fn is_on_surface(&self, piece: usize, point: DVec3, normal: DVec3) -> bool {
         let (solid, _) = &self.lookup.pieces[piece];
         let grid = solid.grid();

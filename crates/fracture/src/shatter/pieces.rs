@@ -27,9 +27,8 @@ pub(crate) fn pieces_of_regions(
     of_region
 }
 
-/// The parent's level set and the regions', intersected. A piece that is all that its regions hold
-/// of the parent is the parent, clipped; one that is only a part of that has its own distances
-/// sampled, so that it ends where it does.
+/// Intersects the parent's level set with the regions'. A piece with all content of its regions is
+/// the clipped parent; a partial piece has resampled distances, to end where it does.
 pub(crate) fn intersect_level_sets(
     parent: &GridSolid,
     regions: &[Region],
@@ -67,8 +66,8 @@ pub(crate) fn intersect_sampled(
     pieces.components.iter().zip(portions).map(solid).collect()
 }
 
-/// The regions that a piece is made of, and whether it has any node inside. A film of surface
-/// voxels does not take the region that it lies in along.
+/// Regions of a piece, and true with an inside node. Films of surface voxels do not add their
+/// region.
 fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool) {
     let mut own: Vec<u32> = Vec::new();
     let any_inside = members.iter().any(|&component| components.has_inside[component as usize]);
@@ -82,7 +81,7 @@ fn regions_of_piece(members: &[u32], components: &Components) -> (Vec<u32>, bool
     (own, any_inside)
 }
 
-/// What each piece holds: taken from its components.
+/// Content of each piece, moved out of its components.
 fn portions_of_pieces(grid: &Grid, components: &mut Components, pieces: &Pieces) -> Vec<Portion> {
     let portion = |members: &Vec<u32>| {
         let mut all = Portion::with_capacity(grid, 0);

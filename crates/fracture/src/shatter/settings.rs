@@ -1,8 +1,8 @@
-//! What the user may choose about a break.
+//! User settings of a break.
 
 use crate::slivers::Smallest;
 
-/// What the user may choose about a break.
+/// User settings of a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShatterSettings {
     /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of

@@ -39,7 +39,7 @@ pub(crate) fn merge_slivers(
     number_pieces(&groups.of_piece(), material)
 }
 
-/// Whose the nodes of some neighbouring rows are.
+/// Owners of the nodes in neighbouring rows.
 struct Rows {
     first: usize,
     /// Where each row begins in `stretches`, and one more entry at the end.
@@ -56,7 +56,7 @@ struct Stretch {
 }
 
 impl Rows {
-    /// The rows that some components lie in and those beside them, and all between.
+    /// Rows of the components, their neighbours, and all rows between.
     fn around(grid: &Grid, components: &Components, some: &[u32]) -> Self {
         let rows_y = grid.dims[1];
         let number = |run: &Run| run.number(rows_y);
@@ -99,7 +99,7 @@ impl Rows {
     }
 }
 
-/// How many voxel faces each component that is too small shares with others; each pair once.
+/// Number of common voxel faces of each sliver with other components; each pair once.
 fn contacts(grid: &Grid, components: &Components, too_small: &[bool]) -> Vec<Contact> {
     let slivers: Vec<u32> =
         (0..).zip(too_small).filter(|&(_, &small)| small).map(|(at, _)| at).collect();

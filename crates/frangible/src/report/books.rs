@@ -98,6 +98,7 @@ impl Totals {
     }
 }
 
+/// Gravity's impulse and angular impulse about the world's origin in one frame of ballistic flight.
 ///
 /// Called between position update and velocity update: with x^{n+1} and the velocity v* after
 /// collisions, `m g dt` at x^{n+1} and the displacement `g dt^2/2` at v* together are the exact

@@ -27,7 +27,8 @@ use std::sync::Arc;
 impl World {
     /// Checks a scene and builds it.
     ///
-    /// # Errors The first rule that the scene breaks, with the field's path and its value; or what
+    /// # Errors
+    /// The first rule that the scene breaks, with the field's path and its value; or what
     /// is wrong with a mesh file.
     pub fn build(scene: &SceneDesc) -> Result<Self, BuildError> {
         let checker = Checker::root();

@@ -8,7 +8,7 @@ use breaking::{BondsDesc, BreakingDesc};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Everything that a world starts from. SI units, y up.
+/// Initial state of a world. SI units, y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDesc {
@@ -21,17 +21,17 @@ pub struct SceneDesc {
     /// One step each; from 1 to 1e5.
     #[serde(default = "defaults::frames_per_second")]
     pub frames_per_second: f64,
-    /// Which step.
+    /// Method of the step.
     #[serde(default)]
     pub method: Method,
-    /// Whether what has stood still for half a second sleeps until something touches it, in the frame-rate method: it takes no solving then. Off, all
-    /// bodies are awake in every frame.
+    /// Let islands sleep in the frame-rate method: bodies at rest for half a second sleep until the
+    /// next contact, and need no solving. Off, all bodies are awake in every frame.
     #[serde(default)]
     pub sleep: bool,
-    /// What the frame-rate method trades time for.
+    /// Trade-offs between accuracy and time of the frame-rate method.
     #[serde(default)]
     pub solver: SolverDesc,
-    /// How many frames `frangible run` takes, unless told otherwise; without it, three seconds' worth.
+    /// Default number of frames of `frangible run`; without it, three seconds' worth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub frames: Option<u32>,
@@ -39,7 +39,7 @@ pub struct SceneDesc {
     pub bodies: Vec<BodyDesc>,
 }
 
-/// Which step advances a frame.
+/// Method that advances a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -50,23 +50,23 @@ pub enum Method {
     Paper,
 }
 
-/// How the frame-rate method solves contact.
+/// Contact solver of the frame-rate method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverDesc {
-    /// The least number of substeps of what touches anything.
+    /// Minimum number of substeps of bodies in contact.
     #[serde(default)]
     pub quality: Quality,
-    /// Most substeps of an island of bodies, a power of two from the quality's least one to 1024: what is loaded or struck
-    /// beyond that overlaps more.
+    /// Maximum number of substeps of an island of bodies, a power of two from the quality's minimum
+    /// to 1024. Loads and impacts beyond overlap further.
     #[serde(default = "defaults::most_substeps")]
     pub most_substeps: u32,
-    /// Speed at which overlaps close at most, above 0 [m/s].
+    /// Maximum speed of penetration recovery, above 0 [m/s].
     #[serde(default = "defaults::recovery_speed")]
     pub recovery_speed: f64,
 }
 
-/// The least number of substeps. Overlaps fall with its square, and time grows with it.
+/// Minimum number of substeps. Overlaps fall with its square, and time grows with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {
@@ -109,15 +109,17 @@ pub struct BodyDesc {
     /// For people; need not be unique.
     #[serde(default)]
     pub name: String,
-    /// What it is made of.
+    /// Shape of the body.
     pub shape: ShapeDesc,
     /// The cause of its motion.
     #[serde(default)]
     pub motion: MotionDesc,
-    /// Of the origin of the shape's own frame (a mesh's or points' coordinates, the centre of a closed form) [m].
+    /// Of the origin of the shape's own frame (a mesh's or points' coordinates, the centre of a
+    /// closed form) [m].
     #[serde(default)]
     pub position: [f64; 3],
-    /// Quaternion x, y, z, w that takes the shape's frame to the world's; need not be of unit length.
+    /// Quaternion x, y, z, w that takes the shape's frame to the world's; need not be of unit
+    /// length.
     #[serde(default = "defaults::orientation")]
     pub orientation: [f64; 4],
     /// Of the centre of mass, up to 1e5 along each axis [m/s].
@@ -132,7 +134,8 @@ pub struct BodyDesc {
     /// Coulomb's coefficient; a pair has the smaller of its two.
     #[serde(default = "defaults::half")]
     pub friction: f64,
-    /// Largest torque against rolling per normal force [m], in the frame-rate method; a pair has the larger of its two.
+    /// Largest torque against rolling per normal force [m], in the frame-rate method; a pair has
+    /// the larger of its two.
     #[serde(default)]
     pub rolling_friction: f64,
     /// Largest torque against spinning about the contact's normal per normal force [m], likewise.
@@ -141,13 +144,13 @@ pub struct BodyDesc {
     /// In [0, 1]; a pair has the smaller of its two.
     #[serde(default = "defaults::half")]
     pub restitution: f64,
-    /// How it breaks, if it can.
+    /// Fracture of the body, if breakable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub breaking: Option<BreakingDesc>,
-    /// The glue between the pieces that it is made of, if it is.
+    /// Glue between the pieces of a glued body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bonds: Option<BondsDesc>,
-    /// What it looks like in pictures and files. Physics does not see it.
+    /// Appearance in pictures and files; no effect on physics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<LookDesc>,
 }
@@ -197,7 +200,7 @@ pub enum MotionDesc {
     /// Its momentum.
     #[default]
     Dynamic,
-    /// Its velocity, whatever it meets.
+    /// Prescribed velocity, independent of contacts.
     Kinematic,
     /// It stays.
     Static,
@@ -237,13 +240,14 @@ pub enum ShapeDesc {
     },
     /// The convex hull of points.
     Hull {
-        /// At least four [m]; those inside of the hull of the others make no difference.
+        /// At least four [m]; points inside the hull of the others have no effect.
         points: Vec<[f64; 3]>,
         /// Needed if it breaks.
         #[serde(default)]
         resolution: Resolution,
     },
-    /// Boxes and convex hulls that are one body: a convex decomposition. They may touch; where they overlap, their mass counts twice.
+    /// A compound of boxes and convex hulls: a convex decomposition. Parts may touch; the mass of
+    /// overlaps counts twice.
     Compound {
         /// At least one.
         parts: Vec<PartDesc>,
@@ -258,7 +262,7 @@ pub enum ShapeDesc {
         /// The file's unit in metres.
         #[serde(default = "defaults::one")]
         scale: f64,
-        /// Open parts become plates so thick [m]; without it those that enclose nothing are left out.
+        /// Thickness of plates made from open parts [m]; without it open parts are left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         thickness: Option<f64>,
         /// A mesh is always sampled.
@@ -271,7 +275,7 @@ pub enum ShapeDesc {
         positions: Vec<[f64; 3]>,
         /// Three vertices each, counted from 0, counter-clockwise seen from outside.
         triangles: Vec<[u32; 3]>,
-        /// Open parts become plates so thick [m]; without it those that enclose nothing are left out.
+        /// Thickness of plates made from open parts [m]; without it open parts are left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         thickness: Option<f64>,
         /// A mesh is always sampled.
@@ -291,7 +295,8 @@ pub enum PartDesc {
         /// Of its middle [m].
         #[serde(default)]
         position: [f64; 3],
-        /// Quaternion x, y, z, w that takes the part's frame to the compound's; need not be of unit length.
+        /// Quaternion x, y, z, w that takes the part's frame to the compound's; need not be of unit
+        /// length.
         #[serde(default = "defaults::orientation")]
         orientation: [f64; 4],
     },
@@ -302,21 +307,24 @@ pub enum PartDesc {
         /// Of the points' origin [m].
         #[serde(default)]
         position: [f64; 3],
-        /// Quaternion x, y, z, w that takes the points' frame to the compound's; need not be of unit length.
+        /// Quaternion x, y, z, w that takes the points' frame to the compound's; need not be of
+        /// unit length.
         #[serde(default = "defaults::orientation")]
         orientation: [f64; 4],
     },
 }
 
-/// How finely a shape is sampled.
+/// Sampling resolution of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Resolution {
-    /// Level-set voxels across the bounding box along x, y, z; they are cubes, so the largest need decides. Without it,
-    /// closed forms stay formulas, hulls polyhedra, and what must be sampled has 64 voxels along its longest side.
+    /// Level-set voxels across the bounding box along x, y, z; voxels are cubes, hence the largest
+    /// need decides. Without it, closed forms stay formulas, hulls stay polyhedra, and shapes that
+    /// need samples get 64 voxels along their longest side.
     #[serde(default)]
     pub voxels: Option<[usize; 3]>,
-    /// Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side of what is not on a grid.
+    /// Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side
+    /// for shapes without a grid.
     #[serde(default)]
     pub sample_spacing: Option<f64>,
 }
@@ -333,7 +341,7 @@ impl MotionDesc {
 }
 
 impl ShapeDesc {
-    /// Whether it has no dents by its kind.
+    /// True for convex kinds of shapes.
     pub(crate) fn is_convex(&self) -> bool {
         match self {
             Self::HalfSpace
@@ -345,7 +353,7 @@ impl ShapeDesc {
         }
     }
 
-    /// How finely it is sampled.
+    /// Sampling resolution.
     pub fn resolution(&self) -> &Resolution {
         const NONE: &Resolution = &Resolution { voxels: None, sample_spacing: None };
         match self {
@@ -404,7 +412,8 @@ impl BodyDesc {
         Self {
             motion: MotionDesc::Static,
             position: [0.0, height, 0.0],
-            // The pair's smaller value counts, so the ground leaves restitution to what falls on it.
+            // The pair's smaller value counts, so the ground leaves restitution to what falls on
+            // it.
             restitution: 1.0,
             ..Self::new("ground", ShapeDesc::HalfSpace)
         }

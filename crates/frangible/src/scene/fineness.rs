@@ -1,3 +1,4 @@
+//! Patterns for a wanted number of pieces.
 //!
 //! The number of pieces depends on the body and on the impact point: cells beside the body make no
 //! pieces. A search varies the number of cells; if its steps are too coarse, or the cells are

@@ -19,6 +19,7 @@ pub enum Strength {
 }
 
 impl Strength {
+    /// Strength: the largest impulse in one collision [N s].
     ///
     /// A material fails if set in motion faster than sigma / (rho c), with the speed of sound c =
     /// sqrt(E / rho): the stress in a plane wave is rho c v. The strength is this speed times the

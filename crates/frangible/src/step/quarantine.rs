@@ -1,3 +1,4 @@
+//! Quarantine: a single bad body must not destroy the world.
 //!
 //! Values are checked at transfer points between bodies: before collision detection, to keep bad
 //! values out of the solver; and before energy balancing, to keep them out of the ledger.

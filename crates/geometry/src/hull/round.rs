@@ -1,16 +1,16 @@
 //! Round bodies as polyhedra of the same volume, so that they can be broken exactly.
 
 use super::Hull;
-use super::loops::Loops;
-use super::net::Net;
+use super::face_loops::FaceLoops;
+use super::half_edges::HalfEdgeMesh;
 use crate::half_space::HalfSpace;
-use crate::hull::clip::Clipper;
+use crate::hull::plane_clip::PlaneClipper;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// Parts into which a ball's polyhedron divides the edges of an icosahedron. With two there are 42
-/// faces and 80 vertices, all within
-/// 4.4 % of the radius from the sphere; with three 92 and 180 within 1.8 %, which doubles what a break and a contact cost.
+/// faces and 80 vertices, all within 4.4 % of the radius from the sphere; with three 92 and 180
+/// within 1.8 %, which doubles what a break and a contact cost.
 const BALL_FREQUENCY: usize = 2;
 
 /// Sides of a cylinder's prism: within 0.6 % of the radius.
@@ -27,7 +27,7 @@ impl Hull {
             .map(|normal| HalfSpace { normal, offset: 1.0 })
             .collect();
         let whole = Self::cuboid(DVec3::splat(2.0));
-        let touching = Clipper::default().clipped(&whole, &cuts).unwrap_or(whole);
+        let touching = PlaneClipper::default().clipped(&whole, &cuts).unwrap_or(whole);
         let volume = touching.mass_properties().volume;
         touching.scaled(radius * libm::cbrt(4.0 / 3.0 * PI / volume))
     }
@@ -56,7 +56,7 @@ pub(super) fn prism(radius: f64, half_height: f64, sides: u32) -> Hull {
     let turn = TAU / f64::from(sides);
     let inner = radius * libm::cos(0.5 * turn);
     let mut vertices = Vec::with_capacity(2 * sides as usize);
-    let (mut loops, mut planes) = (Loops::default(), Vec::with_capacity(sides as usize + 2));
+    let (mut loops, mut planes) = (FaceLoops::default(), Vec::with_capacity(sides as usize + 2));
     for side in 0..sides {
         let angle = turn * f64::from(side);
         let (x, z) = (radius * libm::cos(angle), radius * libm::sin(angle));
@@ -72,7 +72,7 @@ pub(super) fn prism(radius: f64, half_height: f64, sides: u32) -> Hull {
         let around = (0..sides).map(|side| 2 * side + u32::from(top));
         if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
     }
-    Hull::new(vertices, planes, Net::of(&loops).unwrap_or_default())
+    Hull::new(vertices, planes, HalfEdgeMesh::of(&loops).unwrap_or_default())
 }
 
 /// The nodes of an icosahedron's faces, each divided into triangles, moved to the unit sphere.

@@ -1,15 +1,15 @@
 //! The surface of a part of a ball or a cylinder: round where the body was, flat along its cracks.
 
 use super::Hull;
-use super::loops::Loops;
-use super::net::Net;
+use super::face_loops::FaceLoops;
+use super::half_edges::HalfEdgeMesh;
 use super::round::prism;
 use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::DRAWN_SIDES;
 use crate::closed_form_surface::closed_form_surface;
 use crate::half_space::HalfSpace;
-use crate::hull::clip::Clipper;
 use crate::hull::edges::plane_of;
+use crate::hull::plane_clip::PlaneClipper;
 use crate::mesh::Surface;
 use glam::DVec3;
 
@@ -30,7 +30,7 @@ pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface>
     let whole = fine_hull(form)?;
     let cracks: Vec<HalfSpace> =
         hull.faces().filter(|face| face.inner).map(|face| face.plane).collect();
-    let mut part = Clipper::default().clipped(&whole, &cracks)?;
+    let mut part = PlaneClipper::default().clipped(&whole, &cracks)?;
     let planes = planes_at_vertices(form, &part);
     for (vertex, planes) in part.vertices.iter_mut().zip(&planes) {
         // Cracks that graze the round surface meet it far away or never: they bend slightly.
@@ -45,7 +45,7 @@ pub(crate) fn rounded_surface(form: &ClosedForm, hull: &Hull) -> Option<Surface>
 /// A polyhedron of many faces with its vertices on a ball or a cylinder, as the whole body is
 /// drawn.
 fn fine_hull(form: &ClosedForm) -> Option<Hull> {
-    let (mut loops, mut planes) = (Loops::default(), Vec::new());
+    let (mut loops, mut planes) = (FaceLoops::default(), Vec::new());
     let positions = match *form {
         ClosedForm::Sphere { .. } => {
             let mesh = closed_form_surface(form);
@@ -60,7 +60,7 @@ fn fine_hull(form: &ClosedForm) -> Option<Hull> {
         }
         ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => return None,
     };
-    Some(Hull::new(positions, planes, Net::of(&loops)?))
+    Some(Hull::new(positions, planes, HalfEdgeMesh::of(&loops)?))
 }
 
 /// For each vertex the normals of the flat faces around it; `None` for one without a round face.

@@ -24,8 +24,8 @@ const PIECES: [(Piece, f64, usize); 7] = [
     (Piece::Hull, 0.2, 4),
 ];
 
-/// Mass of the slab in units of all pieces', and the largest overlap that it may make, in units of a
-/// piece's size.
+/// Mass of the slab in units of all pieces', and the largest overlap that it may make, in units of
+/// a piece's size.
 const RATIOS: [(&str, &[f64], f64); 2] = [
     ("3 to 100", &[3.0, 10.0, 30.0, 100.0], 0.2),
     ("300 and 1000", &[300.0, 1000.0], f64::INFINITY),

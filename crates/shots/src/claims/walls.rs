@@ -102,8 +102,9 @@ fn state_of(scene: &SceneDesc, count: usize, seconds: f64) -> Result<WallState, 
     })
 }
 
+/// State of the shot's wall after the ball of a seed.
 ///
-///
+/// # Errors
 /// If its scene cannot be built.
 pub fn struck_wall(options: &ShotOptions) -> Result<WallState, Obstacle> {
     state_of(&Shot::find("bricks")?.scene(options)?, WALL.courses * WALL.count, FALL)

@@ -3,7 +3,7 @@
 
 use crate::random::Random;
 use crate::shot::{Shot, ShotError, ShotOptions};
-use frangible::geometry::{Clipper, HalfSpace, Hull};
+use frangible::geometry::{HalfSpace, Hull, PlaneClipper};
 use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc};
 use glam::DVec3;
 
@@ -104,7 +104,7 @@ fn cells(hull: &Hull, points: &[DVec3]) -> Vec<Hull> {
         let normal = (there - here).normalize();
         HalfSpace { normal, offset: 0.5 * normal.dot(here + there) }
     };
-    let mut clipper = Clipper::default();
+    let mut clipper = PlaneClipper::default();
     let mut cell = |&here: &DVec3| {
         let others = points.iter().filter(|&&other| other != here);
         let cuts: Vec<HalfSpace> = others.map(|&there| between(here, there)).collect();

@@ -46,7 +46,7 @@ pub(crate) struct HullPoint {
     pub(crate) feature: Feature,
 }
 
-/// Contact of two hulls, in the first hull's frame; its points are in a [`Scratch`].
+/// Contact of two hulls, in the first hull's frame; its points are in a `Scratch`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HullContact {
     /// Unit, from the second hull to the first: the normal of its points. Separated hulls are at

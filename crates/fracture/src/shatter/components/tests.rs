@@ -96,8 +96,8 @@ proptest! {
         prop_assert_eq!(by_node(&solid, &shares, &found.of_share), flood_fill(&solid, &regions));
     }
 
-    /// All material has a component; surface voxels are in one that they touch, in one of their
-    /// region if they can.
+    /// All material has a component; surface voxels belong to a touching component, of their own
+    /// region if possible.
     #[test]
     fn no_material_is_left_over((solid, regions) in field()) {
         let mut shares = shares_of(&solid, &regions);

@@ -19,7 +19,7 @@ impl Lines {
 
     /// All points, a tile of neighbouring lines after the other.
     pub(super) fn in_tiles(&self, mut take: impl FnMut(&[DVec3])) {
-        // As many as fill a cluster.
+        // Samples per tile side, to fill a cluster.
         const TILE: usize = 4;
         for first_line in (0..self.ends.len()).step_by(TILE) {
             let band = first_line..(first_line + TILE).min(self.ends.len());

@@ -4,14 +4,14 @@ use crate::polygon;
 use frangible_geometry::{ClosedForm, GridSolid, HalfSpace, Root};
 use glam::DVec3;
 
-/// What cracks are cut off by.
+/// Parent's surface as the limit of cracks.
 pub(crate) struct Parent<'a> {
     /// The flat pieces of the parent's surface, and the box of its grid.
     pub(super) walls: Vec<HalfSpace>,
     curved: Curved<'a>,
 }
 
-/// What of the parent's surface is not flat.
+/// Curved parts of the parent's surface.
 enum Curved<'a> {
     Nothing,
     /// Around the origin.
@@ -22,7 +22,7 @@ enum Curved<'a> {
     Cylinder {
         radius: f64,
     },
-    /// What is known by samples only.
+    /// A sampled surface.
     Sampled(&'a GridSolid),
 }
 
@@ -52,17 +52,17 @@ impl<'a> Parent<'a> {
         };
         let (low, high) = solid.grid().bounds();
         walls.extend(polygon::box_half_spaces(low, high));
-        // Slivers that joined it make a convex body something else.
+        // Merged slivers make a convex body non-convex.
         let curved = if solid.is_convex() { of_root } else { Curved::Sampled(solid) };
         Self { walls, curved }
     }
 
-    /// Whether its surface is flat everywhere.
+    /// True for a polyhedral surface.
     pub(super) fn is_flat(&self) -> bool {
         matches!(self.curved, Curved::Nothing)
     }
 
-    /// Whether a plane is known to miss the parent.
+    /// True for planes known to miss the parent.
     pub(super) fn misses(&self, plane: &HalfSpace) -> bool {
         match self.curved {
             Curved::Sphere { radius } => plane.offset.abs() > radius,
@@ -89,7 +89,7 @@ impl<'a> Parent<'a> {
         }
     }
 
-    /// Whether a line along `along` crosses the surface more steeply than one along `across` would.
+    /// True if a line along `along` crosses the surface more steeply than a line along `across`.
     pub(super) fn crosses_rim(&self, point: DVec3, along: DVec3, across: DVec3) -> bool {
         let normal = self.normal(point);
         normal.dot(along).abs() >= normal.dot(across).abs()
@@ -117,7 +117,7 @@ impl<'a> Parent<'a> {
         }
     }
 
-    /// The same where only samples know it.
+    /// Inside test against samples only.
     fn inside_samples(
         &self,
         start: DVec3,
@@ -142,8 +142,7 @@ impl<'a> Parent<'a> {
         stretches.extend(entry.map(|entry| [entry, 1.0]));
     }
 
-    /// Where a line crosses the surface between a fraction of the way that is inside and one that
-    /// is outside.
+    /// Surface crossing of a line between an inside and an outside fraction.
     fn bisect(&self, start: DVec3, way: DVec3, [mut inside, mut outside]: [f64; 2]) -> f64 {
         // From the distance between samples to a hundredth of a percent of it.
         const HALVINGS: usize = 13;

@@ -6,8 +6,7 @@ use crate::generators::voronoi::Voronoi;
 use crate::pattern::Pattern;
 use frangible_geometry::{ClosedForm, GridSolid, Shape};
 
-/// What lies on one side of a crack lies on the other: the same points to the bit, between the
-/// edges.
+/// Both sides of a crack have bit-identical points between the edges.
 #[test]
 fn both_sides_of_a_crack_have_the_same_points() {
     let solid =

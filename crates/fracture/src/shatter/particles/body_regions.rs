@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 /// The planes of the regions that reach the parent, in its body frame.
 pub(super) struct BodyRegions {
-    /// What they are among all regions.
+    /// Indices among all regions.
     pub(super) numbers: Vec<usize>,
     planes: Vec<(DVec3, f64)>,
     /// Where each region begins in `planes`, and one more entry at the end.
@@ -15,8 +15,8 @@ pub(super) struct BodyRegions {
 
 impl BodyRegions {
     pub(super) fn new(regions: &[Region], parent: &Shape) -> Self {
-        // What is this far beyond the parent's bounds, relative to their size, is nearest to
-        // nothing of it.
+        // Regions further beyond the parent's bounds than this fraction of their size are nearest
+        // to none of it.
         const BEYOND: f64 = 1e-6;
         let (low, high) = parent.bounds;
         let reaching = Self::within(regions, parent, BEYOND * 0.5 * (high - low).max_element());
@@ -52,7 +52,7 @@ impl BodyRegions {
         moved
     }
 
-    /// Largest distance to a plane of a region, or one that is larger than `most`.
+    /// Largest distance to a plane of a region; values above `most` are lower bounds.
     #[inline]
     pub(super) fn distance(&self, region: usize, point: DVec3, most: f64) -> f64 {
         let mut largest = f64::NEG_INFINITY;
@@ -84,18 +84,17 @@ impl BodyRegions {
     }
 }
 
-/// The regions that reach into a ball, with those of their planes that pass through it.
+/// Regions that reach into a ball, with their planes through it.
 pub(super) struct Neighbourhood<'a> {
     of: &'a BodyRegions,
     /// Each with where its planes end.
     regions: Vec<(usize, usize)>,
     planes: Vec<(DVec3, f64)>,
-    /// For each of all regions the plane that kept it out of a ball last: it is likely to keep it
-    /// out of the next one.
+    /// Per region, the plane that excluded it from the last ball: a likely separator for the next.
     keeps_out: Vec<usize>,
 }
 
-/// So many points are looked up together: as many as are in a cluster.
+/// Number of points per lookup: a full cluster.
 pub(super) const POINTS: usize = 16;
 
 impl<'a> Neighbourhood<'a> {
@@ -153,8 +152,8 @@ impl<'a> Neighbourhood<'a> {
         }
         let [x, y, z] = &places;
 
-        // All points against one plane after the other: no branch depends on a point. The first
-        // region that holds one has it.
+        // Test all points against one plane at a time, without branches per point. A point belongs
+        // to its first region.
         let mut found = [ON_CRACK; POINTS];
         for (n, &(region, end)) in self.regions.iter().enumerate().rev() {
             let first = if n == 0 { 0 } else { self.regions[n - 1].1 };

@@ -1,4 +1,4 @@
-//! Whose the voxels around a point are [Su09 sec. 4.2 "Surface Particles"].
+//! Owners of the voxels around a point [Su09 sec. 4.2 "Surface Particles"].
 
 use super::super::laid::Laid;
 use crate::shatter::regions::intervals::NONE;

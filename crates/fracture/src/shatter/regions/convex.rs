@@ -1,4 +1,4 @@
-//! What each region holds of a convex solid: most rows are cut without looking at their spans.
+//! Content of a convex solid per region: most rows are cut without a look at their spans.
 
 use super::intervals::{Found, Intervals, RowEnds, TILE, Tiles};
 use crate::pattern::region::Region;
@@ -6,9 +6,9 @@ use crate::shatter::regions::shares::{claim_row, cut_row, settle};
 use frangible_geometry::{GridSolid, Portion, RowSums};
 use std::ops::Range;
 
-/// What lies in each region of a convex solid. A region is convex, so along a row of nodes it is
-/// one interval: its end points cost less than its distance at each node. Nodes in no interval, or
-/// in several because they lie on a crack up to round-off, are compared by distance.
+/// Content of a convex solid per region. Convex regions are intervals along a row of nodes: two end
+/// points cost less than a distance per node. Nodes in no interval, or in several (on a crack,
+/// within round-off), are compared by distance.
 pub(crate) fn portions_of_regions(solid: &GridSolid, regions: &[Region]) -> Vec<Portion> {
     let (grid, material) = (solid.grid(), solid.material());
     let ends = RowEnds::of(solid);

@@ -19,7 +19,7 @@ pub(super) struct RowEnds {
     /// First and last node of each row, as numbers along x; the first lies behind the last in a row
     /// without material.
     ends: Vec<[f64; 2]>,
-    /// Which run a row is, if it is one without a gap.
+    /// Run index of a row with a single gapless run.
     run: Vec<u32>,
 }
 
@@ -38,7 +38,7 @@ impl RowEnds {
         Self { ends, run }
     }
 
-    /// Of one row; `None` without material.
+    /// Material interval of a row; `None` without material.
     #[inline]
     pub(super) fn of_row(&self, row: usize) -> Option<[f64; 2]> {
         let [first, last] = self.ends[row];
@@ -125,8 +125,7 @@ impl LatticePlane {
     }
 }
 
-/// For each tile of rows the regions that reach into it, and those of their planes that pass
-/// through it.
+/// Per tile of rows, the regions that reach into it, with their planes through it.
 pub(super) struct Tiles {
     /// Tiles along y.
     count_y: usize,
@@ -151,7 +150,7 @@ pub(super) struct Intervals {
     pub(super) last: [f64; TILE],
 }
 
-/// What neighbouring rows hold of the regions.
+/// Content of the regions in neighbouring rows.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) intervals: Vec<Intervals>,
@@ -197,7 +196,7 @@ impl Tiles {
         tiles
     }
 
-    /// For each of so many regions how many rows there are in the tiles that it reaches into.
+    /// Upper bound of rows per region, from the tiles it reaches into.
     pub(super) fn most_rows(&self, regions: usize) -> impl Iterator<Item = usize> {
         let mut rows = vec![0; regions];
         for region in &self.regions {
@@ -232,7 +231,7 @@ impl Tiles {
         }
     }
 
-    /// What the rows from j on, along y, hold of each region that reaches into their tile.
+    /// Content of each region in rows from j on, along y, within their tile.
     pub(super) fn cross(&self, grid: &Grid, ends: &RowEnds, [j, k]: [usize; 2], found: &mut Found) {
         found.intervals.clear();
         found.order.clear();
@@ -276,7 +275,7 @@ impl Tiles {
     }
 }
 
-/// Numbers of this size are whole, so that a sum with it rounds to the nearest whole number.
+/// Floats of this size are integers: adding it rounds to the nearest integer.
 const WHOLE: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
 
 /// The least whole number that is not below `x`, of an `x` from zero to [`WHOLE`] or infinite: in
@@ -287,7 +286,7 @@ fn ceil(x: f64) -> f64 {
     nearest + if nearest < x { 1.0 } else { 0.0 }
 }
 
-/// The largest whole number that is not above `x`, likewise; something negative if `x` is.
+/// Largest integer not above `x`, by the same trick; negative for negative `x`.
 #[inline]
 fn floor(x: f64) -> f64 {
     let nearest = (x + WHOLE) - WHOLE;

@@ -1,8 +1,8 @@
-//! The shares of a solid's rows that lie in one region each.
+//! Shares of a solid's rows by region.
 
 use super::intervals::Intervals;
 use crate::pattern::region::{Region, nearest_region};
-use frangible_geometry::{Grid, Material, Run, Span};
+use frangible_geometry::{Grid, Run, Span, VoxelRuns};
 
 /// Consecutive nodes of a row in one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,11 +33,10 @@ impl Shares {
 }
 
 impl Shares {
-    /// Adds a row's shares, see [`cut_row`]: none holds parts of two spans, so that it is alike all
-    /// along.
+    /// Adds a row's shares; a share never spans two spans, hence is uniform.
     pub(super) fn cut_row(
         &mut self,
-        of_grid: (&Grid, &Material),
+        of_grid: (&Grid, &VoxelRuns),
         row: usize,
         stretches: impl Iterator<Item = (u32, u32)>,
     ) {
@@ -48,7 +47,7 @@ impl Shares {
 /// Cuts a row's spans where the regions change: `stretches` says in order where each ends and whose
 /// it is, neighbours being different regions'. With `by_span` no run holds parts of two spans.
 pub(super) fn cut_row(
-    (grid, material): (&Grid, &Material),
+    (grid, material): (&Grid, &VoxelRuns),
     row: usize,
     stretches: impl Iterator<Item = (u32, u32)>,
     by_span: bool,
@@ -130,7 +129,7 @@ pub(super) fn settle(
     };
     let mut next = first;
     for (at, claim) in claimed.iter().enumerate() {
-        // What nobody claims before this one, and what it shares with others.
+        // Nodes unclaimed before this share, and nodes claimed twice.
         for i in next..claim.low {
             push(i, i, nearest(i));
         }

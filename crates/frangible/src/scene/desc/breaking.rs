@@ -1,4 +1,4 @@
-//! How bodies break, and what holds glued pieces together.
+//! Fracture of bodies, and glue between pieces.
 
 use crate::scene::desc::defaults;
 use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
@@ -6,22 +6,23 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// How a body breaks.
+/// Fracture of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BreakingDesc {
-    /// What it bears.
+    /// Strength of the body.
     pub strength: StrengthDesc,
-    /// How space is prescored.
+    /// Pattern of prescored space.
     pub pattern: PatternDesc,
-    /// Into about how many pieces each break cuts what is struck, from 2 to 10000: the pattern gets as many cells as that takes where
-    /// the blow lands, or, from a file, is magnified. Unless told otherwise the pattern is as it is described.
+    /// Approximate number of pieces per break, from 2 to 10000: the pattern's number of cells is
+    /// chosen for the impact point; a pattern from a file is magnified. By default the pattern is
+    /// used as described.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pieces: Option<usize>,
-    /// How many times in a row: 1 means that fragments do not break.
+    /// Number of consecutive breaks: 1 means that fragments do not break.
     #[serde(default = "defaults::generations")]
     pub generations: u32,
-    /// Fragments whose longest side is shorter do not break again [m].
+    /// Minimum longest side of fragments that break again [m].
     #[serde(default)]
     pub smallest: f64,
 }
@@ -34,12 +35,12 @@ pub struct BreakingDesc {
     tensile_strength, youngs_modulus and fracture_energy"
 )]
 pub enum StrengthDesc {
-    /// The largest impulse in one collision, from 1e-15 to 1e12 [N s] [Su09 sec. 4.2]. Fragments bear
-    /// twice their parent's.
+    /// The largest impulse in one collision, from 1e-15 to 1e12 [N s] [Su09 sec. 4.2]. Fragments
+    /// have twice their parent's.
     Impulse(f64),
     /// A material of a table.
     Named(MaterialName),
-    /// A material of one's own.
+    /// A custom material.
     Material(MaterialDesc),
 }
 
@@ -49,23 +50,24 @@ impl From<f64> for StrengthDesc {
     }
 }
 
-/// The numbers that decide how a material breaks. The pieces that a blow can make are bounded by its energy: cracks take it from the bodies'
-/// relative motion.
+/// Fracture properties of a material. The energy of a blow limits its number of pieces: cracks take
+/// their energy from the bodies' relative motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialDesc {
-    /// Of a body as it is described; its fragments are stronger [Pa].
+    /// Tensile strength of the whole body; fragments are stronger [Pa].
     pub tensile_strength: f64,
-    /// With the density it decides the speed of sound [Pa].
+    /// Young's modulus; with the density it gives the speed of sound [Pa].
     pub youngs_modulus: f64,
-    /// For each square metre of crack [J/m^2].
+    /// Fracture energy per crack area [J/m^2].
     pub fracture_energy: f64,
-    /// How alike its flaws are: strength grows as the power -1/m of the volume [Wei51].
+    /// Weibull modulus m, the uniformity of flaws: strength grows as the power -1/m of the volume
+    /// [Wei51].
     #[serde(default = "defaults::weibull_modulus")]
     pub weibull_modulus: f64,
 }
 
-/// Materials of the table. Densities are the body's own business.
+/// Materials of the table, without densities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MaterialName {
@@ -96,29 +98,33 @@ impl MaterialName {
     }
 }
 
-/// A body of glued pieces: a bond for each face that two of them share. It moves as one body until bonds break.
+/// A body of glued pieces: a bond at each common face of two pieces. It moves as one body until
+/// bonds break.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsDesc {
-    /// How a box, a hull or a compound is cut into pieces; without it, a compound's parts are the pieces.
+    /// Pattern that cuts a box, a hull or a compound into pieces; without it, a compound's parts
+    /// are the pieces.
     #[serde(default)]
     pub pattern: Option<PatternDesc>,
-    /// What the pattern's centre is laid on, in the shape's own frame [m]; the middle of the shape, unless told otherwise.
+    /// Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
+    /// middle of the shape.
     #[serde(default)]
     pub point: Option<[f64; 3]>,
-    /// Along which the pattern's own normal is laid, in the shape's frame; need not be of unit length.
+    /// Direction of the pattern's normal, in the shape's frame; need not be of unit length.
     #[serde(default = "defaults::up")]
     pub normal: [f64; 3],
-    /// The stress across a bond, by pulling and bending, that it bears [Pa].
+    /// Tensile strength of a bond, in pulling and bending [Pa].
     pub tensile_strength: f64,
-    /// The stress along a bond, by shearing and twisting, that it bears [Pa].
+    /// Shear strength of a bond, in shearing and twisting [Pa].
     pub shear_strength: f64,
-    /// Pieces whose centre lies in one of these boxes are fixed to the world. Without any, the body moves freely.
+    /// Pieces with their centre in one of these boxes are fixed to the world. Without any, the body
+    /// moves freely.
     #[serde(default)]
     pub anchors: Vec<AnchorDesc>,
 }
 
-/// A box along the world's axes, where things are fixed.
+/// A fixing box along the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AnchorDesc {
@@ -128,7 +134,8 @@ pub struct AnchorDesc {
     pub high: [f64; 3],
 }
 
-/// How space is prescored [Su09 sec. 4.3]: a generator with its parameters, each of which has a default, or a file.
+/// Pattern of prescored space [Su09 sec. 4.3]: a generator with its parameters, each of which has a
+/// default, or a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum PatternDesc {
@@ -146,16 +153,16 @@ pub enum PatternDesc {
     Splinters(Splinters),
     /// Voronoi cells with rough faces.
     Concrete(Concrete),
-    /// A pattern that was saved, or drawn.
+    /// A saved or drawn pattern.
     File(PatternFile),
 }
 
-/// Where a pattern is.
+/// File of a pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatternFile {
-    /// What [`Pattern::load`](frangible_fracture::Pattern::load) reads: a pattern that was saved, or a mesh file, each closed part of
-    /// which is a cell.
+    /// Input of [`Pattern::load`](frangible_fracture::Pattern::load): a saved pattern, or a mesh
+    /// file, in which each closed part is a cell.
     pub path: PathBuf,
 }
 

@@ -14,7 +14,8 @@ const NO_JSON: &str = "";
 /// Longer texts are shortened in sentences [characters].
 const LONGEST_SHOWN: usize = 40;
 
-/// A value that no description takes, for sentences: NaN, a number out of all bounds, a foreign type.
+/// A value that no description takes, for sentences: NaN, a number out of all bounds, a foreign
+/// type.
 pub fn no_json(shown: &str) -> Value {
     Value::Object([(NO_JSON.to_owned(), shown.into())].into_iter().collect())
 }
@@ -42,8 +43,8 @@ impl SceneDesc {
     /// A scene from JSON.
     ///
     /// # Errors
-    /// The sentence for text that is no JSON, with line and column, or for the first value that does not
-    /// fit: its path, its value and the rule.
+    /// The sentence for text that is no JSON, with line and column, or for the first value
+    /// that does not fit: its path, its value and the rule.
     pub fn from_json(text: &str) -> Result<Self, BuildError> {
         if let Ok(scene) = serde_json::from_str(text) {
             return Ok(scene);
@@ -108,7 +109,8 @@ impl<'a> Reader<'a> {
         named.and_then(|pointer| self.root.pointer(pointer)).unwrap_or(schema)
     }
 
-    /// One of several: words, objects that differ in their kind, or values that differ in their type.
+    /// One of several: words, objects that differ in their kind, or values that differ in their
+    /// type.
     fn check_one_of(
         &self,
         schema: &'a Value,

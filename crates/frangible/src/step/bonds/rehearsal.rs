@@ -1,3 +1,4 @@
+//! Rehearsal of a frame's blows on bonds.
 //!
 //! An anchored body has infinite mass: in the solver a striker would lose all momentum to it,
 //! although the bonds around the impact bear less. Bonds are therefore tested before contact is
@@ -15,7 +16,7 @@ use crate::step::bonds::state::IMPACT_TIME;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, NewBody, Pair, accelerate, predict};
 use frangible_collision::find_swept_pairs;
-use frangible_dynamics::{Coming, FrameAccounts, coming, pass_on};
+use frangible_dynamics::{FrameAccounts, UpcomingImpact, pass_on, upcoming_impact};
 use frangible_fracture::PointLoad;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,13 +75,13 @@ fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
         if !sides.iter().any(|&i| is_glued(i)) {
             continue;
         }
-        let Some(coming) = coming(bodies, pair, &predicted, frame) else { continue };
-        if speed(&coming) <= at_rest(frame) {
+        let Some(impact) = upcoming_impact(bodies, pair, &predicted, frame) else { continue };
+        if speed(&impact) <= at_rest(frame) {
             continue;
         }
         let overstrains = |side: usize| {
             let Some(bonds) = &world.labels[sides[side]].bonds else { return false };
-            let (load, field) = load(world, sides[side], &coming, side, frame);
+            let (load, field) = load(world, sides[side], &impact, side, frame);
             let mut glued = bonds.glued.clone();
             let strains = glued.strains(&[load], field, bodies.densities[sides[side]]);
             strains.into_iter().any(|strain| strain > 1.0)
@@ -110,23 +111,23 @@ fn fastest(bodies: &Bodies, i: usize) -> f64 {
 }
 
 /// Closing speed of a pair [m/s].
-fn speed(coming: &Coming) -> f64 {
-    -coming.approach.relative_velocity.dot(coming.approach.contact.normal)
+fn speed(impact: &UpcomingImpact) -> f64 {
+    -impact.approach.relative_velocity.dot(impact.approach.contact.normal)
 }
 
 /// A blow as it is to one side of its pair: a load in the frame of its pieces, and gravity there.
 fn load(
     world: &World,
     body: usize,
-    coming: &Coming,
+    impact: &UpcomingImpact,
     side: usize,
     frame: &Frame,
 ) -> (PointLoad, DVec3) {
     let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
-    let in_body = coming.poses[side].world_from_body().inverse();
-    let impulse = if side == 0 { coming.impulse.at_contact } else { -coming.impulse.at_contact };
+    let in_body = impact.poses[side].world_from_body().inverse();
+    let impulse = if side == 0 { impact.impulse.at_contact } else { -impact.impulse.at_contact };
     let load = PointLoad {
-        point: pieces_from_body.point(in_body.point(coming.point)),
+        point: pieces_from_body.point(in_body.point(impact.point)),
         force: pieces_from_body.direction(in_body.direction(impulse / IMPACT_TIME)),
     };
     (load, field_in_pieces(world, body, frame))
@@ -193,14 +194,14 @@ impl Stage {
             if self.count == MOST_BLOWS || sides.iter().any(|&i| taken[i]) {
                 continue;
             }
-            let coming = coming(&self.world.bodies, pair, &predicted, short);
-            let Some(coming) = coming else { continue };
-            if speed(&coming) <= at_rest {
+            let impact = upcoming_impact(&self.world.bodies, pair, &predicted, short);
+            let Some(impact) = impact else { continue };
+            if speed(&impact) <= at_rest {
                 continue;
             }
             sides.iter().for_each(|&i| taken[i] = true);
             self.count += 1;
-            self.blow(pair, &coming, short, &mut broken);
+            self.blow(pair, &impact, short, &mut broken);
         }
         for fracture in fall_apart(&mut self.world, &broken) {
             let origin = self.origins[&id_from_number(fracture.body)];
@@ -211,10 +212,16 @@ impl Stage {
     }
 
     /// A blow acts: all of it, or what bonds bear before the struck pieces come free.
-    fn blow(&mut self, pair: Pair, coming: &Coming, short: &Frame, broken: &mut Vec<Broken>) {
+    fn blow(
+        &mut self,
+        pair: Pair,
+        impact: &UpcomingImpact,
+        short: &Frame,
+        broken: &mut Vec<Broken>,
+    ) {
         let sides = [pair.first, pair.second];
         let bodies = &self.world.bodies;
-        let whole = coming.impulse.at_contact.length();
+        let whole = impact.impulse.at_contact.length();
         // A breaking body passes on no more than its strength.
         let bears = sides.map(|i| bodies.surfaces[i].strength);
         let most = (bears[0].min(bears[1]) / whole).min(1.0);
@@ -222,7 +229,7 @@ impl Stage {
         let mut bore = most;
         let mut breaks = [false; 2];
         for side in [0, 1] {
-            let (mut load, field) = load(&self.world, sides[side], coming, side, short);
+            let (mut load, field) = load(&self.world, sides[side], impact, side, short);
             load.force *= most;
             let density = self.world.bodies.densities[sides[side]];
             let Some(bonds) = &mut self.world.labels[sides[side]].bonds else { continue };
@@ -236,22 +243,22 @@ impl Stage {
                 bore = bore.min(gave.bore * most);
             }
             let (body, striker) = (sides[side], sides[1 - side]);
-            let (point, impulse, borne) = (coming.point, whole, bore * whole);
+            let (point, impulse, borne) = (impact.point, whole, bore * whole);
             broken.push(Broken { body, striker, point, impulse, borne });
             let (body, striker) = (ids[side], ids[1 - side]);
             self.blows.cut(Cut { body, bonds: names, striker, point, impulse, borne });
         }
-        let impulse = coming.impulse.scaled(bore);
+        let impulse = impact.impulse.scaled(bore);
         // A piece that has come free in this frame is not in the world yet.
         let World { bodies, labels, .. } = &self.world;
         let is_known = |&i: &usize| labels[i].bonds.is_some() || self.old.contains(&bodies.ids[i]);
         if breaks.contains(&true) && ids[0] != ids[1] && sides.iter().all(is_known) {
             let side = usize::from(bodies.inertias[sides[0]].is_infinite());
-            let lever = coming.point - coming.poses[side].position;
+            let lever = impact.point - impact.poses[side].position;
             let impulse = impulse.at_contact;
             self.blows.felt.push(Felt { pair: ids, impulse, at: (side, lever) });
         }
         let accounts = &mut FrameAccounts::default();
-        pass_on(&mut self.world.bodies, pair, &coming.approach, &impulse, short, accounts);
+        pass_on(&mut self.world.bodies, pair, &impact.approach, &impulse, short, accounts);
     }
 }

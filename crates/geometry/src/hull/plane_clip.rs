@@ -1,7 +1,7 @@
 //! A hull cut by planes.
 
 use super::Hull;
-use super::loops::Loops;
+use super::face_loops::FaceLoops;
 use crate::half_space::HalfSpace;
 use glam::DVec3;
 
@@ -34,16 +34,16 @@ fn side(height: f64) -> u8 {
 
 /// Cuts hulls with reused memory.
 #[derive(Debug, Default)]
-pub struct Clipper {
+pub struct PlaneClipper {
     /// The longest side of the hull before any cut [m].
     size: f64,
     vertices: Vec<DVec3>,
     planes: Vec<HalfSpace>,
-    loops: Loops,
+    loops: FaceLoops,
     // New versions of the three lists above.
     next_vertices: Vec<DVec3>,
     next_planes: Vec<HalfSpace>,
-    next_loops: Loops,
+    next_loops: FaceLoops,
     /// Of the vertices over the cut [m].
     heights: Vec<f64>,
     /// Side of each vertex: [`BELOW`], [`ON`] or [`ABOVE`].
@@ -75,11 +75,11 @@ impl Hull {
     /// new face is an inner face. Both sides of a cut (`cut` and its reverse) have bit-identical
     /// vertices.
     pub fn clipped(&self, cut: &HalfSpace) -> Option<Self> {
-        Clipper::default().clipped(self, std::slice::from_ref(cut))
+        PlaneClipper::default().clipped(self, std::slice::from_ref(cut))
     }
 }
 
-impl Clipper {
+impl PlaneClipper {
     /// The part of a hull inside of all half-spaces, cut by one after the other; `None` if there is
     /// none.
     pub fn clipped(&mut self, hull: &Hull, cuts: &[HalfSpace]) -> Option<Hull> {

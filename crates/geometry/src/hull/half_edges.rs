@@ -1,13 +1,13 @@
 //! Half-edge connectivity of a hull.
 
-use super::loops::Loops;
+use super::face_loops::FaceLoops;
 use crate::hull::edges::HullEdge;
 use std::sync::OnceLock;
 
 /// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break
 /// makes thousands of them.
 #[derive(Debug, Default)]
-pub(super) struct Net {
+pub(super) struct HalfEdgeMesh {
     /// Sides of all faces.
     sides: usize,
     /// The vertex that each side begins at, face after face and counter-clockwise seen from
@@ -20,7 +20,7 @@ pub(super) struct Net {
     half_edges: OnceLock<HalfEdges>,
 }
 
-impl PartialEq for Net {
+impl PartialEq for HalfEdgeMesh {
     fn eq(&self, other: &Self) -> bool {
         (self.sides, &self.indices, &self.edges) == (other.sides, &other.indices, &other.edges)
     }
@@ -50,9 +50,9 @@ pub(super) struct Side {
 /// Bit mark of cut faces.
 const INNER: u32 = 1 << 31;
 
-impl Loops {
+impl FaceLoops {
     /// Copies a net, reusing memory.
-    pub(super) fn copy_from(&mut self, net: &Net) {
+    pub(super) fn copy_from(&mut self, net: &HalfEdgeMesh) {
         self.clear();
         for face in 0..net.faces() {
             self.push(net.is_inner(face), net.corners(face).iter().copied());
@@ -60,9 +60,9 @@ impl Loops {
     }
 }
 
-impl Net {
+impl HalfEdgeMesh {
     /// Of loops; `None` if a side has no other that runs along it in the opposite direction.
-    pub(super) fn of(loops: &Loops) -> Option<Self> {
+    pub(super) fn of(loops: &FaceLoops) -> Option<Self> {
         let (edges_along, edges) = loops.connected()?;
         let sides = edges_along.len();
         let mut indices = Vec::with_capacity(2 * sides + loops.len());
@@ -163,26 +163,26 @@ impl Net {
     }
 }
 
-/// The entry of a face in [`Net::indices`].
+/// The entry of a face in [`HalfEdgeMesh::indices`].
 fn face_end(side: usize, inner: bool) -> u32 {
     side as u32 | if inner { INNER } else { 0 }
 }
 
 /// A net of which the sides come face after face, two for each edge.
-pub(super) struct NetBuilder {
-    net: Net,
+pub(super) struct HalfEdgeBuilder {
+    net: HalfEdgeMesh,
     /// Numbers of sides, edges and faces to date.
     sides: usize,
     edges: u32,
     faces: usize,
 }
 
-impl NetBuilder {
+impl HalfEdgeBuilder {
     /// A builder for `edges` and `faces`.
     pub(super) fn new(edges: usize, faces: usize) -> Self {
         let none = HullEdge { vertices: [0; 2], faces: [0; 2] };
         let indices = vec![0; 4 * edges + faces];
-        let net = Net {
+        let net = HalfEdgeMesh {
             sides: 2 * edges,
             indices,
             edges: vec![none; edges],
@@ -226,7 +226,7 @@ impl NetBuilder {
     }
 
     /// The net, if complete.
-    pub(super) fn finished(self) -> Option<Net> {
+    pub(super) fn finished(self) -> Option<HalfEdgeMesh> {
         let Self { net, sides, edges, faces } = self;
         (sides == net.sides && edges as usize == net.edges.len() && faces == net.faces())
             .then_some(net)

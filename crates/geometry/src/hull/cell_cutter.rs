@@ -1,8 +1,8 @@
 //! Cuts many parts out of one hull, in place.
 
 use super::Hull;
-use super::clip::{Clipper, ON_THE_CUT, SAME};
-use super::net::{HalfEdges, NetBuilder, Side};
+use super::half_edges::{HalfEdgeBuilder, HalfEdges, Side};
+use super::plane_clip::{ON_THE_CUT, PlaneClipper, SAME};
 use crate::half_space::HalfSpace;
 use crate::hull::edges::HullEdge;
 use glam::DVec3;
@@ -11,10 +11,10 @@ use glam::DVec3;
 const NONE: u32 = u32::MAX;
 
 /// Cuts parts out of a hull by planes. A cut in general position (without vertices on it) changes
-/// only the crossed faces and the outside: the carver walks around it from side to side. From the
-/// first cut with a vertex on it, the part goes to a [`Clipper`] for degenerate cases.
+/// only the crossed faces and the outside: the cutter walks around it from side to side. From the
+/// first cut with a vertex on it, the part goes to a [`PlaneClipper`] for degenerate cases.
 #[derive(Debug)]
-pub struct Carver<'a> {
+pub struct CellCutter<'a> {
     hull: &'a Hull,
     whole: Part,
     /// Of the whole.
@@ -34,7 +34,7 @@ pub struct Carver<'a> {
     close: f64,
     /// Edges have to be longer [m].
     shortest: f64,
-    clipper: Clipper,
+    clipper: PlaneClipper,
 }
 
 /// A polyhedron with linked sides. Removed elements stay in the lists.
@@ -79,7 +79,7 @@ enum Cut {
     Touching,
 }
 
-impl<'a> Carver<'a> {
+impl<'a> CellCutter<'a> {
     /// For parts of a hull.
     pub fn new(hull: &'a Hull) -> Self {
         let (low, high) = hull.bounds();
@@ -98,12 +98,12 @@ impl<'a> Carver<'a> {
             left: Vec::with_capacity(faces),
             close: ON_THE_CUT[0] * size,
             shortest: SAME * size,
-            clipper: Clipper::default(),
+            clipper: PlaneClipper::default(),
         }
     }
 
     /// The part inside of all half-spaces, cut by one after the other; `None` if there is none. See
-    /// [`Clipper::clipped`], which cuts out the same.
+    /// [`PlaneClipper::clipped`], which cuts out the same.
     pub fn part(&mut self, cuts: &[HalfSpace]) -> Option<Hull> {
         self.part.copy_from(&self.whole, self.sides);
         let mut is_whole = true;
@@ -228,7 +228,7 @@ impl<'a> Carver<'a> {
             }
         }
         let count = (vertices.len() + left.len()).checked_sub(2).filter(|_| left.len() > 3)?;
-        let mut net = NetBuilder::new(count, left.len());
+        let mut net = HalfEdgeBuilder::new(count, left.len());
         for (face, number) in left.iter().zip(0..) {
             let mut at = face.first;
             loop {

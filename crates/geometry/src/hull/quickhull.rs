@@ -2,7 +2,7 @@
 //! flat but for the points' rounding are merged.
 
 use super::Hull;
-use super::loops::Loops;
+use super::face_loops::FaceLoops;
 use crate::half_space::HalfSpace;
 use crate::hull::edges::{plane_of, sides};
 use glam::DVec3;
@@ -235,7 +235,11 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
 
 /// Merges triangles into faces, starting with the largest: all triangles within `close` [m] of its
 /// plane. `None` if a face has a hole.
-fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<HalfSpace>, Loops)> {
+fn merged(
+    points: &[DVec3],
+    triangles: &[[u32; 3]],
+    close: f64,
+) -> Option<(Vec<HalfSpace>, FaceLoops)> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
         triangle_along.extend(sides(triangle).map(|side| (side, index)));
@@ -284,7 +288,7 @@ fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<(Vec<H
             return None;
         }
     }
-    let (mut planes, mut loops) = (Vec::with_capacity(rims.len()), Loops::default());
+    let (mut planes, mut loops) = (Vec::with_capacity(rims.len()), FaceLoops::default());
     for rim in &rims {
         let start = *rim.keys().next()?;
         let mut vertices = vec![start];

@@ -1,4 +1,4 @@
-//! Whether drawn cells fill their box, and where they do not.
+//! Checks that drawn cells fill their box, and locates misfits.
 
 use super::parts::place;
 
@@ -24,8 +24,7 @@ struct Misfit {
 }
 
 impl Misfit {
-    /// Its middle, or the node of it that is nearest to that, if the middle is somewhere else: a
-    /// shell's is in what it is around.
+    /// The middle of a misfit, or its nearest node if the middle lies outside (as for a shell).
     fn around(&self, node: impl Fn(usize) -> DVec3) -> DVec3 {
         let middle = self.nodes.iter().map(|&at| node(at)).sum::<DVec3>() / self.nodes.len() as f64;
         let away = |&at: &usize| node(at).distance_squared(middle);

@@ -16,21 +16,21 @@ pub(crate) struct Held {
     taken: Vec<Run>,
     /// Of all runs, in the holder's grid frame.
     pub(crate) mass: MassProperties,
-    source: Arc<Material>,
+    source: Arc<VoxelRuns>,
     /// The first node of the holder's grid on the source's, and how many rows both have along y.
     shift: [i64; 3],
     rows_y: [usize; 2],
     rows: usize,
     /// Offset along x of the holder's grid middle from the source's.
     ahead: f64,
-    own: OnceLock<Arc<Material>>,
+    own: OnceLock<Arc<VoxelRuns>>,
     moved: OnceLock<Vec<Run>>,
     cores: OnceLock<Vec<RunCore>>,
 }
 
 impl Held {
     /// All of a grid's material.
-    pub(crate) fn all(grid: &Grid, material: Material) -> Self {
+    pub(crate) fn all(grid: &Grid, material: VoxelRuns) -> Self {
         let middle = grid.middle_along_x();
         let mut runs: Vec<Run> = Vec::new();
         for row in 0..material.rows() {
@@ -136,7 +136,7 @@ impl Held {
     }
 
     /// In spans, of the holder's grid.
-    pub(crate) fn material(&self) -> &Arc<Material> {
+    pub(crate) fn material(&self) -> &Arc<VoxelRuns> {
         self.own.get_or_init(|| {
             let [rows_y, source_rows_y] = self.rows_y;
             let spans = self.taken.iter().flat_map(|run| {
@@ -149,7 +149,7 @@ impl Held {
                 };
                 self.source.row(run.number(source_rows_y)).iter().filter_map(cut)
             });
-            Arc::new(Material::from_rows(self.rows, spans))
+            Arc::new(VoxelRuns::from_rows(self.rows, spans))
         })
     }
 }
@@ -157,13 +157,13 @@ impl Held {
 /// The spans of all rows of a grid, a row being the nodes along x. Nodes in no span are outside and
 /// hold nothing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub struct VoxelRuns {
     spans: Vec<Span>,
     /// Where each row begins in `spans`, and one more entry at the end.
     first_of_row: Vec<u32>,
 }
 
-impl Material {
+impl VoxelRuns {
     /// From the distance at each node and the fraction of its voxel that is material.
     pub(crate) fn from_nodes(level_set: &LevelSet, coverage: &[f32]) -> Self {
         let grid = level_set.grid();
@@ -246,7 +246,7 @@ mod tests {
             (low, high) in (0..3u32, 3..6u32),
         ) {
             let grid = Grid { origin: DVec3::ZERO, spacing: 1.0, dims: [5, 4, 3] };
-            let material = Material::from_nodes(&LevelSet::new(grid, phi), &coverage);
+            let material = VoxelRuns::from_nodes(&LevelSet::new(grid, phi), &coverage);
             let whole = Held::all(&grid, material.clone());
             let mut share = Vec::new();
             for run in whole.runs() {
@@ -281,7 +281,7 @@ mod tests {
         ) {
             let grid = Grid { origin: DVec3::ZERO, spacing: 1.0, dims: [5, 4, 3] };
             let level_set = LevelSet::new(grid, phi);
-            let material = Material::from_nodes(&level_set, &coverage);
+            let material = VoxelRuns::from_nodes(&level_set, &coverage);
             prop_assert_eq!(material.rows(), 12);
             prop_assert_eq!(&material.coverage(&grid), &coverage);
             let mut held = vec![false; 60];

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// The polygons of a hull, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Loops {
+pub(super) struct FaceLoops {
     /// Vertex indices, loop after loop.
     corners: Vec<u32>,
     /// Where each loop ends in `corners`.
@@ -30,7 +30,7 @@ struct Side {
     opposite: u32,
 }
 
-impl Loops {
+impl FaceLoops {
     pub(super) fn push(&mut self, inner: bool, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);

@@ -1,4 +1,4 @@
-//! Cells that somebody drew: closed meshes that fill a box.
+//! Patterns from user meshes: closed meshes that fill a box.
 
 use crate::cell_mesh::CellMesh;
 use crate::nearby::Nearby;
@@ -18,18 +18,18 @@ const LAYERS: f64 = 2.0;
 /// The most nodes in the box: thinner plates have fewer layers.
 const MOST_NODES: f64 = 1e6;
 
-/// Layers of nodes around a cell, so that gradients at its surface are central.
+/// Layers of nodes around a cell, for central differences at its surface.
 const MARGIN: f64 = 3.0;
 
 /// A triangle this close to a wall, relative to the box, lies on it: the precision of a file of
 /// single-precision numbers.
 const ON_THE_BOX: f64 = 1e-5;
 
-/// Closed meshes, each a cell.
+/// Closed meshes, one per cell.
 ///
-/// A point belongs to the cell whose surface it is deepest inside of; if it is inside of none, to
-/// the nearest. So the cells tile the box, and all of space, even where the meshes leave small gaps
-/// or overlap a little.
+/// A point belongs to the cell with the deepest enclosing surface; outside of all cells, to the
+/// nearest. The cells tile the box, and all of space, even with small gaps or overlaps of the
+/// meshes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "DrawnRecord", into = "DrawnRecord")]
 pub struct Drawn {
@@ -52,7 +52,7 @@ impl PartialEq for Drawn {
     }
 }
 
-/// What stands in a file.
+/// Record of a file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DrawnRecord {
@@ -82,7 +82,7 @@ impl TryFrom<DrawnRecord> for Drawn {
     }
 }
 
-/// Lowest and highest corner of some meshes.
+/// Bounding box of the meshes.
 pub(crate) fn bounds(meshes: &[TriMesh]) -> Option<(DVec3, DVec3)> {
     meshes.iter().map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
@@ -155,7 +155,7 @@ impl Drawn {
         least
     }
 
-    /// Looks who is near whom, if that has not been done.
+    /// Computes the neighbourhoods of cells, if not yet done.
     pub(crate) fn prepare(&self) {
         let Some((low, high)) = bounds(&self.meshes) else { return };
         let half_extent = low.abs().max(high.abs());
@@ -174,9 +174,9 @@ impl Drawn {
         (cell < self.meshes.len()).then_some(cell)
     }
 
-    /// See [`crate::Pattern::distance`]: half of how much nearer this cell is than the next. In a tiling
-    /// without gaps that is the distance to the crack between the two; less deep beside a wall of
-    /// the box, and far from the crack, where only bounds are known.
+    /// See [`crate::Pattern::distance`]: half of how much nearer this cell is than the next. In a
+    /// tiling without gaps that is the distance to the crack between the two; less deep beside a
+    /// wall of the box, and far from the crack, where only bounds are known.
     pub(crate) fn distance(&self, cell: usize, point: DVec3) -> f64 {
         let [first, second] = self.nearest(point);
         let other = if first.1 == cell { second.0 } else { first.0 };
