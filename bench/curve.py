@@ -1,8 +1,9 @@
-"""Quality and cost of this engine and of others, from 1 to 64 substeps: bench/results/curve.csv.
+"""Quality and cost of this engine and of others, from 1 to 64 substeps of a frame:
+bench/results/curve.csv and docs/images/curve.svg.
 
 Each engine steps the same piles with one number of substeps after the other, by turns. Needs the
 extra `plot` and all that `frangible bench --peers` needs. Run from the repository's root, on a
-quiet machine: python bench/curve.py; with --draw it only draws the table anew.
+quiet machine: taskset -c 1 python bench/curve.py; with --draw it only draws the table anew.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,32 +23,28 @@ import numpy as np
 
 TABLE = os.path.join("bench", "results", "curve.csv")
 FIGURE = os.path.join("docs", "images", "curve.svg")
-#: Of the other engines.
 SUBSTEPS = (1, 2, 4, 8, 16, 32, 64)
-#: Our quality, and the steps of a frame: film takes 16 substeps at least in each of them.
-OURS = {
-    2: ("draft", 1),
-    4: ("game", 1),
-    8: ("default", 1),
-    16: ("film", 1),
-    32: ("film", 2),
-    64: ("film", 4),
-}
-COLUMNS = (
-    "date", "shot", "engine", "substeps", "frames", "cpu_median_ms", "cpu_p95_ms", "cpu_total_ms",
-    "penetration_p50_mm", "penetration_p99_mm", "penetration_all_p99_mm", "standing",
-)  # fmt: skip
+#: Ours, by the least number of substeps.
+QUALITIES = {2: "draft", 4: "game", 8: "default", 16: "film"}
+#: Other engines whose steps take substeps with the same contacts, so many as they come. Of the
+#: rest each substep is a step.
+SUBSTEPS_OF_A_STEP = {"peer-box3d": 4, "peer-rapier": 4}
 #: Overlaps of all frames are those of every fifth: to find them takes longer than most steps.
 EVERY = 5
 #: Of `pile-deep`: from piece to piece before they fall [m], and in a row.
 PITCH, ROW = 0.205, 24
+COLUMNS = (
+    "date", "shot", "engine", "substeps", "steps", "frames", "cpu_median_ms", "cpu_p95_ms",
+    "cpu_total_ms", "penetration_p50_mm", "penetration_p99_mm", "penetration_all_p99_mm",
+    "standing",
+)  # fmt: skip
+#: Of a frame: name of the engine, substeps, steps, and processor time [ms].
+Run = tuple[str, int, int, dict[str, float]]
 
 
 def pit() -> dict[str, Any]:
     """The middle of `pile-deep`: 8 by 8 pieces in 16 layers, with the walls of the pit closer."""
-    import frangible
-
-    scene = json.loads(frangible.shot_scene("pile-deep"))
+    scene = shot_scene("pile-deep")
     half, moved = 4 * PITCH, (ROW / 2 - 4) * PITCH
     bodies = []
     for body in scene["bodies"]:
@@ -59,23 +56,23 @@ def pit() -> dict[str, Any]:
     return scene | {"bodies": bodies}
 
 
-def wall() -> dict[str, Any]:
-    """A wall of 1,000 loose bricks that nobody touches."""
+def shot_scene(shot: str) -> dict[str, Any]:
+    """The scene of one of the project's shots."""
     import frangible
 
-    scene: dict[str, Any] = json.loads(frangible.shot_scene("bricks-still"))
+    scene: dict[str, Any] = json.loads(frangible.shot_scene(shot))
     return scene
 
 
 #: A scene, and frames.
 SHOTS: dict[str, tuple[Callable[[], dict[str, Any]], int]] = {
     "pit": (pit, 110),
-    "bricks-still": (wall, 150),
+    "bricks-still": (lambda: shot_scene("bricks-still"), 150),
 }
 
 
 def step_ours(scene: str, frames: int, steps: int, times: str, states: str) -> None:
-    """In a process of its own: as the other engines' programs, with so many steps of a frame."""
+    """As the programs of the other engines, in a process of its own."""
     from frangible import World
 
     world = World.build(Path(scene).read_text(encoding="utf-8"), 1)
@@ -86,16 +83,18 @@ def step_ours(scene: str, frames: int, steps: int, times: str, states: str) -> N
             for _ in range(steps):
                 world.step()
             spent.append(1e3 * (time.process_time() - begin))
-            state = (world.positions, world.orientations, world.velocities, world.angular_velocities)
+            pose = (world.positions, world.orientations)
+            state = (*pose, world.velocities, world.angular_velocities)
             file.write(np.concatenate(state, axis=1).astype("<f4").tobytes())
     np.savetxt(times, spent)
 
 
-def run_ours(scene: dict[str, Any], frames: int, states: str, substeps: int) -> dict[str, float]:
-    """The times of a run with so many substeps of a frame at least."""
+def run_ours(
+    scene: dict[str, Any], frames: int, states: str, quality: str, steps: int
+) -> dict[str, float]:
+    """The times of the frames, each of so many shorter steps."""
     from frangible.summary import spread
 
-    quality, steps = OURS[substeps]
     path, times = states + ".json", states + ".times"
     rate = scene["frames_per_second"] * steps
     described = scene | {"frames_per_second": rate, "solver": {"quality": quality}}
@@ -105,8 +104,31 @@ def run_ours(scene: dict[str, Any], frames: int, states: str, substeps: int) -> 
     return spread(np.loadtxt(times).tolist())
 
 
-def measure(shot: str, programs: list[Path]) -> Iterator[dict[str, Any]]:
-    """A row for each run of a shot, as `COLUMNS` names them."""
+def run_all(
+    scene: dict[str, Any], pile: str, frames: int, states: str, programs: Sequence[Path]
+) -> Iterator[Run]:
+    """Each engine with each number of substeps, in one step of a frame and in several; after each
+    the file of states is that run's."""
+    from frangible import peers
+
+    for substeps in SUBSTEPS:
+        if substeps in QUALITIES:
+            yield peers.OURS, substeps, 1, run_ours(scene, frames, states, QUALITIES[substeps], 1)
+        if substeps > 2:
+            steps = substeps // 2
+            yield peers.OURS, substeps, steps, run_ours(scene, frames, states, "draft", steps)
+        for program in programs:
+            own = SUBSTEPS_OF_A_STEP.get(program.name)
+            engine, times, _ = peers.run_peer(program, pile, frames, states, (substeps,))
+            yield engine, substeps, substeps if own is None else 1, times
+            if own is not None and substeps > own:
+                steps = substeps // own
+                engine, times, _ = peers.run_peer(program, pile, frames, states, (own, steps))
+                yield engine, substeps, steps, times
+
+
+def measure(shot: str, programs: Sequence[Path]) -> Iterator[dict[str, Any]]:
+    """A row for each run, as `COLUMNS` names them."""
     from frangible import peers
     from frangible.bench import today
     from frangible.pile_file import Pile, load_states
@@ -118,83 +140,123 @@ def measure(shot: str, programs: list[Path]) -> Iterator[dict[str, Any]]:
         path, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
         with open(path, "wb") as file:
             pile.write(file)
-        for substeps in SUBSTEPS:
-            for program in (None, *programs):
-                if program is None and substeps not in OURS:
-                    continue
-                if program is None:
-                    engine, times = peers.OURS, run_ours(scene, frames, states, substeps)
-                else:
-                    engine, times, _ = peers.run_peer(
-                        program, path, frames, states, substeps=substeps
-                    )
-                passed = load_states(states, pile)
-                quality = peers.judge(pile, passed)
-                depths = np.concatenate([pile.penetrations(state) for state in passed[EVERY - 1 :: EVERY]])
-                yield {
-                    "date": today(),
-                    "shot": shot,
-                    "engine": engine,
-                    "substeps": substeps,
-                    "frames": frames,
-                    "cpu_median_ms": round(times["median"], 2),
-                    "cpu_p95_ms": round(times["p95"], 2),
-                    "cpu_total_ms": round(times["mean"] * frames),
-                    "penetration_p50_mm": round(1e3 * quality.penetration[0], 3),
-                    "penetration_p99_mm": round(1e3 * quality.penetration[1], 3),
-                    "penetration_all_p99_mm": round(1e3 * float(np.percentile(depths, 99)), 3),
-                    "standing": round(quality.stands.share, 4),
-                }
+        for engine, substeps, steps, times in run_all(scene, path, frames, states, programs):
+            passed = load_states(states, pile)
+            quality = peers.judge(pile, passed)
+            looked_at = passed[EVERY - 1 :: EVERY]
+            depths = np.concatenate([pile.penetrations(state) for state in looked_at])
+            all_p99 = float(np.percentile(depths, 99))
+            yield {
+                "date": today(),
+                "shot": shot,
+                "engine": engine,
+                "substeps": substeps,
+                "steps": steps,
+                "frames": frames,
+                "cpu_median_ms": round(times["median"], 2),
+                "cpu_p95_ms": round(times["p95"], 2),
+                "cpu_total_ms": round(times["mean"] * frames),
+                "penetration_p50_mm": round(1e3 * quality.penetration[0], 3),
+                "penetration_p99_mm": round(1e3 * quality.penetration[1], 3),
+                "penetration_all_p99_mm": round(1e3 * all_p99, 3),
+                "standing": round(quality.stands.share, 4),
+            }
 
 
-def better_in_both(rows: list[dict[str, Any]], depth: str) -> Iterator[str]:
-    """A line for each of our points: others that take less time in all and overlap less."""
-    for ours in (row for row in rows if row["engine"] == "frangible"):
-        better = [
-            f"{row['engine']} with {row['substeps']}"
-            for row in rows
-            if row["shot"] == ours["shot"]
-            and float(row["cpu_total_ms"]) < float(ours["cpu_total_ms"])
-            and float(row[depth]) < float(ours[depth])
-        ]
-        found = ", ".join(row for row in better if not row.startswith("frangible")) or "none"
-        yield f"{ours['shot']}, {depth}, ours with {ours['substeps']}: {found}"
+def better_in_both(rows: Sequence[dict[str, str]], shot: str, depth: str) -> Iterator[str]:
+    """A line for each of our points that is on our front, with the others' points that take less
+    time in all and overlap less."""
+
+    def is_better(row: dict[str, str], than: dict[str, str]) -> bool:
+        return all(float(row[key]) < float(than[key]) for key in ("cpu_total_ms", depth))
+
+    def effort(row: dict[str, str]) -> str:
+        return f"{row['substeps']} in {row['steps']}"
+
+    points = [row for row in rows if row["shot"] == shot]
+    ours = [row for row in points if row["engine"] == "frangible"]
+    for point in ours:
+        if not any(is_better(row, point) for row in ours):
+            better: dict[str, list[str]] = {}
+            for row in points:
+                if row["engine"] != point["engine"] and is_better(row, point):
+                    better.setdefault(row["engine"], []).append(effort(row))
+            others = [f"{engine} ({', '.join(efforts)})" for engine, efforts in better.items()]
+            yield f"{shot}, {depth}, {effort(point)}: {'; '.join(others) or 'none'}"
 
 
-#: Shot, column, what it says, and its scale.
+#: Shot, column, its label and its scale.
 PANELS = (
-    ("pit", "penetration_all_p99_mm", "overlap of all frames, p99 [mm]", "log"),
+    ("pit", "penetration_all_p99_mm", "overlap in all frames, p99 [mm]", "log"),
     ("pit", "penetration_p99_mm", "overlap at the end, p99 [mm]", "log"),
-    ("bricks-still", "penetration_all_p99_mm", "overlap of all frames, p99 [mm]", "log"),
-    ("bricks-still", "standing", "bricks that stand after 5 s", "linear"),
+    ("bricks-still", "penetration_all_p99_mm", "overlap in all frames, p99 [mm]", "log"),
+    ("bricks-still", "standing", "share of the bricks that stand after 5 s", "linear"),
 )
 
 
-def draw(rows: list[dict[str, Any]], path: str) -> None:
-    """Cost and quality of each run: a line for an engine, a point for a number of substeps."""
+def draw(rows: Sequence[dict[str, str]], path: str) -> None:
+    """A panel for each of `PANELS`, with a colour for each engine."""
     from frangible.plot import COLOURS
     from matplotlib import rc_context
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-    engines = list(dict.fromkeys(row["engine"] for row in rows))
+    names = dict.fromkeys(["frangible", *(row["engine"] for row in rows)])
+    colours = dict(zip(names, ("#000000", *COLOURS), strict=False))
     # Text stays text, and equal tables give equal files.
     with rc_context({"svg.hashsalt": "frangible", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(11.0, 8.5), layout="constrained")
-        for axis, (shot, column, label, scale) in zip(figure.subplots(2, 2).flat, PANELS, strict=True):
-            for engine, colour in zip(engines, ("#000000", *COLOURS), strict=False):
-                points = [row for row in rows if (row["shot"], row["engine"]) == (shot, engine)]
-                cost = [float(row["cpu_total_ms"]) / int(row["frames"]) for row in points]
-                values = [float(row[column]) for row in points]
-                width = 2.2 if engine == "frangible" else 1.2
-                axis.plot(cost, values, marker="o", markersize=4, color=colour, linewidth=width, label=engine)
-                for row, x, y in zip(points, cost, values, strict=True):
-                    axis.annotate(row["substeps"], (x, y), (3, 3), textcoords="offset points", fontsize=7, color=colour)
-            axis.set(xscale="log", yscale=scale, xlabel="processor time of a frame, mean [ms]", ylabel=label)
+        figure = Figure(figsize=(11.0, 9.0), layout="constrained")
+        axes = figure.subplots(2, 2).flat
+        for axis, (shot, column, label, scale) in zip(axes, PANELS, strict=True):
+            for engine, colour in colours.items():
+                of_engine = [r for r in rows if (r["shot"], r["engine"]) == (shot, engine)]
+                draw_engine(axis, of_engine, column, colour)
+            axis.set(xscale="log", yscale=scale, ylabel=label)
+            axis.set_xlabel("processor time of a frame, mean [ms]")
+            for side in (axis.xaxis, *([axis.yaxis] if scale == "log" else [])):
+                side.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                side.set_major_formatter(StrMethodFormatter("{x:g}"))
+                side.set_minor_locator(NullLocator())
             axis.set_title(shot, loc="left")
             axis.grid(color="0.92")
             axis.spines[["top", "right"]].set_visible(False)
-        figure.legend(*axis.get_legend_handles_labels(), loc="outside lower center", ncols=6, frameon=False)
+        legend = axis.get_legend_handles_labels()
+        figure.legend(*legend, loc="outside lower center", ncols=4, frameon=False)
         figure.savefig(path, metadata={"Date": None})
+
+
+def draw_engine(axis: Any, rows: Sequence[dict[str, str]], column: str, colour: str) -> None:
+    """A line through an engine's points, each with its substeps: dashed in shorter steps, unless
+    these are its substeps anyway."""
+    whole = [row for row in rows if row["steps"] == "1"]
+    short = [row for row in rows if row["steps"] != "1"]
+    engine = rows[0]["engine"]
+    lines = [(engine, whole, "-"), (f"{engine}, shorter steps", short, "--")]
+    for name, points, style in lines if len(whole) > 1 else [(engine, rows, "-")]:
+        cost = [float(row["cpu_total_ms"]) / int(row["frames"]) for row in points]
+        values = [float(row[column]) for row in points]
+        width = 2.2 if engine == "frangible" else 1.1
+        look = {"color": colour, "linewidth": width, "markersize": 3.5}
+        axis.plot(cost, values, style, marker="o", label=name, **look)
+        for row, *place in zip(points, cost, values, strict=True):
+            shift = {"xytext": (3, 3), "textcoords": "offset points"}
+            axis.annotate(row["substeps"], place, fontsize=7, color=colour, **shift)
+
+
+def write_table() -> None:
+    """Run everything, row by row into the table."""
+    from frangible import peers
+
+    programs = [program for package in peers.packages() for program in peers.build(package)]
+    with open(TABLE, "w", newline="", encoding="utf-8") as file:
+        file.write("# command: taskset -c 1 python bench/curve.py; processor time, one run each\n")
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        for shot in SHOTS:
+            for row in measure(shot, programs):
+                print(row, flush=True)
+                table.writerow(row)
+                file.flush()
 
 
 def main() -> None:
@@ -203,23 +265,13 @@ def main() -> None:
         step_ours(scene, int(frames), int(steps), times, states)
         return
     if "--draw" not in sys.argv:
-        from frangible import peers
-
-        programs = [program for package in peers.packages() for program in peers.build(package)]
-        with open(TABLE, "w", newline="", encoding="utf-8") as file:
-            file.write("# command: python bench/curve.py; one run each, one core, one thread, processor time\n")
-            table = csv.DictWriter(file, COLUMNS)
-            table.writeheader()
-            for shot in SHOTS:
-                for row in measure(shot, programs):
-                    print(row, flush=True)
-                    table.writerow(row)
-                    file.flush()
+        write_table()
     with open(TABLE, newline="", encoding="utf-8") as file:
         next(file)
         rows = list(csv.DictReader(file))
-    for depth in ("penetration_all_p99_mm", "penetration_p99_mm"):
-        print(*better_in_both(rows, depth), sep="\n")
+    for shot in SHOTS:
+        for depth in ("penetration_all_p99_mm", "penetration_p99_mm"):
+            print(*better_in_both(rows, shot, depth), sep="\n")
     draw(rows, FIGURE)
 
 

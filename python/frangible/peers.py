@@ -146,13 +146,12 @@ def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float
     return OURS, summary["cpu_ms_per_frame"], summary["memory_per_piece_KiB"] * summary["pieces"]
 
 
-def run_peer(program: Path, pile: str, frames: int, states: str, *, substeps: int | None = None) -> tuple[str, dict[str, float], float]:
+def run_peer(program: Path, pile: str, frames: int, states: str, effort: Sequence[int] = ()) -> tuple[str, dict[str, float], float]:
     """Who an engine's program says that it is, the times of its run, and by how much its memory grew [KiB], as its last two lines say; what else it
-    says goes to stderr. The number of substeps is the engine's own unless somebody says one."""
+    says goes to stderr. The effort is the number of substeps of a step, and that of steps of a frame: the engine's own and one unless it is given."""
     times = states + ".times"
     print(f"{program.name}: {frames} frames", file=sys.stderr, flush=True)
-    effort = [] if substeps is None else [str(substeps)]
-    done = subprocess.run([program, pile, str(frames), times, states, *effort], stdout=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run([program, pile, str(frames), times, states, *map(str, effort)], stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         raise BenchError(f"{program.name}: ended with status {done.returncode}")
     *complaints, name, memory = done.stdout.splitlines()
