@@ -17,13 +17,18 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from frangible.pile_file import Pile
 
 TABLE = os.path.join("bench", "results", "curve.csv")
 FIGURE = os.path.join("docs", "images", "curve.svg")
 SUBSTEPS = (1, 2, 4, 8, 16, 32, 64)
+#: Of up to so many substeps the fastest of three runs counts, of more there is one.
+OFTEN, RUNS = 8, 3
 #: Ours, by the least number of substeps.
 QUALITIES = {2: "draft", 4: "game", 8: "default", 16: "film"}
 #: Other engines whose steps take substeps with the same contacts, so many as they come. Of the
@@ -38,8 +43,8 @@ COLUMNS = (
     "cpu_total_ms", "penetration_p50_mm", "penetration_p99_mm", "penetration_all_p99_mm",
     "standing",
 )  # fmt: skip
-#: Of a frame: name of the engine, substeps, steps, and processor time [ms].
-Run = tuple[str, int, int, dict[str, float]]
+#: Name of the engine, steps of a frame, and processor time of a frame [ms].
+Run = tuple[str, int, dict[str, float]]
 
 
 def pit() -> dict[str, Any]:
@@ -105,62 +110,79 @@ def run_ours(
 
 
 def run_all(
-    scene: dict[str, Any], pile: str, frames: int, states: str, programs: Sequence[Path]
+    scene: dict[str, Any], folder: str, frames: int, substeps: int, programs: Sequence[Path]
 ) -> Iterator[Run]:
-    """Each engine with each number of substeps, in one step of a frame and in several; after each
-    the file of states is that run's."""
+    """Each engine with one number of substeps, in one step of a frame and in several; after each
+    the folder's file of states is that run's."""
     from frangible import peers
 
-    for substeps in SUBSTEPS:
-        if substeps in QUALITIES:
-            yield peers.OURS, substeps, 1, run_ours(scene, frames, states, QUALITIES[substeps], 1)
-        if substeps > 2:
-            steps = substeps // 2
-            yield peers.OURS, substeps, steps, run_ours(scene, frames, states, "draft", steps)
-        for program in programs:
-            own = SUBSTEPS_OF_A_STEP.get(program.name)
-            engine, times, _ = peers.run_peer(program, pile, frames, states, (substeps,))
-            yield engine, substeps, substeps if own is None else 1, times
-            if own is not None and substeps > own:
-                steps = substeps // own
-                engine, times, _ = peers.run_peer(program, pile, frames, states, (own, steps))
-                yield engine, substeps, steps, times
+    pile, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
+    if substeps in QUALITIES:
+        yield peers.OURS, 1, run_ours(scene, frames, states, QUALITIES[substeps], 1)
+    if substeps > 2:
+        steps = substeps // 2
+        yield peers.OURS, steps, run_ours(scene, frames, states, "draft", steps)
+    for program in programs:
+        own = SUBSTEPS_OF_A_STEP.get(program.name)
+        engine, times, _ = peers.run_peer(program, pile, frames, states, (substeps,))
+        yield engine, substeps if own is None else 1, times
+        if own is not None and substeps > own:
+            steps = substeps // own
+            engine, times, _ = peers.run_peer(program, pile, frames, states, (own, steps))
+            yield engine, steps, times
 
 
 def measure(shot: str, programs: Sequence[Path]) -> Iterator[dict[str, Any]]:
-    """A row for each run, as `COLUMNS` names them."""
-    from frangible import peers
+    """A row for each engine, number of substeps and of steps, as `COLUMNS` names them."""
     from frangible.bench import today
-    from frangible.pile_file import Pile, load_states
+    from frangible.pile_file import Pile
 
     make, frames = SHOTS[shot]
     scene = make()
     pile = Pile.of_scene(shot, scene)
     with tempfile.TemporaryDirectory() as folder:
-        path, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
-        with open(path, "wb") as file:
+        with open(os.path.join(folder, "pile"), "wb") as file:
             pile.write(file)
-        for engine, substeps, steps, times in run_all(scene, path, frames, states, programs):
-            passed = load_states(states, pile)
-            quality = peers.judge(pile, passed)
-            looked_at = passed[EVERY - 1 :: EVERY]
-            depths = np.concatenate([pile.penetrations(state) for state in looked_at])
-            all_p99 = float(np.percentile(depths, 99))
-            yield {
-                "date": today(),
-                "shot": shot,
-                "engine": engine,
-                "substeps": substeps,
-                "steps": steps,
-                "frames": frames,
-                "cpu_median_ms": round(times["median"], 2),
-                "cpu_p95_ms": round(times["p95"], 2),
-                "cpu_total_ms": round(times["mean"] * frames),
-                "penetration_p50_mm": round(1e3 * quality.penetration[0], 3),
-                "penetration_p99_mm": round(1e3 * quality.penetration[1], 3),
-                "penetration_all_p99_mm": round(1e3 * all_p99, 3),
-                "standing": round(quality.stands.share, 4),
-            }
+        for substeps in SUBSTEPS:
+            rows: dict[tuple[str, int], dict[str, Any]] = {}
+            for _ in range(RUNS if substeps <= OFTEN else 1):
+                for engine, steps, times in run_all(scene, folder, frames, substeps, programs):
+                    # A run is the same every time but for how long it takes.
+                    key = (engine, steps)
+                    if key not in rows:
+                        rows[key] = {
+                            "date": today(),
+                            "shot": shot,
+                            "engine": engine,
+                            "substeps": substeps,
+                            "steps": steps,
+                            "frames": frames,
+                            **judged(pile, os.path.join(folder, "states")),
+                        }
+                    if times["mean"] * frames < rows[key].get("cpu_total_ms", np.inf):
+                        rows[key] |= {
+                            "cpu_median_ms": round(times["median"], 2),
+                            "cpu_p95_ms": round(times["p95"], 2),
+                            "cpu_total_ms": round(times["mean"] * frames),
+                        }
+            yield from rows.values()
+
+
+def judged(pile: Pile, path: str) -> dict[str, float]:
+    """The columns about quality, from a file of states."""
+    from frangible.pile_file import load_states
+    from frangible.peers import judge
+
+    states = load_states(path, pile)
+    quality = judge(pile, states)
+    depths = np.concatenate([pile.penetrations(state) for state in states[EVERY - 1 :: EVERY]])
+    median, p99, _ = quality.penetration
+    return {
+        "penetration_p50_mm": round(1e3 * median, 3),
+        "penetration_p99_mm": round(1e3 * p99, 3),
+        "penetration_all_p99_mm": round(1e3 * float(np.percentile(depths, 99)), 3),
+        "standing": round(quality.stands.share, 4),
+    }
 
 
 def better_in_both(rows: Sequence[dict[str, str]], shot: str, depth: str) -> Iterator[str]:
@@ -249,7 +271,7 @@ def write_table() -> None:
 
     programs = [program for package in peers.packages() for program in peers.build(package)]
     with open(TABLE, "w", newline="", encoding="utf-8") as file:
-        file.write("# command: taskset -c 1 python bench/curve.py; processor time, one run each\n")
+        file.write("# command: taskset -c 1 python bench/curve.py; processor time\n")
         table = csv.DictWriter(file, COLUMNS)
         table.writeheader()
         for shot in SHOTS:
