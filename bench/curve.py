@@ -31,6 +31,8 @@ SUBSTEPS = (1, 2, 4, 8, 16, 32, 64)
 OFTEN, RUNS = 8, 3
 #: Ours, by the least number of substeps.
 QUALITIES = {2: "draft", 4: "game", 8: "default", 16: "film"}
+#: Those that take shorter steps, too.
+SHORTENED = ("draft", "film")
 #: Other engines whose steps take substeps with the same contacts, so many as they come. Of the
 #: rest each substep is a step.
 SUBSTEPS_OF_A_STEP = {"peer-box3d": 4, "peer-rapier": 4}
@@ -117,11 +119,10 @@ def run_all(
     from frangible import peers
 
     pile, states = os.path.join(folder, "pile"), os.path.join(folder, "states")
-    if substeps in QUALITIES:
-        yield peers.OURS, 1, run_ours(scene, frames, states, QUALITIES[substeps], 1)
-    if substeps > 2:
-        steps = substeps // 2
-        yield peers.OURS, steps, run_ours(scene, frames, states, "draft", steps)
+    for least, quality in QUALITIES.items():
+        steps = substeps // least
+        if substeps == least or (quality in SHORTENED and steps > 1):
+            yield peers.OURS, steps, run_ours(scene, frames, states, quality, steps)
     for program in programs:
         own = SUBSTEPS_OF_A_STEP.get(program.name)
         engine, times, _ = peers.run_peer(program, pile, frames, states, (substeps,))
@@ -250,8 +251,13 @@ def draw(rows: Sequence[dict[str, str]], path: str) -> None:
 def draw_engine(axis: Any, rows: Sequence[dict[str, str]], column: str, colour: str) -> None:
     """A line through an engine's points, each with its substeps: dashed in shorter steps, unless
     these are its substeps anyway."""
-    whole = [row for row in rows if row["steps"] == "1"]
-    short = [row for row in rows if row["steps"] != "1"]
+
+    def is_whole(row: dict[str, str]) -> bool:
+        """One step of a frame, and of ours `film` beyond 16 substeps."""
+        return int(row["steps"]) <= max(1, int(row["substeps"]) // 16)
+
+    whole = [row for row in rows if is_whole(row)]
+    short = [row for row in rows if not is_whole(row)]
     engine = rows[0]["engine"]
     lines = [(engine, whole, "-"), (f"{engine}, shorter steps", short, "--")]
     for name, points, style in lines if len(whole) > 1 else [(engine, rows, "-")]:
