@@ -281,6 +281,18 @@ def test_what_an_engine_complains_of_is_no_part_of_its_name(
     assert "loud 1.0: no room for contacts" in capsys.readouterr().err
 
 
+def test_an_engine_takes_substeps_and_steps_if_they_are_given(tmp_path: Path) -> None:
+    program = tmp_path / "peer-obedient"
+    program.write_text(
+        '#!/bin/sh\nshift 4\necho 1.0 > "'
+        + str(tmp_path / "states.times")
+        + '"\necho "obedient: $*"\necho 0\n'
+    )
+    program.chmod(0o755)
+    for effort, said in (((), "obedient: "), ((8,), "obedient: 8"), ((4, 2), "obedient: 4 2")):
+        assert peers.run_peer(program, "pile", 1, str(tmp_path / "states"), effort)[0] == said
+
+
 def test_every_engine_in_the_repository_is_found_and_told_of() -> None:
     root = Path(__file__).parents[2]
     names = [package.name for package in peers.packages(root / peers.PROGRAMS)]

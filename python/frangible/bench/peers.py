@@ -207,14 +207,19 @@ def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float
 
 
 def run_peer(
-    program: Path, pile: str, frames: int, states: str
+    program: Path, pile: str, frames: int, states: str, effort: Sequence[int] = ()
 ) -> tuple[str, dict[str, float], float]:
     """Who an engine's program says that it is, the times of its run, and by how much its memory
-    grew [KiB], as its last two lines say; what else it says goes to stderr."""
+    grew [KiB], as its last two lines say; what else it says goes to stderr. The effort is the
+    number of substeps of a step, and that of steps of a frame: the engine's own and one unless it
+    is given."""
     times = states + ".times"
     print(f"{program.name}: {frames} frames", file=sys.stderr, flush=True)
     done = subprocess.run(
-        [program, pile, str(frames), times, states], stdout=subprocess.PIPE, text=True, check=False
+        [program, pile, str(frames), times, states, *map(str, effort)],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
     )
     if done.returncode != 0:
         raise BenchError(f"{program.name}: ended with status {done.returncode}")

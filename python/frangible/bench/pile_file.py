@@ -121,9 +121,14 @@ class Pile:
     def of_shot(shot: str) -> Pile:
         """The bodies of a shot; `BenchError` if it is no pile of convex bodies that do not
         break."""
-        scene: dict[str, Any] = json.loads(_frangible.shot_scene(shot))
+        return Pile.of_scene(shot, json.loads(_frangible.shot_scene(shot)))
+
+    @staticmethod
+    def of_scene(name: str, scene: dict[str, Any]) -> Pile:
+        """The bodies of a scene; `BenchError` names it if it is no pile of convex bodies that do
+        not break."""
         for body in scene["bodies"]:
-            check(shot, body)
+            check(name, body)
         world = _frangible.World.build(json.dumps(scene), 1)
         start = np.concatenate(
             [world.positions, world.orientations, world.velocities, world.angular_velocities],

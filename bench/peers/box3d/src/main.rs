@@ -5,9 +5,6 @@ use box3d_sys::*;
 use peer_pile::{Body, Engine, Pile, Shape, State};
 use std::io;
 
-/// "Usually 4."
-const SUBSTEPS: i32 = 4;
-
 /// Enough for any hull of a pile.
 const MOST_VERTICES: i32 = 128;
 
@@ -84,6 +81,8 @@ fn insert(world: b3WorldId, body: &Body) -> b3BodyId {
 
 impl Engine for Box3d {
     const NAME: &str = "box3d 0.1.0";
+    /// "Usually 4."
+    const SUBSTEPS: u32 = 4;
 
     fn build(pile: &Pile) -> Self {
         // SAFETY: the definition is Box3D's own default.
@@ -97,9 +96,9 @@ impl Engine for Box3d {
         Self { world, bodies: pile.bodies.iter().map(|body| insert(world, body)).collect() }
     }
 
-    fn step(&mut self, dt: f64) {
+    fn step(&mut self, dt: f64, substeps: u32) {
         // SAFETY: the world lives as long as the program.
-        unsafe { b3World_Step(self.world, dt as f32, SUBSTEPS) }
+        unsafe { b3World_Step(self.world, dt as f32, substeps as i32) }
     }
 
     fn state(&self, body: usize) -> State {

@@ -127,6 +127,7 @@ fn system(gravity: [f64; 3], bodies: u32) -> *mut JPH_PhysicsSystem {
 
 impl Engine for Jolt {
     const NAME: &str = "jolt 5.6.0";
+    const SUBSTEPS: u32 = 1;
 
     fn build(pile: &Pile) -> Self {
         // SAFETY: Jolt is started before anything else of it is called, and once.
@@ -141,9 +142,13 @@ impl Engine for Jolt {
         }
     }
 
-    fn step(&mut self, dt: f64) {
+    /// A collision step is a substep that finds its own contacts.
+    fn step(&mut self, dt: f64, substeps: u32) {
         // SAFETY: all of them live as long as the program.
-        let error = unsafe { JPH_PhysicsSystem_Update2(self.system, dt as f32, 1, self.scratch, self.jobs) };
+        let error = unsafe {
+            let (dt, substeps) = (dt as f32, substeps as i32);
+            JPH_PhysicsSystem_Update2(self.system, dt, substeps, self.scratch, self.jobs)
+        };
         assert!(error == JPH_PhysicsUpdateError_None, "Jolt leaves contacts out: no room, {error}");
     }
 

@@ -109,6 +109,7 @@ unsafe fn attach<G>(actor: *mut PxRigidActor, geometry: &G, material: *mut PxMat
 
 impl<const TEMPORAL: bool> Engine for Physx<TEMPORAL> {
     const NAME: &str = if TEMPORAL { "physx 5.1.3 TGS" } else { "physx 5.1.3 PGS" };
+    const SUBSTEPS: u32 = 1;
 
     fn build(pile: &Pile) -> Self {
         // SAFETY: the description is PhysX's own default, and what it points to lives as long as
@@ -134,21 +135,19 @@ impl<const TEMPORAL: bool> Engine for Physx<TEMPORAL> {
         Self { scene, actors, scratch: vec![0; SCRATCH / size_of::<u128>()] }
     }
 
-    fn step(&mut self, dt: f64) {
-        let mut error = 0;
-        // SAFETY: the scene lives as long as the program, and nothing else uses the scratch.
-        unsafe {
-            PxScene_simulate_mut(
-                self.scene,
-                dt as f32,
-                null_mut(),
-                self.scratch.as_mut_ptr().cast(),
-                SCRATCH as u32,
-                true,
-            );
-            PxScene_fetchResults_mut(self.scene, true, &mut error);
+    /// A substep is a shorter step, with contacts of its own.
+    fn step(&mut self, dt: f64, substeps: u32) {
+        let h = (dt / f64::from(substeps)) as f32;
+        for _ in 0..substeps {
+            let mut error = 0;
+            let scratch = self.scratch.as_mut_ptr().cast();
+            // SAFETY: the scene lives as long as the program, and nothing else uses the scratch.
+            unsafe {
+                PxScene_simulate_mut(self.scene, h, null_mut(), scratch, SCRATCH as u32, true);
+                PxScene_fetchResults_mut(self.scene, true, &mut error);
+            }
+            assert!(error == 0, "PhysX steps: error {error}");
         }
-        assert!(error == 0, "PhysX steps: error {error}");
     }
 
     fn state(&self, body: usize) -> State {

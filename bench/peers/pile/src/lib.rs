@@ -135,39 +135,47 @@ pub trait Engine {
     /// Name and version.
     const NAME: &str;
 
+    /// Substeps of a step, as the engine comes.
+    const SUBSTEPS: u32;
+
     fn build(pile: &Pile) -> Self;
 
-    /// Advances by one frame of `dt` [s].
-    fn step(&mut self, dt: f64);
+    /// Advances by `dt` [s] in so many substeps.
+    fn step(&mut self, dt: f64, substeps: u32);
 
     /// Of a body, by its place in the pile.
     fn state(&self, body: usize) -> State;
 }
 
-/// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES]`: reads the pile, steps
-/// it, and writes the milliseconds of processor time of each step, one on a line, and after each
-/// the states of all bodies, little endian, if they are wanted. Says on stdout who it is, and then
-/// by how many KiB its memory grew at most.
+/// The whole of a program, whose arguments are `PILE FRAMES TIMES [STATES [SUBSTEPS [STEPS]]]`:
+/// reads the pile, steps it, and writes the milliseconds of processor time of each frame, one on a
+/// line, and after each the states of all bodies, little endian, if they are wanted. A frame is one
+/// step unless it says otherwise, and a step has the engine's own number of substeps. Says on
+/// stdout who it is, and then by how many KiB its memory grew at most.
 ///
 /// # Errors
 /// If a file cannot be read or written, or an argument is missing.
 pub fn run<E: Engine>() -> io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let usage = || io::Error::new(io::ErrorKind::InvalidInput, "usage: PILE FRAMES TIMES [STATES]");
-    let (path, frames, times, states) = match arguments.as_slice() {
-        [path, frames, times] => (path, frames, times, None),
-        [path, frames, times, states] => (path, frames, times, Some(states)),
-        _ => return Err(usage()),
+    let usage = || {
+        let usage = "usage: PILE FRAMES TIMES [STATES [SUBSTEPS [STEPS]]]";
+        io::Error::new(io::ErrorKind::InvalidInput, usage)
     };
-    let frames: usize = frames.parse().map_err(|_| usage())?;
+    let number = |text: &String| text.parse::<u32>().map_err(|_| usage());
+    let [path, frames, times, rest @ ..] = arguments.as_slice() else { return Err(usage()) };
+    let frames = number(frames)?;
+    let substeps = rest.get(1).map_or(Ok(E::SUBSTEPS), number)?;
+    let steps = rest.get(2).map_or(Ok(1), number)?;
     let pile = Pile::load(path)?;
-    let mut states = states.map(fs::File::create).transpose()?.map(io::BufWriter::new);
+    let mut states = rest.first().map(fs::File::create).transpose()?.map(io::BufWriter::new);
     let memory = peak_memory();
     let mut engine = E::build(&pile);
     let mut lines = String::new();
     for _ in 0..frames {
         let begin = ProcessTime::now();
-        engine.step(pile.dt);
+        for _ in 0..steps {
+            engine.step(pile.dt / f64::from(steps), substeps);
+        }
         let _ = writeln!(lines, "{:.6}", 1e3 * begin.elapsed().as_secs_f64());
         if let Some(file) = &mut states {
             for body in 0..pile.bodies.len() {

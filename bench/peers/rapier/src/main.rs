@@ -33,6 +33,7 @@ fn collider(body: &Body) -> ColliderBuilder {
 
 impl Engine for Rapier {
     const NAME: &str = "rapier3d 0.36.1";
+    const SUBSTEPS: u32 = 4;
 
     fn build(pile: &Pile) -> Self {
         let mut world = PhysicsWorld::new();
@@ -52,8 +53,10 @@ impl Engine for Rapier {
         Self { world, handles }
     }
 
-    fn step(&mut self, dt: f64) {
+    /// A solver iteration is a substep.
+    fn step(&mut self, dt: f64, substeps: u32) {
         self.world.integration_parameters.dt = dt as Real;
+        self.world.integration_parameters.num_solver_iterations = substeps as usize;
         self.world.step();
     }
 
