@@ -70,7 +70,7 @@ fn crossing(is_ball: bool, size: f64, speed: f64, tile: f64, lower: f64) -> [f64
     let count = (50.0 / tile).ceil();
     for number in 0..count as u32 {
         let x = (f64::from(number) + 0.5) * tile - 4.0;
-        let y = if x > 0.3 { -0.5 - lower } else { -0.5 };
+        let y = if x > 2.0 { -0.5 - lower } else { -0.5 };
         scene.bodies.push(block([tile, 1.0, 8.0], [x, y, 0.0], 0.3));
     }
     let spin = if is_ball { -2.0 * speed / size } else { 0.0 };
@@ -111,7 +111,7 @@ fn seams_do_not_catch() {
 /// A step up is met: a box does not slide through it or over it.
 #[test]
 fn steps_are_met() {
-    let [slab, _] = crossing(false, 0.5, 3.0, 50.0, 0.0);
-    let [way, _] = crossing(false, 0.5, 3.0, 2.0, -0.05);
+    let [slab, _] = crossing(false, 0.5, 8.0, 50.0, 0.0);
+    let [way, _] = crossing(false, 0.5, 8.0, 2.0, -0.05);
     assert!(way < 0.9 * slab, "{way} m of {slab}");
 }
