@@ -126,13 +126,22 @@ impl<'a> Approach<'a> {
         };
         let Some(time) = next(&touch) else { return touch };
         let of_touch = std::mem::take(&mut scratch.points);
-        match self.at(paths, time, scratch) {
-            Some(later) if later.contact.gap > -grazing && next(&later).is_none() => later,
-            _ => {
-                scratch.points = of_touch;
-                touch
+        let of_later = self.at(paths, time, scratch);
+        let later = of_later.filter(|later| later.contact.gap > -grazing && next(later).is_none());
+        if let Some(later) = later {
+            if later.contact.gap <= 0.0 || touch.contact.gap > 0.0 {
+                return later;
+            }
+            // They touch before they part, or pass by.
+            let points = std::mem::take(&mut scratch.points);
+            if self.at(paths, touch.time, scratch).is_some_and(|carried| carried.contact.gap > 0.0)
+            {
+                scratch.points = points;
+                return later;
             }
         }
+        scratch.points = of_touch;
+        touch
     }
 
     /// The hulls at an instant of other paths, with the points in `scratch`.
