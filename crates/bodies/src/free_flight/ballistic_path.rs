@@ -60,12 +60,6 @@ impl BallisticPath {
         Self { start, linear, angular, acceleration, radius, spin_speed }
     }
 
-    /// The same way without gravity: of a body that something carries.
-    #[inline]
-    pub fn straight(&self) -> Self {
-        Self { acceleration: DVec3::ZERO, ..*self }
-    }
-
     /// Where the body is after `time` [s].
     #[inline]
     pub fn pose(&self, time: f64) -> Pose {

@@ -19,8 +19,7 @@ pub(crate) fn exact_points(
 ) -> bool {
     let ball = |ball_is_first: bool, radius: f64, other: ConvexShape| {
         let surface = &|point: DVec3| other.distance_and_gradient(point);
-        let is_convex = !matches!(other, ConvexShape::Other(_));
-        BallContact { pair_motion, ball_is_first, radius, surface, is_convex }.point()
+        BallContact { pair_motion, ball_is_first, radius, surface }.point()
     };
     match convex_shapes {
         [ConvexShape::Ball(radius), other] => points.extend(ball(true, radius, other)),

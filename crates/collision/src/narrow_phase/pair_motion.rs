@@ -35,14 +35,7 @@ pub struct PairMotion<'a> {
     pub search: f64,
     /// Radius of the smaller body [m].
     pub size: f64,
-    /// Overlap up to which bodies only graze each other [m].
-    pub(crate) grazing: f64,
 }
-
-/// Overlap of bodies that only graze each other, relative to the smaller body's radius [1]: a body
-/// at rest overlaps as much. Deeper ones meet where they touch first, others where they come
-/// nearest.
-const GRAZING: f64 = 4e-3;
 
 /// Test distance beside a sample in its own body, relative to the smaller body [1]. With a tenth of
 /// it eleven shots end in the same bits.
@@ -77,7 +70,6 @@ impl<'a> PairMotion<'a> {
             reach,
             search: reach,
             size,
-            grazing: GRAZING * size,
         }
     }
 

@@ -25,8 +25,6 @@ pub(crate) struct BallContact<'a> {
     pub(crate) radius: f64,
     /// Signed distance [m] and unit gradient of the other body, or of a part, in the body frame.
     pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
-    /// True for the surface of a convex body.
-    pub(crate) is_convex: bool,
 }
 
 impl BallContact<'_> {
@@ -83,36 +81,19 @@ impl BallContact<'_> {
     /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
         let (most_speed, dt) = (self.pair_motion.most_speed, self.pair_motion.frame.dt);
-        let [_, other] = self.ball_and_other();
-        let has_one_minimum = self.is_convex && other.angular == DVec3::ZERO;
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
-                return self.grazes(gap).unwrap_or(gap);
+                return gap;
             }
-            let parting = self.parting(&gap);
-            // Newton's method does not overshoot where the distance is convex in time.
-            let most = if has_one_minimum { -parting } else { most_speed / CAUTION };
-            let time = gap.time + gap.phi / most;
-            if time > dt || parting >= 0.0 {
+            let time = gap.time + CAUTION * gap.phi / most_speed;
+            let parts = self.parting(&gap) >= 0.0;
+            if time > dt || parts {
                 return self.nearest(gap);
             }
             gap = self.gap(time);
         }
         gap
-    }
-
-    /// Closest approach to a convex surface that would not get deeper than grazing if something
-    /// carried both bodies: the distance has one minimum.
-    fn grazes(&self, touch: Gap) -> Option<Gap> {
-        if !self.is_convex {
-            return None;
-        }
-        let [first, second] = self.pair_motion.paths.map(BallisticPath::straight);
-        let pair_motion = &PairMotion { paths: [&first, &second], ..*self.pair_motion };
-        let straight = BallContact { pair_motion, ..*self };
-        let nearest = straight.nearest(straight.gap(touch.time));
-        (nearest.phi > -self.pair_motion.grazing).then_some(nearest)
     }
 
     /// Closest approach after an instant, by bisection, or the frame's end.

@@ -124,20 +124,18 @@ impl<I: Instructions> Group<I> {
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
     pub(super) fn run(&mut self, bodies: &Bodies, frame: &Frame) {
         let bounce = (frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
-        let mut substep = Substep {
+        let substep = Substep {
             h: Single::splat(self.h),
             per_second: Single::splat(1.0 / self.h),
             soft: Softness::new(CONTACT_RATE / self.h, DAMPING_RATIO, self.h),
             recovery_rate: Single::splat(1.0 / (RECOVERY_FRAMES * frame.dt)),
             recovery_speed: Single::splat(frame.settings.recovery_speed),
             bounce_velocity: Single::splat(-bounce),
-            is_last: false,
         };
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
         let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
-        for number in 1..=self.substeps {
-            substep.is_last = number == self.substeps;
+        for _ in 0..self.substeps {
             self.bodies.kick(kick);
             if let Some(timeline) = &mut timeline {
                 let Self { batches, bodies, touching, .. } = self;

@@ -33,8 +33,6 @@ pub(super) struct Substep<I> {
     pub(super) recovery_speed: Single<I>,
     /// Threshold velocity of restitution, negative: a faster approach bounces [m/s].
     pub(super) bounce_velocity: Single<I>,
-    /// True in the frame's last substep.
-    pub(super) is_last: bool,
 }
 
 /// Soft-constraint coefficients [Cat24].
@@ -251,7 +249,6 @@ impl<I: Instructions> ContactBatch<I> {
         let (mut velocity, mut target) = ([zero; MOST_POINTS], [zero; MOST_POINTS]);
         let (mut mass_scale, mut given_up) = ([one; MOST_POINTS], [zero; MOST_POINTS]);
         let (mut comes, mut acts) = (Mask::NONE, Mask::NONE);
-        let has_not_touched = if substep.is_last { self.acted.not() } else { Mask::NONE };
         for i in 0..self.point_count {
             let (turned, separation) = self.follow(i, at, apart);
             arms[i] = turned;
@@ -273,9 +270,6 @@ impl<I: Instructions> ContactBatch<I> {
                 let twice = velocity[i] + velocity[i];
                 let may_meet = zero.above(separation + twice * substep.h);
                 comes = comes.or(bounce.above(twice).and(may_meet).and(self.bounces));
-                // After the last drift a pair that has not touched stops nothing: it may part first.
-                let may_part = is_open.and(has_not_touched).and((-closing).above(velocity[i]));
-                let passes = passes.or(may_part);
                 target[i] = passes.select(velocity[i], is_open.select(-closing, zero));
                 let recovered = self.points[i].impulse * velocity[i];
                 self.recovery = self.recovery + is_open.select(zero, recovered);

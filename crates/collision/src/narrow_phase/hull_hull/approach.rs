@@ -88,11 +88,7 @@ impl<'a> Approach<'a> {
             }
 
             // Advance to the earliest possible time of impact.
-            let closing = fastest_closing(
-                self.pair_motion.paths,
-                (time, frame.dt),
-                poses[0].orientation * apart.normal,
-            );
+            let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
             let next = time + apart.gap / closing;
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
@@ -104,61 +100,21 @@ impl<'a> Approach<'a> {
                 let contact =
                     if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
-                let first = Instant { time, world_from_first, pair, contact, lasts: time == 0.0 };
-                return Ok(self.grazing(first, scratch));
+                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
             }
             time = next;
         }
     }
 
-    /// Contact instant of hulls that touch at `touch`, with the points in `scratch`. Gravity is left
-    /// out, as of bodies that something carries: hulls that overlap no deeper than grazing then, and
-    /// come no nearer, pass along the axis of that instant.
-    fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
-        let PairMotion { grazing, frame, paths, .. } = *self.pair_motion;
-        let paths = paths.map(BallisticPath::straight);
-        let paths = [&paths[0], &paths[1]];
-        let next = |instant: &Instant| {
-            let normal = instant.world_from_first.direction(instant.contact.normal);
-            let closing = fastest_closing(paths, (instant.time, frame.dt), normal);
-            let next = instant.time + (instant.contact.gap + grazing) / closing;
-            (instant.time..=frame.dt).contains(&next).then_some(next)
-        };
-        let Some(time) = next(&touch) else { return touch };
-        let of_touch = std::mem::take(&mut scratch.points);
-        let of_later = self.at(paths, time, scratch);
-        let later = of_later.filter(|later| later.contact.gap > -grazing && next(later).is_none());
-        if let Some(later) = later {
-            if later.contact.gap <= 0.0 || touch.contact.gap > 0.0 {
-                return later;
-            }
-            // They touch before they part, or pass by.
-            let points = std::mem::take(&mut scratch.points);
-            if self.at(paths, touch.time, scratch).is_some_and(|carried| carried.contact.gap > 0.0)
-            {
-                scratch.points = points;
-                return later;
-            }
-        }
-        scratch.points = of_touch;
-        touch
-    }
-
-    /// The hulls at an instant of other paths, with the points in `scratch`.
-    fn at(
-        &self,
-        paths: [&BallisticPath; 2],
-        time: f64,
-        scratch: &mut Scratch,
-    ) -> Option<Instant<'a>> {
-        let PairMotion { size, search, frame, .. } = *self.pair_motion;
-        let [world_from_first, world_from_second] =
-            paths.map(|path| path.pose(time).world_from_body());
-        let first_from_second = world_from_first.inverse().after(&world_from_second);
-        let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
-        let axes = pair.face_axes(search).ok()?;
-        let contact = pair.contact(&axes, search, scratch)?;
-        Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 })
+    /// Upper bound of the closing speed of any two points along a normal in the world frame, from
+    /// an instant to the frame's end [m/s]; negative if all separate.
+    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
+        let [first, second] = self.pair_motion.paths;
+        let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
+        // Common gravity cancels.
+        let falling = (second.acceleration - first.acceleration).dot(normal);
+        let most = (time * falling).max(self.pair_motion.frame.dt * falling);
+        (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
     /// True for a point that can touch within the frame from a separated start.
@@ -169,7 +125,7 @@ impl<'a> Approach<'a> {
         if instant.time == 0.0 {
             return true;
         }
-        self.gap_at_start(instant, point) >= point.gap.min(0.0) - self.pair_motion.grazing
+        self.gap_at_start(instant, point) >= point.gap.min(0.0)
     }
 
     /// Separation at the frame's start, along the point's normal [m].
@@ -199,20 +155,6 @@ impl<'a> Approach<'a> {
             gap: self.gap_at_start(instant, point),
         }
     }
-}
-
-/// Upper bound of the closing speed of any two points along a normal in the world frame, from an
-/// instant to the frame's end [m/s]; negative if all separate.
-fn fastest_closing(
-    [first, second]: [&BallisticPath; 2],
-    (time, end): (f64, f64),
-    normal: DVec3,
-) -> f64 {
-    let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
-    // Common gravity cancels.
-    let falling = (second.acceleration - first.acceleration).dot(normal);
-    let most = (time * falling).max(end * falling);
-    (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
 }
 
 impl Instant<'_> {
