@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 Colour = tuple[float, float, float]
 
-#: What cracks lay bare: fired clay.
+#: Crack faces: fired clay.
 INSIDE: Colour = (0.42, 0.15, 0.085)
 INSIDE_ROUGHNESS = 0.9
-#: What was the surface all along, one colour for each source that can move.
+#: The original surface, one colour for each source that can move.
 OUTSIDE: tuple[Colour, ...] = (
     (0.54, 0.49, 0.41),  # limestone
     (0.13, 0.17, 0.23),  # gunmetal
@@ -93,16 +93,16 @@ class Material:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What something is drawn as."""
+    """Appearance of a body."""
 
-    #: What was its surface all along, and what cracks lay bare.
+    #: Its original surface, and its crack faces.
     outside: Material
     inside: Material
     #: By how much pieces differ in brightness, relative to it.
     variation: float
 
 
-#: What a scene can say that a body looks like.
+#: Looks that a scene can give a body.
 LOOKS: dict[str, Look] = {
     "glass": Look(
         Material((0.72, 0.95, 0.86), 0.02, clear=0.86),

@@ -1,4 +1,4 @@
-"""What breaking a mesh makes: the pieces, and the report about them."""
+"""Result of breaking a mesh: the pieces, and the report about them."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Pieces:
     #: Where the pattern's centre lay, and the direction from there towards what strikes (3,).
     at: Float64
     normal: Float64
-    #: What was done to the mesh before it was cut, in sentences.
+    #: Repairs of the mesh before it was cut, in sentences.
     notes: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:

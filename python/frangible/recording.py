@@ -1,4 +1,4 @@
-"""What a run looked like: every body that lived, and where it was at every frame."""
+"""The course of a run: every body that lived, and where it was at every frame."""
 
 from __future__ import annotations
 
@@ -82,11 +82,11 @@ class Body:
 
     @property
     def moves(self) -> bool:
-        """Whether it can move, or is seen to."""
+        """True if it can move, or is seen to."""
         return math.isfinite(self.mass) or bool(np.any(self.positions != self.positions[0]))
 
     def alive(self, frame: int) -> bool:
-        """Whether the frame shows the body."""
+        """True if the frame shows the body."""
         return self.birth_frame <= frame and (self.death_frame is None or frame < self.death_frame)
 
     def pose(self, frame: int) -> tuple[Float64, Float64]:
@@ -243,7 +243,7 @@ class Recorder:
         self._positions.append(world.positions)
         self._orientations.append(world.orientations)
 
-        # What appears for the first time.
+        # Bodies that appear for the first time.
         new = [row for row, body_id in enumerate(ids.tolist()) if body_id not in self._seen]
         if not new:
             return

@@ -1,4 +1,4 @@
-"""What one frame did: the shape of the dictionaries that `World.step` answers with."""
+"""Report of one frame: the shape of the dictionaries that `World.step` answers with."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import NotRequired, TypedDict
 
 
 class Causes(TypedDict):
-    """What changed the energy of all dynamic bodies in the frame [J]; the sum is E(n+1) - E(n)."""
+    """Energy change of all dynamic bodies in the frame by cause [J]; the sum is E(n+1) - E(n)."""
 
     #: Kinematic bodies.
     work: float
-    #: What stops an approach, and what comes back of it by restitution.
+    #: Impacts: the energy of an approach that restitution does not give back.
     collision: float
-    #: What keeps touching bodies from approaching.
+    #: Contacts that keep touching bodies from approaching.
     contact: float
     #: Coulomb's, rolling and spinning friction.
     friction: float
@@ -20,9 +20,9 @@ class Causes(TypedDict):
     projection: float
     #: Breaking, which conserves: rounding.
     fracture: float
-    #: What the ledger took out.
+    #: Energy removed by the ledger.
     balance: float
-    #: What is left: flight and rotation, which conserve but for the rule by which bodies turn, and
+    #: The remainder: flight and rotation, which conserve but for the rule by which bodies turn, and
     #: rounding.
     flight: float
 
@@ -36,18 +36,18 @@ class Energy(TypedDict):
     total: float
     #: That kinematic bodies did in this frame.
     work: float
-    #: What the ledger's banks grew by in this frame: energy that was dissipated and may be spent
+    #: Growth of the ledger's banks in this frame: energy that was dissipated and may be spent
     #: again.
     banked: float
     #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
     #: this frame, or, if negative, was dissipated.
     gain: float
-    #: What E(n+1) - E(n) consists of.
+    #: Components of E(n+1) - E(n).
     causes: Causes
 
 
 class Balance(TypedDict):
-    """What the ledger had to do in the frame."""
+    """Work of the ledger in the frame."""
 
     #: Of touching bodies.
     islands: int
@@ -68,8 +68,8 @@ class Momentum(TypedDict):
     linear: list[float]
     #: About the world's origin [N m s].
     angular: list[float]
-    #: What neither gravity nor a static or kinematic body explains, relative to all momenta, since
-    #: the world began.
+    #: Change that neither gravity nor a static or kinematic body explains, relative to
+    #: all momenta, since the world began.
     linear_error: float
     #: The same of angular momentum.
     angular_error: float
@@ -98,9 +98,9 @@ class Imbalance(TypedDict):
 class Fracture(TypedDict):
     """A body broke."""
 
-    #: Who broke; it lives no longer.
+    #: The broken body; it lives no longer.
     body: int
-    #: Who struck.
+    #: The striker.
     striker: int
     #: Where the two first touched on their way through the frame, world frame [m].
     point: list[float]
@@ -108,11 +108,11 @@ class Fracture(TypedDict):
     impulse: float
     #: The part that the body bore before it broke [N s].
     borne: float
-    #: What its cracks took from the motion of the two against each other [J].
+    #: Energy that its cracks took from the motion of the two against each other [J].
     energy: float
     #: How many pieces its description asks for, if it does.
     wanted: NotRequired[int]
-    #: What it broke into.
+    #: Its fragments.
     fragments: list[int]
     imbalance: Imbalance
 

@@ -8,7 +8,7 @@ import pytest
 from frangible import Recording, run
 from support import ScriptedWorld
 
-# What a shell runs in the background ignores interrupts, and so would the commands that tests start
+# A shell's background jobs ignore interrupts, and so would the commands that tests start
 # and interrupt: a handler of ours is not handed on, and they get the system's.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -159,6 +159,12 @@ def areas(piece: Piece) -> np.ndarray:
     )
 
 
+def break_cross(cross_file: Path, out: Path) -> None:
+    """Breaks the cross exactly into the cells of nine points."""
+    cells = ["--pattern", "voronoi", "--cells", "9", "--exact"]
+    assert main(["break", str(cross_file), *cells, "--out", str(out)]) == 0
+
+
 @pytest.mark.parametrize("pattern", PATTERNS)
 @pytest.mark.parametrize("mesh", MESHES)
 def test_exact_pieces_are_closed_and_fit_without_gap_or_overlap(
@@ -359,22 +365,7 @@ def test_gltf_has_a_node_for_each_piece(
 @pytest.mark.parametrize("ending", ["usd", "usda", "usdc"])
 def test_usd_has_a_mesh_for_each_piece(ending: str, cross_file: Path, tmp_path: Path) -> None:
     out = tmp_path / f"cross.{ending}"
-    assert (
-        main(
-            [
-                "break",
-                str(cross_file),
-                "--pattern",
-                "voronoi",
-                "--cells",
-                "9",
-                "--exact",
-                "--out",
-                str(out),
-            ]
-        )
-        == 0
-    )
+    break_cross(cross_file, out)
     stage = Usd.Stage.Open(str(out))
     assert violations(stage) == []
     meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
@@ -432,22 +423,7 @@ def test_a_folder_has_an_obj_for_each_piece(
 
 def test_one_obj_holds_all_pieces(cross_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "all.obj"
-    assert (
-        main(
-            [
-                "break",
-                str(cross_file),
-                "--pattern",
-                "voronoi",
-                "--cells",
-                "9",
-                "--exact",
-                "--out",
-                str(out),
-            ]
-        )
-        == 0
-    )
+    break_cross(cross_file, out)
     facts = json.loads((tmp_path / "all.json").read_text())
     objects = [line for line in out.read_text().splitlines() if line.startswith("o ")]
     assert objects == [f"o {piece['name']}" for piece in facts["pieces"]]

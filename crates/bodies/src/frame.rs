@@ -34,7 +34,7 @@ pub struct StepSettings {
     /// Let no island end a frame with more energy than it may have.
     pub ledger: bool,
     /// Least number of substeps of an island that touches anything, a power of two: 2 for a draft,
-    /// 4 for a game, 8 by default, 16 for film. Overlaps fall with its square.
+    /// 4 for a game, 8 by default, 16 for film.
     pub substeps: u32,
     /// Maximum number of substeps of an island. Loads and impacts beyond overlap further.
     pub most_substeps: u32,

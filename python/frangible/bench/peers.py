@@ -32,7 +32,7 @@ from .summary import spread
 #: Beside the sources, from the root of the repository.
 PROGRAMS = Path("bench") / "peers"
 
-#: What is run in other engines unless somebody says what.
+#: Piles that other engines run by default.
 PILES = ("pile-spread", "pile-deep", "pile-table", "bricks", "bricks-still")
 
 OURS = "frangible"
@@ -46,7 +46,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Quality:
-    """What a run came to, apart from its time."""
+    """Result of a run, apart from its time."""
 
     #: Median, 99th percentile and maximum of how deep overlapping pairs are at the end [m].
     penetration: tuple[float, float, float]
@@ -209,7 +209,7 @@ def _run_ours(shot: str, frames: int, states: str) -> tuple[str, dict[str, float
 def run_peer(
     program: Path, pile: str, frames: int, states: str, effort: Sequence[int] = ()
 ) -> tuple[str, dict[str, float], float]:
-    """Who an engine's program says that it is, the times of its run, and by how much its memory
+    """The name that an engine's program prints, the times of its run, and by how much its memory
     grew [KiB], as its last two lines say; what else it says goes to stderr. The effort is the
     number of substeps of a step, and that of steps of a frame: the engine's own and one unless it
     is given."""

@@ -59,8 +59,8 @@ def run_apart(request: Request) -> Summary:
 
 
 def run_here(request: Request) -> Summary:
-    """What `frangible run` says of a run, with times of the last frames and of all, also by stage,
-    and memory by piece.
+    """The summary of `frangible run` for a run, with times of the last frames and of all,
+    also by stage, and memory by piece.
 
     ``cpu_ms_per_frame`` is processor time of the last frames, of all threads, which other work on
     the machine hardly changes. ``penetration_m`` is of the last state: to look for it between the

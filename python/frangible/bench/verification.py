@@ -1,4 +1,4 @@
-"""What the paper and we promise, measured on this machine."""
+"""The claims of the paper and ours, measured on this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file holds: a mesh, or a cache of ours."""
+"""Contents of a file: a mesh, or a cache of ours."""
 
 from __future__ import annotations
 

@@ -113,11 +113,9 @@ def _type(field: Schema) -> str:
     items = field["items"]
     if "$ref" in items:
         return f"list of {_type(items)}"
-    return (
-        f"list of {count}{_type(items)}s"
-        if items["type"] != "array"
-        else f"list of {_type(items)}s"
-    )
+    if items["type"] == "array":
+        return f"list of {_type(items).replace('list', 'lists', 1)}"
+    return f"list of {count}{_type(items)}s"
 
 
 def _is_words(part: Schema) -> bool:

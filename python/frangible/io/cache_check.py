@@ -33,7 +33,7 @@ _NORMAL_ROUNDING = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class _Rule:
-    """What one array must be."""
+    """Requirements of one array."""
 
     #: Of `numpy.dtype.kind`.
     kind: str
@@ -71,7 +71,7 @@ def _is_unicode(text: str) -> bool:
 
 
 def _is_path(text: str) -> bool:
-    """Whether this is a JSON list of names, or empty."""
+    """True if this is a JSON list of names, or empty."""
     try:
         names = json.loads(text) if text else []
     except (ValueError, RecursionError):

@@ -26,7 +26,7 @@ from ..render.palette import Palette
 
 Json = dict[str, Any]
 
-#: What our files say of themselves.
+#: Generator name in our files.
 GENERATOR = "Frangible"
 
 _FLOAT, _UINT32 = 5126, 5125

@@ -13,7 +13,7 @@ from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .gltf_mesh import make_plain
 from .reading import file_fault
 
-#: What USD files end in.
+#: Endings of USD files.
 USD_ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 
 

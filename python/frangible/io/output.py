@@ -36,7 +36,7 @@ class Output:
 @dataclass(frozen=True, slots=True)
 class _Format:
     writer: Callable[[Recording, str, int | None], None]
-    #: What has to be installed besides.
+    #: Packages that it needs besides.
     extra: str | None = None
 
 

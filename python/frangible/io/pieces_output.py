@@ -15,7 +15,7 @@ from .whole import whole_file, whole_folder
 
 #: The extra of the installation that each ending needs.
 _EXTRAS = {".glb": None, ".gltf": None, ".obj": None, ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
-#: What a folder of ours holds.
+#: Contents of a folder of ours.
 _OURS = re.compile(r"piece_\d{3,}\.obj|materials\.mtl|pieces\.json|textures")
 
 

@@ -21,7 +21,7 @@ _IMAGES = ("image", "surface_image", "normal_image", "emission_image")
 
 
 def _shares(count: int, most: float = 1.0) -> Callable[[Any], bool]:
-    """Whether a value is so many numbers from 0 to the most."""
+    """True if a value is so many numbers from 0 to the most."""
     is_share = _number(0.0, most)
 
     def holds(value: Any) -> bool:
@@ -44,7 +44,7 @@ def _is_truth(value: Any) -> bool:
     return isinstance(value, bool)
 
 
-#: What the fields of a material must be, but for its images.
+#: Valid fields of a material, but for its images.
 _FIELDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "colour": (_shares(3), "three numbers from 0 to 1"),
     "roughness": (_number(0.0, 1.0), "from 0 to 1"),

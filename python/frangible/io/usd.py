@@ -167,7 +167,7 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
             opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
 
-    # What cracks laid bare has a material of its own, and what was outside all along keeps the
+    # Crack faces have a material of their own, and the original surface keeps the
     # mesh's; a subset for each.
     groups = palette.groups(body)
     if not groups:

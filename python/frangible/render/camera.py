@@ -21,7 +21,7 @@ HEIGHTS = (0.40, 2.0)
 PIT = 0.5
 #: A subject this much thinner in one horizontal direction than in the other has a front.
 THIN = 0.8
-#: What the subject's extent in the picture is multiplied by.
+#: Factor on the subject's extent in the picture.
 MARGIN = 1.08
 #: Places that are checked for whether something hides them, about.
 HIDEABLE = 60

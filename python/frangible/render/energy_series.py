@@ -66,7 +66,7 @@ def _series(recording: Recording) -> EnergySeries:
         np.array([energy[key] for energy in energies])
         for key in ("kinetic", "potential", "work", "banked", "gain")
     )
-    # What enters comes first.
+    # Energy that enters comes first.
     causes = sorted(energies[0]["causes"], key=lambda cause: cause != "work")
     changes = {
         cause: np.array([cast(dict[str, float], energy["causes"])[cause] for energy in energies])

@@ -13,7 +13,7 @@ REACH = 6.0
 
 
 def is_half_space(body: Body) -> bool:
-    """Whether a body is everything below the plane y = 0 of its own frame: it alone has no
+    """True if a body is everything below the plane y = 0 of its own frame: it alone has no
     surface."""
     return not len(body.triangles) and not np.isfinite(body.mass)
 

@@ -118,7 +118,7 @@ def _causes(axis: Axes, series: EnergySeries) -> None:
 
 
 def _finish(axis: Axes, series: EnergySeries, label: str) -> None:
-    """What the two panels of energy share."""
+    """Common parts of the two energy panels."""
     for i, time in enumerate(series.breaks):
         axis.axvline(
             time,

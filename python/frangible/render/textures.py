@@ -1,4 +1,4 @@
-"""What a picture shows on a surface besides its colour: the grain of wood, the gravel in
+"""Surface detail of pictures besides colour: the grain of wood, the gravel in
 concrete."""
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ pub struct SolverDesc {
     pub recovery_speed: f64,
 }
 
-/// Minimum number of substeps. Overlaps fall with its square, and time grows with it.
+/// Minimum number of substeps; islands that bear, press or turn more take more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quality {

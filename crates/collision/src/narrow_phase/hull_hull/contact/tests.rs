@@ -178,7 +178,8 @@ proptest! {
             let edges = edge_axis(&pair, &mut scratch);
             let numbers = [with_widest!(width, inside(first, point)), edges.map_or(0.0, |axis| axis.separation)];
             let ridges = scratch.ridges.each_ref().map(Vec::len);
-            found.insert((axes.map(|axis| [axis.face, axis.vertex]), ridges, numbers.map(f64::to_bits)));
+            let features = axes.map(|axis| [axis.face, axis.vertex]);
+            found.insert((features, ridges, numbers.map(f64::to_bits)));
         }
         prop_assert_eq!(found.len(), 1);
     }
@@ -239,7 +240,8 @@ proptest! {
         ];
         if met.gap < 0.0 && of_faces.iter().all(|normal| normal.dot(met.normal) < 1.0 - 1e-9) {
             let face = axes[0].separation.max(axes[1].separation);
-            let is_over = is_over(axes[1].separation <= axes[0].separation + PREFERENCE, &mut scratch);
+            let prefer_first = axes[1].separation <= axes[0].separation + PREFERENCE;
+            let is_over = is_over(prefer_first, &mut scratch);
             prop_assert!(!is_over || met.gap > (1.0 - DEEP_PREFERENCE) * face, "{} {face}", met.gap);
         }
     }
@@ -271,7 +273,8 @@ proptest! {
         prop_assert_eq!(names(&before), names(&after));
         prop_assert!((3..=8).contains(&before.points.len()));
         let swapped = contact(&lower, &upper, &start.inverse());
-        let of_swapped = swapped.points.iter().map(|point| point.feature.swapped().id(100)).collect();
+        let name = |point: &HullPoint| point.feature.swapped().id(100);
+        let of_swapped = swapped.points.iter().map(name).collect();
         prop_assert_eq!(names(&before), of_swapped);
         prop_assert!((before.normal + start.direction(swapped.normal)).length() < 1e-12);
     }
