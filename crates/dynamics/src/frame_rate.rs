@@ -3,6 +3,7 @@
 //!
 //! Single precision within the frame, relative to its start; double precision at its end.
 
+mod confirmation;
 mod constraints;
 mod contact_batch;
 pub(crate) mod contact_forces;
@@ -74,7 +75,7 @@ fn solve_with<I: Instructions>(
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
         let input = (manifolds, &carried[..]);
         let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
-        group.run(bodies, frame);
+        group.run(bodies, manifolds, frame);
         group
     };
     let room = || vec![NOWHERE; bodies.len()];

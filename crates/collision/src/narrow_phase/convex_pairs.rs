@@ -19,7 +19,8 @@ pub(crate) fn exact_points(
 ) -> bool {
     let ball = |ball_is_first: bool, radius: f64, other: ConvexShape| {
         let surface = &|point: DVec3| other.distance_and_gradient(point);
-        BallContact { pair_motion, ball_is_first, radius, surface }.point()
+        let is_convex = !matches!(other, ConvexShape::Other(_));
+        BallContact { pair_motion, ball_is_first, radius, surface, is_convex }.point()
     };
     match convex_shapes {
         [ConvexShape::Ball(radius), other] => points.extend(ball(true, radius, other)),

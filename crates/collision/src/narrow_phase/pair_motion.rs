@@ -35,7 +35,20 @@ pub struct PairMotion<'a> {
     pub search: f64,
     /// Radius of the smaller body [m].
     pub size: f64,
+    /// Overlap up to which a pair only grazes [m], and the time within which it may get no deeper
+    /// [s]; zero at the frame's start.
+    pub(crate) grazing: f64,
+    pub(crate) ahead: f64,
 }
+
+/// Overlap up to which a pair only grazes, relative to the smaller body's radius [1]: twice the
+/// overlap of a resting contact. A deeper pair meets along the normal of its first touch, a grazing
+/// one along the normal of its closest approach: bodies do not catch on the seams of flush tiles.
+const GRAZING: f64 = 4e-3;
+
+/// Upper bound of this overlap, relative to the thinner body's thickness [1]: thin panes meet edge
+/// to edge.
+const GRAZED_THICKNESS: f64 = 0.05;
 
 /// Test distance beside a sample in its own body, relative to the smaller body [1]. With a tenth of
 /// it eleven shots end in the same bits.
@@ -70,7 +83,30 @@ impl<'a> PairMotion<'a> {
             reach,
             search: reach,
             size,
+            grazing: 0.0,
+            ahead: 0.0,
         }
+    }
+
+    /// A pair in straight motion through a `substep`; the frame ends after the time `ahead` [s], and
+    /// has the speculative margin `near` [m].
+    pub fn of_substep(
+        bodies: &'a Bodies,
+        pair: Pair,
+        paths: [&'a BallisticPath; 2],
+        substep: &'a Frame,
+        (ahead, near): (f64, f64),
+    ) -> Self {
+        let pair_motion = Self::new(bodies, pair, paths, substep);
+        let way = pair_motion.reach - pair_motion.near;
+        let reach = ahead / substep.dt * way + near;
+        let thickness = |i: usize| {
+            let (low, high) = bodies.shapes[i].bounds;
+            (high - low).min_element()
+        };
+        let thin = thickness(pair.first).min(thickness(pair.second));
+        let grazing = (GRAZING * pair_motion.size).min(GRAZED_THICKNESS * thin);
+        Self { near, reach, search: reach, grazing, ahead, ..pair_motion }
     }
 
     /// Adds relative speed after an impact with other bodies [m/s].

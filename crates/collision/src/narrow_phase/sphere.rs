@@ -25,6 +25,8 @@ pub(crate) struct BallContact<'a> {
     pub(crate) radius: f64,
     /// Signed distance [m] and unit gradient of the other body, or of a part, in the body frame.
     pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
+    /// True for the surface of a convex body.
+    pub(crate) is_convex: bool,
 }
 
 impl BallContact<'_> {
@@ -81,27 +83,45 @@ impl BallContact<'_> {
     /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
         let (most_speed, dt) = (self.pair_motion.most_speed, self.pair_motion.frame.dt);
+        // The separation from a convex body is convex in straight motion: Newton's method does not
+        // overshoot, and converges where a ball rolls towards an edge.
+        let [ball, other] = self.ball_and_other();
+        let is_convex = self.is_convex
+            && ball.acceleration == DVec3::ZERO
+            && other.acceleration == DVec3::ZERO
+            && other.angular == DVec3::ZERO;
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
-                return gap;
+                return self.grazing(gap);
             }
-            let time = gap.time + CAUTION * gap.phi / most_speed;
-            let parts = self.parting(&gap) >= 0.0;
-            if time > dt || parts {
-                return self.nearest(gap);
+            let parting = self.parting(&gap);
+            let closing = if is_convex { -parting } else { most_speed / CAUTION };
+            let time = gap.time + gap.phi / closing;
+            if time > dt || parting >= 0.0 {
+                return self.nearest(gap, dt);
             }
             gap = self.gap(time);
         }
         gap
     }
 
-    /// Closest approach after an instant, by bisection, or the frame's end.
-    fn nearest(&self, from: Gap) -> Gap {
+    /// Closest approach of a ball that touches at `touch`, if it overlaps no deeper than grazing
+    /// until the frame's end; else `touch`.
+    fn grazing(&self, touch: Gap) -> Gap {
+        if self.pair_motion.grazing == 0.0 {
+            return touch;
+        }
+        let nearest = self.nearest(touch, self.pair_motion.ahead);
+        if nearest.phi > -self.pair_motion.grazing { nearest } else { touch }
+    }
+
+    /// Closest approach between an instant and `end` [s], by bisection.
+    fn nearest(&self, from: Gap, end: f64) -> Gap {
         if self.parting(&from) >= 0.0 {
             return from;
         }
-        let (mut before, mut after) = (from, self.gap(self.pair_motion.frame.dt));
+        let (mut before, mut after) = (from, self.gap(end));
         if self.parting(&after) < 0.0 {
             return after;
         }

@@ -85,6 +85,11 @@ pub(super) struct ContactBatch<I> {
     pub(super) is_driven: [Mask; 2],
     /// Lanes with a nonzero impulse in this frame.
     pub(super) acted: Mask,
+    /// Lanes that may not act before they are detected again, lanes that ask for it, and lanes that
+    /// may bounce without.
+    pub(super) unconfirmed: Mask,
+    pub(super) asks: Mask,
+    pub(super) touches: Mask,
     /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
     /// True if all accumulated impulses are zero: warm starting has no effect.
@@ -133,6 +138,9 @@ impl<I: Instructions> ContactBatch<I> {
             driven_work: zero,
             is_driven: [Mask::NONE; 2],
             acted: Mask::NONE,
+            unconfirmed: Mask::NONE,
+            asks: Mask::NONE,
+            touches: Mask::NONE,
             is_turned: false,
             is_quiet: true,
             is_stale: true,
@@ -184,6 +192,27 @@ impl<I: Instructions> ContactBatch<I> {
             }
         }
         self.gravity.set(lane, constraint.gravity);
+    }
+
+    /// Packs another constraint into a lane without impulses.
+    pub(super) fn refill(&mut self, lane: usize, (number, constraint): (u32, &Constraint)) {
+        let empty = Self::empty(self.first_line);
+        for (lanes, none) in self.points.iter_mut().zip(&empty.points) {
+            for side in 0..2 {
+                lanes.anchors[side].set(lane, none.anchors[side].get(lane));
+            }
+            lanes.separation.set(lane, none.separation.get(lane));
+        }
+        self.fill(lane, (number, constraint));
+        self.unconfirmed.set(lane, false);
+        self.is_stale = true;
+        self.may_bounce = true;
+    }
+
+    /// Removes and returns the lanes that ask to act.
+    pub(super) fn take_asking(&mut self) -> impl Iterator<Item = usize> + use<I> {
+        let asks = std::mem::replace(&mut self.asks, Mask::NONE);
+        (0..LANES).filter(move |&lane| asks.get(lane))
     }
 
     /// Computes K and the effective masses of friction at the current poses.

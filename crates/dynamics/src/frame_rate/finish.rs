@@ -48,30 +48,23 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         accounts: &mut FrameAccounts,
     ) -> ImpulseChunk {
-        let Self { bodies: mut solver_bodies, selections, batches, h, .. } = self;
-        let mut places = vec![(0, 0); selections.len()];
-        for (at, batch) in batches.iter().enumerate() {
-            for (lane, &number) in batch.constraints.iter().enumerate() {
-                if let Some(place) = places.get_mut(number as usize) {
-                    *place = (at, lane);
-                }
-            }
-        }
+        let Self { bodies: mut solver_bodies, selections, batches, h, confirmation, .. } = self;
 
         // Each impulse acts on both bodies with opposite signs, in double precision. Linear
         // momentum is exact despite the single-precision velocities.
         let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
         let mut is_touched = vec![false; momenta.len()];
         let mut part = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
-        let mut places = places.into_iter();
+        let mut numbers = 0..selections.len() as u32;
         for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
             let manifold = of_manifold[0].manifold as usize;
             let Manifold { pair, points, .. } = &manifolds[manifold];
             let is_movable = pair.both().map(|i| !bodies.inertias[i].is_infinite());
             let mut is_acting = false;
             let mut recovered = 0.0;
-            for (selection, (at, lane)) in of_manifold.iter().zip(&mut places) {
-                let batch = &batches[at];
+            for (selection, number) in of_manifold.iter().zip(&mut numbers) {
+                let place = confirmation.place(number);
+                let (batch, lane) = (&batches[place.batch()], place.lane());
                 if !batch.acted.get(lane) {
                     continue;
                 }
@@ -99,8 +92,8 @@ impl<I: Instructions> Group<I> {
                 }
                 recovered += batch.recovery.get(lane);
                 accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let features = selection.points().map(|number| points[number].feature);
-                carry(&mut part, features, (batch, lane), (h, frame.dt));
+                let features = confirmation.features(number, (selection, points));
+                carry(&mut part, &features, (batch, lane), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);
             if is_acting {
@@ -130,7 +123,7 @@ impl<I: Instructions> Group<I> {
 /// frame's mean.
 fn carry<I: Instructions>(
     part: &mut ImpulseChunk,
-    features: impl ExactSizeIterator<Item = FeatureId>,
+    features: &[FeatureId],
     (batch, lane): (&ContactBatch<I>, usize),
     (h, dt): (f64, f64),
 ) {
@@ -148,7 +141,7 @@ fn carry<I: Instructions>(
     // An impact before the last substep leaves no final impulse: its mean acts equally at all
     // points.
     let equal = 1.0 / features.len() as f64;
-    for (feature, impulse) in features.zip(impulses) {
+    for (&feature, impulse) in features.iter().zip(impulses) {
         let share = if total > 0.0 { impulse / total } else { equal };
         if share > 0.0 {
             let force = PointImpulse {

@@ -1,6 +1,7 @@
 //! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
-use super::constraints::{Selection, Source};
+use super::confirmation::{Confirmation, is_confirmed};
+use super::constraints::{ConstraintPoint, NEAR, Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
 use super::restitution::propagate_impacts;
@@ -8,10 +9,11 @@ use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
 use super::timeline::Timeline;
-use super::touching::Touching;
+use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};
 use frangible_collision::{CachedImpulse, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
+use glam::Vec3;
 use std::cell::OnceCell;
 use std::ops::Range;
 use std::slice::from_ref;
@@ -27,6 +29,10 @@ const RECOVERY_FRAMES: f64 = 4.0;
 /// Minimum approach speed of a bounce without gravity [m/s]. With gravity the threshold is
 /// gravity's speed gain in a frame, the approach speed of resting contacts.
 const LEAST_BOUNCE: f64 = 1e-3;
+
+/// Rounds of impacts in a substep between pairs that were apart at the frame's start [1]: as many
+/// balls of a row with gaps strike each other in a substep.
+const BOUNCE_ROUNDS: usize = 64;
 
 /// Number of graph colours; constraints of one colour share no movable body. Constraints beyond get
 /// a colour each.
@@ -44,6 +50,7 @@ pub(super) struct Group<I> {
     pub(super) slabs: Vec<Slab>,
     /// Built on first use.
     touching: OnceCell<Touching>,
+    pub(super) confirmation: Confirmation,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -86,6 +93,7 @@ impl<I: Instructions> Group<I> {
             threads::map_with(of_slabs, members.len(), room, |taken, members| {
                 colours.order(members, acts_in, taken)
             });
+        let touching = NEAR * frame.speculative_margin();
         let mut batches = Vec::new();
         let mut all = Vec::with_capacity(orders.len());
         for (number, order) in orders.iter().enumerate() {
@@ -103,12 +111,25 @@ impl<I: Instructions> Group<I> {
             for (batch, lanes) in batches.iter_mut().zip(lanes) {
                 for (lane, &(_, number)) in lanes.iter().enumerate() {
                     let selection = &selections[number as usize];
-                    let constraint = source(selection).constraint(selection, bodies, (h, frame));
+                    let source = source(selection);
+                    let constraint = source.constraint(selection, bodies, (h, frame));
                     batch.fill(lane, (number, &constraint));
+                    batch.unconfirmed.set(lane, !is_confirmed(&source));
+                    let is_close = |point: &ConstraintPoint| point.separation <= touching;
+                    batch.touches.set(lane, constraint.points.iter().any(is_close));
                 }
             }
         });
         let body_of = slabs.body_of;
+        let mut places = vec![Place::new(0, 0); selections.len()];
+        for (at, batch) in batches.iter().enumerate() {
+            for (lane, &number) in batch.constraints.iter().enumerate() {
+                if let Some(place) = places.get_mut(number as usize) {
+                    *place = Place::new(at, lane);
+                }
+            }
+        }
+        let confirmation = Confirmation::new(batches.len(), places);
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
             selections,
@@ -116,13 +137,14 @@ impl<I: Instructions> Group<I> {
             starts: slabs.starts,
             slabs: all,
             touching: OnceCell::new(),
+            confirmation,
             substeps,
             h,
         }
     }
 
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
-    pub(super) fn run(&mut self, bodies: &Bodies, frame: &Frame) {
+    pub(super) fn run(&mut self, bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) {
         let bounce = (frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
         let substep = Substep {
             h: Single::splat(self.h),
@@ -135,15 +157,11 @@ impl<I: Instructions> Group<I> {
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
         let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
-        for _ in 0..self.substeps {
+        for number in 0..self.substeps {
+            let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);
             if let Some(timeline) = &mut timeline {
-                let Self { batches, bodies, touching, .. } = self;
-                let touching = touching.get_or_init(|| Touching::new(batches, bodies));
-                I::run(
-                    #[inline(always)]
-                    || propagate_impacts(batches, bodies, (timeline, touching), &substep),
-                );
+                self.bounce(timeline, (bodies, manifolds), (time_left, kick), frame, &substep);
             }
             self.sweep(
                 #[inline(always)]
@@ -153,6 +171,15 @@ impl<I: Instructions> Group<I> {
                 #[inline(always)]
                 |batch, lines| batch.solve::<true>(lines, &substep),
             );
+            for at in self.confirm(bodies, manifolds, (time_left, Vec3::ZERO), frame) {
+                let batch = &mut self.batches[at];
+                let lines = &mut self.bodies.lines(batch.first_line..self.bodies.lines.len());
+                I::run(
+                    #[inline(always)]
+                    || batch.solve::<true>(lines, &substep),
+                );
+            }
+            self.end_confirmation();
             self.bodies.drift(self.h as f32, kick.length());
             self.spin(bodies, frame);
             self.sweep(
@@ -162,12 +189,50 @@ impl<I: Instructions> Group<I> {
         }
     }
 
+    /// Impacts of a substep, and of the pairs that they bring together.
+    fn bounce(
+        &mut self,
+        timeline: &mut Timeline,
+        (bodies, manifolds): (&Bodies, &[Manifold]),
+        now: (f64, Vec3),
+        frame: &Frame,
+        substep: &Substep<I>,
+    ) {
+        for _ in 0..BOUNCE_ROUNDS {
+            let Self { bodies: solver_bodies, batches, .. } = self;
+            for (at, batch) in batches.iter_mut().enumerate() {
+                let lines = &Lines {
+                    bodies: &mut solver_bodies.lines[batch.first_line..],
+                    inverse_inertias: &solver_bodies.inverse_inertias[batch.first_line..],
+                };
+                I::run(
+                    #[inline(always)]
+                    || batch.ask_to_bounce(lines, substep),
+                );
+                if batch.asks.any() {
+                    self.confirmation.asking().insert(at);
+                }
+            }
+            let is_new = !self.confirm(bodies, manifolds, now, frame).is_empty();
+            let Self { batches, bodies, touching, .. } = self;
+            let touching = touching.get_or_init(|| Touching::new(batches, bodies));
+            I::run(
+                #[inline(always)]
+                || propagate_impacts(batches, bodies, (timeline, touching), substep),
+            );
+            if !is_new {
+                break;
+            }
+        }
+    }
+
     /// Visits all batches: even slabs in parallel, then odd slabs in parallel, then the remainder.
     #[inline(always)]
     fn sweep(&mut self, visit: impl Fn(&mut ContactBatch<I>, &mut Lines) + Send + Sync) {
         let things = self.selections.len();
-        let Self { bodies, batches, starts, slabs, .. } = self;
-        let visit_batches = |batches: &mut [ContactBatch<I>], lines: &mut Lines| {
+        let Self { bodies, batches, starts, slabs, confirmation, .. } = self;
+        let asking = confirmation.asking();
+        let visit_batches = |first: usize, batches: &mut [ContactBatch<I>], lines: &mut Lines| {
             I::run(
                 #[inline(always)]
                 || {
@@ -178,6 +243,9 @@ impl<I: Instructions> Group<I> {
                             prefetch(from_ref(next));
                         }
                         visit(&mut batches[at], lines);
+                        if batches[at].asks.any() {
+                            asking.insert(first + at);
+                        }
                     }
                 },
             );
@@ -191,12 +259,14 @@ impl<I: Instructions> Group<I> {
                 let range = slab.first_line..starts[(number + 2).min(starts.len() - 2)];
                 let inverse_inertias = &bodies.inverse_inertias[range.clone()];
                 let lines = Lines { bodies: lines.take(range), inverse_inertias };
-                work.push((batches.take(slab.batches.clone()), lines));
+                work.push((slab.batches.start, batches.take(slab.batches.clone()), lines));
             }
-            threads::for_each(&mut work, things, |(batches, lines)| visit_batches(batches, lines));
+            threads::for_each(&mut work, things, |(first, batches, lines)| {
+                visit_batches(*first, batches, lines);
+            });
         }
         let lines = &mut bodies.lines(0..bodies.lines.len());
-        visit_batches(&mut batches[rest.batches.clone()], lines);
+        visit_batches(rest.batches.start, &mut batches[rest.batches.clone()], lines);
     }
 
     /// Rotates fast-spinning bodies exactly, and marks the batches of far-turned bodies as stale.

@@ -276,6 +276,14 @@ impl<I: Instructions> ContactBatch<I> {
             }
             acts = acts.or(target[i].above(velocity[i]));
         }
+        if self.unconfirmed.any() {
+            let waits = self.unconfirmed;
+            for i in 0..self.point_count {
+                target[i] = waits.select(velocity[i], target[i]);
+            }
+            self.asks = self.asks.or(acts.and(waits));
+            acts = acts.and(waits.not());
+        }
         if !SOFT {
             self.may_bounce = comes.any();
         }

@@ -150,9 +150,28 @@ impl<I: Instructions> ContactBatch<I> {
             let slowest = velocity - (self.gravity * substep.h).max(zero);
             needs = needs.min(to_meet.max(slowest - substep.bounce_velocity));
         }
-        let hits = hits.and(self.bounces);
+        let hits = hits.and(self.bounces).and(self.waits_to_bounce().not());
         let needs = self.bounces.select(needs, never);
         Meeting { sides, at, arms, approach, target, time, meets, hits, first, needs }
+    }
+
+    /// Lanes that may not bounce before they are detected again.
+    #[inline(always)]
+    fn waits_to_bounce(&self) -> Mask {
+        self.unconfirmed.and(self.touches.not())
+    }
+
+    /// Marks the speculative lanes that would bounce in this substep.
+    #[inline(always)]
+    pub(super) fn ask_to_bounce(&mut self, lines: &Lines, substep: &Substep<I>) {
+        let waits = self.waits_to_bounce().and(self.bounces);
+        if !waits.any() {
+            return;
+        }
+        let unconfirmed = std::mem::replace(&mut self.unconfirmed, Mask::NONE);
+        let meeting = self.meeting(lines, [0.0; LANES], substep);
+        self.unconfirmed = unconfirmed;
+        self.asks = self.asks.or(meeting.hits.and(waits));
     }
 
     /// Bounces each lane at its time of impact unless one of its bodies has an earlier impact.
@@ -203,6 +222,7 @@ impl<I: Instructions> ContactBatch<I> {
         let (friction, slip) = self.rub_impact(&mut sides, &at, sum);
         let rubs = sum.above(zero);
         self.acted = self.acted.or(rubs);
+        self.unconfirmed = self.unconfirmed.and(rubs.not());
         self.frame_impulse[0] = self.frame_impulse[0] + sum;
         for k in 0..2 {
             self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];

@@ -124,6 +124,20 @@ impl SolverBodies {
         all
     }
 
+    /// Present pose of a line's body with the pose `start` at the frame's start, and its linear [m/s]
+    /// and angular velocity [rad/s].
+    pub(super) fn now(&self, line: usize, start: &Pose) -> (Pose, [DVec3; 2]) {
+        let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
+        let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
+        let pose = Pose {
+            position: start.position + Vec3::new(d[0], d[1], d[2]).as_dvec3(),
+            orientation: (turn * start.orientation).normalize(),
+        };
+        let [linear, angular] =
+            [[v[0], v[1], v[2]], [v[3], v[4], v[5]]].map(|v| Vec3::from_array(v).as_dvec3());
+        (pose, [linear, angular])
+    }
+
     /// The lines in `range`.
     pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
         Lines {

@@ -12,6 +12,10 @@ pub(super) struct Place {
 }
 
 impl Place {
+    pub(super) fn new(batch: usize, lane: usize) -> Self {
+        Self { number: (batch * LANES + lane) as u32 }
+    }
+
     pub(super) fn batch(self) -> usize {
         self.number as usize / LANES
     }
@@ -31,7 +35,7 @@ pub(super) struct Touching {
 impl Touching {
     pub(super) fn new<I>(batches: &[ContactBatch<I>], bodies: &SolverBodies) -> Self {
         let lanes = |(at, batch): (usize, &ContactBatch<I>)| {
-            let place = move |lane: usize| Place { number: (at * LANES + lane) as u32 };
+            let place = move |lane: usize| Place::new(at, lane);
             batch.lines().into_iter().flat_map(move |lines| {
                 lines.into_iter().enumerate().map(move |(lane, line)| (line, place(lane)))
             })

@@ -17,6 +17,9 @@ use glam::DVec3;
 /// Advancement to 0.1 % takes more axis searches, and left overlaps in falling heaps no smaller.
 const NEAR: f64 = 0.02;
 
+/// Instants at which a grazing pair is looked at until it counts as a touching one [1].
+const MOST_LOOKS: u32 = 8;
+
 /// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
     pair_motion: &'a PairMotion<'a>,
@@ -100,10 +103,50 @@ impl<'a> Approach<'a> {
                 let contact =
                     if is_far { pair.contact(&axes, search, scratch) } else { Some(apart) };
                 let contact = contact.ok_or_else(|| at_start(search))?;
-                return Ok(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 });
+                let touch = Instant { time, world_from_first, pair, contact, lasts: time == 0.0 };
+                return Ok(self.grazing(touch, scratch));
             }
             time = next;
         }
+    }
+
+    /// Contact instant of hulls that touch at `touch`, with the points in `scratch`: their closest
+    /// approach, if they overlap no deeper than grazing until the frame's end.
+    fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
+        let PairMotion { grazing, ahead, .. } = *self.pair_motion;
+        if grazing == 0.0 {
+            return touch;
+        }
+        let next = |instant: &Instant| {
+            let normal = instant.world_from_first.direction(instant.contact.normal);
+            let closing = self.fastest_closing(instant.time, normal);
+            let next = instant.time + (instant.contact.gap + grazing) / closing;
+            (instant.time..=ahead).contains(&next).then_some(next)
+        };
+        let Some(mut time) = next(&touch) else { return touch };
+        let of_touch = std::mem::take(&mut scratch.points);
+        for _ in 0..MOST_LOOKS {
+            let Some(later) = self.at(time, scratch) else { break };
+            if later.contact.gap <= -grazing {
+                break;
+            }
+            let Some(next) = next(&later) else { return later };
+            time = next;
+        }
+        scratch.points = of_touch;
+        touch
+    }
+
+    /// The hulls at an instant, with the points in `scratch`.
+    fn at(&self, time: f64, scratch: &mut Scratch) -> Option<Instant<'a>> {
+        let PairMotion { size, search, frame, paths, .. } = *self.pair_motion;
+        let [world_from_first, world_from_second] =
+            paths.map(|path| path.pose(time).world_from_body());
+        let first_from_second = world_from_first.inverse().after(&world_from_second);
+        let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
+        let axes = pair.face_axes(search).ok()?;
+        let contact = pair.contact(&axes, search, scratch)?;
+        Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 })
     }
 
     /// Upper bound of the closing speed of any two points along a normal in the world frame, from
@@ -125,7 +168,7 @@ impl<'a> Approach<'a> {
         if instant.time == 0.0 {
             return true;
         }
-        self.gap_at_start(instant, point) >= point.gap.min(0.0)
+        self.gap_at_start(instant, point) >= point.gap.min(0.0) - self.pair_motion.grazing
     }
 
     /// Separation at the frame's start, along the point's normal [m].

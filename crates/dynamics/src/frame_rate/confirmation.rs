@@ -1,0 +1,259 @@
+//! Confirmation of speculative contacts. A pair without a cached impulse is detected again in the
+//! substep in which it would first act, at the poses and velocities of that substep: bodies that
+//! pass each other after an impact, a slide or a turn do not touch.
+
+use super::constraints::{SAME_NORMAL, Selection, Source};
+use super::group::Group;
+use super::solver_bodies::SolverBodies;
+use super::touching::Place;
+use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
+use frangible_collision::{FeatureId, Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
+use frangible_math::{Instructions, threads};
+use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Pairs per task: a tenth of a millisecond of work.
+const SHARE: usize = 32;
+
+/// Speculative contacts of a group.
+pub(super) struct Confirmation {
+    /// Batches with lanes that ask to act.
+    asking: BatchFlags,
+    /// Batch and lane of each constraint.
+    places: Vec<Place>,
+    /// Lanes detected again in this substep.
+    checked: Vec<Place>,
+    /// Features of the constraints that were detected again.
+    features: BTreeMap<u32, Vec<FeatureId>>,
+    /// Points of the manifolds that were detected again, by manifold.
+    pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
+}
+
+/// A set of batch indices, filled in parallel.
+pub(super) struct BatchFlags {
+    words: Vec<AtomicU64>,
+}
+
+impl BatchFlags {
+    fn below(most: usize) -> Self {
+        Self { words: (0..most.div_ceil(64)).map(|_| AtomicU64::new(0)).collect() }
+    }
+
+    #[inline]
+    pub(super) fn insert(&self, number: usize) {
+        self.words[number / 64].fetch_or(1 << (number % 64), Ordering::Relaxed);
+    }
+
+    /// Removes all indices and returns them in ascending order.
+    fn take(&mut self) -> Vec<usize> {
+        let mut all = Vec::new();
+        for (at, word) in self.words.iter_mut().enumerate() {
+            let mut word = std::mem::take(word.get_mut());
+            while word != 0 {
+                all.push(64 * at + word.trailing_zeros() as usize);
+                word &= word - 1;
+            }
+        }
+        all
+    }
+}
+
+impl Confirmation {
+    /// `places` has the batch and lane of each constraint.
+    pub(super) fn new(batches: usize, places: Vec<Place>) -> Self {
+        Self {
+            asking: BatchFlags::below(batches),
+            places,
+            checked: Vec::new(),
+            features: BTreeMap::new(),
+            points: BTreeMap::new(),
+        }
+    }
+
+    /// Batches with lanes that ask to act.
+    pub(super) fn asking(&self) -> &BatchFlags {
+        &self.asking
+    }
+
+    /// Batch and lane of a constraint.
+    pub(super) fn place(&self, number: u32) -> Place {
+        self.places[number as usize]
+    }
+
+    /// Features of a constraint.
+    pub(super) fn features(
+        &self,
+        number: u32,
+        (selection, points): (&Selection, &[ManifoldPoint]),
+    ) -> Vec<FeatureId> {
+        match self.features.get(&number) {
+            Some(features) => features.clone(),
+            None => selection.points().map(|number| points[number].feature).collect(),
+        }
+    }
+}
+
+/// Whether a pair may act without a second look: it carried an impulse in the last frame, or its
+/// overlap at birth is forgiven.
+pub(super) fn is_confirmed(source: &Source) -> bool {
+    !source.carried.is_empty() || source.manifold.points.iter().any(|point| point.rounding[0] < 0.0)
+}
+
+impl<I: Instructions> Group<I> {
+    /// Detects the pairs of all asking lanes again, with `time_left` [s] of the frame, and velocities
+    /// without `kick` [m/s], gravity's of a substep that contacts have not answered yet. Returns the
+    /// batches with new constraints.
+    pub(super) fn confirm(
+        &mut self,
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        (time_left, kick): (f64, Vec3),
+        frame: &Frame,
+    ) -> Vec<usize> {
+        let mut asked = Vec::new();
+        for at in self.confirmation.asking.take() {
+            let batch = &mut self.batches[at];
+            for lane in batch.take_asking() {
+                asked.push(self.selections[batch.constraints[lane] as usize].manifold);
+            }
+        }
+        if asked.is_empty() {
+            return asked.into_iter().map(|number| number as usize).collect();
+        }
+        asked.sort_unstable();
+        asked.dedup();
+
+        let substep = Frame { dt: self.h, ..*frame };
+        let ahead = (time_left, frame.speculative_margin());
+        let (selections, solver_bodies) = (&self.selections, &self.bodies);
+        let detect = |finder: &mut ManifoldFinder, manifold: u32| {
+            let pair = manifolds[manifold as usize].pair;
+            let lines = selections[first_of(selections, manifold)].lines;
+            let [first, second] = [(pair.first, lines[0]), (pair.second, lines[1])]
+                .map(|(i, line)| path_now(bodies, i, (solver_bodies, line as usize, kick), &substep));
+            let pair_motion =
+                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, ahead);
+            let found = finder.of_motion(&pair_motion, |_| false);
+            found.map_or(Vec::new(), |manifold| manifold.points.to_vec())
+        };
+        let shares: Vec<&[u32]> = asked.chunks(SHARE).collect();
+        let found = threads::map_with(
+            shares,
+            SHARE * asked.len(),
+            ManifoldFinder::default,
+            |finder, share: &[u32]| {
+                share.iter().map(|&manifold| detect(finder, manifold)).collect::<Vec<_>>()
+            },
+        );
+
+        let mut changed = Vec::new();
+        for (manifold, points) in asked.into_iter().zip(found.into_iter().flatten()) {
+            let pair = manifolds[manifold as usize].pair;
+            if std::env::var("DBG").is_ok() {
+                for i in [pair.first, pair.second] { let l = self.selections[first_of(&self.selections, manifold)].lines[usize::from(i == pair.second)]; let (p, [v, w]) = self.bodies.now(l as usize, &bodies.poses[i]); eprintln!("  body {i} at {} v {v} w {w}", p.position); }
+                for p in &manifolds[manifold as usize].points[..] { eprintln!("   was n {:?} gap {:.6}", p.normal, p.gap); }
+                for p in &points { eprintln!("{:?} left {:.4} n {:?} gap {:.6} app {:.4} f {:?}", pair, time_left, p.normal, p.gap, p.approach, p.feature); }
+                if points.is_empty() { eprintln!("none"); }
+            }
+            self.replace((manifold, pair), points, (bodies, frame), &mut changed);
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        changed
+    }
+
+    /// Replaces the constraints of a manifold that have not acted yet, and notes their batches.
+    fn replace(
+        &mut self,
+        (manifold, pair): (u32, Pair),
+        points: Vec<ManifoldPoint>,
+        (bodies, frame): (&Bodies, &Frame),
+        changed: &mut Vec<usize>,
+    ) {
+        let first = first_of(&self.selections, manifold);
+        let all = self.selections[first..].iter();
+        let count = all.take_while(|selection| selection.manifold == manifold).count();
+        let mut new = Vec::new();
+        Selection::all(
+            &mut new,
+            (manifold as usize, &points),
+            self.selections[first].lines,
+            &mut Vec::new(),
+        );
+
+        // Constraints that have acted keep their normals.
+        let acting: Vec<_> = (first..first + count)
+            .map(|number| self.confirmation.places[number])
+            .filter(|place| !self.batches[place.batch()].unconfirmed.get(place.lane()))
+            .map(|place| self.batches[place.batch()].normal.get(place.lane()))
+            .collect();
+        let is_new = |selection: &&Selection| {
+            let normal = selection.points().next().map(|number| -points[number].normal);
+            normal.is_some_and(|normal| acting.iter().all(|of| of.dot(normal) <= SAME_NORMAL))
+        };
+        let mut new = new.iter().filter(is_new);
+        let source = Source { manifold: &Manifold { pair, points: &points }, carried: &[] };
+        for number in first..first + count {
+            let place = self.confirmation.places[number];
+            let batch = &mut self.batches[place.batch()];
+            if !batch.unconfirmed.get(place.lane()) {
+                continue;
+            }
+            let Some(selection) = new.next() else { break };
+            let mut constraint = source.constraint(selection, bodies, (self.h, frame));
+            for point in constraint.points.iter_mut() {
+                point.separation = gap_at_start(bodies, pair, &points[point.number]);
+            }
+            batch.refill(place.lane(), (number as u32, &constraint));
+            self.confirmation.checked.push(place);
+            let features = selection.points().map(|number| points[number].feature).collect();
+            self.confirmation.features.insert(number as u32, features);
+            changed.push(place.batch());
+        }
+        self.confirmation.points.insert(manifold, points);
+    }
+
+    /// Lanes that were detected again but did not act remain speculative.
+    pub(super) fn end_confirmation(&mut self) {
+        for place in self.confirmation.checked.drain(..) {
+            let batch = &mut self.batches[place.batch()];
+            if !batch.acted.get(place.lane()) {
+                batch.unconfirmed.set(place.lane(), true);
+            }
+        }
+    }
+}
+
+/// Index of the first constraint of a manifold.
+fn first_of(selections: &[Selection], manifold: u32) -> usize {
+    selections.partition_point(|selection| selection.manifold < manifold)
+}
+
+/// Path of a body from its present pose, with its present velocity.
+fn path_now(
+    bodies: &Bodies,
+    i: usize,
+    (solver_bodies, line, kick): (&SolverBodies, usize, Vec3),
+    frame: &Frame,
+) -> BallisticPath {
+    let path = BallisticPath::of(bodies, i, frame);
+    if bodies.motions[i] == Motion::Static {
+        return path;
+    }
+    let (start, [linear, angular]) = solver_bodies.now(line, &bodies.poses[i]);
+    BallisticPath {
+        start,
+        linear: if bodies.motions[i] == Motion::Dynamic { linear - kick.as_dvec3() } else { linear },
+        angular,
+        acceleration: DVec3::ZERO,
+        spin_speed: angular.length() * path.radius,
+        ..path
+    }
+}
+
+/// Separation along a point's normal at the frame's start [m].
+fn gap_at_start(bodies: &Bodies, pair: Pair, point: &ManifoldPoint) -> f64 {
+    let [on_first, on_second] = point.on_surfaces(bodies, pair);
+    (on_first - on_second).dot(point.normal)
+}
