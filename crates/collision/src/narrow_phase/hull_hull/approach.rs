@@ -117,21 +117,21 @@ impl<'a> Approach<'a> {
         if grazing == 0.0 {
             return touch;
         }
-        let next = |instant: &Instant| {
-            let normal = instant.world_from_first.direction(instant.contact.normal);
-            let closing = self.fastest_closing(instant.time, normal);
-            let next = instant.time + (instant.contact.gap + grazing) / closing;
-            (instant.time..=ahead).contains(&next).then_some(next)
-        };
-        let Some(mut time) = next(&touch) else { return touch };
         let of_touch = std::mem::take(&mut scratch.points);
+        let (mut time, mut contact) = (touch.time, touch.contact);
+        let mut world_from_first = touch.world_from_first;
         for _ in 0..MOST_LOOKS {
+            let closing = self.fastest_closing(time, world_from_first.direction(contact.normal));
+            let next = time + (contact.gap + grazing) / closing;
+            time = if (time..ahead).contains(&next) { next } else { ahead };
             let Some(later) = self.at(time, scratch) else { break };
             if later.contact.gap <= -grazing {
                 break;
             }
-            let Some(next) = next(&later) else { return later };
-            time = next;
+            if time == ahead {
+                return later;
+            }
+            (contact, world_from_first) = (later.contact, later.world_from_first);
         }
         scratch.points = of_touch;
         touch
