@@ -205,6 +205,9 @@ impl Share<'_> {
         points: &[CachedPoint],
         pair_motion: &PairMotion,
     ) -> Option<f64> {
+        if cached.was_apart && !points.iter().all(|point| point.is_apart(pair_motion)) {
+            return None;
+        }
         let max_motion = MAX_MOTION * pair_motion.size;
         let max_motion = if points.is_empty() { f64::INFINITY } else { max_motion };
         let most = max_motion.min(cached.separation_bound - pair_motion.reach);
@@ -264,6 +267,9 @@ impl Share<'_> {
             },
         ));
 
+        let was_apart =
+            self.chunk.points[begin..].iter().all(|point| point.is_apart(&pair_motion));
+
         // Without a bound the points belong to a later instant, and the next frame needs others.
         let separation_bound = if let Some(separation_bound) = separation_bound {
             let new = &self.chunk.points[begin..];
@@ -278,7 +284,14 @@ impl Share<'_> {
         let (found_at, path_at_capture) =
             (second_from_first(first, second), self.path_length_of(pair));
         self.keep(
-            CachedManifold { bodies: [0; 2], end: 0, found_at, separation_bound, path_at_capture },
+            CachedManifold {
+                bodies: [0; 2],
+                end: 0,
+                found_at,
+                separation_bound,
+                was_apart,
+                path_at_capture,
+            },
             pair,
         );
     }

@@ -23,6 +23,9 @@ pub(crate) struct CachedManifold {
     /// Separation bound: all other features were further apart at detection [m]; minus infinity if
     /// the points must not persist.
     pub(crate) separation_bound: f64,
+    /// True if all points were apart at detection: once they are not, another axis may separate the
+    /// bodies.
+    pub(crate) was_apart: bool,
     /// Reference sum of both path lengths [m]: the relative motion since detection is at most the
     /// increase beyond it.
     pub(crate) path_at_capture: f64,
@@ -39,14 +42,26 @@ pub(crate) struct CachedPoint {
 }
 
 impl CachedPoint {
-    /// The contact point at the present poses; `None` beyond the reach of the frame.
+    /// Normal, points on both bodies and separation [m] at the present poses, world frame.
     #[inline]
-    pub(crate) fn within_reach(&self, pair_motion: &PairMotion) -> Option<ManifoldPoint> {
+    fn now(&self, pair_motion: &PairMotion) -> (DVec3, [DVec3; 2], f64) {
         let [first, second] = pair_motion.paths;
         let normal = first.start.orientation * self.normal;
         let on_first = first.start.world_from_body().point(self.anchors[0]);
         let on_second = second.start.world_from_body().point(self.anchors[1]);
-        let gap = (on_first - on_second).dot(normal);
+        (normal, [on_first, on_second], (on_first - on_second).dot(normal))
+    }
+
+    /// True if the surfaces are apart at the present poses.
+    pub(crate) fn is_apart(&self, pair_motion: &PairMotion) -> bool {
+        self.now(pair_motion).2 > 0.0
+    }
+
+    /// The contact point at the present poses; `None` beyond the reach of the frame.
+    #[inline]
+    pub(crate) fn within_reach(&self, pair_motion: &PairMotion) -> Option<ManifoldPoint> {
+        let [first, second] = pair_motion.paths;
+        let (normal, [on_first, on_second], gap) = self.now(pair_motion);
         if gap > pair_motion.reach {
             return None;
         }
