@@ -60,6 +60,12 @@ impl BallisticPath {
         Self { start, linear, angular, acceleration, radius, spin_speed }
     }
 
+    /// The path without gravity: of a body that something carries.
+    #[inline]
+    pub fn straight(&self) -> Self {
+        Self { acceleration: DVec3::ZERO, ..*self }
+    }
+
     /// Where the body is after `time` [s].
     #[inline]
     pub fn pose(&self, time: f64) -> Pose {

@@ -36,9 +36,11 @@ pub struct PairMotion<'a> {
     /// Radius of the smaller body [m].
     pub size: f64,
     /// Overlap up to which a pair only grazes [m], and the time within which it may get no deeper
-    /// [s]; zero at the frame's start.
+    /// [s].
     pub(crate) grazing: f64,
     pub(crate) ahead: f64,
+    /// True from a substep on, false from the frame's start on.
+    pub(crate) is_substep: bool,
 }
 
 /// Overlap up to which a pair only grazes, relative to the smaller body's radius [1]: twice the
@@ -83,8 +85,9 @@ impl<'a> PairMotion<'a> {
             reach,
             search: reach,
             size,
-            grazing: 0.0,
-            ahead: 0.0,
+            grazing: (GRAZING * size).min(GRAZED_THICKNESS * thickness(bodies, pair)),
+            ahead: frame.dt,
+            is_substep: false,
         }
     }
 
@@ -100,13 +103,7 @@ impl<'a> PairMotion<'a> {
         let pair_motion = Self::new(bodies, pair, paths, substep);
         let way = pair_motion.reach - pair_motion.near;
         let reach = ahead / substep.dt * way + near;
-        let thickness = |i: usize| {
-            let (low, high) = bodies.shapes[i].bounds;
-            (high - low).min_element()
-        };
-        let thin = thickness(pair.first).min(thickness(pair.second));
-        let grazing = (GRAZING * pair_motion.size).min(GRAZED_THICKNESS * thin);
-        Self { near, reach, search: reach, grazing, ahead, ..pair_motion }
+        Self { near, reach, search: reach, ahead, is_substep: true, ..pair_motion }
     }
 
     /// Adds relative speed after an impact with other bodies [m/s].
@@ -165,6 +162,15 @@ impl<'a> PairMotion<'a> {
             |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;
         distance(contact.point + step * outward) - distance(contact.point) > 0.5 * step
     }
+}
+
+/// Least extent of the thinner body [m].
+fn thickness(bodies: &Bodies, pair: Pair) -> f64 {
+    let of = |i: usize| {
+        let (low, high) = bodies.shapes[i].bounds;
+        (high - low).min_element()
+    };
+    of(pair.first).min(of(pair.second))
 }
 
 #[cfg(test)]

@@ -107,13 +107,17 @@ impl BallContact<'_> {
     }
 
     /// Closest approach of a ball that touches at `touch`, if it overlaps no deeper than grazing
-    /// until the frame's end; else `touch`.
+    /// until the frame's end; else `touch`. Gravity is left out, as of bodies that something carries.
     fn grazing(&self, touch: Gap) -> Gap {
-        if self.pair_motion.grazing == 0.0 {
+        let PairMotion { grazing, ahead, paths: [first, second], .. } = *self.pair_motion;
+        if !self.is_convex || touch.phi <= -grazing {
             return touch;
         }
-        let nearest = self.nearest(touch, self.pair_motion.ahead);
-        if nearest.phi > -self.pair_motion.grazing { nearest } else { touch }
+        let (first, second) = (first.straight(), second.straight());
+        let pair_motion = &PairMotion { paths: [&first, &second], ..*self.pair_motion };
+        let straight = BallContact { pair_motion, ..*self };
+        let nearest = straight.nearest(straight.gap(touch.time), ahead);
+        if nearest.phi > -grazing { nearest } else { touch }
     }
 
     /// Closest approach between an instant and `end` [s], by bisection.

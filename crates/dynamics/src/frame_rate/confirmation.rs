@@ -45,6 +45,10 @@ impl BatchFlags {
         self.words[number / 64].fetch_or(1 << (number % 64), Ordering::Relaxed);
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.words.iter().all(|word| word.load(Ordering::Relaxed) == 0)
+    }
+
     /// Removes all indices and returns them in ascending order.
     fn take(&mut self) -> Vec<usize> {
         let mut all = Vec::new();

@@ -85,11 +85,9 @@ pub(super) struct ContactBatch<I> {
     pub(super) is_driven: [Mask; 2],
     /// Lanes with a nonzero impulse in this frame.
     pub(super) acted: Mask,
-    /// Lanes that may not act before they are detected again, lanes that ask for it, and lanes that
-    /// may bounce without.
+    /// Lanes that may not act before they are detected again, and lanes that ask for it.
     pub(super) unconfirmed: Mask,
     pub(super) asks: Mask,
-    pub(super) touches: Mask,
     /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
     /// True if all accumulated impulses are zero: warm starting has no effect.
@@ -140,7 +138,6 @@ impl<I: Instructions> ContactBatch<I> {
             acted: Mask::NONE,
             unconfirmed: Mask::NONE,
             asks: Mask::NONE,
-            touches: Mask::NONE,
             is_turned: false,
             is_quiet: true,
             is_stale: true,

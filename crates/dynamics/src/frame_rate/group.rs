@@ -1,7 +1,7 @@
 //! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
 use super::confirmation::{Confirmation, is_confirmed};
-use super::constraints::{ConstraintPoint, NEAR, Selection, Source};
+use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
 use super::restitution::propagate_impacts;
@@ -32,7 +32,7 @@ const LEAST_BOUNCE: f64 = 1e-3;
 
 /// Rounds of impacts in a substep between pairs that were apart at the frame's start [1]: as many
 /// balls of a row with gaps strike each other in a substep.
-const BOUNCE_ROUNDS: usize = 64;
+const BOUNCE_ROUNDS: usize = 1024;
 
 /// Number of graph colours; constraints of one colour share no movable body. Constraints beyond get
 /// a colour each.
@@ -93,7 +93,6 @@ impl<I: Instructions> Group<I> {
             threads::map_with(of_slabs, members.len(), room, |taken, members| {
                 colours.order(members, acts_in, taken)
             });
-        let touching = NEAR * frame.speculative_margin();
         let mut batches = Vec::new();
         let mut all = Vec::with_capacity(orders.len());
         for (number, order) in orders.iter().enumerate() {
@@ -115,8 +114,6 @@ impl<I: Instructions> Group<I> {
                     let constraint = source.constraint(selection, bodies, (h, frame));
                     batch.fill(lane, (number, &constraint));
                     batch.unconfirmed.set(lane, !is_confirmed(&source));
-                    let is_close = |point: &ConstraintPoint| point.separation <= touching;
-                    batch.touches.set(lane, constraint.points.iter().any(is_close));
                 }
             }
         });
@@ -198,29 +195,27 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         substep: &Substep<I>,
     ) {
-        for _ in 0..BOUNCE_ROUNDS {
-            let Self { bodies: solver_bodies, batches, .. } = self;
-            for (at, batch) in batches.iter_mut().enumerate() {
-                let lines = &Lines {
-                    bodies: &mut solver_bodies.lines[batch.first_line..],
-                    inverse_inertias: &solver_bodies.inverse_inertias[batch.first_line..],
-                };
-                I::run(
-                    #[inline(always)]
-                    || batch.ask_to_bounce(lines, substep),
-                );
-                if batch.asks.any() {
-                    self.confirmation.asking().insert(at);
-                }
-            }
-            let is_new = !self.confirm(bodies, manifolds, now, frame).is_empty();
-            let Self { batches, bodies, touching, .. } = self;
-            let touching = touching.get_or_init(|| Touching::new(batches, bodies));
+        let Self { bodies: solver_bodies, batches, confirmation, .. } = self;
+        for (at, batch) in batches.iter_mut().enumerate() {
+            let lines = &solver_bodies.lines(batch.first_line..solver_bodies.lines.len());
             I::run(
                 #[inline(always)]
-                || propagate_impacts(batches, bodies, (timeline, touching), substep),
+                || batch.ask_to_bounce(lines, substep),
             );
-            if !is_new {
+            if batch.asks.any() {
+                confirmation.asking().insert(at);
+            }
+        }
+        for _ in 0..BOUNCE_ROUNDS {
+            self.confirm(bodies, manifolds, now, frame);
+            let Self { batches, bodies: solver_bodies, touching, confirmation, .. } = self;
+            let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
+            let (times, asking) = ((&mut *timeline, touching), confirmation.asking());
+            I::run(
+                #[inline(always)]
+                || propagate_impacts(batches, solver_bodies, times, asking, substep),
+            );
+            if asking.is_empty() {
                 break;
             }
         }

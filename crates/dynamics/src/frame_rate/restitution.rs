@@ -1,6 +1,7 @@
 //! Restitution: impacts within a substep, in the order of their times of impact. Impulses propagate
 //! at once through rows of any length.
 
+use super::confirmation::BatchFlags;
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
 use super::kernels::Substep;
@@ -25,6 +26,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
     batches: &mut [ContactBatch<I>],
     bodies: &mut SolverBodies,
     (timeline, touching): (&mut Timeline, &Touching),
+    asking: &BatchFlags,
     substep: &Substep<I>,
 ) {
     let mut visits = VISITS * (VISITS + batches.len());
@@ -46,6 +48,10 @@ pub(super) fn propagate_impacts<I: Instructions>(
             let of_batch = BatchLines::new(batch);
             let meeting = batch.meeting(lines, of_batch.clocks(timeline), substep);
             of_batch.claim(timeline, meeting.hits, meeting.first.to_array());
+            if meeting.waits.any() {
+                batch.asks = batch.asks.or(meeting.waits);
+                asking.insert(at);
+            }
             timeline.needs[at] = meeting.needs.to_array();
             if meeting.hits.any() {
                 coming.insert(at);
@@ -102,8 +108,10 @@ struct Meeting<I> {
     /// Time of impact [s], and validity.
     time: [Single<I>; MOST_POINTS],
     meets: [Mask; MOST_POINTS],
-    /// Lanes with an impact above the threshold, and the first time of impact [s].
+    /// Lanes with an impact above the threshold, those that must be detected again before it, and
+    /// the first time of impact [s].
     hits: Mask,
+    waits: Mask,
     first: Single<I>,
     /// Velocity change of each lane that would cause an impact [m/s].
     needs: Single<I>,
@@ -150,28 +158,18 @@ impl<I: Instructions> ContactBatch<I> {
             let slowest = velocity - (self.gravity * substep.h).max(zero);
             needs = needs.min(to_meet.max(slowest - substep.bounce_velocity));
         }
-        let hits = hits.and(self.bounces).and(self.waits_to_bounce().not());
+        let hits = hits.and(self.bounces);
+        let (hits, waits) = (hits.and(self.unconfirmed.not()), hits.and(self.unconfirmed));
         let needs = self.bounces.select(needs, never);
-        Meeting { sides, at, arms, approach, target, time, meets, hits, first, needs }
-    }
-
-    /// Lanes that may not bounce before they are detected again.
-    #[inline(always)]
-    fn waits_to_bounce(&self) -> Mask {
-        self.unconfirmed.and(self.touches.not())
+        Meeting { sides, at, arms, approach, target, time, meets, hits, waits, first, needs }
     }
 
     /// Marks the speculative lanes that would bounce in this substep.
     #[inline(always)]
     pub(super) fn ask_to_bounce(&mut self, lines: &Lines, substep: &Substep<I>) {
-        let waits = self.waits_to_bounce().and(self.bounces);
-        if !waits.any() {
-            return;
+        if self.may_bounce && self.unconfirmed.and(self.bounces).any() {
+            self.asks = self.asks.or(self.meeting(lines, [0.0; LANES], substep).waits);
         }
-        let unconfirmed = std::mem::replace(&mut self.unconfirmed, Mask::NONE);
-        let meeting = self.meeting(lines, [0.0; LANES], substep);
-        self.unconfirmed = unconfirmed;
-        self.asks = self.asks.or(meeting.hits.and(waits));
     }
 
     /// Bounces each lane at its time of impact unless one of its bodies has an earlier impact.

@@ -91,7 +91,9 @@ impl<'a> Approach<'a> {
             }
 
             // Advance to the earliest possible time of impact.
-            let closing = self.fastest_closing(time, poses[0].orientation * apart.normal);
+            let [first, second] = self.pair_motion.paths;
+            let normal = poses[0].orientation * apart.normal;
+            let closing = fastest_closing(&[*first, *second], (time, frame.dt), normal);
             let next = time + apart.gap / closing;
             steps_left -= 1;
             let is_passing = !(time..=frame.dt).contains(&next);
@@ -113,18 +115,26 @@ impl<'a> Approach<'a> {
     /// Contact instant of hulls that touch at `touch`, with the points in `scratch`: their closest
     /// approach, if they overlap no deeper than grazing until the frame's end.
     fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
-        let PairMotion { grazing, ahead, .. } = *self.pair_motion;
-        if grazing == 0.0 {
-            return touch;
+        let PairMotion { grazing, ahead, is_substep, .. } = *self.pair_motion;
+        let paths = self.pair_motion.paths.map(BallisticPath::straight);
+        let closing = |time: f64, normal: DVec3| fastest_closing(&paths, (time, ahead), normal);
+        if !is_substep {
+            // Most pairs rest, or come from further away and are looked at again.
+            let HullContact { gap, normal } = touch.contact;
+            let closing = closing(0.0, touch.world_from_first.direction(normal));
+            let gets_deeper = gap + grazing < closing * ahead;
+            if touch.time > 0.0 || gap > 0.0 || gap <= -grazing || !gets_deeper {
+                return touch;
+            }
         }
         let of_touch = std::mem::take(&mut scratch.points);
         let (mut time, mut contact) = (touch.time, touch.contact);
         let mut world_from_first = touch.world_from_first;
         for _ in 0..MOST_LOOKS {
-            let closing = self.fastest_closing(time, world_from_first.direction(contact.normal));
+            let closing = closing(time, world_from_first.direction(contact.normal));
             let next = time + (contact.gap + grazing) / closing;
             time = if (time..ahead).contains(&next) { next } else { ahead };
-            let Some(later) = self.at(time, scratch) else { break };
+            let Some(later) = self.at(&paths, time, scratch) else { break };
             if later.contact.gap <= -grazing {
                 break;
             }
@@ -138,26 +148,20 @@ impl<'a> Approach<'a> {
     }
 
     /// The hulls at an instant, with the points in `scratch`.
-    fn at(&self, time: f64, scratch: &mut Scratch) -> Option<Instant<'a>> {
-        let PairMotion { size, search, frame, paths, .. } = *self.pair_motion;
+    fn at(
+        &self,
+        paths: &[BallisticPath; 2],
+        time: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Instant<'a>> {
+        let PairMotion { size, search, frame, .. } = *self.pair_motion;
         let [world_from_first, world_from_second] =
-            paths.map(|path| path.pose(time).world_from_body());
+            [paths[0].pose(time).world_from_body(), paths[1].pose(time).world_from_body()];
         let first_from_second = world_from_first.inverse().after(&world_from_second);
         let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
         let axes = pair.face_axes(search).ok()?;
         let contact = pair.contact(&axes, search, scratch)?;
         Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 })
-    }
-
-    /// Upper bound of the closing speed of any two points along a normal in the world frame, from
-    /// an instant to the frame's end [m/s]; negative if all separate.
-    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
-        let [first, second] = self.pair_motion.paths;
-        let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
-        // Common gravity cancels.
-        let falling = (second.acceleration - first.acceleration).dot(normal);
-        let most = (time * falling).max(self.pair_motion.frame.dt * falling);
-        (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
     }
 
     /// True for a point that can touch within the frame from a separated start.
@@ -198,6 +202,20 @@ impl<'a> Approach<'a> {
             gap: self.gap_at_start(instant, point),
         }
     }
+}
+
+/// Upper bound of the closing speed of any two points along a normal in the world frame, from an
+/// instant to another [m/s]; negative if all separate.
+fn fastest_closing(
+    [first, second]: &[BallisticPath; 2],
+    (time, end): (f64, f64),
+    normal: DVec3,
+) -> f64 {
+    let turning = |path: &BallisticPath| path.angular.cross(normal).length() * path.radius;
+    // Common gravity cancels.
+    let falling = (second.acceleration - first.acceleration).dot(normal);
+    let most = (time * falling).max(end * falling);
+    (second.linear - first.linear).dot(normal) + most + turning(first) + turning(second)
 }
 
 impl Instant<'_> {
