@@ -66,10 +66,19 @@ fn solve_with<I: Instructions>(
     let carried = warm.of_manifolds(bodies, manifolds);
     if std::env::var("DBG").is_ok() {
         eprintln!("frame");
-        for (m, c) in manifolds.iter().zip(&carried) { if m.pair.first == 1 {
-            eprintln!("   carried {} at {} v {}", c.len(), bodies.poses[2].position, bodies.velocities[2].linear);
-            for p in m.points { eprintln!("   n {:?} gap {:.6}", p.normal, p.gap); }
-        } }
+        for (m, c) in manifolds.iter().zip(&carried) {
+            if m.pair.first == 1 {
+                eprintln!(
+                    "   carried {} at {} v {}",
+                    c.len(),
+                    bodies.poses[2].position,
+                    bodies.velocities[2].linear
+                );
+                for p in m.points {
+                    eprintln!("   n {:?} gap {:.6}", p.normal, p.gap);
+                }
+            }
+        }
     }
     let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
 

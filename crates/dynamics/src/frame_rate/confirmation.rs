@@ -127,6 +127,15 @@ impl<I: Instructions> Group<I> {
         }
         asked.sort_unstable();
         asked.dedup();
+        if std::env::var("CNT").is_ok() {
+            eprintln!(
+                "confirm {} of {} kick {} left {:.5}",
+                asked.len(),
+                self.selections.len(),
+                kick != Vec3::ZERO,
+                time_left
+            );
+        }
 
         let substep = Frame { dt: self.h, ..*frame };
         let ahead = (time_left, frame.speculative_margin());
@@ -134,8 +143,10 @@ impl<I: Instructions> Group<I> {
         let detect = |finder: &mut ManifoldFinder, manifold: u32| {
             let pair = manifolds[manifold as usize].pair;
             let lines = selections[first_of(selections, manifold)].lines;
-            let [first, second] = [(pair.first, lines[0]), (pair.second, lines[1])]
-                .map(|(i, line)| path_now(bodies, i, (solver_bodies, line as usize, kick), &substep));
+            let [first, second] =
+                [(pair.first, lines[0]), (pair.second, lines[1])].map(|(i, line)| {
+                    path_now(bodies, i, (solver_bodies, line as usize, kick), &substep)
+                });
             let pair_motion =
                 PairMotion::of_substep(bodies, pair, [&first, &second], &substep, ahead);
             let found = finder.of_motion(&pair_motion, |_| false);
@@ -155,10 +166,24 @@ impl<I: Instructions> Group<I> {
         for (manifold, points) in asked.into_iter().zip(found.into_iter().flatten()) {
             let pair = manifolds[manifold as usize].pair;
             if std::env::var("DBG").is_ok() {
-                for i in [pair.first, pair.second] { let l = self.selections[first_of(&self.selections, manifold)].lines[usize::from(i == pair.second)]; let (p, [v, w]) = self.bodies.now(l as usize, &bodies.poses[i]); eprintln!("  body {i} at {} v {v} w {w}", p.position); }
-                for p in &manifolds[manifold as usize].points[..] { eprintln!("   was n {:?} gap {:.6}", p.normal, p.gap); }
-                for p in &points { eprintln!("{:?} left {:.4} n {:?} gap {:.6} app {:.4} f {:?}", pair, time_left, p.normal, p.gap, p.approach, p.feature); }
-                if points.is_empty() { eprintln!("none"); }
+                for i in [pair.first, pair.second] {
+                    let l = self.selections[first_of(&self.selections, manifold)].lines
+                        [usize::from(i == pair.second)];
+                    let (p, [v, w]) = self.bodies.now(l as usize, &bodies.poses[i]);
+                    eprintln!("  body {i} at {} v {v} w {w}", p.position);
+                }
+                for p in &manifolds[manifold as usize].points[..] {
+                    eprintln!("   was n {:?} gap {:.6}", p.normal, p.gap);
+                }
+                for p in &points {
+                    eprintln!(
+                        "{:?} left {:.4} n {:?} gap {:.6} app {:.4} f {:?}",
+                        pair, time_left, p.normal, p.gap, p.approach, p.feature
+                    );
+                }
+                if points.is_empty() {
+                    eprintln!("none");
+                }
             }
             self.replace((manifold, pair), points, (bodies, frame), &mut changed);
         }
@@ -204,13 +229,16 @@ impl<I: Instructions> Group<I> {
             if !batch.unconfirmed.get(place.lane()) {
                 continue;
             }
-            let Some(selection) = new.next() else { break };
+            self.confirmation.checked.push(place);
+            let Some(selection) = new.next() else {
+                batch.passes.set(place.lane(), true);
+                continue;
+            };
             let mut constraint = source.constraint(selection, bodies, (self.h, frame));
             for point in constraint.points.iter_mut() {
                 point.separation = gap_at_start(bodies, pair, &points[point.number]);
             }
             batch.refill(place.lane(), (number as u32, &constraint));
-            self.confirmation.checked.push(place);
             let features = selection.points().map(|number| points[number].feature).collect();
             self.confirmation.features.insert(number as u32, features);
             changed.push(place.batch());
@@ -222,6 +250,7 @@ impl<I: Instructions> Group<I> {
     pub(super) fn end_confirmation(&mut self) {
         for place in self.confirmation.checked.drain(..) {
             let batch = &mut self.batches[place.batch()];
+            batch.passes.set(place.lane(), false);
             if !batch.acted.get(place.lane()) {
                 batch.unconfirmed.set(place.lane(), true);
             }
@@ -248,7 +277,11 @@ fn path_now(
     let (start, [linear, angular]) = solver_bodies.now(line, &bodies.poses[i]);
     BallisticPath {
         start,
-        linear: if bodies.motions[i] == Motion::Dynamic { linear - kick.as_dvec3() } else { linear },
+        linear: if bodies.motions[i] == Motion::Dynamic {
+            linear - kick.as_dvec3()
+        } else {
+            linear
+        },
         angular,
         acceleration: DVec3::ZERO,
         spin_speed: angular.length() * path.radius,

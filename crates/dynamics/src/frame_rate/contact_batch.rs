@@ -85,9 +85,11 @@ pub(super) struct ContactBatch<I> {
     pub(super) is_driven: [Mask; 2],
     /// Lanes with a nonzero impulse in this frame.
     pub(super) acted: Mask,
-    /// Lanes that may not act before they are detected again, and lanes that ask for it.
+    /// Lanes that may not act before they are detected again, lanes that ask for it, and lanes that
+    /// were in this substep, without a contact.
     pub(super) unconfirmed: Mask,
     pub(super) asks: Mask,
+    pub(super) passes: Mask,
     /// True if arms turned with their bodies in the last visit.
     pub(super) is_turned: bool,
     /// True if all accumulated impulses are zero: warm starting has no effect.
@@ -138,6 +140,7 @@ impl<I: Instructions> ContactBatch<I> {
             acted: Mask::NONE,
             unconfirmed: Mask::NONE,
             asks: Mask::NONE,
+            passes: Mask::NONE,
             is_turned: false,
             is_quiet: true,
             is_stale: true,

@@ -281,7 +281,7 @@ impl<I: Instructions> ContactBatch<I> {
             for i in 0..self.point_count {
                 target[i] = waits.select(velocity[i], target[i]);
             }
-            self.asks = self.asks.or(acts.and(waits));
+            self.asks = self.asks.or(acts.and(waits).and(self.passes.not()));
             acts = acts.and(waits.not());
         }
         if !SOFT {

@@ -159,7 +159,8 @@ impl<I: Instructions> ContactBatch<I> {
             needs = needs.min(to_meet.max(slowest - substep.bounce_velocity));
         }
         let hits = hits.and(self.bounces);
-        let (hits, waits) = (hits.and(self.unconfirmed.not()), hits.and(self.unconfirmed));
+        let (hits, waits) =
+            (hits.and(self.unconfirmed.not()), hits.and(self.unconfirmed).and(self.passes.not()));
         let needs = self.bounces.select(needs, never);
         Meeting { sides, at, arms, approach, target, time, meets, hits, waits, first, needs }
     }
