@@ -25,7 +25,7 @@ pub(crate) fn core_point(
         _ => return,
     };
     let (path, of_ground) = (pair_motion.paths[side], pair_motion.paths[1 - side]);
-    let turns = path.spin_speed * pair_motion.frame.dt > TURN * path.radius;
+    let turns = path.spin_speed * pair_motion.ahead > TURN * path.radius;
     if !turns && pair_motion.faster == 0.0 {
         return;
     }

@@ -104,7 +104,7 @@ struct Candidate {
 
 /// All samples of a pair that may touch within the frame.
 fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
-    let (frame, [first, second]) = (pair_motion.frame, pair_motion.placed());
+    let (ahead, [first, second]) = (pair_motion.ahead, pair_motion.placed());
     if is_out_of_reach(first, second, pair_motion.reach)
         || is_out_of_reach(second, first, pair_motion.reach)
     {
@@ -129,7 +129,7 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
             index: penetration.sample.into(),
         };
         // Skip separating samples and samples beyond reach.
-        let touches = phi <= 0.0 || phi < frame.dt * closing + pair_motion.near;
+        let touches = phi <= 0.0 || phi < ahead * closing + pair_motion.near;
         let touches = touches && !pair_motion.is_beside(feature.is_of_first, &contact);
         touches.then_some(Candidate { feature, contact, phi, approach })
     };

@@ -28,7 +28,7 @@ pub(crate) fn plane_points(
         let normal = body_from_ground.direction(half_space.normal);
         HalfSpace { normal, offset: half_space.offset + normal.dot(body_from_ground.translation) }
     };
-    let PairMotion { near, reach, search, frame, .. } = *pair_motion;
+    let PairMotion { near, reach, search, frame, ahead, .. } = *pair_motion;
     let now = plane_at(0.0);
     let is_slow = reach - near <= frame.speculative_margin();
     let beyond = is_slow.then_some(search);
@@ -59,8 +59,8 @@ pub(crate) fn plane_points(
         };
         let comes_near = is_slow
             || gap <= near
-            || gap <= frame.dt * closing(&point) + near
-            || then.get_or_insert_with(|| plane_at(frame.dt)).distance(vertex) <= near;
+            || gap <= ahead * closing(&point) + near
+            || then.get_or_insert_with(|| plane_at(ahead)).distance(vertex) <= near;
         if comes_near {
             scratch.points.push(point);
         }

@@ -45,9 +45,6 @@ impl BatchFlags {
         self.words[number / 64].fetch_or(1 << (number % 64), Ordering::Relaxed);
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.words.iter().all(|word| word.load(Ordering::Relaxed) == 0)
-    }
 
     /// Removes all indices and returns them in ascending order.
     fn take(&mut self) -> Vec<usize> {
@@ -98,10 +95,12 @@ impl Confirmation {
     }
 }
 
-/// Whether a pair may act without a second look: it carried an impulse in the last frame, or its
-/// overlap at birth is forgiven.
-pub(super) fn is_confirmed(source: &Source) -> bool {
-    !source.carried.is_empty() || source.manifold.points.iter().any(|point| point.rounding[0] < 0.0)
+/// Whether a pair may act without a second look: it carried an impulse in the last frame, one body
+/// is a half-space with one normal everywhere, or its overlap at birth is forgiven.
+pub(super) fn is_confirmed(bodies: &Bodies, Source { manifold, carried }: &Source) -> bool {
+    !carried.is_empty()
+        || manifold.pair.both().iter().any(|&i| bodies.radii[i].is_infinite())
+        || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
 }
 
 impl<I: Instructions> Group<I> {

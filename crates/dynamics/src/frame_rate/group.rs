@@ -113,7 +113,7 @@ impl<I: Instructions> Group<I> {
                     let source = source(selection);
                     let constraint = source.constraint(selection, bodies, (h, frame));
                     batch.fill(lane, (number, &constraint));
-                    batch.unconfirmed.set(lane, !is_confirmed(&source));
+                    batch.unconfirmed.set(lane, !is_confirmed(bodies, &source));
                 }
             }
         });
@@ -157,6 +157,11 @@ impl<I: Instructions> Group<I> {
         for number in 0..self.substeps {
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);
+            self.sweep(
+                #[inline(always)]
+                |batch, lines| batch.ask(lines, &substep),
+            );
+            self.confirm(bodies, manifolds, (time_left, kick), frame);
             if let Some(timeline) = &mut timeline {
                 self.bounce(timeline, (bodies, manifolds), (time_left, kick), frame, &substep);
             }
@@ -195,19 +200,7 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         substep: &Substep<I>,
     ) {
-        let Self { bodies: solver_bodies, batches, confirmation, .. } = self;
-        for (at, batch) in batches.iter_mut().enumerate() {
-            let lines = &solver_bodies.lines(batch.first_line..solver_bodies.lines.len());
-            I::run(
-                #[inline(always)]
-                || batch.ask_to_bounce(lines, substep),
-            );
-            if batch.asks.any() {
-                confirmation.asking().insert(at);
-            }
-        }
         for _ in 0..BOUNCE_ROUNDS {
-            self.confirm(bodies, manifolds, now, frame);
             let Self { batches, bodies: solver_bodies, touching, confirmation, .. } = self;
             let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
             let (times, asking) = ((&mut *timeline, touching), confirmation.asking());
@@ -215,7 +208,7 @@ impl<I: Instructions> Group<I> {
                 #[inline(always)]
                 || propagate_impacts(batches, solver_bodies, times, asking, substep),
             );
-            if asking.is_empty() {
+            if self.confirm(bodies, manifolds, now, frame).is_empty() {
                 break;
             }
         }

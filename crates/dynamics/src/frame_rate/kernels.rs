@@ -233,6 +233,16 @@ impl<I: Instructions> ContactBatch<I> {
         }
     }
 
+    /// Marks the speculative lanes that would act in this substep.
+    #[inline(always)]
+    pub(super) fn ask(&mut self, lines: &Lines, substep: &Substep<I>) {
+        if self.unconfirmed.any() {
+            let (of, at) = (self.velocities(lines), self.displacements(lines));
+            self.is_turned = has_turned(&at);
+            self.see::<true>(&of, &at, substep);
+        }
+    }
+
     /// Computes point velocities and their targets.
     #[inline(always)]
     fn see<const SOFT: bool>(

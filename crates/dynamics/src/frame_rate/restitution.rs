@@ -165,14 +165,6 @@ impl<I: Instructions> ContactBatch<I> {
         Meeting { sides, at, arms, approach, target, time, meets, hits, waits, first, needs }
     }
 
-    /// Marks the speculative lanes that would bounce in this substep.
-    #[inline(always)]
-    pub(super) fn ask_to_bounce(&mut self, lines: &Lines, substep: &Substep<I>) {
-        if self.may_bounce && self.unconfirmed.and(self.bounces).any() {
-            self.asks = self.asks.or(self.meeting(lines, [0.0; LANES], substep).waits);
-        }
-    }
-
     /// Bounces each lane at its time of impact unless one of its bodies has an earlier impact.
     /// Returns an upper bound of each body's change of point velocity [m/s].
     #[inline(always)]
