@@ -42,5 +42,10 @@ impl<'a> ConvexShape<'a> {
     }
 }
 
+/// True for a body that meets others by its samples.
+pub fn has_samples(shape: &Shape) -> bool {
+    shape.compound.is_none() && matches!(ConvexShape::of(shape), ConvexShape::Other(_))
+}
+
 /// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.
 pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;

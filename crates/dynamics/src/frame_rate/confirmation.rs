@@ -7,7 +7,9 @@ use super::group::Group;
 use super::solver_bodies::SolverBodies;
 use super::touching::Place;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
-use frangible_collision::{FeatureId, Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
+use frangible_collision::{
+    FeatureId, Manifold, ManifoldFinder, ManifoldPoint, PairMotion, has_samples,
+};
 use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -95,11 +97,13 @@ impl Confirmation {
     }
 }
 
-/// Whether a pair may act without a second look: it carried an impulse in the last frame, one body
-/// is a half-space with one normal everywhere, or its overlap at birth is forgiven.
+/// Whether a pair may act without a second look: it carried an impulse in the last frame, it meets
+/// by samples, whose normals and number vary too much, one body is a half-space with one normal
+/// everywhere, or its overlap at birth is forgiven.
 pub(super) fn is_confirmed(bodies: &Bodies, Source { manifold, carried }: &Source) -> bool {
+    let pair = manifold.pair.both();
     !carried.is_empty()
-        || manifold.pair.both().iter().any(|&i| bodies.radii[i].is_infinite())
+        || pair.iter().any(|&i| bodies.radii[i].is_infinite() || has_samples(&bodies.shapes[i]))
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
 }
 

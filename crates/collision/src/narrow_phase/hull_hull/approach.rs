@@ -20,6 +20,9 @@ const NEAR: f64 = 0.02;
 /// Instants at which a grazing pair is looked at until it counts as a touching one [1].
 const MOST_LOOKS: u32 = 8;
 
+/// Cosine between normals that count as the same [1].
+const SAME_NORMAL: f64 = 0.9998;
+
 /// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
     pair_motion: &'a PairMotion<'a>,
@@ -27,6 +30,7 @@ struct Approach<'a> {
 }
 
 /// An instant of the approach.
+#[derive(Clone, Copy)]
 struct Instant<'a> {
     time: f64,
     world_from_first: RigidTransform,
@@ -127,21 +131,26 @@ impl<'a> Approach<'a> {
                 return touch;
             }
         }
+        // The instant with the last change of the normal, and its points.
         let of_touch = std::mem::take(&mut scratch.points);
-        let (mut time, mut contact) = (touch.time, touch.contact);
-        let mut world_from_first = touch.world_from_first;
+        let (mut meeting, mut points) = (touch, of_touch.clone());
+        let (mut time, mut normal, mut gap) = (touch.time, touch.normal(), touch.contact.gap);
         for _ in 0..MOST_LOOKS {
-            let closing = closing(time, world_from_first.direction(contact.normal));
-            let next = time + (contact.gap + grazing) / closing;
+            let next = time + (gap + grazing) / closing(time, normal);
             time = if (time..ahead).contains(&next) { next } else { ahead };
             let Some(later) = self.at(&paths, time, scratch) else { break };
             if later.contact.gap <= -grazing {
                 break;
             }
-            if time == ahead {
-                return later;
+            (normal, gap) = (later.normal(), later.contact.gap);
+            if normal.dot(meeting.normal()) < SAME_NORMAL {
+                meeting = later;
+                points.clone_from(&scratch.points);
             }
-            (contact, world_from_first) = (later.contact, later.world_from_first);
+            if time == ahead {
+                scratch.points = points;
+                return meeting;
+            }
         }
         scratch.points = of_touch;
         touch
@@ -219,6 +228,11 @@ fn fastest_closing(
 }
 
 impl Instant<'_> {
+    /// Unit, world frame, from the second hull to the first.
+    fn normal(&self) -> DVec3 {
+        self.world_from_first.direction(self.contact.normal)
+    }
+
     /// The point on the second hull, in the second hull's frame [m].
     fn on_second(&self, point: &HullPoint) -> DVec3 {
         self.pair.second_from_first.point(point.on[1])
