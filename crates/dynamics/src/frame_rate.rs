@@ -67,7 +67,7 @@ fn solve_with<I: Instructions>(
     if std::env::var("DBG").is_ok() {
         eprintln!("frame");
         for (m, c) in manifolds.iter().zip(&carried) {
-            if m.pair.first == 1 {
+            if true {
                 eprintln!(
                     "   carried {} at {} v {}",
                     c.len(),
