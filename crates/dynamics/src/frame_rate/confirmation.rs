@@ -24,8 +24,12 @@ pub(super) struct Confirmation {
     asking: BatchFlags,
     /// Batch and lane of each constraint.
     places: Vec<Place>,
-    /// Lanes detected again in this substep.
-    checked: Vec<Place>,
+    /// Lanes that were detected again and have not lost their impulse since.
+    confirmed: Vec<Place>,
+    /// Lanes without a contact in this substep.
+    passing: Vec<Place>,
+    /// Impulses along earlier normals of constraints, on the second body, world frame [N s].
+    given: BTreeMap<u32, DVec3>,
     /// Features of the constraints that were detected again.
     features: BTreeMap<u32, Vec<FeatureId>>,
     /// Points of the manifolds that were detected again, by manifold.
@@ -68,7 +72,9 @@ impl Confirmation {
         Self {
             asking: BatchFlags::below(batches),
             places,
-            checked: Vec::new(),
+            confirmed: Vec::new(),
+            passing: Vec::new(),
+            given: BTreeMap::new(),
             features: BTreeMap::new(),
             points: BTreeMap::new(),
         }
@@ -82,6 +88,11 @@ impl Confirmation {
     /// Batch and lane of a constraint.
     pub(super) fn place(&self, number: u32) -> Place {
         self.places[number as usize]
+    }
+
+    /// Impulse of a constraint along earlier normals, on the second body, world frame [N s].
+    pub(super) fn given(&self, number: u32) -> DVec3 {
+        self.given.get(&number).copied().unwrap_or_default()
     }
 
     /// Features of a constraint.
@@ -232,11 +243,16 @@ impl<I: Instructions> Group<I> {
             if !batch.unconfirmed.get(place.lane()) {
                 continue;
             }
-            self.confirmation.checked.push(place);
             let Some(selection) = new.next() else {
                 batch.passes.set(place.lane(), true);
+                self.confirmation.passing.push(place);
                 continue;
             };
+            self.confirmation.confirmed.push(place);
+            if batch.acted.get(place.lane()) {
+                let given = self.confirmation.given.entry(number as u32).or_default();
+                *given += batch.take_frame_impulse(place.lane());
+            }
             let mut constraint = source.constraint(selection, bodies, (self.h, frame));
             for point in constraint.points.iter_mut() {
                 point.separation = gap_at_start(bodies, pair, &points[point.number]);
@@ -249,15 +265,18 @@ impl<I: Instructions> Group<I> {
         self.confirmation.points.insert(manifold, points);
     }
 
-    /// Lanes that were detected again but did not act remain speculative.
+    /// Lanes without an impulse are speculative again.
     pub(super) fn end_confirmation(&mut self) {
-        for place in self.confirmation.checked.drain(..) {
-            let batch = &mut self.batches[place.batch()];
-            batch.passes.set(place.lane(), false);
-            if !batch.acted.get(place.lane()) {
-                batch.unconfirmed.set(place.lane(), true);
-            }
+        let Self { batches, confirmation, .. } = self;
+        for place in confirmation.passing.drain(..) {
+            batches[place.batch()].passes.set(place.lane(), false);
         }
+        confirmation.confirmed.retain(|place| {
+            let batch = &mut batches[place.batch()];
+            let presses = batch.presses(place.lane());
+            batch.unconfirmed.set(place.lane(), !presses);
+            presses
+        });
     }
 }
 

@@ -209,6 +209,26 @@ impl<I: Instructions> ContactBatch<I> {
         self.may_bounce = true;
     }
 
+    /// True if a lane's points press on each other.
+    pub(super) fn presses(&self, lane: usize) -> bool {
+        self.points[..self.point_count].iter().any(|point| point.impulse.get(lane) > 0.0)
+    }
+
+    /// Impulse of a lane in the frame, on the second body, world frame [N s].
+    pub(super) fn impulse_of_frame(&self, lane: usize) -> DVec3 {
+        let axes = self.frame_of(lane);
+        (0..3).map(|k| self.frame_impulse[k].get(lane) * axes[k]).sum()
+    }
+
+    /// Removes and returns the impulse of a lane in the frame.
+    pub(super) fn take_frame_impulse(&mut self, lane: usize) -> DVec3 {
+        let impulse = self.impulse_of_frame(lane);
+        for along in &mut self.frame_impulse {
+            along.set(lane, 0.0);
+        }
+        impulse
+    }
+
     /// Removes and returns the lanes that ask to act.
     pub(super) fn take_asking(&mut self) -> impl Iterator<Item = usize> + use<I> {
         let asks = std::mem::replace(&mut self.asks, Mask::NONE);

@@ -69,9 +69,7 @@ impl<I: Instructions> Group<I> {
                     continue;
                 }
                 is_acting = true;
-                let axes = batch.frame_of(lane);
-                let impulse: DVec3 =
-                    (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
+                let impulse = batch.impulse_of_frame(lane) + confirmation.given(number);
                 let lines = selection.lines.map(|line| line as usize);
                 momenta[lines[0]] -= impulse;
                 momenta[lines[1]] += impulse;
@@ -93,7 +91,7 @@ impl<I: Instructions> Group<I> {
                 recovered += batch.recovery.get(lane);
                 accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
                 let features = confirmation.features(number, (selection, points));
-                carry(&mut part, &features, (batch, lane), (h, frame.dt));
+                carry(&mut part, &features, (batch, lane, impulse), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);
             if is_acting {
@@ -124,11 +122,11 @@ impl<I: Instructions> Group<I> {
 fn carry<I: Instructions>(
     part: &mut ImpulseChunk,
     features: &[FeatureId],
-    (batch, lane): (&ContactBatch<I>, usize),
+    (batch, lane, of_frame): (&ContactBatch<I>, usize, DVec3),
     (h, dt): (f64, f64),
 ) {
     debug_assert!(lane < LANES);
-    let axes @ [normal, tangent, other] = batch.frame_of(lane);
+    let [normal, tangent, other] = batch.frame_of(lane);
     let impulses = batch.normal_impulses(lane);
     let total: f64 = impulses.iter().sum();
     let friction = batch.friction[0].get(lane) * tangent + batch.friction[1].get(lane) * other;
@@ -137,7 +135,6 @@ fn carry<I: Instructions>(
         let [along, across] = &rolling.impulse;
         torque += along.get(lane) * tangent + across.get(lane) * other;
     }
-    let of_frame: DVec3 = (0..3).map(|k| batch.frame_impulse[k].get(lane) * axes[k]).sum();
     // An impact before the last substep leaves no final impulse: its mean acts equally at all
     // points.
     let equal = 1.0 / features.len() as f64;

@@ -213,7 +213,6 @@ impl<I: Instructions> ContactBatch<I> {
         let (friction, slip) = self.rub_impact(&mut sides, &at, sum);
         let rubs = sum.above(zero);
         self.acted = self.acted.or(rubs);
-        self.unconfirmed = self.unconfirmed.and(rubs.not());
         self.frame_impulse[0] = self.frame_impulse[0] + sum;
         for k in 0..2 {
             self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];

@@ -120,6 +120,9 @@ impl<'a> Approach<'a> {
     /// approach, if they overlap no deeper than grazing until the frame's end.
     fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
         let PairMotion { grazing, ahead, is_substep, .. } = *self.pair_motion;
+        if touch.contact.gap <= -grazing {
+            return touch;
+        }
         let paths = self.pair_motion.paths.map(BallisticPath::straight);
         let closing = |time: f64, normal: DVec3| fastest_closing(&paths, (time, ahead), normal);
         if !is_substep {
@@ -127,7 +130,7 @@ impl<'a> Approach<'a> {
             let HullContact { gap, normal } = touch.contact;
             let closing = closing(0.0, touch.world_from_first.direction(normal));
             let gets_deeper = gap + grazing < closing * ahead;
-            if touch.time > 0.0 || gap > 0.0 || gap <= -grazing || !gets_deeper {
+            if touch.time > 0.0 || gap > 0.0 || !gets_deeper {
                 return touch;
             }
         }
