@@ -7,6 +7,7 @@ mod confirmation;
 mod constraints;
 mod contact_batch;
 pub(crate) mod contact_forces;
+mod containment;
 pub(crate) mod finish;
 mod friction;
 mod group;
@@ -23,6 +24,7 @@ mod timeline;
 mod touching;
 
 use crate::energy::frame_accounts::FrameAccounts;
+use containment::contain;
 use finish::{FrameStart, Solved, close_islands, fall};
 use frangible_bodies::{Activity, Bodies, Frame, Motion, Substeps, evolve};
 use frangible_collision::{ImpulseCache, ImpulseChunk, Manifold};
@@ -99,6 +101,7 @@ fn solve_with<I: Instructions>(
     for group in groups {
         parts.push(group.write_back(bodies, manifolds, frame, &mut solved.accounts));
     }
+    contain(bodies, (start.poses(), &islands.substeps), frame, &mut solved.accounts);
     close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
     let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.accounts);
     fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);

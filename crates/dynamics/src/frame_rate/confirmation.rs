@@ -51,7 +51,6 @@ impl BatchFlags {
         self.words[number / 64].fetch_or(1 << (number % 64), Ordering::Relaxed);
     }
 
-
     /// Removes all indices and returns them in ascending order.
     fn take(&mut self) -> Vec<usize> {
         let mut all = Vec::new();

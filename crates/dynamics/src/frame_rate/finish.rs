@@ -33,6 +33,10 @@ impl FrameStart {
         Self { poses: bodies.poses.clone(), velocities: bodies.velocities.clone() }
     }
 
+    pub(super) fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
     fn energy(&self, bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
         energy(bodies, i, &self.poses[i], &self.velocities[i], gravity)
     }
