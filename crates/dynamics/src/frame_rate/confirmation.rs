@@ -3,6 +3,7 @@
 //! pass each other after an impact, a slide or a turn do not touch.
 
 use super::constraints::{SAME_NORMAL, Selection, Source};
+use super::contact_batch::ContactBatch;
 use super::group::Group;
 use super::solver_bodies::SolverBodies;
 use super::touching::Place;
@@ -20,7 +21,8 @@ const SHARE: usize = 32;
 
 /// Speculative contacts of a group.
 pub(super) struct Confirmation {
-    /// Batches with lanes that ask to act.
+    /// Batches with speculative lanes, in ascending order, and those with lanes that ask to act.
+    speculative: Vec<usize>,
     asking: BatchFlags,
     /// Batch and lane of each constraint.
     places: Vec<Place>,
@@ -67,9 +69,10 @@ impl BatchFlags {
 
 impl Confirmation {
     /// `places` has the batch and lane of each constraint.
-    pub(super) fn new(batches: usize, places: Vec<Place>) -> Self {
+    pub(super) fn new<I>(batches: &[ContactBatch<I>], places: Vec<Place>) -> Self {
         Self {
-            asking: BatchFlags::below(batches),
+            speculative: (0..batches.len()).filter(|&at| batches[at].unconfirmed.any()).collect(),
+            asking: BatchFlags::below(batches.len()),
             places,
             confirmed: Vec::new(),
             passing: Vec::new(),
@@ -77,6 +80,11 @@ impl Confirmation {
             features: BTreeMap::new(),
             points: BTreeMap::new(),
         }
+    }
+
+    /// Batches with speculative lanes, in ascending order.
+    pub(super) fn speculative(&self) -> &[usize] {
+        &self.speculative
     }
 
     /// Batches with lanes that ask to act.

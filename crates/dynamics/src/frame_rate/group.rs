@@ -30,6 +30,9 @@ const RECOVERY_FRAMES: f64 = 4.0;
 /// gravity's speed gain in a frame, the approach speed of resting contacts.
 const LEAST_BOUNCE: f64 = 1e-3;
 
+/// Batches per task of [`Group::ask`]: ten microseconds of work.
+const SHARE: usize = 64;
+
 /// Rounds of impacts in a substep between pairs that were apart at the frame's start [1]: as many
 /// balls of a row with gaps strike each other in a substep.
 const BOUNCE_ROUNDS: usize = 1024;
@@ -126,7 +129,7 @@ impl<I: Instructions> Group<I> {
                 }
             }
         }
-        let confirmation = Confirmation::new(batches.len(), places);
+        let confirmation = Confirmation::new(&batches, places);
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
             selections,
@@ -157,10 +160,7 @@ impl<I: Instructions> Group<I> {
         for number in 0..self.substeps {
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);
-            self.sweep(
-                #[inline(always)]
-                |batch, lines| batch.ask(lines, &substep),
-            );
+            self.ask(&substep);
             self.confirm(bodies, manifolds, (time_left, kick), frame);
             if let Some(timeline) = &mut timeline {
                 self.bounce(timeline, (bodies, manifolds), (time_left, kick), frame, &substep);
@@ -189,6 +189,33 @@ impl<I: Instructions> Group<I> {
                 |batch, lines| batch.solve::<false>(lines, &substep),
             );
         }
+    }
+
+    /// Finds the speculative contacts that would act in this substep.
+    fn ask(&mut self, substep: &Substep<I>) {
+        let Self { bodies, batches, confirmation, .. } = self;
+        let asking = confirmation.asking();
+        let shares = confirmation.speculative().chunks(SHARE);
+        let mut cut = Cut::of(batches);
+        let mut work: Vec<(&[usize], &mut [ContactBatch<I>])> =
+            shares.map(|share| (share, cut.take(share[0]..share[share.len() - 1] + 1))).collect();
+        let bodies = &*bodies;
+        threads::for_each(
+            &mut work,
+            LANES * confirmation.speculative().len(),
+            |(share, batches)| {
+                for &at in *share {
+                    let batch = &mut batches[at - share[0]];
+                    I::run(
+                        #[inline(always)]
+                        || batch.ask(&bodies.lines[batch.first_line..], substep),
+                    );
+                    if batch.asks.any() {
+                        asking.insert(at);
+                    }
+                }
+            },
+        );
     }
 
     /// Impacts of a substep, and of the pairs that they bring together.

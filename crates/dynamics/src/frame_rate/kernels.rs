@@ -4,7 +4,9 @@
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY};
 use super::sides::{Sides, shortened};
-use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SPINS};
+use super::solver_bodies::{
+    LaneDisplacements, LaneVelocities, Lines, SPINS, SolverBody, displacements, velocities,
+};
 use frangible_math::{Instructions, Mask, Single, Single3};
 
 /// Half of the angle [rad] up to which arms keep their direction within a frame: the separation is
@@ -235,9 +237,10 @@ impl<I: Instructions> ContactBatch<I> {
 
     /// Marks the speculative lanes that would act in this substep.
     #[inline(always)]
-    pub(super) fn ask(&mut self, lines: &Lines, substep: &Substep<I>) {
+    pub(super) fn ask(&mut self, lines: &[SolverBody], substep: &Substep<I>) {
         if self.unconfirmed.any() {
-            let (of, at) = (self.velocities(lines), self.displacements(lines));
+            let of = [velocities(lines, &self.ids[0]), velocities(lines, &self.ids[1])];
+            let at = [displacements(lines, &self.ids[0]), displacements(lines, &self.ids[1])];
             self.is_turned = has_turned(&at);
             self.see::<true>(&of, &at, substep);
         }
