@@ -159,19 +159,23 @@ impl<'a> Approach<'a> {
         touch
     }
 
-    /// The hulls at an instant, with the points in `scratch`.
+    /// The hulls at an instant of some paths, with the points in `scratch`; `None` if they overlap
+    /// deeper than grazing along all faces' axes.
     fn at(
         &self,
         paths: &[BallisticPath; 2],
         time: f64,
         scratch: &mut Scratch,
     ) -> Option<Instant<'a>> {
-        let PairMotion { size, search, frame, .. } = *self.pair_motion;
+        let PairMotion { size, search, frame, grazing, .. } = *self.pair_motion;
         let [world_from_first, world_from_second] =
             [paths[0].pose(time).world_from_body(), paths[1].pose(time).world_from_body()];
         let first_from_second = world_from_first.inverse().after(&world_from_second);
         let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
         let axes = pair.face_axes(search).ok()?;
+        if pair.apart_by(&axes).gap <= -grazing {
+            return None;
+        }
         let contact = pair.contact(&axes, search, scratch)?;
         Some(Instant { time, world_from_first, pair, contact, lasts: time == 0.0 })
     }
