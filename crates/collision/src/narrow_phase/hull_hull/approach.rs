@@ -120,7 +120,7 @@ impl<'a> Approach<'a> {
     /// approach, if they overlap no deeper than grazing until the frame's end.
     fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
         let PairMotion { grazing, ahead, is_substep, .. } = *self.pair_motion;
-        if touch.contact.gap <= -grazing {
+        if touch.contact.gap <= -grazing || !is_narrow(&scratch.points, 2.0 * grazing) {
             return touch;
         }
         let paths = self.pair_motion.paths.map(BallisticPath::straight);
@@ -218,6 +218,20 @@ impl<'a> Approach<'a> {
             gap: self.gap_at_start(instant, point),
         }
     }
+}
+
+/// True for a contact patch that is no wider than `most` [m] in some direction. A pair that only
+/// grazes has a narrow one: the overlap along the axis that it passes on.
+fn is_narrow(points: &[HullPoint], most: f64) -> bool {
+    let middle = |point: &HullPoint| 0.5 * (point.on[0] + point.on[1]);
+    let Some((first, rest)) = points.split_first() else { return true };
+    let from = middle(first);
+    let longest = rest
+        .iter()
+        .map(|point| middle(point) - from)
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let Some(along) = longest.and_then(|along| along.try_normalize()) else { return true };
+    rest.iter().all(|point| (middle(point) - from).cross(along).length_squared() <= most * most)
 }
 
 /// Upper bound of the closing speed of any two points along a normal in the world frame, from an
