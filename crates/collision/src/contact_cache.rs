@@ -267,8 +267,7 @@ impl Share<'_> {
             },
         ));
 
-        let was_apart =
-            self.chunk.points[begin..].iter().all(|point| point.is_apart(&pair_motion));
+        let was_apart = self.chunk.points[begin..].iter().all(|point| point.is_apart(&pair_motion));
 
         // Without a bound the points belong to a later instant, and the next frame needs others.
         let separation_bound = if let Some(separation_bound) = separation_bound {

@@ -17,9 +17,7 @@ pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut scratch = Scratch::default();
     let depth =
         |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut scratch)?));
-    let all: Vec<(Pair, f64)> = find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect();
-    if std::env::var("PENDBG").is_ok() { for (pair, d) in &all { if *d > 0.05 { eprintln!("pen {pair:?} {d:.4}"); } } }
-    all
+    find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
 /// Penetration depth of one pair at the given poses; `None` without overlap.

@@ -37,6 +37,7 @@ use glam::DVec3;
 use group::Group;
 use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
+use std::collections::BTreeMap;
 
 /// Advances all bodies by one frame and replaces the impulse cache `warm`.
 pub fn solve(
@@ -66,28 +67,13 @@ fn solve_with<I: Instructions>(
 ) -> Solved {
     let start = FrameStart::of(bodies);
     let carried = warm.of_manifolds(bodies, manifolds);
-    if std::env::var("DBG").is_ok() {
-        eprintln!("frame");
-        for (m, c) in manifolds.iter().zip(&carried) {
-            if true {
-                eprintln!(
-                    "   carried {} at {} v {}",
-                    c.len(),
-                    bodies.poses[2].position,
-                    bodies.velocities[2].linear
-                );
-                for p in m.points {
-                    eprintln!("   n {:?} gap {:.6}", p.normal, p.gap);
-                }
-            }
-        }
-    }
     let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
 
     let mut solved = Solved {
         accounts: FrameAccounts::default(),
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: islands.short_of_substeps,
+        confirmed: BTreeMap::new(),
     };
     let mut parts: Vec<ImpulseChunk> = Vec::new();
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
@@ -99,7 +85,7 @@ fn solve_with<I: Instructions>(
     let room = || vec![NOWHERE; bodies.len()];
     let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
     for group in groups {
-        parts.push(group.write_back(bodies, manifolds, frame, &mut solved.accounts));
+        parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
     }
     contain(bodies, (start.poses(), &islands.substeps), frame, &mut solved.accounts);
     close_islands(bodies, &start, &islands.substeps, frame, &mut solved);

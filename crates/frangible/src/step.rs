@@ -229,7 +229,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
     let before = Before::of(bodies);
-    let Solved { accounts: solver_accounts, gravity, short_of_substeps } =
+    let Solved { accounts: solver_accounts, gravity, short_of_substeps, confirmed } =
         solve(bodies, &manifolds, warm, frame);
     accounts.add(solver_accounts);
     // Contact forces load the bonds of glued bodies in the next frame.
@@ -237,7 +237,12 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     if are_glued.contains(&true) {
         let is_of_one =
             |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
-        let forces = contact_forces(bodies, manifolds.into_iter().filter(is_of_one), warm);
+        let glued = manifolds.iter().copied().filter(is_of_one);
+        let as_solved = |Manifold { pair, points }| Manifold {
+            pair,
+            points: confirmed.get(&pair).map_or(points, Vec::as_slice),
+        };
+        let forces = contact_forces(bodies, glued.map(as_solved), warm);
         note_carried(world, &forces);
     }
     clock.lap("solve");

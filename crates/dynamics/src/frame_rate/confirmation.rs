@@ -2,7 +2,7 @@
 //! substep in which it would first act, at the poses and velocities of that substep: bodies that
 //! pass each other after an impact, a slide or a turn do not touch.
 
-use super::constraints::{SAME_NORMAL, Selection, Source};
+use super::constraints::{NEAR, SAME_NORMAL, Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::group::Group;
 use super::solver_bodies::SolverBodies;
@@ -15,6 +15,10 @@ use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Width of a contact patch, in ways of the bodies in the frame [1], above which they need no second
+/// look.
+const SLIDES: f64 = 4.0;
 
 /// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 32;
@@ -118,11 +122,31 @@ impl Confirmation {
 /// Whether a pair may act without a second look: it carried an impulse in the last frame, it meets
 /// by samples, whose normals and number vary too much, one body is a half-space with one normal
 /// everywhere, or its overlap at birth is forgiven.
-pub(super) fn is_confirmed(bodies: &Bodies, Source { manifold, carried }: &Source) -> bool {
+pub(super) fn is_confirmed(
+    bodies: &Bodies,
+    Source { manifold, carried }: &Source,
+    frame: &Frame,
+) -> bool {
     let pair = manifold.pair.both();
     !carried.is_empty()
+        || is_wide(bodies, manifold, frame)
         || pair.iter().any(|&i| bodies.radii[i].is_infinite() || has_samples(&bodies.shapes[i]))
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
+}
+
+/// True for touching bodies with a contact patch wider than they slide in the frame: other features
+/// do not come first.
+fn is_wide(bodies: &Bodies, Manifold { pair, points }: &Manifold, frame: &Frame) -> bool {
+    let close = NEAR * frame.speculative_margin();
+    let touching = points.iter().filter(|point| point.gap <= close);
+    let mut middles = touching.map(|point| point.middle(bodies, *pair));
+    let Some(from) = middles.next() else { return false };
+    let arms: Vec<DVec3> = middles.map(|middle| middle - from).collect();
+    let longest = arms.iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let Some(along) = longest.and_then(|arm| arm.try_normalize()) else { return false };
+    let width = arms.iter().map(|arm| arm.cross(along).length()).fold(0.0, f64::max);
+    let [first, second] = pair.both().map(|i| bodies.velocities[i].linear);
+    width > SLIDES * frame.dt * (first - second).length()
 }
 
 impl<I: Instructions> Group<I> {
@@ -148,15 +172,6 @@ impl<I: Instructions> Group<I> {
         }
         asked.sort_unstable();
         asked.dedup();
-        if std::env::var("CNT").is_ok() {
-            eprintln!(
-                "confirm {} of {} kick {} left {:.5}",
-                asked.len(),
-                self.selections.len(),
-                kick != Vec3::ZERO,
-                time_left
-            );
-        }
 
         let substep = Frame { dt: self.h, ..*frame };
         let ahead = (time_left, frame.speculative_margin());
@@ -186,26 +201,6 @@ impl<I: Instructions> Group<I> {
         let mut changed = Vec::new();
         for (manifold, points) in asked.into_iter().zip(found.into_iter().flatten()) {
             let pair = manifolds[manifold as usize].pair;
-            if std::env::var("DBG").is_ok() {
-                for i in [pair.first, pair.second] {
-                    let l = self.selections[first_of(&self.selections, manifold)].lines
-                        [usize::from(i == pair.second)];
-                    let (p, [v, w]) = self.bodies.now(l as usize, &bodies.poses[i]);
-                    eprintln!("  body {i} at {} v {v} w {w}", p.position);
-                }
-                for p in &manifolds[manifold as usize].points[..] {
-                    eprintln!("   was n {:?} gap {:.6}", p.normal, p.gap);
-                }
-                for p in &points {
-                    eprintln!(
-                        "{:?} left {:.4} n {:?} gap {:.6} app {:.4} f {:?}",
-                        pair, time_left, p.normal, p.gap, p.approach, p.feature
-                    );
-                }
-                if points.is_empty() {
-                    eprintln!("none");
-                }
-            }
             self.replace((manifold, pair), points, (bodies, frame), &mut changed);
         }
         changed.sort_unstable();

@@ -6,10 +6,13 @@ use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
 use crate::energy::islands::root;
 use frangible_bodies::evolve;
-use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pose, Substeps, Velocity};
-use frangible_collision::{CachedImpulse, FeatureId, ImpulseChunk, Manifold, PointImpulse};
+use frangible_bodies::{Bodies, Frame, Inertia, Motion, Pair, Pose, Substeps, Velocity};
+use frangible_collision::{
+    CachedImpulse, FeatureId, ImpulseChunk, Manifold, ManifoldPoint, PointImpulse,
+};
 use frangible_math::{Instructions, LANES};
 use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
 
 /// Results of the substeps besides the motion of the bodies.
 pub struct Solved {
@@ -20,6 +23,8 @@ pub struct Solved {
     /// Number of islands with fewer substeps than their accuracy needs, limited by `most_substeps`
     /// or by the work of a frame.
     pub short_of_substeps: usize,
+    /// Points of the pairs that were detected again within the frame.
+    pub confirmed: BTreeMap<Pair, Vec<ManifoldPoint>>,
 }
 
 /// Poses and velocities of all bodies at the frame's start.
@@ -50,9 +55,13 @@ impl<I: Instructions> Group<I> {
         bodies: &mut Bodies,
         manifolds: &[Manifold],
         frame: &Frame,
-        accounts: &mut FrameAccounts,
+        solved: &mut Solved,
     ) -> ImpulseChunk {
+        let Solved { accounts, confirmed, .. } = solved;
         let Self { bodies: mut solver_bodies, selections, batches, h, confirmation, .. } = self;
+        for (&manifold, points) in &confirmation.points {
+            confirmed.insert(manifolds[manifold as usize].pair, points.clone());
+        }
 
         // Each impulse acts on both bodies with opposite signs, in double precision. Linear
         // momentum is exact despite the single-precision velocities.

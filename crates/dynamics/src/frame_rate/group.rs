@@ -116,7 +116,7 @@ impl<I: Instructions> Group<I> {
                     let source = source(selection);
                     let constraint = source.constraint(selection, bodies, (h, frame));
                     batch.fill(lane, (number, &constraint));
-                    batch.unconfirmed.set(lane, !is_confirmed(bodies, &source));
+                    batch.unconfirmed.set(lane, !is_confirmed(bodies, &source, frame));
                 }
             }
         });

@@ -1,0 +1,162 @@
+//! Bodies that pass each other: over the seams of flush tiles, beside edges, down shafts; and bodies
+//! that are too fast for their contacts.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World};
+use glam::DVec3;
+use proptest::prelude::*;
+
+const G: f64 = 9.81;
+
+fn cuboid(size: [f64; 3]) -> ShapeDesc {
+    ShapeDesc::Box { size, resolution: Resolution::default() }
+}
+
+fn fixed(size: [f64; 3], position: [f64; 3]) -> BodyDesc {
+    BodyDesc {
+        motion: MotionDesc::Static,
+        position,
+        friction: 0.6,
+        restitution: 0.0,
+        ..BodyDesc::new("fixed", cuboid(size))
+    }
+}
+
+/// A cube or a ball of a size.
+fn mover(is_ball: bool, size: f64) -> BodyDesc {
+    let shape = if is_ball {
+        ShapeDesc::Sphere { radius: 0.5 * size, resolution: Resolution::default() }
+    } else {
+        cuboid([size; 3])
+    };
+    BodyDesc { restitution: 0.0, ..BodyDesc::new("mover", shape) }
+}
+
+/// Steps a scene and returns the last body's largest height and its state at the end: position [m],
+/// velocity [m/s], spin [rad/s].
+fn run(bodies: Vec<BodyDesc>, rate: f64, seconds: f64, gravity: f64) -> (f64, [DVec3; 3]) {
+    let scene = SceneDesc {
+        bodies,
+        frames_per_second: rate,
+        gravity: [0.0, -gravity, 0.0],
+        ..SceneDesc::new("passing")
+    };
+    let mut world = World::build(&scene).unwrap();
+    let mut highest = f64::NEG_INFINITY;
+    for _ in 0..(seconds * rate).round() as u32 {
+        frangible::step(&mut world);
+        let bodies = world.bodies();
+        highest = highest.max(bodies.poses[bodies.len() - 1].position.y);
+    }
+    let bodies = world.bodies();
+    let last = bodies.len() - 1;
+    let (pose, velocity) = (&bodies.poses[last], &bodies.velocities[last]);
+    (highest, [pose.position, velocity.linear, bodies.spin(last, pose, velocity)])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// Cubes slide without friction and balls roll over a seam as over one slab.
+    #[test]
+    fn flush_tiles_are_one_slab(
+        is_ball in any::<bool>(),
+        speed in 1.0..12.0f64,
+        size in 0.2..2.0f64,
+        phase in 0.0..1.0f64,
+        rate in prop::sample::select(vec![30.0, 60.0]),
+        gap in prop::sample::select(vec![0.0, 1e-3]),
+        lower in prop::sample::select(vec![0.0, 1e-3]),
+    ) {
+        let length = 40.0;
+        let tile = |side: f64, lower: f64| {
+            let x = side * 0.5 * (length + gap);
+            BodyDesc { friction: if is_ball { 0.6 } else { 0.0 }, ..fixed([length, 1.0, 20.0], [x, -0.5 - lower, 0.0]) }
+        };
+        let start = -(size + phase * speed / rate);
+        let body = BodyDesc {
+            position: [start, 0.5 * size, 0.0],
+            linear_velocity: [speed, 0.0, 0.0],
+            angular_velocity: [0.0, 0.0, if is_ball { -2.0 * speed / size } else { 0.0 }],
+            friction: if is_ball { 0.6 } else { 0.0 },
+            ..mover(is_ball, size)
+        };
+        let seconds = (3.0 * size / speed).max(0.2);
+        let (highest, [end, ..]) = run(vec![tile(-1.0, 0.0), tile(1.0, lower), body], rate, seconds, G);
+        let way = speed * (seconds * rate).round() / rate;
+        let passed = end.x - start;
+        prop_assert!((passed - way).abs() <= 0.01 * way + 1e-3, "{passed} of {way} m");
+        prop_assert!(highest - 0.5 * size < 1e-3, "hops {} m", highest - 0.5 * size);
+    }
+
+    /// Without gravity a body flies past an edge and does not feel it.
+    #[test]
+    fn what_passes_is_not_moved(
+        is_ball in any::<bool>(),
+        speed in 1.0..30.0f64,
+        size in 0.05..2.0f64,
+        room in 1e-4..6e-3f64,
+        phase in 0.0..1.0f64,
+        rate in prop::sample::select(vec![30.0, 60.0, 240.0]),
+    ) {
+        let start = -(size + phase * speed / rate);
+        let body = BodyDesc {
+            position: [start, 0.5 * size + room, 0.0],
+            linear_velocity: [speed, 0.0, 0.0],
+            ..mover(is_ball, size)
+        };
+        let edge = fixed([1.0; 3], [0.5, -0.5, 0.0]);
+        let (_, [end, velocity, spin]) = run(vec![edge, body], rate, 3.0 * size / speed + 0.2, 0.0);
+        let change = (velocity - speed * DVec3::X).length().max(spin.length());
+        prop_assert!(change < 1e-12, "{change} m/s at {end}");
+    }
+
+    /// A cube or a ball falls freely down a shaft of flush blocks.
+    #[test]
+    fn shafts_do_not_brake(
+        is_ball in any::<bool>(),
+        room in 2e-4..8e-3f64,
+        height in 0.0..1.0f64,
+        rate in prop::sample::select(vec![30.0, 60.0]),
+    ) {
+        let (size, seconds) = (0.2, 0.8);
+        let blocks = (0..12).map(|number| {
+            let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let y = -0.25 * (f64::from(number / 2) + 0.5);
+            fixed([0.2, 0.25, 0.6], [side * (0.5 * size + room + 0.1), y, 0.0])
+        });
+        let start = 0.12 + 0.3 * height;
+        let body = BodyDesc { position: [0.0, start, 0.0], ..mover(is_ball, size) };
+        let (_, [end, _, spin]) = run(blocks.chain([body]).collect(), rate, seconds, G);
+        let fallen = start - 0.5 * G * seconds * seconds;
+        prop_assert!((end.y - fallen).abs() < 1e-9 && spin.length() < 1e-9, "{end}, {spin}");
+    }
+
+    /// The centre of a body that bounces many times in a frame stays in the room.
+    #[test]
+    fn centres_stay_in_rooms(
+        shape in prop::sample::select(vec![[0.3, 0.3, 0.3], [0.4, 0.08, 0.3]]),
+        direction in prop::array::uniform3(-1.0..1.0f64),
+        spin in prop::array::uniform3(-20.0..20.0f64),
+        speed in 50.0..200.0f64,
+    ) {
+        let (half, thick) = (1.0, 0.2);
+        let wall = |side: usize| {
+            let mut size = [2.0 * (half + thick); 3];
+            let mut position = [0.0; 3];
+            size[side / 2] = thick;
+            position[side / 2] = (half + 0.5 * thick) * if side % 2 == 0 { 1.0 } else { -1.0 };
+            fixed(size, position)
+        };
+        let velocity = speed * DVec3::from_array(direction).normalize_or(DVec3::X);
+        let body = BodyDesc {
+            linear_velocity: velocity.to_array(),
+            angular_velocity: spin,
+            restitution: 0.5,
+            ..BodyDesc::new("body", cuboid(shape))
+        };
+        let (_, [end, ..]) = run((0..6).map(wall).chain([body]).collect(), 30.0, 0.5, G);
+        prop_assert!(end.abs().max_element() < half, "{end}");
+    }
+}
