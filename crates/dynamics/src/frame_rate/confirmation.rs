@@ -168,7 +168,7 @@ impl<I: Instructions> Group<I> {
             }
         }
         if asked.is_empty() {
-            return asked.into_iter().map(|number| number as usize).collect();
+            return Vec::new();
         }
         asked.sort_unstable();
         asked.dedup();
