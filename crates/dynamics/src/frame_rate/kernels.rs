@@ -106,10 +106,11 @@ impl<I: Instructions> ContactBatch<I> {
             let turns = |side: usize| {
                 let LaneVelocities { angular, radius, .. } = sides.of[side];
                 let turn = angular.dot(angular);
-                let moved = self.points[..self.point_count].iter().fold(Single::ZERO, |most, point| {
-                    let way = angular.cross(point.anchors[side]);
-                    most.max(way.dot(way))
-                });
+                let moved =
+                    self.points[..self.point_count].iter().fold(Single::ZERO, |most, point| {
+                        let way = angular.cross(point.anchors[side]);
+                        most.max(way.dot(way))
+                    });
                 let moves = moved.above(turn * radius * radius * Single::same(ALONG_AXIS));
                 moves.select(turn, Single::ZERO)
             };

@@ -30,7 +30,6 @@ const THIN: f64 = 1e-2;
 pub(crate) struct RoundPair<'a> {
     pair_motion: &'a PairMotion<'a>,
     round: Revolved,
-    partner: ConvexShape<'a>,
     round_is_first: bool,
     /// Half thickness of the thinner body [m].
     thin: f64,
@@ -76,7 +75,7 @@ pub(crate) fn revolved_points(
     };
     let thin = half_extent(0).min(half_extent(1));
     let close = (PREFERENCE * pair_motion.size).min(THIN * thin);
-    let pair = RoundPair { pair_motion, round, partner, round_is_first, thin, close };
+    let pair = RoundPair { pair_motion, round, round_is_first, thin, close };
     pair.append(&shape, scratch, points);
     true
 }
@@ -108,12 +107,12 @@ impl RoundPair<'_> {
             Instant { round: &round, partner: shape, separation, angular, close: self.close };
         let mut found = Vec::with_capacity(8);
         instant.points(&mut found);
-        found.retain(|point| self.can_touch(&instant, point, touch.time));
+        found.retain(|point| self.can_touch(point, touch.time));
         self.few(&instant, &mut found, scratch);
         if let [alone] = found[..] {
             found[0] = instant.alone(alone);
         }
-        points.extend(found.iter().map(|point| self.manifold_point(&instant, point, touch.time)));
+        points.extend(found.iter().map(|point| self.manifold_point(point, touch.time)));
     }
 
     /// Paths of the body of revolution and of its partner.
@@ -170,12 +169,12 @@ impl RoundPair<'_> {
     }
 
     /// True for a point that can touch within the frame from a separated start.
-    fn can_touch(&self, instant: &Instant, point: &RoundPoint, time: f64) -> bool {
-        let gap = point.gap(instant.separation.normal);
+    fn can_touch(&self, point: &RoundPoint, time: f64) -> bool {
+        let gap = point.gap();
         if gap > self.pair_motion.search {
             return false;
         }
-        time == 0.0 || self.manifold_point(instant, point, time).gap >= gap.min(0.0)
+        time == 0.0 || self.manifold_point(point, time).gap >= gap.min(0.0)
     }
 
     /// At most four points.
@@ -185,9 +184,9 @@ impl RoundPair<'_> {
         }
         let normal = instant.separation.normal;
         let candidate = |(index, point): (usize, &RoundPoint)| HullPoint {
-            on: point.on_surfaces(normal),
+            on: point.on_surfaces(),
             normal,
-            gap: point.gap(normal),
+            gap: point.gap(),
             feature: Feature::VertexOfFirst(index as u32),
         };
         scratch.points.clear();
@@ -200,10 +199,10 @@ impl RoundPair<'_> {
         *points = kept.collect();
     }
 
-    fn manifold_point(&self, instant: &Instant, point: &RoundPoint, time: f64) -> ManifoldPoint {
+    fn manifold_point(&self, point: &RoundPoint, time: f64) -> ManifoldPoint {
         let poses = self.paths().map(|path| path.pose(time));
         let [world_from_round, world_from_partner] = poses.map(|pose| pose.world_from_body());
-        let outward = world_from_partner.direction(instant.separation.normal);
+        let outward = world_from_partner.direction(point.normal);
         let [of_round, of_partner] = point.anchors;
         let in_world = [of_round, of_partner].map(|held| world_from_partner.point(held.point));
         let anchors = [world_from_round.inverse().point(in_world[0]), of_partner.point];
@@ -220,7 +219,7 @@ impl RoundPair<'_> {
         });
         let gap = (at_start[0] - at_start[1]).dot(outward) - roundings[0] - roundings[1];
         let normal = self.from_partner(outward);
-        let gap_then = point.gap(instant.separation.normal);
+        let gap_then = point.gap();
         let by_order =
             |pair: [DVec3; 2]| if self.round_is_first { pair } else { [pair[1], pair[0]] };
         let [anchor_first, anchor_second] = by_order(anchors);

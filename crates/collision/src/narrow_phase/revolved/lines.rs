@@ -32,6 +32,17 @@ pub(crate) fn lines_meet(
     ([nearest(between, first, second); 2], 1)
 }
 
+/// The stretch of the first line along which the second one lies, seen along a normal, from 0 to 1
+/// between the first one's ends.
+pub(crate) fn common_stretch(lines: [[DVec3; 2]; 2], normal: DVec3) -> Option<[f64; 2]> {
+    let flat = |way: DVec3| way - way.dot(normal) * normal;
+    let first = flat(lines[0][1] - lines[0][0]);
+    let part = |point: DVec3| flat(point - lines[0][0]).dot(first) / first.length_squared();
+    let [a, b] = lines[1].map(part);
+    let (begin, end) = (a.min(b).max(0.0), a.max(b).min(1.0));
+    (begin < end).then_some([begin, end])
+}
+
 /// Nearest points of two segments that begin `between` apart [Ericson, ch. 5.1.9].
 fn nearest(between: DVec3, first: DVec3, second: DVec3) -> [f64; 2] {
     let (a, e) = (first.length_squared(), second.length_squared());

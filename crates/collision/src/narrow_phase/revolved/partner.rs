@@ -22,15 +22,6 @@ impl Partner<'_> {
         }
     }
 
-    /// Somewhere inside [m].
-    pub(crate) fn middle(&self) -> DVec3 {
-        match self {
-            Self::Revolved(placed) => placed.middle,
-            Self::Hull(_) => DVec3::ZERO,
-            Self::Plane(plane) => plane.offset * plane.normal,
-        }
-    }
-
     /// A point of the core furthest in a direction [m]; for a plane, its foot.
     #[inline]
     pub(crate) fn support(&self, direction: DVec3) -> DVec3 {

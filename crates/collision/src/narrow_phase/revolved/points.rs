@@ -2,17 +2,19 @@
 
 use crate::narrow_phase::revolved::areas::{AreaPoint, OF_PARTNER, disc_on_area, line_on_area};
 use crate::narrow_phase::revolved::features::{Area, Facing, is_aligned, nearest_face};
-use crate::narrow_phase::revolved::lines::lines_meet;
+use crate::narrow_phase::revolved::lines::{common_stretch, lines_meet};
 use crate::narrow_phase::revolved::partner::{Partner, furthest_vertex};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::round_point::{Anchor, RimPoint, RoundPoint, fixed};
 use crate::narrow_phase::revolved::separation::Separation;
-use frangible_geometry::Hull;
+use frangible_geometry::{Hull, Revolved};
 use glam::DVec3;
 
-/// Cosine and sine of the angle within which a round side lies on a face, or on another side, and
-/// not on its edge: ten degrees.
-const LIES_ON: f64 = 0.985;
+/// Cosine of the angle within which a flat area faces another body: what lies over it may come down
+/// on it within the frame.
+const LEANS: f64 = 0.7;
+
+/// Sine of the angle within which lines are side by side, and sides face each other.
 const BESIDE: f64 = 0.17;
 
 /// Edges within this sine of being across the normal may touch [1].
@@ -24,6 +26,7 @@ const ONE_POINT: f64 = 1e-6;
 const SIDE: u64 = 16;
 const SIDE_OF_PARTNER: u64 = 18;
 const SINGLE: u64 = 20;
+const BALL: u64 = 21;
 
 /// A pair at an instant, in the partner's frame.
 pub(crate) struct Instant<'a> {
@@ -37,43 +40,83 @@ pub(crate) struct Instant<'a> {
 }
 
 impl<'a> Instant<'a> {
-    /// All points along the separation's normal, also those that are still far apart.
+    /// All points of an instant, also those that are still far apart.
     pub(crate) fn points(&self, points: &mut Vec<RoundPoint>) {
         let (round, normal) = (self.round, self.separation.normal);
         let mine = round.facing(-normal);
         match *self.partner {
             Partner::Plane(plane) => self.on_area(Area::Plane(plane), points),
-            Partner::Hull(hull) => {
-                let (face, cosine) = nearest_face(hull, normal);
-                match mine {
-                    _ if is_aligned(cosine) => self.on_area(Area::Face(hull, face), points),
-                    Facing::Disc(end) => self.disc(end, Area::Face(hull, face), points),
-                    Facing::Side if cosine > LIES_ON => {
-                        self.side_on_area(Area::Face(hull, face), points)
-                    }
-                    Facing::Side => self.side_on_edge(hull, points),
-                    Facing::Rim(_) => {}
+            Partner::Hull(hull) => self.with_hull(hull, mine, points),
+            Partner::Revolved(ref other) => self.with_round(other, mine, points),
+        }
+        // Where faces and sides have no common point, or where they miss the deepest one.
+        let deepest = points.iter().map(|point| point.gap()).fold(f64::INFINITY, f64::min);
+        if deepest > self.separation.gap + 2.0 * self.close {
+            points.push(self.single(mine));
+        }
+    }
+
+    fn with_hull(&self, hull: &Hull, mine: Facing, points: &mut Vec<RoundPoint>) {
+        let (round, normal) = (self.round, self.separation.normal);
+        let (face, cosine) = nearest_face(hull, normal);
+        let area = Area::Face(hull, face);
+        if is_aligned(cosine) {
+            return self.on_area(area, points);
+        }
+        match mine {
+            Facing::Disc(end) => self.disc(end, area, points),
+            Facing::Side => {
+                let line = side_line(round, -normal);
+                let edge = touching_edge(hull, normal, line[0].lerp(line[1], 0.5));
+                if is_along(line, edge) || cosine < LEANS {
+                    self.side_on_edge(hull, points);
+                } else {
+                    self.side_on_area(area, points);
                 }
             }
-            Partner::Revolved(ref other) => match (mine, other.facing(normal)) {
-                (_, Facing::Disc(end)) => self.on_area(Area::Disc(other, end), points),
-                (Facing::Disc(end), _) => match other.nearest_facing(normal) {
-                    Facing::Disc(other_end) => self.disc(end, Area::Disc(other, other_end), points),
-                    _ => self.other_side_on_disc(other, end, points),
-                },
-                (Facing::Side, _) | (_, Facing::Side)
-                    if round.off_side(-normal) < BESIDE && other.off_side(normal) < BESIDE =>
-                {
-                    self.side_on_side(other, points)
+            Facing::Rim(_) if !self.touches() => {}
+            Facing::Rim(_) => match round.nearest_facing(-normal) {
+                Facing::Disc(end) if round.end_normal(end).dot(-normal) > LEANS => {
+                    let edge = touching_edge(hull, normal, round.support(-normal));
+                    self.edge_on_disc(edge, end, points);
                 }
                 _ => {}
             },
         }
-        // Where faces and sides have no common point, or where they miss the deepest one.
-        let deepest = points.iter().map(|point| point.gap(normal)).fold(f64::INFINITY, f64::min);
-        if deepest > self.separation.gap + 2.0 * self.close {
-            points.push(self.single(mine));
+    }
+
+    fn with_round(&self, other: &PlacedRevolved, mine: Facing, points: &mut Vec<RoundPoint>) {
+        let (round, normal) = (self.round, self.separation.normal);
+        let theirs = other.facing(normal);
+        let is_flat = |facing: Facing| matches!(facing, Facing::Disc(_));
+        let is_pointed = |facing: Facing| matches!(facing, Facing::Rim(_));
+        if is_pointed(mine) && is_pointed(theirs) && !self.touches() {
+            return;
         }
+        let near = [round.nearest_facing(-normal), other.nearest_facing(normal)];
+        let leans = |body: &PlacedRevolved, facing: Facing, towards: DVec3| match facing {
+            Facing::Disc(end) => body.end_normal(end).dot(towards) > LEANS,
+            Facing::Side | Facing::Rim(_) => body.off_side(towards) < BESIDE,
+        };
+        let is_one_flat = is_flat(mine) || is_flat(theirs);
+        if !is_one_flat && !(leans(round, near[0], -normal) && leans(other, near[1], normal)) {
+            return;
+        }
+        match near {
+            [Facing::Disc(end), Facing::Disc(other_end)] => {
+                self.disc(end, Area::Disc(other, other_end), points);
+            }
+            [Facing::Disc(end), _] => self.other_side_on_disc(other, end, points),
+            [_, Facing::Disc(other_end)] => {
+                self.side_on_area(Area::Disc(other, other_end), points);
+            }
+            _ => self.side_on_side(other, points),
+        }
+    }
+
+    /// True for bodies that touch, not for such that pass each other.
+    fn touches(&self) -> bool {
+        self.separation.gap <= 4.0 * self.close
     }
 
     /// The feature nearest to facing a flat area, on the area.
@@ -95,7 +138,7 @@ impl<'a> Instant<'a> {
                 }
                 _ => None,
             };
-            RoundPoint { anchors: on.map(fixed), id, rim }
+            RoundPoint { anchors: on.map(fixed), normal: self.separation.normal, id, rim }
         }));
     }
 
@@ -108,7 +151,19 @@ impl<'a> Instant<'a> {
         for (which, part) in within.into_iter().enumerate().take(if is_one { 1 } else { 2 }) {
             let mine = hold_on_side(round, line, part, -normal);
             let below = area.drop(line[0].lerp(line[1], part), normal);
-            points.push(RoundPoint::new([mine, fixed(below)], SIDE + which as u64));
+            points.push(RoundPoint::new([mine, fixed(below)], normal, SIDE + which as u64));
+        }
+    }
+
+    /// An edge on a disc.
+    fn edge_on_disc(&self, edge: [DVec3; 2], end: usize, points: &mut Vec<RoundPoint>) {
+        let (area, normal) = (Area::Disc(self.round, end), self.separation.normal);
+        let Some(within) = line_on_area(edge, area, normal) else { return };
+        for (which, part) in within.into_iter().enumerate() {
+            let theirs = edge[0].lerp(edge[1], part);
+            let above = self.round.hold_fixed(area.drop(theirs, normal));
+            let id = SIDE_OF_PARTNER + which as u64;
+            points.push(RoundPoint::new([above, fixed(theirs)], normal, id));
         }
     }
 
@@ -121,7 +176,7 @@ impl<'a> Instant<'a> {
             let theirs = hold_on_side(other, line, part, normal);
             let above = area.drop(line[0].lerp(line[1], part), normal);
             let anchors = [self.round.hold_fixed(above), theirs];
-            points.push(RoundPoint::new(anchors, SIDE_OF_PARTNER + which as u64));
+            points.push(RoundPoint::new(anchors, normal, SIDE_OF_PARTNER + which as u64));
         }
     }
 
@@ -134,7 +189,7 @@ impl<'a> Instant<'a> {
         for (which, [mine, theirs]) in parts.into_iter().enumerate().take(count) {
             let anchors =
                 [hold_on_side(round, line, mine, -normal), fixed(edge[0].lerp(edge[1], theirs))];
-            points.push(RoundPoint::new(anchors, SIDE + which as u64));
+            points.push(RoundPoint::new(anchors, normal, SIDE + which as u64));
         }
     }
 
@@ -142,12 +197,45 @@ impl<'a> Instant<'a> {
         let (round, normal) = (self.round, self.separation.normal);
         let lines = [side_line(round, -normal), side_line(other, normal)];
         let (parts, count) = lines_meet(lines, normal, self.leaves([round, other]));
+        if count == 1 {
+            self.balls_on_side(other, lines, points);
+        }
         for (which, [mine, theirs]) in parts.into_iter().enumerate().take(count) {
             let anchors = [
                 hold_on_side(round, lines[0], mine, -normal),
                 hold_on_side(other, lines[1], theirs, normal),
             ];
-            points.push(RoundPoint::new(anchors, SIDE + which as u64));
+            points.push(RoundPoint::new(anchors, normal, SIDE + which as u64));
+        }
+    }
+
+    /// Where sides cross at a small angle, their common point runs along them as they turn: balls
+    /// on the axis at both ends of the common stretch, as large as the body, meet the other one.
+    fn balls_on_side(
+        &self,
+        other: &PlacedRevolved,
+        lines: [[DVec3; 2]; 2],
+        points: &mut Vec<RoundPoint>,
+    ) {
+        let (round, normal) = (self.round, self.separation.normal);
+        let Some(within) = common_stretch(lines, normal) else { return };
+        // The partner's frame is this one.
+        let surface = Revolved { ends: other.ends, rounding: other.rounding };
+        for (which, part) in within.into_iter().enumerate() {
+            let ball = hold_on_side(round, lines[0], part, -normal);
+            let (distance, outward) = surface.distance_and_gradient(ball.point);
+            if round.off_side(-outward) > BESIDE {
+                continue;
+            }
+            let core = ball.point - (distance + other.rounding) * outward;
+            let facing = other.facing(outward);
+            let theirs = if facing == Facing::Side {
+                let (_, _, radius) = other.split(core - other.middle);
+                other.hold_by_axis(core, radius, outward)
+            } else {
+                other.hold_fixed(core)
+            };
+            points.push(RoundPoint::new([ball, theirs], outward, BALL + which as u64));
         }
     }
 
@@ -181,7 +269,7 @@ impl<'a> Instant<'a> {
         };
         let anchor = hold_single(round, mine, point, -normal, self.angular[0]);
         let id = if let Facing::Rim(end) = mine { 4 * end as u64 } else { SINGLE };
-        RoundPoint::new([anchor, theirs], id)
+        RoundPoint::new([anchor, theirs], normal, id)
     }
 
     /// The same point with the rim that touches alone held as it moves.
@@ -200,6 +288,13 @@ impl<'a> Instant<'a> {
         }
         RoundPoint { anchors: [mine, theirs], ..point }
     }
+}
+
+/// True for lines that are nearly parallel.
+fn is_along([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {
+    let (first, second) = (b - a, d - c);
+    let both = first.length_squared() * second.length_squared();
+    first.cross(second).length_squared() <= BESIDE * BESIDE * both
 }
 
 /// The line of the side that faces a direction, from the lower to the higher disc [m].

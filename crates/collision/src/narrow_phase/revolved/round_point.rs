@@ -31,26 +31,28 @@ pub(crate) struct RimPoint {
 pub(crate) struct RoundPoint {
     /// Of the body of revolution and of the partner.
     pub(crate) anchors: [Anchor; 2],
+    /// Unit, from the partner.
+    pub(crate) normal: DVec3,
     /// The same for the same features.
     pub(crate) id: u64,
     pub(crate) rim: Option<RimPoint>,
 }
 
 impl RoundPoint {
-    pub(crate) fn new(anchors: [Anchor; 2], id: u64) -> Self {
-        Self { anchors, id, rim: None }
+    pub(crate) fn new(anchors: [Anchor; 2], normal: DVec3, id: u64) -> Self {
+        Self { anchors, normal, id, rim: None }
     }
 
     /// Separation of the surfaces along the normal [m].
-    pub(crate) fn gap(&self, normal: DVec3) -> f64 {
+    pub(crate) fn gap(&self) -> f64 {
         let [round, partner] = self.anchors;
-        (round.point - partner.point).dot(normal) - round.rounding - partner.rounding
+        (round.point - partner.point).dot(self.normal) - round.rounding - partner.rounding
     }
 
     /// Points on both surfaces [m].
-    pub(crate) fn on_surfaces(&self, normal: DVec3) -> [DVec3; 2] {
+    pub(crate) fn on_surfaces(&self) -> [DVec3; 2] {
         let [round, partner] = self.anchors;
-        [round.point - round.rounding * normal, partner.point + partner.rounding * normal]
+        [round.point - round.rounding * self.normal, partner.point + partner.rounding * self.normal]
     }
 }
 
