@@ -28,6 +28,9 @@ const SIDE_OF_PARTNER: u64 = 18;
 const SINGLE: u64 = 20;
 const BALL: u64 = 21;
 
+/// Parts of a stretch between such balls [1].
+const BALLS: u64 = 4;
+
 /// A pair at an instant, in the partner's frame.
 pub(crate) struct Instant<'a> {
     pub(crate) round: &'a PlacedRevolved,
@@ -209,8 +212,8 @@ impl<'a> Instant<'a> {
         }
     }
 
-    /// Where sides cross at a small angle, their common point runs along them as they turn: balls
-    /// on the axis at both ends of the common stretch, as large as the body, meet the other one.
+    /// Where sides cross, their common point runs along them as they turn: balls along the axis, as
+    /// large as the body, meet the other one.
     fn balls_on_side(
         &self,
         other: &PlacedRevolved,
@@ -221,7 +224,8 @@ impl<'a> Instant<'a> {
         let Some(within) = common_stretch(lines, normal) else { return };
         // The partner's frame is this one.
         let surface = Revolved { ends: other.ends, rounding: other.rounding };
-        for (which, part) in within.into_iter().enumerate() {
+        for which in 0..=BALLS {
+            let part = within[0] + (within[1] - within[0]) * which as f64 / BALLS as f64;
             let ball = hold_on_side(round, lines[0], part, -normal);
             let (distance, outward) = surface.distance_and_gradient(ball.point);
             if round.off_side(-outward) > BESIDE {
@@ -235,7 +239,7 @@ impl<'a> Instant<'a> {
             } else {
                 other.hold_fixed(core)
             };
-            points.push(RoundPoint::new([ball, theirs], outward, BALL + which as u64));
+            points.push(RoundPoint::new([ball, theirs], outward, BALL + which));
         }
     }
 
