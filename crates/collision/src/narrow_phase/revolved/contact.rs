@@ -13,7 +13,7 @@ use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::{Instant, is_of_partner};
 use crate::narrow_phase::revolved::round_point::RoundPoint;
-use crate::narrow_phase::revolved::separation::{Separation, contact_separation, separation};
+use crate::narrow_phase::revolved::separation::{Separation, contact_separation, quick_separation};
 use frangible_bodies::{BallisticPath, Pose};
 use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
@@ -138,7 +138,7 @@ impl RoundPair<'_> {
         let (round, poses) = self.placed(time);
         let partner_from_world = poses[1].orientation.conjugate();
         let guess = partner_from_world * self.from_partner(guess);
-        let found = separation(&round, shape, self.pair_motion.size, guess);
+        let found = quick_separation(&round, shape, self.pair_motion.size, guess);
         let normal = self.from_partner(poses[1].orientation * found.normal);
         Apart { time, gap: found.gap, normal, parting: self.parting(&found, &round, &poses, time) }
     }

@@ -48,10 +48,78 @@ pub(crate) fn contact_separation(
     let mut search = Search::new(round, partner, close);
     search.flat();
     // Overlap this small needs no better normal.
-    if search.depth > close {
-        search.pointed();
+    if search.depth <= close {
+        return overlapping(&search);
     }
+    let peeled = peeled(&search, size);
+    match peeled {
+        Some(peeled) if peeled.depth <= SHALLOW * close => {
+            return Separation {
+                gap: -peeled.depth - round.rounding - partner.rounding(),
+                normal: peeled.normal,
+                on: Some(peeled.on),
+            };
+        }
+        Some(peeled) => search.offer(peeled.normal),
+        None if search.depth <= SHALLOW * close => return overlapping(&search),
+        None => {}
+    }
+    search.pointed();
     overlapping(&search)
+}
+
+/// Bodies that overlap by more than this multiple of `close` may have a better normal far from the
+/// present one [1].
+const SHALLOW: f64 = 40.0;
+
+/// Steps of [`peeled`]: each leaves about the overlap, relative to the bodies' curvature, of the
+/// error.
+const PEELINGS: usize = 5;
+
+/// A normal found by moving one body out of the other.
+struct Peeled {
+    depth: f64,
+    normal: DVec3,
+    on: [DVec3; 2],
+}
+
+/// Least overlap near the best flat normal: moved apart along a normal by little more than they
+/// overlap, the bodies are closest along a better one. `None` if no normal is better.
+fn peeled(search: &Search, size: f64) -> Option<Peeled> {
+    const MORE: f64 = 1.1;
+    const LEAST: f64 = 1e-4;
+    const GAINS: f64 = 1e-7;
+    let (mut depth, mut normal) = (search.depth, search.normal);
+    let mut best = None;
+    for _ in 0..PEELINGS {
+        let shift = (MORE * depth + LEAST * size) * normal;
+        let moved = PlacedRevolved { middle: search.round.middle + shift, ..*search.round };
+        let closest = closest_points(&moved, search.partner, size, normal)?;
+        let next = search.overlap(closest.normal);
+        let gain = depth - next;
+        if gain <= GAINS * size {
+            break;
+        }
+        (depth, normal) = (next, closest.normal);
+        let on = [closest.on[0] - shift, closest.on[1]];
+        best = (depth < search.depth - search.margin).then_some(Peeled { depth, normal, on });
+    }
+    best
+}
+
+/// Separation as far as it is known without search for the least overlap: cores that overlap have a
+/// gap of minus both roundings, and the guess as their normal.
+pub(crate) fn quick_separation(
+    round: &PlacedRevolved,
+    partner: &Partner,
+    size: f64,
+    guess: DVec3,
+) -> Separation {
+    apart(round, partner, size, guess).unwrap_or_else(|| Separation {
+        gap: -round.rounding - partner.rounding(),
+        normal: guess.normalize_or(DVec3::Y),
+        on: None,
+    })
 }
 
 fn overlapping(search: &Search) -> Separation {
