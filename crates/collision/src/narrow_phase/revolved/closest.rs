@@ -9,9 +9,10 @@ use glam::DVec3;
 /// Steps of the search [1]. Round bodies take 5 to 20, flat ones fewer.
 const MOST_STEPS: usize = 64;
 
-/// The distance is known to this part of the smaller body's size: the normal is then known to its
-/// root, where it is unique.
-const PRECISE: f64 = 1e-12;
+/// The distance is known to this part of the smaller body's size: for contacts, whose normal is then
+/// known to its root where it is unique, and for times.
+pub(crate) const PRECISE: f64 = 1e-10;
+pub(crate) const COARSE: f64 = 1e-6;
 
 /// Cores nearer than this part of the smaller body's size are taken as touching: the way between
 /// them has no direction that rounding leaves alone.
@@ -28,11 +29,12 @@ pub(crate) struct Closest {
     pub(crate) on: [DVec3; 2],
 }
 
-/// `None` for cores that touch or overlap. `guess` is a direction from the partner.
+/// `None` for cores that touch or overlap. `guess` is a direction from the partner. Beyond `most`
+/// [m] the distance is only known to be larger; `precise` is relative to `size` [m].
 pub(crate) fn closest_points(
     round: &PlacedRevolved,
     partner: &Partner,
-    size: f64,
+    (size, precise, most): (f64, f64, f64),
     guess: DVec3,
 ) -> Option<Closest> {
     let support = |normal: DVec3| {
@@ -48,7 +50,7 @@ pub(crate) fn closest_points(
         }
         let next = support(way);
         let least = next.between.dot(way) / distance;
-        if distance - least <= PRECISE * size || simplex.contains(&next) {
+        if distance - least <= precise * size || least > most || simplex.contains(&next) {
             break;
         }
         let better = simplex.with(next)?;

@@ -84,12 +84,12 @@ impl RoundPair<'_> {
     fn append(&self, shape: &Partner, scratch: &mut Scratch, points: &mut Vec<ManifoldPoint>) {
         let motion = self.pair_motion;
         let guess = motion.paths[0].start.position - motion.paths[1].start.position;
-        let start = self.apart(shape, 0.0, guess);
+        let start = self.apart(shape, (0.0, motion.reach), guess);
         if start.gap > motion.reach {
             return;
         }
         let meeting = Meeting {
-            at: &|time, guess| self.apart(shape, time, guess),
+            at: &|time, guess| self.apart(shape, (time, f64::INFINITY), guess),
             closing: &|time, normal| self.fastest_closing(time, normal),
             dt: motion.frame.dt,
             touch: TOUCH * self.thin,
@@ -133,12 +133,12 @@ impl RoundPair<'_> {
         (PlacedRevolved::new(&self.round, &partner.inverse().after(&round)), poses)
     }
 
-    /// Both bodies at an instant.
-    fn apart(&self, shape: &Partner, time: f64, guess: DVec3) -> Apart {
+    /// Both bodies at an instant; beyond `most` [m] the gap is only known to be larger.
+    fn apart(&self, shape: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
         let (round, poses) = self.placed(time);
         let partner_from_world = poses[1].orientation.conjugate();
         let guess = partner_from_world * self.from_partner(guess);
-        let found = quick_separation(&round, shape, self.pair_motion.size, guess);
+        let found = quick_separation(&round, shape, (self.pair_motion.size, most), guess);
         let normal = self.from_partner(poses[1].orientation * found.normal);
         Apart { time, gap: found.gap, normal, parting: self.parting(&found, &round, &poses, time) }
     }

@@ -1,6 +1,6 @@
 //! Separation of a body of revolution from its partner, and the normal of their contact.
 
-use crate::narrow_phase::revolved::closest::closest_points;
+use crate::narrow_phase::revolved::closest::{COARSE, PRECISE, closest_points};
 use crate::narrow_phase::revolved::overlap::Search;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
@@ -25,7 +25,7 @@ pub(crate) fn separation(
     size: f64,
     guess: DVec3,
 ) -> Separation {
-    if let Some(apart) = apart(round, partner, size, guess) {
+    if let Some(apart) = apart(round, partner, (size, PRECISE, f64::INFINITY), guess) {
         return apart;
     }
     let mut search = Search::new(round, partner, 0.0);
@@ -42,7 +42,7 @@ pub(crate) fn contact_separation(
     (size, close): (f64, f64),
     guess: DVec3,
 ) -> Separation {
-    if let Some(apart) = apart(round, partner, size, guess) {
+    if let Some(apart) = apart(round, partner, (size, PRECISE, f64::INFINITY), guess) {
         return preferred(round, partner, &apart, close).unwrap_or(apart);
     }
     let mut search = Search::new(round, partner, close);
@@ -94,7 +94,8 @@ fn peeled(search: &Search, size: f64) -> Option<Peeled> {
     for _ in 0..PEELINGS {
         let shift = (MORE * depth + LEAST * size) * normal;
         let moved = PlacedRevolved { middle: search.round.middle + shift, ..*search.round };
-        let closest = closest_points(&moved, search.partner, size, normal)?;
+        let closest =
+            closest_points(&moved, search.partner, (size, PRECISE, f64::INFINITY), normal)?;
         let next = search.overlap(closest.normal);
         let gain = depth - next;
         if gain <= GAINS * size {
@@ -107,15 +108,16 @@ fn peeled(search: &Search, size: f64) -> Option<Peeled> {
     best
 }
 
-/// Separation as far as it is known without search for the least overlap: cores that overlap have a
-/// gap of minus both roundings, and the guess as their normal.
+/// Separation for the time of a touch, without search for the least overlap: cores that overlap have
+/// a gap of minus both roundings, and the guess as their normal. Beyond `most` [m] the gap is only
+/// known to be larger.
 pub(crate) fn quick_separation(
     round: &PlacedRevolved,
     partner: &Partner,
-    size: f64,
+    (size, most): (f64, f64),
     guess: DVec3,
 ) -> Separation {
-    apart(round, partner, size, guess).unwrap_or_else(|| Separation {
+    apart(round, partner, (size, COARSE, most), guess).unwrap_or_else(|| Separation {
         gap: -round.rounding - partner.rounding(),
         normal: guess.normalize_or(DVec3::Y),
         on: None,
@@ -128,7 +130,12 @@ fn overlapping(search: &Search) -> Separation {
 }
 
 /// Separated cores, and all that meets a plane.
-fn apart(round: &PlacedRevolved, partner: &Partner, size: f64, guess: DVec3) -> Option<Separation> {
+fn apart(
+    round: &PlacedRevolved,
+    partner: &Partner,
+    (size, precise, most): (f64, f64, f64),
+    guess: DVec3,
+) -> Option<Separation> {
     let rounding = round.rounding + partner.rounding();
     if let Partner::Plane(plane) = partner {
         let normal = plane.normal;
@@ -137,7 +144,7 @@ fn apart(round: &PlacedRevolved, partner: &Partner, size: f64, guess: DVec3) -> 
         let on_plane = on_round - plane.distance(on_round) * normal;
         return Some(Separation { gap, normal, on: Some([on_round, on_plane]) });
     }
-    let closest = closest_points(round, partner, size, guess)?;
+    let closest = closest_points(round, partner, (size, precise, most + rounding), guess)?;
     let gap = closest.distance - rounding;
     Some(Separation { gap, normal: closest.normal, on: Some(closest.on) })
 }

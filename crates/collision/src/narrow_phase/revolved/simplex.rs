@@ -48,30 +48,64 @@ impl Simplex {
     pub(crate) fn with(&self, corner: Difference) -> Option<Self> {
         let mut all = self.corners;
         all[self.count] = corner;
-        match self.count {
-            1 => Some(of_segment(all[0], all[1])),
-            2 => Some(of_triangle(all[0], all[1], all[2])),
-            _ => of_tetrahedron(&all),
+        let points = all.map(|corner| corner.between);
+        let part = match self.count {
+            1 => of_segment(&points, 0, 1),
+            2 => of_triangle(&points, [0, 1, 2]),
+            _ => of_tetrahedron(&points)?,
+        };
+        let mut simplex = Self { corners: all, weights: [0.0; 4], count: 0 };
+        for (corner, weight) in all.into_iter().zip(part.weights) {
+            if weight > 0.0 {
+                simplex.corners[simplex.count] = corner;
+                simplex.weights[simplex.count] = weight;
+                simplex.count += 1;
+            }
         }
+        Some(simplex)
     }
 }
 
-fn of_segment(a: Difference, b: Difference) -> Simplex {
-    let along = b.between - a.between;
+/// The nearest point of some corners: weights of all, and its squared distance.
+#[derive(Clone, Copy)]
+struct Nearest {
+    weights: [f64; 4],
+    squared: f64,
+}
+
+impl Nearest {
+    fn new(points: &[DVec3; 4], corners: &[(usize, f64)]) -> Self {
+        let mut weights = [0.0; 4];
+        let mut point = DVec3::ZERO;
+        for &(corner, weight) in corners {
+            weights[corner] = weight;
+            point += weight * points[corner];
+        }
+        Self { weights, squared: point.length_squared() }
+    }
+
+    fn or(self, other: Self) -> Self {
+        if other.squared < self.squared { other } else { self }
+    }
+}
+
+fn of_segment(points: &[DVec3; 4], a: usize, b: usize) -> Nearest {
+    let along = points[b] - points[a];
     let length_squared = along.length_squared();
-    let part = if length_squared > 0.0 { -a.between.dot(along) / length_squared } else { 0.0 };
+    let part = if length_squared > 0.0 { -points[a].dot(along) / length_squared } else { 0.0 };
     if part <= 0.0 {
-        return Simplex::new(a);
+        return Nearest::new(points, &[(a, 1.0)]);
     }
     if part >= 1.0 {
-        return Simplex::new(b);
+        return Nearest::new(points, &[(b, 1.0)]);
     }
-    Simplex { corners: [a, b, a, a], weights: [1.0 - part, part, 0.0, 0.0], count: 2 }
+    Nearest::new(points, &[(a, 1.0 - part), (b, part)])
 }
 
-fn of_triangle(a: Difference, b: Difference, c: Difference) -> Simplex {
+fn of_triangle(points: &[DVec3; 4], corners: [usize; 3]) -> Nearest {
     // From the corner opposite of the longest side: two corners on a rim are near each other.
-    let way = |p: Difference, q: Difference| p.between.distance_squared(q.between);
+    let [a, b, c] = corners;
+    let way = |p: usize, q: usize| points[p].distance_squared(points[q]);
     let [of_a, of_b, of_c] = [way(b, c), way(c, a), way(a, b)];
     let [a, b, c] = if of_a >= of_b && of_a >= of_c {
         [a, b, c]
@@ -80,39 +114,34 @@ fn of_triangle(a: Difference, b: Difference, c: Difference) -> Simplex {
     } else {
         [c, a, b]
     };
-    let (ab, ac) = (b.between - a.between, c.between - a.between);
+    let (ab, ac) = (points[b] - points[a], points[c] - points[a]);
     let normal = ab.cross(ac);
     let area_squared = normal.length_squared();
-    // By the sides, not by the corners: corners on a rim are near each other and far away.
-    let of_b = -a.between.cross(ac).dot(normal) / area_squared;
-    let of_c = -ab.cross(a.between).dot(normal) / area_squared;
-    let of_a = 1.0 - of_b - of_c;
-    if area_squared > 0.0 && of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
-        return Simplex { corners: [a, b, c, a], weights: [of_a, of_b, of_c, 0.0], count: 3 };
+    if area_squared > 0.0 {
+        // By the sides, not by the corners: corners on a rim are near each other and far away.
+        let of_b = -points[a].cross(ac).dot(normal) / area_squared;
+        let of_c = -ab.cross(points[a]).dot(normal) / area_squared;
+        let of_a = 1.0 - of_b - of_c;
+        if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
+            return Nearest::new(points, &[(a, of_a), (b, of_b), (c, of_c)]);
+        }
     }
-    nearest_of([of_segment(a, b), of_segment(b, c), of_segment(c, a)])
+    of_segment(points, a, b).or(of_segment(points, b, c)).or(of_segment(points, c, a))
 }
 
-fn of_tetrahedron(all: &[Difference; 4]) -> Option<Simplex> {
-    let face = |opposite: usize| [1, 2, 3].map(|step| all[(opposite + step) % 4]);
-    let is_within = |opposite: usize| {
-        let [a, b, c] = face(opposite);
-        let normal = (b.between - a.between).cross(c.between - a.between);
-        let height = (all[opposite].between - a.between).dot(normal);
-        let of_origin = -a.between.dot(normal);
+fn of_tetrahedron(points: &[DVec3; 4]) -> Option<Nearest> {
+    const FACES: [[usize; 4]; 4] = [[1, 2, 3, 0], [2, 3, 0, 1], [3, 0, 1, 2], [0, 1, 2, 3]];
+    let is_within = |[a, b, c, opposite]: [usize; 4]| {
+        let normal = (points[b] - points[a]).cross(points[c] - points[a]);
+        let height = (points[opposite] - points[a]).dot(normal);
+        let of_origin = -points[a].dot(normal);
         of_origin * height > 0.0
     };
-    if (0..4).all(is_within) {
+    if FACES.into_iter().all(is_within) {
         return None;
     }
-    // All faces: which ones look at the origin is not certain for a flat tetrahedron.
-    Some(nearest_of([0, 1, 2, 3].map(|opposite| {
-        let [a, b, c] = face(opposite);
-        of_triangle(a, b, c)
-    })))
-}
-
-fn nearest_of<const N: usize>(all: [Simplex; N]) -> Simplex {
-    let way = |simplex: &Simplex| simplex.nearest().length_squared();
-    all.into_iter().fold(all[0], |a, b| if way(&b) < way(&a) { b } else { a })
+    // The newest corner is on the nearest face. All faces with it: which ones look at the origin is
+    // not certain for a flat tetrahedron.
+    let [first, second, third, _] = FACES.map(|[a, b, c, _]| of_triangle(points, [a, b, c]));
+    Some(first.or(second).or(third))
 }
