@@ -292,7 +292,7 @@ mod tests {
                     }
                 } else {
                     assert!(
-                        (8..=13).contains(&samples.len()) || samples.len() == 14,
+                        (8..=14).contains(&samples.len()) || samples.len() == 26,
                         "{}",
                         samples.len()
                     );

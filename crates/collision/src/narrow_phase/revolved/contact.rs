@@ -99,7 +99,7 @@ impl RoundPair<'_> {
 
         let (round, poses) = self.placed(touch.time);
         let partner_from_world = poses[1].orientation.conjugate();
-        let guess = self.from_partner(partner_from_world * touch.normal);
+        let guess = self.seen_by_order(partner_from_world * touch.normal);
         let sizes = (motion.size, self.close);
         let separation = contact_separation(&round, shape, sizes, guess);
         let angular = self.paths().map(|path| partner_from_world * path.angular);
@@ -121,8 +121,9 @@ impl RoundPair<'_> {
         if self.round_is_first { [first, second] } else { [second, first] }
     }
 
-    /// A normal from the second body to the first as one from the partner, and back.
-    fn from_partner(&self, normal: DVec3) -> DVec3 {
+    /// A normal from the second body to the first as one from the partner to the body of revolution,
+    /// and back.
+    fn seen_by_order(&self, normal: DVec3) -> DVec3 {
         if self.round_is_first { normal } else { -normal }
     }
 
@@ -137,9 +138,9 @@ impl RoundPair<'_> {
     fn apart(&self, shape: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
         let (round, poses) = self.placed(time);
         let partner_from_world = poses[1].orientation.conjugate();
-        let guess = partner_from_world * self.from_partner(guess);
+        let guess = partner_from_world * self.seen_by_order(guess);
         let found = quick_separation(&round, shape, (self.pair_motion.size, most), guess);
-        let normal = self.from_partner(poses[1].orientation * found.normal);
+        let normal = self.seen_by_order(poses[1].orientation * found.normal);
         Apart { time, gap: found.gap, normal, parting: self.parting(&found, &round, &poses, time) }
     }
 
@@ -218,7 +219,7 @@ impl RoundPair<'_> {
             self.paths()[side].start.world_from_body().point(anchors[side])
         });
         let gap = (at_start[0] - at_start[1]).dot(outward) - roundings[0] - roundings[1];
-        let normal = self.from_partner(outward);
+        let normal = self.seen_by_order(outward);
         let gap_then = point.gap();
         let by_order =
             |pair: [DVec3; 2]| if self.round_is_first { pair } else { [pair[1], pair[0]] };
@@ -237,3 +238,6 @@ impl RoundPair<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

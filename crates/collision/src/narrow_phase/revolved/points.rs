@@ -102,7 +102,8 @@ impl<'a> Instant<'a> {
             Facing::Side | Facing::Rim(_) => body.off_side(towards) < BESIDE,
         };
         let is_one_flat = is_flat(mine) || is_flat(theirs);
-        if !is_one_flat && !(leans(round, near[0], -normal) && leans(other, near[1], normal)) {
+        let both_lean = leans(round, near[0], -normal) && leans(other, near[1], normal);
+        if !is_one_flat && !both_lean {
             return;
         }
         match near {
