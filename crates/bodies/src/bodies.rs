@@ -282,6 +282,16 @@ impl Bodies {
         }
     }
 
+    /// The part of an angular velocity of a body that moves its surface [rad/s]: spin of a body of
+    /// revolution about its axis does not.
+    #[inline]
+    pub fn sweeping_spin(&self, i: usize, pose: &Pose, angular: DVec3) -> DVec3 {
+        match self.shapes[i].revolved() {
+            Some(_) => angular - angular.project_onto_normalized(pose.orientation * DVec3::Y),
+            None => angular,
+        }
+    }
+
     /// Angular velocity of body `i` in the world frame, at the given time levels [rad/s].
     #[inline]
     pub fn spin(&self, i: usize, pose: &Pose, velocity: &Velocity) -> DVec3 {

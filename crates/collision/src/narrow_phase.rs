@@ -8,5 +8,6 @@ pub(crate) mod finder;
 pub(crate) mod hull_hull;
 pub(crate) mod hull_plane;
 pub(crate) mod pair_motion;
+pub(crate) mod revolved;
 pub(crate) mod samples;
 pub(crate) mod sphere;

@@ -5,14 +5,17 @@ use crate::narrow_phase::compound::near_parts;
 use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::revolved::contact::{as_partner, round_and_partner};
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::separation::separation as separation_of_round;
 use crate::narrow_phase::samples::deepest;
 use crate::relative_motion::{placed, second_from_first};
 use frangible_bodies::{Bodies, Pair, Pose};
 use frangible_math::{RigidTransform, Width};
 
 /// Penetration depth [m] of each overlapping pair with at least one dynamic body, in increasing
-/// order of the pairs: minimum translation for balls, half-spaces and convex polyhedra; deepest
-/// part for compounds; deepest sample for level sets.
+/// order of the pairs: minimum translation for balls, half-spaces, bodies of revolution and convex
+/// polyhedra; deepest part for compounds; deepest sample for level sets.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut scratch = Scratch::default();
     let depth =
@@ -86,7 +89,13 @@ fn separation(
                 hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
             Some(heights.fold(f64::INFINITY, f64::min))
         }
-        _ => None,
+        _ => {
+            let (round, partner, round_is_first) = round_and_partner(convex_shapes)?;
+            let partner_from_round =
+                if round_is_first { second_from_first } else { &first_from_second };
+            let round = PlacedRevolved::new(&round, partner_from_round);
+            Some(separation_of_round(&round, &as_partner(&partner)?, size, round.middle).gap)
+        }
     }
 }
 

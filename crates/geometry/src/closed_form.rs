@@ -1,12 +1,14 @@
-//! Plane, sphere, box and cylinder in closed form: bodies, and the oracles of the tests.
+//! Plane, sphere, box, cylinder, capsule and cone in closed form: bodies, and the oracles of the
+//! tests.
 
 use crate::half_space::HalfSpace;
 use crate::mass_properties::MassProperties;
+use crate::revolved::{Revolved, RevolvedEnd};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// A shape whose signed distance, gradient and mass properties are formulas. Centred at the origin
-/// of its frame.
+/// A shape whose signed distance, gradient and mass properties are formulas. Its centre of mass is
+/// the origin of its frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClosedForm {
     /// The ground: everything below a plane. Has no volume, so it can only be static.
@@ -28,9 +30,41 @@ pub enum ClosedForm {
         /// Half of the height [m].
         half_height: f64,
     },
+    /// All within `radius` of a segment of the y axis.
+    Capsule {
+        /// [m]
+        radius: f64,
+        /// Half of the segment [m].
+        half_height: f64,
+    },
+    /// Around the y axis, its apex up: the base lies a quarter of the height below the origin.
+    Cone {
+        /// Of the base [m].
+        radius: f64,
+        /// [m]
+        height: f64,
+    },
 }
 
 impl ClosedForm {
+    /// The body of revolution around the y axis; `None` for other forms.
+    #[inline]
+    pub fn revolved(&self) -> Option<Revolved> {
+        let end = |height: f64, radius: f64| RevolvedEnd { height, radius };
+        match *self {
+            Self::Cylinder { radius, half_height } => Some(Revolved {
+                ends: [end(-half_height, radius), end(half_height, radius)],
+                rounding: 0.0,
+            }),
+            Self::Capsule { radius, half_height } => Some(Revolved {
+                ends: [end(-half_height, 0.0), end(half_height, 0.0)],
+                rounding: radius,
+            }),
+            Self::Cone { radius, height } => Some(cone(radius, height)),
+            Self::HalfSpace(_) | Self::Sphere { .. } | Self::Box { .. } => None,
+        }
+    }
+
     /// Signed distance [m], negative inside, and its unit gradient. Where several points of the
     /// surface are nearest (a sphere's centre, a box's diagonals), the gradient belongs to one of
     /// them, always the same.
@@ -56,6 +90,11 @@ impl ClosedForm {
                 ));
                 (distance, gradient.x * outward + gradient.y * sign(point).y * DVec3::Y)
             }
+            Self::Capsule { radius, half_height } => {
+                let (length, direction) = length_and_direction(from_segment(point, half_height));
+                (length - radius, if length > 0.0 { direction } else { DVec3::X })
+            }
+            Self::Cone { radius, height } => cone(radius, height).distance_and_gradient(point),
         }
     }
 
@@ -73,6 +112,10 @@ impl ClosedForm {
                     f64::NEG_INFINITY,
                 ))
             }
+            Self::Capsule { radius, half_height } => {
+                from_segment(point, half_height).length() - radius
+            }
+            Self::Cone { radius, height } => cone(radius, height).distance_and_gradient(point).0,
         }
     }
 
@@ -83,6 +126,13 @@ impl ClosedForm {
             Self::Sphere { radius } => DVec3::splat(radius),
             Self::Box { half } => half,
             Self::Cylinder { radius, half_height } => DVec3::new(radius, half_height, radius),
+            Self::Capsule { radius, half_height } => {
+                DVec3::new(radius, half_height + radius, radius)
+            }
+            Self::Cone { radius, height } => {
+                let low = DVec3::new(-radius, -0.25 * height, -radius);
+                return (low, DVec3::new(radius, 0.75 * height, radius));
+            }
         };
         (-high, high)
     }
@@ -105,10 +155,38 @@ impl ClosedForm {
                 let across = 0.25 * radius * radius + half_height * half_height / 3.0;
                 (2.0 * PI * radius * radius * half_height, DVec3::new(across, around, across))
             }
+            Self::Capsule { radius, half_height } => {
+                // A cylinder and two half balls, whose centres of mass are 3/8 of the radius beyond
+                // its ends.
+                let square = radius * radius;
+                let (side, ball) =
+                    (2.0 * PI * square * half_height, 4.0 / 3.0 * PI * square * radius);
+                let beyond = half_height * (half_height + 0.75 * radius);
+                let around = 0.5 * side * square + 0.4 * ball * square;
+                let across = side * (0.25 * square + half_height * half_height / 3.0)
+                    + ball * (0.4 * square + beyond);
+                let volume = side + ball;
+                (volume, DVec3::new(across, around, across) / volume)
+            }
+            Self::Cone { radius, height } => {
+                let around = 0.3 * radius * radius;
+                let across = 0.15 * radius * radius + 0.0375 * height * height;
+                (PI / 3.0 * radius * radius * height, DVec3::new(across, around, across))
+            }
         };
         let inertia = DMat3::from_diagonal(volume * moments_per_volume);
         Some(MassProperties { volume, center: DVec3::ZERO, inertia })
     }
+}
+
+fn cone(radius: f64, height: f64) -> Revolved {
+    let end = |height: f64, radius: f64| RevolvedEnd { height, radius };
+    Revolved { ends: [end(-0.25 * height, radius), end(0.75 * height, 0.0)], rounding: 0.0 }
+}
+
+/// From the nearest point of a segment of the y axis [m].
+fn from_segment(point: DVec3, half_height: f64) -> DVec3 {
+    point - point.y.clamp(-half_height, half_height) * DVec3::Y
 }
 
 /// Length and direction of a vector, without underflow; the direction of zero is y.
@@ -156,12 +234,15 @@ mod tests {
         (-half..half, -half..half, -half..half).prop_map(|(x, y, z)| DVec3::new(x, y, z))
     }
 
-    fn forms() -> [ClosedForm; 4] {
+    fn forms() -> [ClosedForm; 7] {
         [
             ClosedForm::HalfSpace(HalfSpace { normal: DVec3::new(0.6, 0.8, 0.0), offset: 0.3 }),
             ClosedForm::Sphere { radius: 0.8 },
             ClosedForm::Box { half: DVec3::new(0.5, 0.9, 0.2) },
             ClosedForm::Cylinder { radius: 0.7, half_height: 0.4 },
+            ClosedForm::Capsule { radius: 0.3, half_height: 0.4 },
+            ClosedForm::Cone { radius: 0.7, height: 0.9 },
+            ClosedForm::Cone { radius: 0.1, height: 1.9 },
         ]
     }
 
@@ -275,8 +356,24 @@ mod tests {
         };
         let cylinder = through_discs(half_height, &|_| radius * radius);
         let sphere = through_discs(radius, &|y| radius * radius - y * y);
-        let solids = [ClosedForm::Cylinder { radius, half_height }, ClosedForm::Sphere { radius }];
-        for (form, (volume, moments)) in solids.iter().zip([cylinder, sphere]) {
+        let capsule = through_discs(half_height + radius, &|y| {
+            let beyond = (y.abs() - half_height).max(0.0);
+            radius * radius - beyond * beyond
+        });
+        // The origin is a quarter of the height above the base.
+        let height = 1.5;
+        let mut cone = through_discs(0.5 * height, &|y| {
+            let part = 0.5 - y / height;
+            radius * radius * part * part
+        });
+        cone.1 -= DVec3::new(1.0, 0.0, 1.0) * (cone.0 * (0.25 * height) * (0.25 * height));
+        let solids = [
+            ClosedForm::Cylinder { radius, half_height },
+            ClosedForm::Sphere { radius },
+            ClosedForm::Capsule { radius, half_height },
+            ClosedForm::Cone { radius, height },
+        ];
+        for (form, (volume, moments)) in solids.iter().zip([cylinder, sphere, capsule, cone]) {
             let exact = form.mass_properties().unwrap();
             assert!((exact.volume - volume).abs() < 1e-7);
             assert!((exact.inertia - DMat3::from_diagonal(moments)).abs_diff_eq(DMat3::ZERO, 1e-7));

@@ -2,9 +2,10 @@
 
 use crate::closed_form::ClosedForm;
 use crate::mesh::TriMesh;
+use crate::revolved::RevolvedEnd;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Sides of a cylinder, as the whole one is drawn.
 pub(crate) const DRAWN_SIDES: u32 = 48;
@@ -17,6 +18,23 @@ pub fn closed_form_surface(form: &ClosedForm) -> TriMesh {
         ClosedForm::Sphere { radius } => ball(radius),
         ClosedForm::Box { half } => cuboid(half),
         ClosedForm::Cylinder { radius, half_height } => cylinder(radius, half_height),
+        ClosedForm::Capsule { radius, half_height } => {
+            // Rings of both half balls, from end to end; the middle ones are the side's.
+            const RINGS: u32 = DRAWN_SIDES / 4;
+            let ring = |n: u32, up: f64| {
+                let angle = FRAC_PI_2 * f64::from(n) / f64::from(RINGS);
+                let height = up * (half_height + radius * libm::sin(angle));
+                RevolvedEnd { height, radius: radius * libm::cos(angle) }
+            };
+            let low = (0..RINGS).rev().map(|n| ring(n, -1.0));
+            let rings: Vec<RevolvedEnd> = low.chain((0..RINGS).map(|n| ring(n, 1.0))).collect();
+            let tip = half_height + radius;
+            turned(&rings, [-tip, tip])
+        }
+        ClosedForm::Cone { radius, height } => {
+            let (low, high) = (-0.25 * height, 0.75 * height);
+            turned(&[RevolvedEnd { height: low, radius }], [low, high])
+        }
     }
 }
 
@@ -100,6 +118,32 @@ fn cylinder(radius: f64, half_height: f64) -> TriMesh {
     TriMesh { positions, triangles }
 }
 
+/// Rings around the y axis, from the lowest, and fans from them to two points of the axis.
+fn turned(rings: &[RevolvedEnd], tips: [f64; 2]) -> TriMesh {
+    const SIDES: u32 = DRAWN_SIDES;
+    let mut positions = vec![tips[0] * DVec3::Y, tips[1] * DVec3::Y];
+    for ring in rings {
+        positions.extend((0..SIDES).map(|side| {
+            let angle = TAU * f64::from(side) / f64::from(SIDES);
+            let (x, z) = (libm::cos(angle), libm::sin(angle));
+            DVec3::new(ring.radius * x, ring.height, ring.radius * z)
+        }));
+    }
+    let mut triangles = Vec::new();
+    let last = 2 + SIDES * (rings.len() as u32 - 1);
+    for side in 0..SIDES {
+        let next = (side + 1) % SIDES;
+        triangles.push([0, 2 + side, 2 + next]);
+        for ring in 0..rings.len() as u32 - 1 {
+            let (low, high) = (2 + SIDES * ring, 2 + SIDES * (ring + 1));
+            triangles.push([low + side, high + side, low + next]);
+            triangles.push([low + next, high + side, high + next]);
+        }
+        triangles.push([1, last + next, last + side]);
+    }
+    TriMesh { positions, triangles }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +154,8 @@ mod tests {
             (ClosedForm::Sphere { radius: 0.7 }, 0.01),
             (ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.9) }, 1e-14),
             (ClosedForm::Cylinder { radius: 0.4, half_height: 0.3 }, 0.01),
+            (ClosedForm::Capsule { radius: 0.4, half_height: 0.3 }, 0.01),
+            (ClosedForm::Cone { radius: 0.4, height: 0.3 }, 0.01),
         ];
         for (form, tolerance) in forms {
             let mesh = closed_form_surface(&form);

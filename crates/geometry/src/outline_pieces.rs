@@ -6,7 +6,7 @@ use crate::grid_solid::{GridSolid, Root};
 use crate::half_space::HalfSpace;
 use crate::level_set::LevelSet;
 use crate::sampled_normal::sampled_normal;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A smooth surface; the solid lies on the negative side of all of them.
 enum Piece<'a> {
@@ -17,6 +17,14 @@ enum Piece<'a> {
     /// The side of a cylinder around the y axis.
     Side {
         radius: f64,
+    },
+    /// A capsule.
+    Capsule(ClosedForm),
+    /// The side of a cone around the y axis: its radius at the origin, and its normal away from the
+    /// axis and along it.
+    Cone {
+        radius: f64,
+        side: DVec2,
     },
     /// A level set's zero; smooth only between its own sharp features.
     Sampled(&'a LevelSet),
@@ -130,6 +138,12 @@ fn pieces_of(form: &ClosedForm) -> Vec<Piece<'static>> {
                 face(DVec3::NEG_Y, half_height),
             ]
         }
+        ClosedForm::Capsule { .. } => vec![Piece::Capsule(*form)],
+        ClosedForm::Cone { radius, height } => {
+            let side = DVec2::new(height, radius).normalize();
+            let at_origin = 0.75 * radius;
+            vec![Piece::Cone { radius: at_origin, side }, face(DVec3::NEG_Y, 0.25 * height)]
+        }
     }
 }
 
@@ -139,6 +153,11 @@ impl Piece<'_> {
             Self::Plane(plane) => plane.distance(point),
             Self::Sphere { radius } => point.length() - radius,
             Self::Side { radius } => (point.x * point.x + point.z * point.z).sqrt() - radius,
+            Self::Capsule(form) => form.distance(point),
+            Self::Cone { radius, side } => {
+                let from_axis = (point.x * point.x + point.z * point.z).sqrt();
+                side.dot(DVec2::new(from_axis - radius, point.y))
+            }
             Self::Sampled(level_set) => f64::from(level_set.value(point)),
         }
     }
@@ -148,6 +167,11 @@ impl Piece<'_> {
             Self::Plane(plane) => return plane.normal,
             Self::Sphere { .. } => point,
             Self::Side { .. } => DVec3::new(point.x, 0.0, point.z),
+            Self::Capsule(form) => return form.distance_and_gradient(point).1,
+            Self::Cone { side, .. } => {
+                let outward = DVec3::new(point.x, 0.0, point.z).normalize_or(DVec3::X);
+                return side.x * outward + side.y * DVec3::Y;
+            }
             Self::Sampled(level_set) => {
                 return sampled_normal(level_set, point).unwrap_or(DVec3::Y);
             }

@@ -10,6 +10,7 @@ use crate::hull::samples::hull_samples;
 use crate::mass_properties::{MassProperties, NoMass};
 use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
+use crate::revolved::Revolved;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
 use crate::surface_samples::closed_form_samples;
 use frangible_math::RigidTransform;
@@ -115,8 +116,8 @@ impl Shape {
     }
 
     /// A formula that can break, into exact polyhedra: its mass and its hull are those of a
-    /// polyhedron of its volume, see [`Hull::ball`] and [`Hull::cylinder`], so that nothing changes
-    /// when it does.
+    /// polyhedron of its volume and its centre of mass, see [`Hull::ball`], [`Hull::cylinder`],
+    /// [`Hull::capsule`] and [`Hull::cone`], so that nothing changes when it does.
     ///
     /// # Errors
     /// For a half-space, which has no volume.
@@ -126,6 +127,8 @@ impl Shape {
             ClosedForm::Box { half } => Hull::cuboid(half),
             ClosedForm::Sphere { radius } => Hull::ball(radius),
             ClosedForm::Cylinder { radius, half_height } => Hull::cylinder(radius, half_height),
+            ClosedForm::Capsule { radius, half_height } => Hull::capsule(radius, half_height),
+            ClosedForm::Cone { radius, height } => Hull::cone(radius, height),
         };
         let mass = hull.mass_properties();
         let moments =
@@ -133,7 +136,7 @@ impl Shape {
         // Moments that are equal but for rounding give no axes.
         let unit_moments = match form {
             ClosedForm::Sphere { .. } => DVec3::splat(moments.element_sum() / 3.0),
-            ClosedForm::Cylinder { .. } => {
+            ClosedForm::Cylinder { .. } | ClosedForm::Capsule { .. } | ClosedForm::Cone { .. } => {
                 let across = 0.5 * (moments.x + moments.z);
                 DVec3::new(across, moments.y, across)
             }
@@ -284,6 +287,13 @@ impl Shape {
             Geometry::ClosedForm(_) => self.hull.as_deref(),
             Geometry::Compound(_) | Geometry::Grid(_) => None,
         }
+    }
+
+    /// The body of revolution around the y axis of the body frame; `None` for other shapes.
+    #[inline]
+    pub fn revolved(&self) -> Option<Revolved> {
+        // The grid frame of a formula is its body frame.
+        if let Geometry::ClosedForm(form) = &self.geometry { form.revolved() } else { None }
     }
 
     /// Signed distance [m] and its unit gradient at a point in the body frame [m].

@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::level_set::LevelSet;
 use glam::{DVec3, Vec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Points on the surface of a solid in its grid frame [m], about `spacing` [m] apart but not closer
 /// than the grid's nodes: all corners, then points along edges, then on faces.
@@ -127,6 +127,10 @@ pub(crate) fn closed_form_samples(form: &ClosedForm, spacing: f64) -> Vec<Vec3> 
         ClosedForm::Cylinder { radius, half_height } => {
             cylinder_samples(radius, half_height, spacing)
         }
+        ClosedForm::Capsule { radius, half_height } => {
+            capsule_samples(radius, half_height, spacing)
+        }
+        ClosedForm::Cone { radius, height } => cone_samples(radius, height, spacing),
     }
 }
 
@@ -171,15 +175,7 @@ fn box_samples(half: DVec3, spacing: f64) -> Vec<Vec3> {
 /// Rings around the side, from rim to rim, and smaller rings on both caps down to their middles.
 fn cylinder_samples(radius: f64, half_height: f64, spacing: f64) -> Vec<Vec3> {
     let mut samples = Vec::new();
-    let mut ring = |radius: f64, y: f64| {
-        let count = steps(TAU * radius, spacing, if radius > 0.0 { 6 } else { 1 });
-        for n in 0..count {
-            let angle = TAU * n as f64 / count as f64;
-            samples.push(
-                DVec3::new(radius * libm::cos(angle), y, radius * libm::sin(angle)).as_vec3(),
-            );
-        }
-    };
+    let mut ring = |radius: f64, y: f64| add_ring(&mut samples, radius, y, spacing);
     let rows = steps(2.0 * half_height, spacing, 1);
     for row in 0..=rows {
         ring(radius, half_height * (2.0 * row as f64 / rows as f64 - 1.0));
@@ -191,6 +187,52 @@ fn cylinder_samples(radius: f64, half_height: f64, spacing: f64) -> Vec<Vec3> {
         }
     }
     samples
+}
+
+/// Rings around the side and around both half balls, up to their tips.
+fn capsule_samples(radius: f64, half_height: f64, spacing: f64) -> Vec<Vec3> {
+    let mut samples = Vec::new();
+    let rows = steps(2.0 * half_height, spacing, 1);
+    for row in 0..=rows {
+        let y = half_height * (2.0 * row as f64 / rows as f64 - 1.0);
+        add_ring(&mut samples, radius, y, spacing);
+    }
+    let rings = steps(FRAC_PI_2 * radius, spacing, 2);
+    for n in 1..=rings {
+        let angle = FRAC_PI_2 * n as f64 / rings as f64;
+        let around = if n == rings { 0.0 } else { radius * libm::cos(angle) };
+        for up in [-1.0, 1.0] {
+            let y = up * (half_height + radius * libm::sin(angle));
+            add_ring(&mut samples, around, y, spacing);
+        }
+    }
+    samples
+}
+
+/// Rings around the side, from the rim to the apex, and smaller rings on the base.
+fn cone_samples(radius: f64, height: f64, spacing: f64) -> Vec<Vec3> {
+    let mut samples = Vec::new();
+    let (low, high) = (-0.25 * height, 0.75 * height);
+    let rows = steps((radius * radius + height * height).sqrt(), spacing, 1);
+    for row in 0..=rows {
+        let part = row as f64 / rows as f64;
+        add_ring(&mut samples, radius * (1.0 - part), low + part * (high - low), spacing);
+    }
+    let rings = steps(radius, spacing, 1);
+    for inner in 0..rings {
+        add_ring(&mut samples, radius * inner as f64 / rings as f64, low, spacing);
+    }
+    samples
+}
+
+/// At least six points around the y axis, or one on it.
+fn add_ring(samples: &mut Vec<Vec3>, radius: f64, y: f64, spacing: f64) {
+    let count = steps(TAU * radius, spacing, if radius > 0.0 { 6 } else { 1 });
+    for n in 0..count {
+        let angle = TAU * n as f64 / count as f64;
+        let point = DVec3::new(radius * libm::cos(angle), y, radius * libm::sin(angle));
+        samples.push(point.as_vec3());
+    }
 }
 
 #[cfg(test)]
@@ -224,6 +266,8 @@ mod tests {
             ClosedForm::Sphere { radius: 0.5 },
             ClosedForm::Box { half: DVec3::new(0.5, 0.2, 0.33) },
             ClosedForm::Cylinder { radius: 0.3, half_height: 0.4 },
+            ClosedForm::Capsule { radius: 0.2, half_height: 0.3 },
+            ClosedForm::Cone { radius: 0.3, height: 0.8 },
         ];
         for form in &forms {
             for spacing in [0.1, 0.23, 5.0] {
@@ -248,7 +292,7 @@ mod tests {
                     }
                 } else {
                     assert!(
-                        (8..=13).contains(&samples.len()) || samples.len() == 14,
+                        (8..=14).contains(&samples.len()) || samples.len() == 26,
                         "{}",
                         samples.len()
                     );

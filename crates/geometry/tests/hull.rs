@@ -139,9 +139,13 @@ fn round_bodies_keep_their_volume_as_polyhedra() {
     let (radius, half_height) = (0.7, 0.4);
     let ball = ClosedForm::Sphere { radius };
     let drum = ClosedForm::Cylinder { radius, half_height };
+    let capsule = ClosedForm::Capsule { radius, half_height };
+    let cone = ClosedForm::Cone { radius, height: 0.9 };
     for (form, hull, counts, off, moments_off) in [
         (ball, Hull::ball(radius), (80, 42, 120), 0.0445, 1e-2),
         (drum, Hull::cylinder(radius, half_height), (48, 26, 72), 0.006, 1e-3),
+        (capsule, Hull::capsule(radius, half_height), (72, 62, 132), 0.0625, 3e-2),
+        (cone, Hull::cone(radius, 0.9), (25, 25, 48), 0.006, 1e-3),
     ] {
         check(&hull, 1e-14);
         assert_eq!((hull.vertices().len(), hull.faces().len(), hull.edges().len()), counts);

@@ -20,7 +20,8 @@ pub struct BallisticPath {
     pub acceleration: DVec3,
     /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
     pub radius: f64,
-    /// No point of the body turns faster [m/s].
+    /// No part of the surface turns faster [m/s]; spin of a body of revolution about its axis moves
+    /// none.
     pub spin_speed: f64,
 }
 
@@ -54,7 +55,8 @@ impl BallisticPath {
                 (velocity.linear, angular, frame.gravity)
             }
         };
-        let (spin, radius) = (angular.length(), bodies.radii[i]);
+        let across = bodies.sweeping_spin(i, &start, angular);
+        let (spin, radius) = (across.length(), bodies.radii[i]);
         // Unbounded bodies have no spin.
         let spin_speed = if spin > 0.0 { spin * radius } else { 0.0 };
         Self { start, linear, angular, acceleration, radius, spin_speed }

@@ -1,4 +1,4 @@
-//! Exact contacts between balls, polyhedra and planes.
+//! Exact contacts between balls, polyhedra, planes and bodies of revolution.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
@@ -6,6 +6,7 @@ use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_plane::plane_points;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::revolved::contact::revolved_points;
 use crate::narrow_phase::sphere::BallContact;
 use glam::DVec3;
 
@@ -36,7 +37,7 @@ pub(crate) fn exact_points(
         [ConvexShape::Ground(ground), ConvexShape::Hull(hull)] => {
             let _ = plane_points(pair_motion, hull, false, ground, scratch, points);
         }
-        _ => return false,
+        _ => return revolved_points(pair_motion, convex_shapes, scratch, points),
     }
     true
 }

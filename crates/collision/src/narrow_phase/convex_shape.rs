@@ -1,6 +1,6 @@
 //! Collision shapes: exact convex shapes, or samples.
 
-use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Revolved, Shape};
 use glam::DVec3;
 
 /// Collision shape of a body, or of a part.
@@ -12,6 +12,8 @@ pub(crate) enum ConvexShape<'a> {
     Hull(&'a Hull),
     /// In the body frame.
     Ground(HalfSpace),
+    /// Around the y axis of the body frame.
+    Revolved(Revolved),
     /// Any other shape.
     Other(&'a Shape),
 }
@@ -24,6 +26,11 @@ impl<'a> ConvexShape<'a> {
             (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => {
                 Self::Ground(*half_space)
             }
+            (Geometry::ClosedForm(form), hull) => match (form.revolved(), hull) {
+                (Some(revolved), _) => Self::Revolved(revolved),
+                (None, Some(hull)) => Self::Hull(hull),
+                (None, None) => Self::Other(shape),
+            },
             (_, Some(hull)) => Self::Hull(hull),
             _ => Self::Other(shape),
         }
@@ -37,6 +44,7 @@ impl<'a> ConvexShape<'a> {
             }
             Self::Hull(hull) => hull.distance_and_gradient(point_body),
             Self::Ground(half_space) => (half_space.distance(point_body), half_space.normal),
+            Self::Revolved(revolved) => revolved.distance_and_gradient(point_body),
             Self::Other(shape) => shape.distance_and_gradient(point_body),
         }
     }

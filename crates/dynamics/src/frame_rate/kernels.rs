@@ -20,6 +20,9 @@ const HALF_TURN: f32 = 1e-3;
 /// of the time.
 const POINT_SWEEPS: u32 = 4;
 
+/// Squared sine below which an arm lies along the axis of rotation, and does not turn [1].
+const ALONG_AXIS: f32 = 1e-4;
+
 /// Constants of a substep, common to all batches.
 pub(super) struct Substep<I> {
     /// [s]
@@ -100,11 +103,18 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let mut sides = self.sides(lines);
         if self.is_turned {
-            // Impulses on balls pass through the centre: rotation leaves them unchanged.
+            // Arms of balls are zero, and those of bodies of revolution lie along the axis: rotation
+            // leaves them unchanged.
             let turns = |side: usize| {
-                let (angular, center) = (sides.of[side].angular, self.centers[side]);
-                let has_arm = center.dot(center).above(Single::ZERO);
-                has_arm.select(angular.dot(angular), Single::ZERO)
+                let LaneVelocities { angular, radius, .. } = sides.of[side];
+                let turn = angular.dot(angular);
+                let moved =
+                    self.points[..self.point_count].iter().fold(Single::ZERO, |most, point| {
+                        let way = angular.cross(point.anchors[side]);
+                        most.max(way.dot(way))
+                    });
+                let moves = moved.above(turn * radius * radius * Single::same(ALONG_AXIS));
+                moves.select(turn, Single::ZERO)
             };
             let fastest = turns(0).max(turns(1)) * substep.h * substep.h;
             let spins = fastest.above(Single::same(SPINS * SPINS));

@@ -257,6 +257,8 @@ fn substeps_of_turn(bodies: &Bodies, i: usize, frame: &Frame) -> f64 {
     if inertia.is_infinite() || is_round(inertia) {
         return 0.0;
     }
-    let spin = bodies.spin(i, &bodies.poses[i], &bodies.velocities[i]).length();
-    spin * frame.dt / TURN
+    let pose = &bodies.poses[i];
+    let spin = bodies.spin(i, pose, &bodies.velocities[i]);
+    // Anchors on the axis of a body of revolution stay, at any spin about it.
+    bodies.sweeping_spin(i, pose, spin).length() * frame.dt / TURN
 }

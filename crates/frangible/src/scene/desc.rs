@@ -238,6 +238,27 @@ pub enum ShapeDesc {
         #[serde(default)]
         resolution: Resolution,
     },
+    /// All within a radius of a segment of the y axis.
+    Capsule {
+        /// [m]
+        radius: f64,
+        /// Of the segment, without the round ends [m].
+        height: f64,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
+    /// Around the y axis, its apex up; its base lies a quarter of its height below its centre of
+    /// mass, the origin.
+    Cone {
+        /// Of the base [m].
+        radius: f64,
+        /// [m]
+        height: f64,
+        /// Needed if it breaks.
+        #[serde(default)]
+        resolution: Resolution,
+    },
     /// The convex hull of points.
     Hull {
         /// At least four [m]; points inside the hull of the others have no effect.
@@ -348,6 +369,8 @@ impl ShapeDesc {
             | Self::Sphere { .. }
             | Self::Box { .. }
             | Self::Cylinder { .. }
+            | Self::Capsule { .. }
+            | Self::Cone { .. }
             | Self::Hull { .. } => true,
             Self::Compound { .. } | Self::Mesh { .. } | Self::Triangles { .. } => false,
         }
@@ -361,6 +384,8 @@ impl ShapeDesc {
             Self::Sphere { resolution, .. }
             | Self::Box { resolution, .. }
             | Self::Cylinder { resolution, .. }
+            | Self::Capsule { resolution, .. }
+            | Self::Cone { resolution, .. }
             | Self::Hull { resolution, .. }
             | Self::Compound { resolution, .. }
             | Self::Mesh { resolution, .. }

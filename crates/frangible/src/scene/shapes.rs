@@ -89,6 +89,16 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
             let half_height = 0.5 * at.field("height").length(*height)?;
             from_form(ClosedForm::Cylinder { radius, half_height }, resolution, make, at)
         }
+        ShapeDesc::Capsule { radius, height, resolution } => {
+            let radius = at.field("radius").length(*radius)?;
+            let half_height = 0.5 * at.field("height").length(*height)?;
+            from_form(ClosedForm::Capsule { radius, half_height }, resolution, make, at)
+        }
+        ShapeDesc::Cone { radius, height, resolution } => {
+            let radius = at.field("radius").length(*radius)?;
+            let height = at.field("height").length(*height)?;
+            from_form(ClosedForm::Cone { radius, height }, resolution, make, at)
+        }
         ShapeDesc::Hull { points, resolution } => from_points(points, resolution, make, at),
         ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, make, at),
         ShapeDesc::Mesh { path, scale, thickness, resolution } => {

@@ -4,9 +4,10 @@ use super::Hull;
 use super::face_loops::FaceLoops;
 use super::half_edges::HalfEdgeMesh;
 use crate::half_space::HalfSpace;
+use crate::hull::edges::plane_of;
 use crate::hull::plane_clip::PlaneClipper;
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Parts into which a ball's polyhedron divides the edges of an icosahedron. With two there are 42
 /// faces and 80 vertices, all within 4.4 % of the radius from the sphere; with three 92 and 180
@@ -15,6 +16,14 @@ const BALL_FREQUENCY: usize = 2;
 
 /// Sides of a cylinder's prism: within 0.6 % of the radius.
 const CYLINDER_SIDES: u32 = 24;
+
+/// Sides of a capsule's polyhedron, and where its flat ends lie, relative to the radius: within 6.2 %
+/// of it.
+const CAPSULE_SIDES: u32 = 12;
+const CAPSULE_END: f64 = 0.95;
+
+/// Steps of Newton's method for a capsule's radius: to rounding.
+const NEWTON_STEPS: usize = 6;
 
 impl Hull {
     /// A polyhedron with the volume of a ball around the origin [m], and as much of its symmetry as
@@ -37,6 +46,43 @@ impl Hull {
         // The circle around a polygon whose area is that of the cylinder's.
         let turn = TAU / f64::from(CYLINDER_SIDES);
         prism(radius * (turn / libm::sin(turn)).sqrt(), half_height, CYLINDER_SIDES)
+    }
+
+    /// A polyhedron around the y axis with the volume of a capsule [m]: a prism, and a ring of
+    /// slanted faces and a flat end for each half ball.
+    pub fn capsule(radius: f64, half_height: f64) -> Self {
+        // All corners lie at one radius, the rings between the side and the ends at 45 degrees.
+        let polyhedron = |radius: f64| {
+            let diagonal = radius * FRAC_1_SQRT_2;
+            let tip = radius * CAPSULE_END;
+            let rings = [
+                (radius * (1.0 - CAPSULE_END * CAPSULE_END).sqrt(), -half_height - tip),
+                (diagonal, -half_height - diagonal),
+                (radius, -half_height),
+                (radius, half_height),
+                (diagonal, half_height + diagonal),
+                (radius * (1.0 - CAPSULE_END * CAPSULE_END).sqrt(), half_height + tip),
+            ];
+            stacked_rings(&rings, CAPSULE_SIDES)
+        };
+        let exact = PI * radius * radius * (2.0 * half_height + 4.0 / 3.0 * radius);
+        // Newton's method for the radius of this volume.
+        let mut around = radius;
+        for _ in 0..NEWTON_STEPS {
+            let volume = polyhedron(around).volume();
+            let step = 1e-4 * radius;
+            let slope = (polyhedron(around + step).volume() - volume) / step;
+            around -= (volume - exact) / slope;
+        }
+        polyhedron(around)
+    }
+
+    /// A pyramid around the y axis with the volume of a cone [m], its centre of mass the origin.
+    pub fn cone(radius: f64, height: f64) -> Self {
+        let turn = TAU / f64::from(CYLINDER_SIDES);
+        let around = radius * (turn / libm::sin(turn)).sqrt();
+        let rings = [(around, -0.25 * height), (0.0, 0.75 * height)];
+        stacked_rings(&rings, CYLINDER_SIDES)
     }
 
     /// Larger by a factor, all faces outer ones.
@@ -71,6 +117,54 @@ pub(super) fn prism(radius: f64, half_height: f64, sides: u32) -> Hull {
         planes.push(HalfSpace { normal, offset: half_height });
         let around = (0..sides).map(|side| 2 * side + u32::from(top));
         if top { loops.push(false, around.rev()) } else { loops.push(false, around) }
+    }
+    Hull::new(vertices, planes, HalfEdgeMesh::of(&loops).unwrap_or_default())
+}
+
+/// The convex polyhedron of regular polygons around the y axis, from the lowest, each with the
+/// radius of its corners and its height [m]; a radius of 0 is a point.
+fn stacked_rings(rings: &[(f64, f64)], sides: u32) -> Hull {
+    let turn = TAU / f64::from(sides);
+    let (mut vertices, mut firsts) = (Vec::new(), Vec::new());
+    for &(radius, height) in rings {
+        firsts.push((vertices.len() as u32, radius > 0.0));
+        let corners = if radius > 0.0 { sides } else { 1 };
+        vertices.extend((0..corners).map(|side| {
+            let angle = turn * f64::from(side);
+            DVec3::new(radius * libm::cos(angle), height, radius * libm::sin(angle))
+        }));
+    }
+    let corner = |ring: usize, side: u32| {
+        let (first, is_wide) = firsts[ring];
+        if is_wide { first + side % sides } else { first }
+    };
+    let (mut loops, mut planes) = (FaceLoops::default(), Vec::new());
+    let mut face = |corners: &[u32]| {
+        let points = corners.iter().map(|&vertex| vertices[vertex as usize]);
+        if let Some(plane) = plane_of(points) {
+            planes.push(plane);
+            loops.push(false, corners.iter().copied());
+        }
+    };
+    for ring in 0..rings.len() - 1 {
+        for side in 0..sides {
+            let mut corners = vec![
+                corner(ring, side),
+                corner(ring + 1, side),
+                corner(ring + 1, side + 1),
+                corner(ring, side + 1),
+            ];
+            corners.dedup();
+            face(&corners);
+        }
+    }
+    let last = rings.len() - 1;
+    let around = |ring: usize| (0..sides).map(move |side| corner(ring, side));
+    if firsts[0].1 {
+        face(&around(0).collect::<Vec<u32>>());
+    }
+    if firsts[last].1 {
+        face(&around(last).rev().collect::<Vec<u32>>());
     }
     Hull::new(vertices, planes, HalfEdgeMesh::of(&loops).unwrap_or_default())
 }

@@ -58,7 +58,10 @@ fn fine_hull(form: &ClosedForm) -> Option<Hull> {
         ClosedForm::Cylinder { radius, half_height } => {
             return Some(prism(radius, half_height, DRAWN_SIDES));
         }
-        ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => return None,
+        ClosedForm::Box { .. }
+        | ClosedForm::HalfSpace(_)
+        | ClosedForm::Capsule { .. }
+        | ClosedForm::Cone { .. } => return None,
     };
     Some(Hull::new(positions, planes, HalfEdgeMesh::of(&loops)?))
 }
@@ -90,7 +93,10 @@ fn planes_at_vertices(form: &ClosedForm, hull: &Hull) -> Vec<Option<Vec<DVec3>>>
 fn on_surface(form: &ClosedForm, from: DVec3, planes: &[DVec3]) -> Option<DVec3> {
     let radius = match *form {
         ClosedForm::Sphere { radius } | ClosedForm::Cylinder { radius, .. } => radius,
-        ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => return None,
+        ClosedForm::Box { .. }
+        | ClosedForm::HalfSpace(_)
+        | ClosedForm::Capsule { .. }
+        | ClosedForm::Cone { .. } => return None,
     };
     // Across the surface from its middle, or its axis.
     let across = |point: DVec3| match form {

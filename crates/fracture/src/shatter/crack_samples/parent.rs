@@ -48,7 +48,8 @@ impl<'a> Parent<'a> {
                 Curved::Nothing
             }
             Root::ClosedForm(ClosedForm::Sphere { radius }) => Curved::Sphere { radius: *radius },
-            Root::Sampled(_) => Curved::Sampled(solid),
+            Root::ClosedForm(ClosedForm::Capsule { .. } | ClosedForm::Cone { .. })
+            | Root::Sampled(_) => Curved::Sampled(solid),
         };
         let (low, high) = solid.grid().bounds();
         walls.extend(polygon::box_half_spaces(low, high));

@@ -1,0 +1,69 @@
+//! Closest points of two separated cores, by support points: the method of Gilbert, Johnson and
+//! Keerthi [GJK88].
+
+use crate::narrow_phase::revolved::partner::Partner;
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::simplex::{Difference, Simplex};
+use glam::DVec3;
+
+/// Steps of the search [1]. Round bodies take 5 to 20, flat ones fewer.
+const MOST_STEPS: usize = 64;
+
+/// The distance is known to this part of the smaller body's size: for contacts, whose normal is then
+/// known to its root where it is unique, and for times.
+pub(crate) const PRECISE: f64 = 1e-10;
+pub(crate) const COARSE: f64 = 1e-6;
+
+/// Cores nearer than this part of the smaller body's size are taken as touching: the way between
+/// them has no direction that rounding leaves alone.
+const TOUCHING: f64 = 1e-8;
+
+/// Closest points of two cores.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closest {
+    /// [m]
+    pub(crate) distance: f64,
+    /// Unit, from the partner to the body of revolution.
+    pub(crate) normal: DVec3,
+    /// On the body of revolution and on the partner [m].
+    pub(crate) on: [DVec3; 2],
+}
+
+/// `None` for cores that touch or overlap. `guess` is a direction from the partner. Beyond `most`
+/// [m] the distance is only known to be larger; `precise` is relative to `size` [m].
+pub(crate) fn closest_points(
+    round: &PlacedRevolved,
+    partner: &Partner,
+    (size, precise, most): (f64, f64, f64),
+    guess: DVec3,
+) -> Option<Closest> {
+    let support = |normal: DVec3| {
+        let on = [round.support(-normal), partner.support(normal)];
+        Difference { on, between: on[0] - on[1] }
+    };
+    let mut simplex = Simplex::new(support(guess));
+    let mut way = simplex.nearest();
+    for _ in 0..MOST_STEPS {
+        let distance = way.length();
+        if distance <= TOUCHING * size {
+            return None;
+        }
+        let next = support(way);
+        let least = next.between.dot(way) / distance;
+        if distance - least <= precise * size || least > most || simplex.contains(&next) {
+            break;
+        }
+        let better = simplex.with(next)?;
+        let nearest = better.nearest();
+        // Rounding ends the progress.
+        if nearest.length_squared() >= way.length_squared() {
+            break;
+        }
+        (simplex, way) = (better, nearest);
+    }
+    let distance = way.length();
+    if distance <= TOUCHING * size {
+        return None;
+    }
+    Some(Closest { distance, normal: way / distance, on: simplex.on_bodies() })
+}

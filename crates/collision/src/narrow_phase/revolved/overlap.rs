@@ -1,0 +1,193 @@
+//! The normal of least overlap of two cores: the best of all normals at which one feature of either
+//! may be deepest in the other.
+//!
+//! Overlap along a normal is the sum of both supports. A least one lies at a flat face of either
+//! body, or at a normal of two edges, one of them possibly round.
+
+use crate::narrow_phase::revolved::partner::Partner;
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::round_overlap::{across_both, rims};
+use frangible_geometry::Hull;
+use glam::DVec3;
+
+/// Golden-section steps of a search along an arc: to 1e-9 of it.
+const NARROWINGS: usize = 44;
+
+/// Normals tried along the arc of an edge's normals, to find the deepest of several.
+const ON_ARC: usize = 8;
+
+/// Search for the least overlap.
+pub(crate) struct Search<'a> {
+    pub(crate) round: &'a PlacedRevolved,
+    pub(crate) partner: &'a Partner<'a>,
+    /// A later normal must be better by this [m]: resting contacts keep theirs.
+    pub(crate) margin: f64,
+    /// Least overlap [m] so far, and its normal.
+    pub(crate) depth: f64,
+    pub(crate) normal: DVec3,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(round: &'a PlacedRevolved, partner: &'a Partner<'a>, margin: f64) -> Self {
+        Self { round, partner, margin, depth: f64::INFINITY, normal: DVec3::Y }
+    }
+
+    /// Overlap along a unit normal from the partner to the round body [m].
+    #[inline]
+    pub(crate) fn overlap(&self, normal: DVec3) -> f64 {
+        self.round.reach(-normal) + self.partner.reach(normal)
+    }
+
+    #[inline]
+    pub(crate) fn offer(&mut self, normal: DVec3) {
+        let depth = self.overlap(normal);
+        self.take(depth, normal);
+    }
+
+    #[inline]
+    fn take(&mut self, depth: f64, normal: DVec3) {
+        if depth < self.depth - self.margin {
+            (self.depth, self.normal) = (depth, normal);
+        }
+    }
+
+    /// Normals at which a flat face or the round side of either body meets the other: almost all
+    /// contacts at rest.
+    pub(crate) fn flat(&mut self) {
+        let (round, partner) = (self.round, self.partner);
+        if let Partner::Hull(hull) = partner {
+            for plane in hull.planes() {
+                self.take(round.reach(-plane.normal) + plane.offset, plane.normal);
+            }
+        }
+        self.offer(round.axis);
+        self.offer(-round.axis);
+        match partner {
+            Partner::Hull(hull) => self.side_of_round(hull),
+            Partner::Revolved(other) => {
+                self.offer(other.axis);
+                self.offer(-other.axis);
+                for normal in across_both(round, other) {
+                    self.offer(normal);
+                }
+            }
+            Partner::Plane(plane) => self.take(self.overlap(plane.normal), plane.normal),
+        }
+    }
+
+    /// All other normals.
+    pub(crate) fn pointed(&mut self) {
+        match self.partner {
+            Partner::Hull(hull) => self.rim_on_edges(hull),
+            Partner::Revolved(other) => rims(self, other),
+            Partner::Plane(_) => {}
+        }
+    }
+
+    /// The round side on vertices and on edges.
+    fn side_of_round(&mut self, hull: &Hull) {
+        let round = self.round;
+        for &vertex in hull.vertices() {
+            let outward = round.side_normal(round.radial(vertex - round.middle));
+            // At least as deep as this vertex.
+            if round.reach(outward) - vertex.dot(outward) < self.depth - self.margin {
+                self.offer(-outward);
+            }
+        }
+        for edge in hull.edges() {
+            let [start, end] = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
+            for outward in side_normals_across(round, end - start).into_iter().flatten() {
+                if round.reach(outward) - start.dot(outward) < self.depth - self.margin {
+                    self.offer(-outward);
+                }
+            }
+        }
+    }
+
+    /// A rim on edges: along the arc between the normals of both faces.
+    fn rim_on_edges(&mut self, hull: &Hull) {
+        let round = self.round;
+        for edge in hull.edges() {
+            let start = hull.vertices()[edge.vertices[0] as usize];
+            let normals = edge.faces.map(|face| hull.planes()[face as usize].normal);
+            // The overlap with the edge is convex along the chord of the arc.
+            let between = normals[1] - normals[0];
+            let value = |normal: DVec3| round.reach(-normal) + normal.dot(start);
+            let slope = |normal: DVec3| (start - round.support(-normal)).dot(between);
+            let values = normals.map(value);
+            let [rising, falling] = [slope(normals[0]), -slope(normals[1])];
+            let least = if rising >= 0.0 {
+                values[0]
+            } else if falling >= 0.0 {
+                values[1]
+            } else {
+                // Where both tangents meet.
+                let part = (values[1] - values[0] + falling) / (falling + rising);
+                values[0] + rising * part.clamp(0.0, 1.0)
+            };
+            if least >= self.depth - self.margin {
+                continue;
+            }
+            let normal_at = |part: f64| (normals[0] + part * between).normalize();
+            let part = least_along([0.0, 1.0], ON_ARC, |part| value(normal_at(part)));
+            self.offer(normal_at(part));
+        }
+    }
+}
+
+/// Normals of the round side across an edge.
+fn side_normals_across(round: &PlacedRevolved, edge: DVec3) -> [Option<DVec3>; 2] {
+    let (along, across, length) = round.split(edge);
+    if length == 0.0 {
+        return [None; 2];
+    }
+    let ahead = across / length;
+    let beside = round.axis.cross(ahead);
+    let cosine = -round.side.y * along / (round.side.x * length);
+    if cosine.abs() > 1.0 {
+        return [None; 2];
+    }
+    let sine = (1.0 - cosine * cosine).sqrt();
+    [sine, -sine].map(|sine| Some(round.side_normal(cosine * ahead + sine * beside)))
+}
+
+/// Where a function of one variable is least, between two values of it: the best of the
+/// neighbourhoods of all of `tries` that are better than both of their neighbours.
+pub(crate) fn least_along([low, high]: [f64; 2], tries: usize, value: impl Fn(f64) -> f64) -> f64 {
+    let step = (high - low) / tries as f64;
+    let at = |number: usize| low + step * number as f64;
+    let mut best = (f64::INFINITY, low);
+    let (mut before, mut here) = (f64::INFINITY, value(low));
+    for number in 0..=tries {
+        let after = if number < tries { value(at(number + 1)) } else { f64::INFINITY };
+        if here <= before && here <= after {
+            let range = [(at(number) - step).max(low), (at(number) + step).min(high)];
+            for found in [(here, at(number)), narrowed(range, &value)] {
+                if found.0 < best.0 {
+                    best = found;
+                }
+            }
+        }
+        (before, here) = (here, after);
+    }
+    best.1
+}
+
+/// The least value of a function with one valley, and where it is, by golden sections.
+fn narrowed([mut from, mut to]: [f64; 2], value: &impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let mut inner = [to - GOLDEN * (to - from), from + GOLDEN * (to - from)];
+    let mut values = inner.map(value);
+    for _ in 0..NARROWINGS {
+        if values[0] <= values[1] {
+            to = inner[1];
+            inner = [to - GOLDEN * (to - from), inner[0]];
+            values = [value(inner[0]), values[0]];
+        } else {
+            from = inner[0];
+            inner = [inner[1], from + GOLDEN * (to - from)];
+            values = [values[1], value(inner[1])];
+        }
+    }
+    if values[0] <= values[1] { (values[0], inner[0]) } else { (values[1], inner[1]) }
+}

@@ -1,0 +1,147 @@
+//! Point of a simplex nearest to the origin [Ericson, Real-Time Collision Detection, ch. 5.1].
+
+use glam::DVec3;
+
+/// A point of the difference of two bodies, and the points of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Difference {
+    /// On the first and on the second body [m].
+    pub(crate) on: [DVec3; 2],
+    /// From the second to the first [m].
+    pub(crate) between: DVec3,
+}
+
+/// Up to four corners, with the weights of the point nearest to the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Simplex {
+    pub(crate) corners: [Difference; 4],
+    pub(crate) weights: [f64; 4],
+    pub(crate) count: usize,
+}
+
+impl Simplex {
+    pub(crate) fn new(corner: Difference) -> Self {
+        Self { corners: [corner; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+    }
+
+    /// The nearest point [m].
+    pub(crate) fn nearest(&self) -> DVec3 {
+        self.weighted(|corner| corner.between)
+    }
+
+    /// The nearest points on both bodies [m].
+    pub(crate) fn on_bodies(&self) -> [DVec3; 2] {
+        [0, 1].map(|side| self.weighted(|corner| corner.on[side]))
+    }
+
+    fn weighted(&self, value: impl Fn(&Difference) -> DVec3) -> DVec3 {
+        let used = self.corners.iter().zip(self.weights).take(self.count);
+        used.map(|(corner, weight)| weight * value(corner)).sum()
+    }
+
+    pub(crate) fn contains(&self, other: &Difference) -> bool {
+        self.corners[..self.count].iter().any(|corner| corner.between == other.between)
+    }
+
+    /// The smallest simplex of these corners and a new one that holds the point nearest to the
+    /// origin; `None` if the origin is inside.
+    pub(crate) fn with(&self, corner: Difference) -> Option<Self> {
+        let mut all = self.corners;
+        all[self.count] = corner;
+        let points = all.map(|corner| corner.between);
+        let part = match self.count {
+            1 => of_segment(&points, 0, 1),
+            2 => of_triangle(&points, [0, 1, 2]),
+            _ => of_tetrahedron(&points)?,
+        };
+        let mut simplex = Self { corners: all, weights: [0.0; 4], count: 0 };
+        for (corner, weight) in all.into_iter().zip(part.weights) {
+            if weight > 0.0 {
+                simplex.corners[simplex.count] = corner;
+                simplex.weights[simplex.count] = weight;
+                simplex.count += 1;
+            }
+        }
+        Some(simplex)
+    }
+}
+
+/// The nearest point of some corners: weights of all, and its squared distance.
+#[derive(Clone, Copy)]
+struct Nearest {
+    weights: [f64; 4],
+    squared: f64,
+}
+
+impl Nearest {
+    fn new(points: &[DVec3; 4], corners: &[(usize, f64)]) -> Self {
+        let mut weights = [0.0; 4];
+        let mut point = DVec3::ZERO;
+        for &(corner, weight) in corners {
+            weights[corner] = weight;
+            point += weight * points[corner];
+        }
+        Self { weights, squared: point.length_squared() }
+    }
+
+    fn or(self, other: Self) -> Self {
+        if other.squared < self.squared { other } else { self }
+    }
+}
+
+fn of_segment(points: &[DVec3; 4], a: usize, b: usize) -> Nearest {
+    let along = points[b] - points[a];
+    let length_squared = along.length_squared();
+    let part = if length_squared > 0.0 { -points[a].dot(along) / length_squared } else { 0.0 };
+    if part <= 0.0 {
+        return Nearest::new(points, &[(a, 1.0)]);
+    }
+    if part >= 1.0 {
+        return Nearest::new(points, &[(b, 1.0)]);
+    }
+    Nearest::new(points, &[(a, 1.0 - part), (b, part)])
+}
+
+fn of_triangle(points: &[DVec3; 4], corners: [usize; 3]) -> Nearest {
+    // From the corner opposite of the longest side: two corners on a rim are near each other.
+    let [a, b, c] = corners;
+    let way = |p: usize, q: usize| points[p].distance_squared(points[q]);
+    let [of_a, of_b, of_c] = [way(b, c), way(c, a), way(a, b)];
+    let [a, b, c] = if of_a >= of_b && of_a >= of_c {
+        [a, b, c]
+    } else if of_b >= of_c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    };
+    let (ab, ac) = (points[b] - points[a], points[c] - points[a]);
+    let normal = ab.cross(ac);
+    let area_squared = normal.length_squared();
+    if area_squared > 0.0 {
+        // By the sides, not by the corners: corners on a rim are near each other and far away.
+        let of_b = -points[a].cross(ac).dot(normal) / area_squared;
+        let of_c = -ab.cross(points[a]).dot(normal) / area_squared;
+        let of_a = 1.0 - of_b - of_c;
+        if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
+            return Nearest::new(points, &[(a, of_a), (b, of_b), (c, of_c)]);
+        }
+    }
+    of_segment(points, a, b).or(of_segment(points, b, c)).or(of_segment(points, c, a))
+}
+
+fn of_tetrahedron(points: &[DVec3; 4]) -> Option<Nearest> {
+    const FACES: [[usize; 4]; 4] = [[1, 2, 3, 0], [2, 3, 0, 1], [3, 0, 1, 2], [0, 1, 2, 3]];
+    let is_within = |[a, b, c, opposite]: [usize; 4]| {
+        let normal = (points[b] - points[a]).cross(points[c] - points[a]);
+        let height = (points[opposite] - points[a]).dot(normal);
+        let of_origin = -points[a].dot(normal);
+        of_origin * height > 0.0
+    };
+    if FACES.into_iter().all(is_within) {
+        return None;
+    }
+    // The newest corner is on the nearest face. All faces with it: which ones look at the origin is
+    // not certain for a flat tetrahedron.
+    let [first, second, third, _] = FACES.map(|[a, b, c, _]| of_triangle(points, [a, b, c]));
+    Some(first.or(second).or(third))
+}
