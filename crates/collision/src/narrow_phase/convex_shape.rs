@@ -1,6 +1,6 @@
-//! Collision shapes: exact convex shapes, or samples.
+//! Collision shapes: exact convex shapes, static triangles, or samples.
 
-use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Shape, StaticMesh};
 use glam::DVec3;
 
 /// Collision shape of a body, or of a part.
@@ -12,6 +12,8 @@ pub(crate) enum ConvexShape<'a> {
     Hull(&'a Hull),
     /// In the body frame.
     Ground(HalfSpace),
+    /// Triangles of what does not move by itself, in the body frame.
+    Mesh(&'a StaticMesh),
     /// Any other shape.
     Other(&'a Shape),
 }
@@ -24,6 +26,7 @@ impl<'a> ConvexShape<'a> {
             (Geometry::ClosedForm(ClosedForm::HalfSpace(half_space)), _) => {
                 Self::Ground(*half_space)
             }
+            (Geometry::Mesh(mesh), _) => Self::Mesh(mesh),
             (_, Some(hull)) => Self::Hull(hull),
             _ => Self::Other(shape),
         }
@@ -37,6 +40,7 @@ impl<'a> ConvexShape<'a> {
             }
             Self::Hull(hull) => hull.distance_and_gradient(point_body),
             Self::Ground(half_space) => (half_space.distance(point_body), half_space.normal),
+            Self::Mesh(mesh) => mesh.distance_and_gradient(point_body),
             Self::Other(shape) => shape.distance_and_gradient(point_body),
         }
     }

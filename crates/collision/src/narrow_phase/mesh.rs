@@ -13,6 +13,7 @@ pub(crate) mod hull_mesh;
 pub(crate) mod mesh_contact;
 pub(crate) mod mesh_motion;
 pub(crate) mod moving_point;
+pub(crate) mod overlap;
 pub(crate) mod sample_mesh;
 pub(crate) mod selection;
 pub(crate) mod triangle_sweep;

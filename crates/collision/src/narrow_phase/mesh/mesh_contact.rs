@@ -20,10 +20,26 @@ pub(crate) struct MeshContact {
     pub(crate) feature: FeatureId,
 }
 
-/// Kinds of features, for ids that differ [1].
-pub(crate) const CORNER_ON_FACE: u64 = 0;
-pub(crate) const FACE_ON_CORNER: u64 = 1 << 60;
-pub(crate) const EDGE_ON_EDGE: u64 = 2 << 60;
+/// What touches what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Meets {
+    /// A corner of the body, or the body as a ball, and the side that the normal looks to.
+    PointOnFace(u64),
+    FaceOnCorner,
+    EdgeOnEdge,
+}
+
+/// Feature id of a contact in 32 bits, so that a compound can add its parts; see
+/// [`compound_points`](crate::narrow_phase::compound::compound_points).
+pub(crate) fn feature_of(meets: Meets, number: u64) -> FeatureId {
+    const BITS: u32 = 27;
+    let kind = match meets {
+        Meets::PointOnFace(side) => side,
+        Meets::FaceOnCorner => 6,
+        Meets::EdgeOnEdge => 7,
+    };
+    FeatureId { is_of_first: true, index: kind << BITS | number & ((1 << BITS) - 1) }
+}
 
 /// The side that a normal looks to most, from 0 to 5: contacts of one corner with a floor and a
 /// wall differ by it, while neighbouring triangles of a floor share it.

@@ -1,0 +1,194 @@
+//! Edges of a hull against edges of a mesh, where both stand out along their common normal: their
+//! arcs on the Gauss map meet [Gregorius13].
+
+use crate::narrow_phase::mesh::edge_sweep::MeshEdge;
+use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use frangible_geometry::Hull;
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Sine of the angle below which edges are parallel [1]: corners and faces meet there.
+const PARALLEL: f64 = 1e-2;
+
+/// Sine of the angle by which a normal may leave an edge's arc [1]: a face that rests on an edge
+/// has its normal at the end of its own edges' arcs. Resting bodies turn by less.
+const ASIDE: f64 = 5e-3;
+
+/// A hull's edge at all instants of a frame, mesh frame.
+struct HullEdgeWay {
+    edge: u32,
+    /// At the instants of free flight, and of the way along what the body touches [m].
+    flight: Vec<[DVec3; 2]>,
+    supported: Vec<[DVec3; 2]>,
+    /// Around all of them, grown by the speculative margin [m].
+    bounds: [DVec3; 2],
+    /// From the edge into its faces at right angles to it, body frame.
+    into: [DVec3; 2],
+}
+
+/// All edges of a hull on their ways.
+pub(crate) struct HullEdges {
+    edges: Vec<HullEdgeWay>,
+}
+
+impl HullEdges {
+    pub(crate) fn new(motion: &MeshMotion, hull: &Hull) -> Self {
+        let margin = motion.pair_motion.near + motion.thin;
+        let way = |(number, edge): (usize, &frangible_geometry::HullEdge)| {
+            let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
+            let along = (ends[1] - ends[0]).normalize_or(DVec3::X);
+            // The first face has the edge in its own direction.
+            let normals = edge.faces.map(|face| hull.planes()[face as usize].normal);
+            let into = [normals[0].cross(along), -normals[1].cross(along)];
+            let seen = |instants: &[(f64, RigidTransform)]| -> Vec<[DVec3; 2]> {
+                instants.iter().map(|(_, seen_from)| ends.map(|end| seen_from.point(end))).collect()
+            };
+            let (flight, supported) = (seen(&motion.instants), seen(&motion.supported));
+            let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+            for &end in flight.iter().chain(&supported).flatten() {
+                bounds = [bounds[0].min(end), bounds[1].max(end)];
+            }
+            let bounds = [bounds[0] - margin, bounds[1] + margin];
+            HullEdgeWay { edge: number as u32, flight, supported, bounds, into }
+        };
+        Self { edges: hull.edges().iter().enumerate().map(way).collect() }
+    }
+}
+
+/// Appends the contacts of some edges of the mesh with those of a hull around a point [m].
+pub(crate) fn edge_contacts(
+    motion: &MeshMotion,
+    hull_edges: &HullEdges,
+    inside: DVec3,
+    edges: &[(usize, usize)],
+    contacts: &mut Vec<MeshContact>,
+) {
+    for &(triangle, corner) in edges {
+        let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
+        let [low, high] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
+        for own in &hull_edges.edges {
+            let [own_low, own_high] = own.bounds;
+            if own_low.cmpgt(high).any() || low.cmpgt(own_high).any() {
+                continue;
+            }
+            // Mixed, so that pairs of edges seldom share an id.
+            let id = (3 * triangle + corner) as u64 * 0x9e37 + u64::from(own.edge);
+            let pair = EdgePair { motion, own, edge: &edge, inside, id };
+            let on_supported = pair.contact(&motion.supported, &own.supported, true);
+            let on_flight = || pair.contact(&motion.instants, &own.flight, false);
+            contacts.extend(on_supported.or_else(on_flight));
+        }
+    }
+}
+
+struct EdgePair<'a> {
+    motion: &'a MeshMotion<'a>,
+    own: &'a HullEdgeWay,
+    edge: &'a MeshEdge,
+    /// Body frame [m].
+    inside: DVec3,
+    id: u64,
+}
+
+impl EdgePair<'_> {
+    /// The first contact on a way of the body; see
+    /// [`corner_contacts`](super::hull_faces::corner_contacts).
+    fn contact(
+        &self,
+        instants: &[(f64, RigidTransform)],
+        ends: &[[DVec3; 2]],
+        is_supported: bool,
+    ) -> Option<MeshContact> {
+        let near = self.motion.pair_motion.near;
+        for part in 1..ends.len() {
+            let [from, to] = [ends[part - 1], ends[part]];
+            let Some(normal) = self.normal(from, &instants[part - 1].1) else { continue };
+            let [start, end] = [from, to].map(|ends| (ends[0] - self.edge.ends[0]).dot(normal));
+            let overlaps = start <= 0.0;
+            if overlaps && part > 1 || start.min(end) > near {
+                continue;
+            }
+            let touches = overlaps || end <= 0.0;
+            let at = if overlaps {
+                0.0
+            } else if end <= 0.0 {
+                start / (start - end)
+            } else if end < start {
+                1.0
+            } else {
+                0.0
+            };
+            let lerped = [0, 1].map(|side| from[side].lerp(to[side], at));
+            let turned = if at < 0.5 { &instants[part - 1].1 } else { &instants[part].1 };
+            let Some(normal) = self.normal(lerped, turned) else { continue };
+            let Some([on_hull, on_mesh]) = crossing(lerped, self.edge.ends, self.motion.thin)
+            else {
+                continue;
+            };
+            if !self.stand_out(normal, turned) || !self.is_between(on_mesh, normal, turned) {
+                continue;
+            }
+            let last = self.own.supported.last().map_or(0.0, |ends| {
+                let moved = ends[0] + (on_hull - lerped[0]);
+                (moved - on_mesh).dot(normal)
+            });
+            let ends_behind = last < -self.motion.thin;
+            if ends_behind && !(overlaps && part == 1) && !(touches && is_supported) {
+                continue;
+            }
+            let (begin, until) = (instants[part - 1].0, instants[part].0);
+            return Some(MeshContact {
+                on_body: turned.inverse().point(on_hull),
+                rounding: 0.0,
+                on_mesh,
+                normal,
+                time: begin + at * (until - begin),
+                feature: feature_of(Meets::EdgeOnEdge, self.id),
+            });
+        }
+        None
+    }
+
+    /// The unit normal of both edges, towards the hull; `None` if they are parallel.
+    fn normal(&self, ends: [DVec3; 2], mesh_from_body: &RigidTransform) -> Option<DVec3> {
+        let own = ends[1] - ends[0];
+        let across = own.cross(self.edge.along);
+        if across.length_squared() <= PARALLEL * PARALLEL * own.length_squared() {
+            return None;
+        }
+        let normal = across.try_normalize()?;
+        let inward = mesh_from_body.direction(self.own.into[0] + self.own.into[1]);
+        Some(if inward.dot(normal) < 0.0 { -normal } else { normal })
+    }
+
+    /// True if both edges are the furthest around themselves along the normal.
+    fn stand_out(&self, normal: DVec3, mesh_from_body: &RigidTransform) -> bool {
+        let own =
+            self.own.into.iter().all(|&into| mesh_from_body.direction(into).dot(normal) >= -ASIDE);
+        own && self.edge.stands_out(normal, ASIDE)
+    }
+
+    /// True if the hull's inside lies beyond a point of the mesh.
+    fn is_between(&self, on_mesh: DVec3, normal: DVec3, mesh_from_body: &RigidTransform) -> bool {
+        (mesh_from_body.point(self.inside) - on_mesh).dot(normal) > 0.0
+    }
+}
+
+/// The nearest points of two straight lines, if they lie within both edges that are longer by
+/// `beyond` [m].
+fn crossing(first: [DVec3; 2], second: [DVec3; 2], beyond: f64) -> Option<[DVec3; 2]> {
+    let (u, v, apart) = (first[1] - first[0], second[1] - second[0], first[0] - second[0]);
+    let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
+    let determinant = uu * vv - uv * uv;
+    if determinant <= 0.0 {
+        return None;
+    }
+    let (a, b) = (u.dot(apart), v.dot(apart));
+    let (s, t) = ((uv * b - vv * a) / determinant, (uu * b - uv * a) / determinant);
+    let within = |part: f64, squared: f64| {
+        let more = beyond / squared.sqrt();
+        (-more..=1.0 + more).contains(&part)
+    };
+    (within(s, uu) && within(t, vv)).then(|| [first[0] + s * u, second[0] + t * v])
+}
