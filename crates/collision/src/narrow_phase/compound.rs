@@ -9,7 +9,6 @@ use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
-use glam::DVec3;
 
 /// Appends the points of a pair with a compound; `false` without a compound, or if the pair needs
 /// samples.

@@ -3,7 +3,7 @@
 use crate::narrow_phase::mesh::mesh_contact::MeshContact;
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_bodies::BallisticPath;
-use frangible_geometry::{Sides, StaticMesh};
+use frangible_geometry::StaticMesh;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
@@ -94,10 +94,6 @@ impl<'a> MeshMotion<'a> {
     /// A contact's normal in the world.
     pub(crate) fn world_normal(&self, contact: &MeshContact) -> DVec3 {
         self.mesh_path().pose(contact.time).orientation * contact.normal
-    }
-
-    pub(crate) fn is_two_sided(&self) -> bool {
-        self.mesh.sides() == Sides::Two
     }
 
     /// Lowest and highest corner around a body's bounds on its way, mesh frame [m], grown by the
