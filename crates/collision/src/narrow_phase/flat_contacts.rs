@@ -29,6 +29,11 @@ pub(crate) fn few(
     };
     let most =
         if pair_motion.placed().into_iter().any(is_ground) { MOST_POINTS } else { FEW_POINTS };
+    // A mesh's own points are those of features, and what is higher above another than beside it
+    // touches later.
+    let is_mesh = |body: Placed| matches!(ConvexShape::of(body.shape), ConvexShape::Mesh(_));
+    let is_on_mesh = pair_motion.placed().into_iter().any(is_mesh);
+    let level = if is_on_mesh { f64::INFINITY } else { LEVEL * size };
     let mut flats: Vec<(DVec3, f64, Vec<HullPoint>)> = Vec::new();
     for (index, point) in points.iter().enumerate() {
         let on = point.on_surfaces_at([&first.start, &second.start]);
@@ -36,7 +41,7 @@ pub(crate) fn few(
         let feature = Feature::VertexOfFirst(index as u32);
         let candidate = HullPoint { on, normal: point.normal, gap, feature };
         let same = |flat: &&mut (DVec3, f64, Vec<HullPoint>)| {
-            flat.0.dot(point.normal) > FLAT && (flat.1 - gap).abs() <= LEVEL * size
+            flat.0.dot(point.normal) > FLAT && (flat.1 - gap).abs() <= level
         };
         match flats.iter_mut().find(same) {
             Some(flat) => flat.2.push(candidate),

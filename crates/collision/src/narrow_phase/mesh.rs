@@ -17,3 +17,6 @@ pub(crate) mod overlap;
 pub(crate) mod sample_mesh;
 pub(crate) mod selection;
 pub(crate) mod triangle_sweep;
+
+#[cfg(test)]
+mod tests;

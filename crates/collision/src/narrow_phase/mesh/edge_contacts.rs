@@ -18,6 +18,8 @@ const ASIDE: f64 = 5e-3;
 /// A hull's edge at all instants of a frame, mesh frame.
 struct HullEdgeWay {
     edge: u32,
+    /// Body frame [m].
+    ends: [DVec3; 2],
     /// At the instants of free flight, and of the way along what the body touches [m].
     flight: Vec<[DVec3; 2]>,
     supported: Vec<[DVec3; 2]>,
@@ -50,7 +52,7 @@ impl HullEdges {
                 bounds = [bounds[0].min(end), bounds[1].max(end)];
             }
             let bounds = [bounds[0] - margin, bounds[1] + margin];
-            HullEdgeWay { edge: number as u32, flight, supported, bounds, into }
+            HullEdgeWay { edge: number as u32, ends, flight, supported, bounds, into }
         };
         Self { edges: hull.edges().iter().enumerate().map(way).collect() }
     }
@@ -122,11 +124,15 @@ impl EdgePair<'_> {
             let lerped = [0, 1].map(|side| from[side].lerp(to[side], at));
             let turned = if at < 0.5 { &instants[part - 1].1 } else { &instants[part].1 };
             let Some(normal) = self.normal(lerped, turned) else { continue };
-            let Some([on_hull, on_mesh]) = crossing(lerped, self.edge.ends, self.motion.thin)
+            let Some((part_of_own, on_mesh)) = crossing(lerped, self.edge.ends, self.motion.thin)
             else {
                 continue;
             };
-            if !self.stand_out(normal, turned) || !self.is_between(on_mesh, normal, turned) {
+            let on_body = self.own.ends[0].lerp(self.own.ends[1], part_of_own);
+            let on_hull = lerped[0].lerp(lerped[1], part_of_own);
+            // The hull's inside lies beyond the mesh's edge.
+            let inside = on_hull + turned.direction(self.inside - on_body);
+            if !self.stand_out(normal, turned) || (inside - on_mesh).dot(normal) <= 0.0 {
                 continue;
             }
             let last = self.own.supported.last().map_or(0.0, |ends| {
@@ -139,7 +145,7 @@ impl EdgePair<'_> {
             }
             let (begin, until) = (instants[part - 1].0, instants[part].0);
             return Some(MeshContact {
-                on_body: turned.inverse().point(on_hull),
+                on_body,
                 rounding: 0.0,
                 on_mesh,
                 normal,
@@ -168,16 +174,11 @@ impl EdgePair<'_> {
             self.own.into.iter().all(|&into| mesh_from_body.direction(into).dot(normal) >= -ASIDE);
         own && self.edge.stands_out(normal, ASIDE)
     }
-
-    /// True if the hull's inside lies beyond a point of the mesh.
-    fn is_between(&self, on_mesh: DVec3, normal: DVec3, mesh_from_body: &RigidTransform) -> bool {
-        (mesh_from_body.point(self.inside) - on_mesh).dot(normal) > 0.0
-    }
 }
 
-/// The nearest points of two straight lines, if they lie within both edges that are longer by
-/// `beyond` [m].
-fn crossing(first: [DVec3; 2], second: [DVec3; 2], beyond: f64) -> Option<[DVec3; 2]> {
+/// Where two straight lines are nearest, as a fraction of the first edge and a point of the second,
+/// if both edges, longer by `beyond` [m], hold it.
+fn crossing(first: [DVec3; 2], second: [DVec3; 2], beyond: f64) -> Option<(f64, DVec3)> {
     let (u, v, apart) = (first[1] - first[0], second[1] - second[0], first[0] - second[0]);
     let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
     let determinant = uu * vv - uv * uv;
@@ -190,5 +191,5 @@ fn crossing(first: [DVec3; 2], second: [DVec3; 2], beyond: f64) -> Option<[DVec3
         let more = beyond / squared.sqrt();
         (-more..=1.0 + more).contains(&part)
     };
-    (within(s, uu) && within(t, vv)).then(|| [first[0] + s * u, second[0] + t * v])
+    (within(s, uu) && within(t, vv)).then(|| (s, second[0] + t * v))
 }
