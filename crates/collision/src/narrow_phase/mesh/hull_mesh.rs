@@ -29,8 +29,15 @@ pub(crate) fn hull_contacts(motion: &mut MeshMotion, hull: &Hull, contacts: &mut
     let inside = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
     for (number, &anchor) in vertices.iter().enumerate() {
         let feature = number as u64;
-        let point =
-            MovingPoint { motion, anchor, radius: 0.0, inside: Some(inside), bounce: 0.0, feature };
+        let point = MovingPoint {
+            motion,
+            anchor,
+            radius: 0.0,
+            inside: Some(inside),
+            corners: vertices,
+            bounce: 0.0,
+            feature,
+        };
         point.contacts(contacts);
     }
     if features.edges.is_empty() && features.vertices.is_empty() {

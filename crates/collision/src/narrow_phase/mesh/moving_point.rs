@@ -15,6 +15,10 @@ use glam::DVec3;
 /// Touches after which a point goes no further in a frame: two walls and a floor, and one more.
 const MOST_TOUCHES: usize = 4;
 
+/// Sine of the angle by which a face of a polyhedron may dip under the plane that a corner of it
+/// slides onto [1]: ramps that begin less steeply are met with the corner.
+const TILT: f64 = 0.1;
+
 /// Cosine between normals of the same plane, as in the solver's constraints.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
 
@@ -28,6 +32,8 @@ pub(crate) struct MovingPoint<'a> {
     /// A point inside of the body, on the straight way from which the anchor has come through what
     /// it overlaps; body frame [m].
     pub(crate) inside: Option<DVec3>,
+    /// Corners of a convex body, of which the point is one, body frame [m].
+    pub(crate) corners: &'a [DVec3],
     /// Part of the speed against a surface that comes back [1].
     pub(crate) bounce: f64,
     pub(crate) feature: u64,
@@ -123,6 +129,17 @@ impl MovingPoint<'_> {
         }
     }
 
+    /// True if the body lies on the outer side of a plane through the point, mesh frame.
+    fn is_over(&self, normal: DVec3) -> bool {
+        let normal_body = self.motion.start().rotation.conjugate() * normal;
+        let is_beyond = |point: &DVec3, least: f64| {
+            let lever = *point - self.anchor;
+            lever.dot(normal_body) >= least * lever.length()
+        };
+        self.inside.is_none_or(|inside| is_beyond(&inside, 0.0))
+            && self.corners.iter().all(|corner| is_beyond(corner, -TILT))
+    }
+
     /// Appends what a leg meets. `start` is where the way began outside of the mesh; on the first
     /// leg the point may overlap the mesh already.
     fn meetings(&self, leg: &Leg, (start, is_first): (DVec3, bool), found: &mut Vec<Meeting>) {
@@ -140,7 +157,8 @@ impl MovingPoint<'_> {
         mesh.visit_box(low, high, |triangle| {
             if let Some(facet) = self.front(triangle, start) {
                 let slack = pair_motion.near + thin;
-                let sweep = facet.sweep(leg.way, self.radius, (thin, slack));
+                let is_over = || self.is_over(facet.normal);
+                let sweep = facet.sweep(leg.way, self.radius, (thin, slack), is_over);
                 let is_late = |sweep: &Sweep| is_first || sweep.at > 0.0 || sweep.least >= -slack;
                 if let Some(sweep) = sweep.filter(is_late) {
                     let at = from.lerp(to, sweep.at);

@@ -35,6 +35,7 @@ pub(crate) fn sample_contacts(motion: &MeshMotion, shape: &Shape, contacts: &mut
                 anchor,
                 radius: 0.0,
                 inside: Some(anchor - depth * outward),
+                corners: &[],
                 bounce: 0.0,
                 feature: index.into(),
             };

@@ -58,7 +58,8 @@ fn ball_contacts(motion: &MeshMotion, radius: f64, contacts: &mut Vec<MeshContac
     let bounce = if pair_motion.may_impact() { surface.restitution } else { 0.0 };
     let anchor = DVec3::ZERO;
     let feature = u64::from(u32::MAX);
-    MovingPoint { motion, anchor, radius, inside: None, bounce, feature }.contacts(contacts);
+    MovingPoint { motion, anchor, radius, inside: None, corners: &[], bounce, feature }
+        .contacts(contacts);
 }
 
 /// Appends the contacts of the core of a body that turns far in the frame: its corners turn away

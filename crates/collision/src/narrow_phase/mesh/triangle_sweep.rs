@@ -52,20 +52,28 @@ impl Facet {
 
     /// Meeting of a ball whose centre moves straight, with the inside of the triangle. At the way's
     /// begin it may lie in the triangle's plane at any depth; where its foot comes over the
-    /// triangle later, no deeper than `slack` [m].
+    /// triangle later, no deeper than `slack` [m], and a ball's centre is in front. A point that
+    /// comes over it so near is met only if its body `is_over` the triangle: else it passes an
+    /// edge.
     pub(crate) fn sweep(
         &self,
         way: [DVec3; 2],
         radius: f64,
         (beyond, slack): (f64, f64),
+        is_over: impl FnOnce() -> bool,
     ) -> Option<Sweep> {
         let [start, end] = way.map(|point| self.height(point) - radius);
         let [first, last] = self.foot_within(way, beyond)?;
         let gap = |at: f64| start + at * (end - start);
         let [on_entry, on_exit] = [gap(first), gap(last)];
+        if first > 0.0 {
+            let depth = if radius > 0.0 { slack.min(radius) } else { slack };
+            if on_entry < -depth || radius == 0.0 && on_entry <= slack && !is_over() {
+                return None;
+            }
+        }
         if on_entry <= 0.0 {
-            let comes_from_front = first == 0.0 || on_entry >= -slack;
-            return comes_from_front.then_some(Sweep { at: first, touches: true, least: on_entry });
+            return Some(Sweep { at: first, touches: true, least: on_entry });
         }
         if on_exit <= 0.0 {
             return Some(Sweep { at: start / (start - end), touches: true, least: 0.0 });
