@@ -9,8 +9,7 @@ pub(crate) mod heightfield;
 use crate::mesh::TriMesh;
 use adjacency::{Adjacency, around_vertices, find_adjacency, flatten_covered_borders};
 use box_tree::BoxTree;
-use glam::DVec3;
-use std::collections::BTreeMap;
+use glam::{DVec3, Vec3};
 
 /// Smallest height of a triangle over its longest side, relative to that side: the normal of a
 /// flatter one is rounding [1].
@@ -79,7 +78,7 @@ impl StaticMesh {
             return None;
         }
         let dropped = mesh.triangles.len() - triangles.len();
-        let boxes: Vec<[[f32; 3]; 2]> =
+        let boxes: Vec<[Vec3; 2]> =
             triangles.iter().map(|corners| box_tree::box_around(&positions, corners)).collect();
         let (tree, order) = BoxTree::new(&boxes);
         let triangles: Vec<[u32; 3]> =
@@ -90,6 +89,8 @@ impl StaticMesh {
             Self { positions, triangles, adjacency, around, begins, tree, sides, dropped };
         flatten_covered_borders(&mut built);
         built.adjacency.mark_owners(&built.triangles, &built.begins, &built.around);
+        let Self { tree, adjacency, .. } = &mut built;
+        tree.mark(|triangle| !adjacency.owns_nothing(triangle));
         Some(built)
     }
 
@@ -199,13 +200,24 @@ impl StaticMesh {
     /// pass `enters`, as do all boxes above them.
     #[inline]
     pub fn visit(&self, enters: impl FnMut(DVec3, DVec3) -> bool, visit: impl FnMut(usize)) {
-        self.tree.visit(enters, visit);
+        self.tree.visit(false, enters, visit);
+    }
+
+    /// The same with triangles that stand for an edge or a corner, and some beside them.
+    #[inline]
+    pub fn visit_features(
+        &self,
+        enters: impl FnMut(DVec3, DVec3) -> bool,
+        visit: impl FnMut(usize),
+    ) {
+        self.tree.visit(true, enters, visit);
     }
 
     /// Calls `visit` with all triangles whose leaves' boxes meet a box [m].
     #[inline]
     pub fn visit_box(&self, low: DVec3, high: DVec3, visit: impl FnMut(usize)) {
         self.tree.visit(
+            false,
             |box_low, box_high| box_low.cmple(high).all() && low.cmple(box_high).all(),
             visit,
         );
@@ -219,6 +231,7 @@ impl StaticMesh {
         let reach = half.abs();
         // Axes of the box, and the cross products of its axes with the way [Eri05 sec. 5.3.3].
         self.tree.visit(
+            false,
             |low, high| {
                 let size = 0.5 * (high - low) + margin;
                 let off = middle - 0.5 * (low + high);
@@ -250,27 +263,30 @@ impl StaticMesh {
     }
 }
 
-/// Positions, each once, in the order of their first use, and triangles of them.
+/// Positions that triangles use, each once, in their order, and triangles of them.
 fn welded(mesh: &TriMesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    const UNKNOWN: u32 = u32::MAX;
-    let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
-    let mut index_of = vec![UNKNOWN; mesh.positions.len()];
+    const UNUSED: u32 = u32::MAX;
+    // Zero has two signs.
+    let bits =
+        |vertex: u32| (mesh.positions[vertex as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut sorted: Vec<([u64; 3], u32)> =
+        (0..mesh.positions.len() as u32).map(|vertex| (bits(vertex), vertex)).collect();
+    sorted.sort_unstable();
+    let mut first_at = vec![UNUSED; mesh.positions.len()];
+    for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+        same.iter().for_each(|&(_, vertex)| first_at[vertex as usize] = same[0].1);
+    }
+    let mut is_used = vec![false; mesh.positions.len()];
+    let used = mesh.triangles.iter().flatten().map(|&vertex| first_at[vertex as usize]);
+    used.for_each(|vertex| is_used[vertex as usize] = true);
     let mut positions = Vec::with_capacity(mesh.positions.len());
-    let mut index = |vertex: u32| {
-        let known_index = &mut index_of[vertex as usize];
-        if *known_index == UNKNOWN {
-            // Zero has two signs.
-            let position = mesh.positions[vertex as usize] + DVec3::ZERO;
-            let bits = position.to_array().map(f64::to_bits);
-            *known_index = *known.entry(bits).or_insert_with(|| {
-                positions.push(position);
-                positions.len() as u32 - 1
-            });
-        }
-        *known_index
-    };
-    let triangles = mesh.triangles.iter().map(|corners| corners.map(&mut index)).collect();
-    (positions, triangles)
+    let mut index_of = vec![UNUSED; mesh.positions.len()];
+    for (vertex, &position) in mesh.positions.iter().enumerate().filter(|&(v, _)| is_used[v]) {
+        index_of[vertex] = positions.len() as u32;
+        positions.push(position);
+    }
+    let index = |vertex: u32| index_of[first_at[vertex as usize] as usize];
+    (positions, mesh.triangles.iter().map(|corners| corners.map(index)).collect())
 }
 
 #[cfg(test)]

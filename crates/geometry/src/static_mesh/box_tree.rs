@@ -20,12 +20,14 @@ struct Node {
     /// First child of a branch, first item of a leaf.
     first: u32,
     high: [f32; 3],
-    /// Number of items of a leaf; 0 for a branch.
+    /// Number of items of a leaf; 0 for a branch. The highest bit says that it holds no marked item.
     count: u32,
 }
 
+const UNMARKED: u32 = 1 << 31;
+
 /// Lowest and highest corner around a triangle [m], rounded outwards.
-pub(crate) fn box_around(positions: &[DVec3], corners: &[u32; 3]) -> [[f32; 3]; 2] {
+pub(crate) fn box_around(positions: &[DVec3], corners: &[u32; 3]) -> [Vec3; 2] {
     let [a, b, c] = corners.map(|vertex| positions[vertex as usize]);
     let down = |x: f64| {
         let single = x as f32;
@@ -35,7 +37,11 @@ pub(crate) fn box_around(positions: &[DVec3], corners: &[u32; 3]) -> [[f32; 3]; 
         let single = x as f32;
         if f64::from(single) < x { single.next_up() } else { single }
     };
-    [a.min(b).min(c).to_array().map(down), a.max(b).max(c).to_array().map(up)]
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    [
+        Vec3::new(down(low.x), down(low.y), down(low.z)),
+        Vec3::new(up(high.x), up(high.y), up(high.z)),
+    ]
 }
 
 /// Longest way from the root to a leaf; what is deeper is one leaf.
@@ -43,7 +49,7 @@ const MOST_DEPTH: usize = 48;
 
 impl BoxTree {
     /// Sorts boxes into a tree; also the order of the items in it.
-    pub(crate) fn new(boxes: &[[[f32; 3]; 2]]) -> (Self, Vec<u32>) {
+    pub(crate) fn new(boxes: &[[Vec3; 2]]) -> (Self, Vec<u32>) {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut nodes = Vec::with_capacity(boxes.len());
         nodes.push(Node { low: [0.0; 3], first: 0, high: [0.0; 3], count: boxes.len() as u32 });
@@ -77,11 +83,26 @@ impl BoxTree {
         self.nodes.first().map_or((DVec3::ZERO, DVec3::ZERO), Node::bounds)
     }
 
+    /// Marks some items for [`BoxTree::visit`].
+    pub(crate) fn mark(&mut self, is_marked: impl Fn(usize) -> bool) {
+        for at in (0..self.nodes.len()).rev() {
+            let Node { first, count, .. } = self.nodes[at];
+            let holds = if count > 0 {
+                (first..first + count).any(|item| is_marked(item as usize))
+            } else {
+                let children = &self.nodes[first as usize..first as usize + 2];
+                children.iter().any(|child| child.count & UNMARKED == 0)
+            };
+            self.nodes[at].count |= if holds { 0 } else { UNMARKED };
+        }
+    }
+
     /// Calls `visit` with the items of all leaves whose boxes, and all boxes above them, pass
-    /// `enters`, in the order of the items.
+    /// `enters`, in the order of the items; if asked for, without leaves that hold no marked item.
     #[inline]
     pub(crate) fn visit(
         &self,
+        only_marked: bool,
         mut enters: impl FnMut(DVec3, DVec3) -> bool,
         mut visit: impl FnMut(usize),
     ) {
@@ -91,11 +112,12 @@ impl BoxTree {
             waiting -= 1;
             let node = &self.nodes[stack[waiting] as usize];
             let (low, high) = node.bounds();
-            if !enters(low, high) {
+            if only_marked && node.count & UNMARKED != 0 || !enters(low, high) {
                 continue;
             }
-            if node.count > 0 {
-                (node.first..node.first + node.count).for_each(|item| visit(item as usize));
+            let count = node.count & !UNMARKED;
+            if count > 0 {
+                (node.first..node.first + count).for_each(|item| visit(item as usize));
             } else {
                 (stack[waiting], stack[waiting + 1]) = (node.first + 1, node.first);
                 waiting += 2;
@@ -120,8 +142,9 @@ impl BoxTree {
                 continue;
             }
             let node = &self.nodes[index as usize];
-            if node.count > 0 {
-                for item in node.first..node.first + node.count {
+            let count = node.count & !UNMARKED;
+            if count > 0 {
+                for item in node.first..node.first + count {
                     bound_squared = visit(item as usize, bound_squared);
                 }
             } else {
@@ -148,9 +171,9 @@ impl Node {
     }
 }
 
-fn union(boxes: &[[[f32; 3]; 2]], items: &[u32]) -> (Vec3, Vec3) {
+fn union(boxes: &[[Vec3; 2]], items: &[u32]) -> (Vec3, Vec3) {
     items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &item| {
-        let [item_low, item_high] = boxes[item as usize].map(Vec3::from_array);
+        let [item_low, item_high] = boxes[item as usize];
         (low.min(item_low), high.max(item_high))
     })
 }
@@ -162,12 +185,12 @@ fn half_area((low, high): (Vec3, Vec3)) -> f32 {
 
 /// Partitions the items of a node in two and gives the size of the first part; `None` for a leaf.
 /// Both parts keep the order of their items.
-fn split(boxes: &[[[f32; 3]; 2]], items: &mut [u32], spare: &mut Vec<u32>) -> Option<usize> {
+fn split(boxes: &[[Vec3; 2]], items: &mut [u32], spare: &mut Vec<u32>) -> Option<usize> {
     if items.len() <= LEAF {
         return None;
     }
     let middle = |item: u32| {
-        let [low, high] = boxes[item as usize].map(Vec3::from_array);
+        let [low, high] = boxes[item as usize];
         0.5 * low + 0.5 * high
     };
     let (low, high) =
@@ -196,7 +219,7 @@ fn split(boxes: &[[[f32; 3]; 2]], items: &mut [u32], spare: &mut Vec<u32>) -> Op
     let mut bins = [NONE; BINS];
     for &item in items.iter() {
         let bin = &mut bins[bin_of(item)];
-        let [item_low, item_high] = boxes[item as usize].map(Vec3::from_array);
+        let [item_low, item_high] = boxes[item as usize];
         *bin = join(*bin, (1, (item_low, item_high)));
     }
     let mut above = bins;

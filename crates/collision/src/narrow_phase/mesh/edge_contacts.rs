@@ -4,7 +4,7 @@
 use crate::narrow_phase::mesh::edge_sweep::MeshEdge;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
-use frangible_geometry::Hull;
+use frangible_geometry::{HalfSpace, Hull};
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
@@ -14,6 +14,9 @@ const PARALLEL: f64 = 1e-2;
 /// Sine of the angle by which a normal may leave an edge's arc [1]: a face that rests on an edge
 /// has its normal at the end of its own edges' arcs. Resting bodies turn by less.
 const ASIDE: f64 = 5e-3;
+
+/// Depth of overlaps of edges, relative to the smaller body's radius [1].
+const DEPTH: f64 = 0.1;
 
 /// A hull's edge at all instants of a frame, mesh frame.
 struct HullEdgeWay {
@@ -25,6 +28,8 @@ struct HullEdgeWay {
     supported: Vec<[DVec3; 2]>,
     /// Around all of them, grown by the speculative margin [m].
     bounds: [DVec3; 2],
+    /// Its faces.
+    faces: [u32; 2],
     /// From the edge into its faces at right angles to it, body frame.
     into: [DVec3; 2],
 }
@@ -32,6 +37,11 @@ struct HullEdgeWay {
 /// All edges of a hull on their ways.
 pub(crate) struct HullEdges {
     edges: Vec<HullEdgeWay>,
+    /// Planes of the hull at the start and the end of the frame, mesh frame.
+    planes: Vec<[HalfSpace; 2]>,
+    /// An edge of the mesh that lies deeper than this under a face does not touch that face's
+    /// edges [m].
+    depth: f64,
 }
 
 impl HullEdges {
@@ -52,9 +62,38 @@ impl HullEdges {
                 bounds = [bounds[0].min(end), bounds[1].max(end)];
             }
             let bounds = [bounds[0] - margin, bounds[1] + margin];
-            HullEdgeWay { edge: number as u32, ends, flight, supported, bounds, into }
+            HullEdgeWay {
+                edge: number as u32,
+                ends,
+                flight,
+                supported,
+                bounds,
+                faces: edge.faces,
+                into,
+            }
         };
-        Self { edges: hull.edges().iter().enumerate().map(way).collect() }
+        let ends = [&motion.instants[0].1, &motion.instants[motion.instants.len() - 1].1];
+        let plane = |plane: &HalfSpace| {
+            ends.map(|mesh_from_body| {
+                let normal = mesh_from_body.direction(plane.normal);
+                HalfSpace { normal, offset: plane.offset + normal.dot(mesh_from_body.translation) }
+            })
+        };
+        Self {
+            edges: hull.edges().iter().enumerate().map(way).collect(),
+            planes: hull.planes().iter().map(plane).collect(),
+            depth: 2.0 * margin + DEPTH * motion.pair_motion.size,
+        }
+    }
+
+    /// For each face, whether an edge of the mesh stays deep under it.
+    fn hidden(&self, ends: [DVec3; 2], hidden: &mut Vec<bool>) {
+        hidden.clear();
+        hidden.extend(self.planes.iter().map(|planes| {
+            planes
+                .iter()
+                .all(|plane| plane.distance(ends[0]).max(plane.distance(ends[1])) < -self.depth)
+        }));
     }
 }
 
@@ -66,10 +105,15 @@ pub(crate) fn edge_contacts(
     edges: &[(usize, usize)],
     contacts: &mut Vec<MeshContact>,
 ) {
+    let mut hidden = Vec::new();
     for &(triangle, corner) in edges {
         let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
         let [low, high] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
+        hull_edges.hidden(edge.ends, &mut hidden);
         for own in &hull_edges.edges {
+            if own.faces.iter().any(|&face| hidden[face as usize]) {
+                continue;
+            }
             let [own_low, own_high] = own.bounds;
             if own_low.cmpgt(high).any() || low.cmpgt(own_high).any() {
                 continue;

@@ -8,6 +8,7 @@ use crate::narrow_phase::mesh::moving_point::MovingPoint;
 use frangible_geometry::{HalfSpace, Hull};
 use frangible_math::RigidTransform;
 use glam::DVec3;
+use std::cell::Cell;
 
 /// Faces of a hull that are looked at to leave out boxes of triangles: more cost more than they
 /// save.
@@ -65,7 +66,7 @@ fn support(motion: &mut MeshMotion, contacts: &[MeshContact]) -> bool {
     let near = motion.pair_motion.frame.speculative_margin();
     let mut any = false;
     for contact in contacts {
-        let [body, mesh] = motion.starts();
+        let [body, mesh] = motion.starts;
         let apart = body.point(contact.on_body).distance(mesh.point(contact.on_mesh));
         // What is met further along the way does not hold it up yet.
         if contact.gap_at_start(motion) <= near && (contact.time == 0.0 || apart <= 2.0 * near) {
@@ -81,35 +82,42 @@ fn near_features(motion: &MeshMotion, hull: &Hull) -> Option<NearFeatures> {
     let (low, high) = motion.swept_bounds(hull.bounds());
     let margin = motion.pair_motion.near + motion.thin;
     let [first, last] = [&motion.instants[0].1, &motion.instants[motion.instants.len() - 1].1];
+    let mesh = motion.mesh;
+    let overlaps =
+        |box_low: DVec3, box_high: DVec3| box_low.cmple(high).all() && low.cmple(box_high).all();
+    let any = Cell::new(false);
+    mesh.visit(|low, high| !any.get() && overlaps(low, high), |_| any.set(true));
+    if !any.get() {
+        return None;
+    }
+
     let seen = |mesh_from_body: &RigidTransform, plane: &HalfSpace| {
         let normal = mesh_from_body.direction(plane.normal);
-        HalfSpace { normal, offset: plane.offset + normal.dot(mesh_from_body.translation) + margin }
+        let offset = plane.offset + normal.dot(mesh_from_body.translation) + margin;
+        (HalfSpace { normal, offset }, normal.abs())
     };
     // Planes at the start and the end of a frame in which the body hardly turns.
     let count = if motion.instants.len() == 2 { hull.planes().len() } else { usize::MAX };
-    let planes: Vec<[HalfSpace; 2]> = if count <= MOST_PLANES {
+    let planes: Vec<[(HalfSpace, DVec3); 2]> = if count <= MOST_PLANES {
         hull.planes().iter().map(|plane| [seen(first, plane), seen(last, plane)]).collect()
     } else {
         Vec::new()
     };
     // Turning by a part of a radian, a face's corners leave its plane by no more than this.
-    let turn = first.rotation.angle_between(last.rotation) * motion.pair_motion.size;
+    let turn = 0.125 * first.rotation.angle_between(last.rotation) * motion.pair_motion.size;
     let is_beyond = |low: DVec3, high: DVec3| {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         planes.iter().any(|planes| {
             planes
                 .iter()
-                .all(|plane| plane.distance(middle) - half.dot(plane.normal.abs()) > 0.125 * turn)
+                .all(|(plane, absolute)| plane.distance(middle) - half.dot(*absolute) > turn)
         })
     };
-    let mesh = motion.mesh;
     let mut features = NearFeatures::default();
-    let mut any = false;
     let enters = |box_low: DVec3, box_high: DVec3| {
-        box_low.cmple(high).all() && low.cmple(box_high).all() && !is_beyond(box_low, box_high)
+        overlaps(box_low, box_high) && !is_beyond(box_low, box_high)
     };
-    mesh.visit(enters, |triangle| {
-        any = true;
+    mesh.visit_features(enters, |triangle| {
         if mesh.owns_nothing(triangle) {
             return;
         }
@@ -134,5 +142,5 @@ fn near_features(motion: &MeshMotion, hull: &Hull) -> Option<NearFeatures> {
             }
         }
     });
-    any.then_some(features)
+    Some(features)
 }

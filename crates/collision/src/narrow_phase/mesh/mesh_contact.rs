@@ -60,7 +60,7 @@ impl MeshContact {
     pub(crate) fn gap_at_start(&self, motion: &MeshMotion) -> f64 {
         // The normal belongs to the touch: in the world it stays for the whole frame.
         let normal_world = motion.world_normal(self);
-        let [body, mesh] = motion.starts();
+        let [body, mesh] = motion.starts;
         let apart = body.point(self.on_body) - mesh.point(self.on_mesh);
         apart.dot(normal_world) - self.rounding
     }

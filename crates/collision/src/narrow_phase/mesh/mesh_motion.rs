@@ -27,6 +27,8 @@ pub(crate) struct MeshMotion<'a> {
     /// The same of what is held up: without the part of the motion that goes into what the body
     /// touches at the frame's start.
     pub(crate) supported: Vec<(f64, RigidTransform)>,
+    /// Transforms to the world at the frame's start, of the body and the mesh.
+    pub(crate) starts: [RigidTransform; 2],
     /// Lengths within this are equal [m].
     pub(crate) thin: f64,
 }
@@ -47,8 +49,12 @@ impl<'a> MeshMotion<'a> {
             mesh_is_first,
             instants: Vec::new(),
             supported: Vec::new(),
+            starts: pair_motion.paths.map(|path| path.start.world_from_body()),
             thin: THIN * pair_motion.size,
         };
+        if mesh_is_first {
+            motion.starts.swap(0, 1);
+        }
         motion.instants = (0..=parts)
             .map(|part| dt * part as f64 / parts as f64)
             .map(|time| {
@@ -81,11 +87,6 @@ impl<'a> MeshMotion<'a> {
         self.pair_motion.paths[usize::from(!self.mesh_is_first)]
     }
 
-    /// Transforms to the world at the frame's start, of the body and the mesh.
-    pub(crate) fn starts(&self) -> [RigidTransform; 2] {
-        [self.body_path(), self.mesh_path()].map(|path| path.start.world_from_body())
-    }
-
     /// `mesh_from_body` at the frame's start.
     pub(crate) fn start(&self) -> RigidTransform {
         self.instants[0].1
@@ -93,7 +94,12 @@ impl<'a> MeshMotion<'a> {
 
     /// A contact's normal in the world.
     pub(crate) fn world_normal(&self, contact: &MeshContact) -> DVec3 {
-        self.mesh_path().pose(contact.time).orientation * contact.normal
+        let mesh = self.mesh_path();
+        // Most meshes do not turn, and a pose takes a sine and a cosine.
+        let still = mesh.angular == DVec3::ZERO;
+        let orientation =
+            if still { mesh.start.orientation } else { mesh.pose(contact.time).orientation };
+        orientation * contact.normal
     }
 
     /// Lowest and highest corner around a body's bounds on its way, mesh frame [m], grown by the
