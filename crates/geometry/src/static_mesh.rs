@@ -83,7 +83,7 @@ impl StaticMesh {
         let (tree, order) = BoxTree::new(&boxes);
         let triangles: Vec<[u32; 3]> =
             order.iter().map(|&triangle| triangles[triangle as usize]).collect();
-        let adjacency = find_adjacency(&positions, &triangles);
+        let adjacency = find_adjacency(&positions, &triangles, sides);
         let (begins, around) = around_vertices(positions.len(), &triangles);
         let mut built =
             Self { positions, triangles, adjacency, around, begins, tree, sides, dropped };
@@ -213,14 +213,18 @@ impl StaticMesh {
         self.tree.visit(true, enters, visit);
     }
 
-    /// Calls `visit` with all triangles whose leaves' boxes meet a box [m].
+    /// Calls `visit` with all triangles whose own boxes meet a box [m].
     #[inline]
-    pub fn visit_box(&self, low: DVec3, high: DVec3, visit: impl FnMut(usize)) {
-        self.tree.visit(
-            false,
-            |box_low, box_high| box_low.cmple(high).all() && low.cmple(box_high).all(),
-            visit,
-        );
+    pub fn visit_box(&self, low: DVec3, high: DVec3, mut visit: impl FnMut(usize)) {
+        let meets = |box_low: DVec3, box_high: DVec3| {
+            box_low.cmple(high).all() && low.cmple(box_high).all()
+        };
+        self.tree.visit(false, meets, |triangle| {
+            let [a, b, c] = self.corners(triangle);
+            if meets(a.min(b).min(c), a.max(b).max(c)) {
+                visit(triangle);
+            }
+        });
     }
 
     /// Calls `visit` with all triangles whose leaves' boxes come within `margin` [m] of a straight

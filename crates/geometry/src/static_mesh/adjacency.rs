@@ -1,7 +1,7 @@
 //! Neighbours of triangles, and how the surface bends across their edges.
 
 use crate::bvh::closest_point_on_triangle;
-use crate::static_mesh::{EdgeKind, Neighbour, StaticMesh};
+use crate::static_mesh::{EdgeKind, Neighbour, Sides, StaticMesh};
 use glam::DVec3;
 
 /// Sine of the largest angle across a flat edge [rad]. A dome of triangles with a hundredth of a
@@ -71,6 +71,70 @@ impl Adjacency {
         self.owns[triangle] == 0
     }
 
+    /// Pairs those of many triangles at an edge, solid behind, that face each other across the free
+    /// space around it: solids that touch along the edge.
+    fn pair_around_edge(
+        &mut self,
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        same: &[(u32, u32, u32)],
+    ) {
+        let [from, to] = [same[0].0, same[0].1];
+        let origin = positions[from as usize];
+        let along = (positions[to as usize] - origin).normalize_or(DVec3::X);
+        let across = along.any_orthonormal_vector();
+        let up = along.cross(across);
+        // Angle around the edge, and whether the front looks to larger angles.
+        let mut around: Vec<(f64, bool, usize, usize)> = same
+            .iter()
+            .map(|&(.., side)| {
+                let (triangle, corner) = (side as usize / 3, side as usize % 3);
+                let corners = &triangles[triangle];
+                let into = positions[corners[(corner + 2) % 3] as usize] - origin;
+                let angle = libm::atan2(into.dot(up), into.dot(across));
+                (angle, corners[corner] == from, triangle, corner)
+            })
+            .collect();
+        around.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+        let count = around.len();
+        // Triangles at one angle face each other, or away from each other: what pairs more.
+        let pairs = |faces_up_first: bool| -> Vec<[usize; 2]> {
+            let mut order: Vec<usize> = (0..count).collect();
+            let (mut begin, mut sorted) = (0, Vec::with_capacity(count));
+            while begin < count {
+                let is_equal = |&&at: &&usize| around[at].0 - around[begin].0 <= FLAT;
+                let end = begin + order[begin..].iter().take_while(is_equal).count();
+                order[begin..end].sort_by_key(|&at| around[at].1 != faces_up_first);
+                sorted.extend_from_slice(&order[begin..end]);
+                begin = end;
+            }
+            let next = |at: usize| sorted[(at + 1) % count];
+            (0..count)
+                .map(|at| [sorted[at], next(at)])
+                .filter(|&[a, b]| around[a].1 && !around[b].1)
+                .collect()
+        };
+        let [facing, away] = [pairs(true), pairs(false)];
+        let best = if facing.len() >= away.len() { facing } else { away };
+        for [a, b] in best {
+            let (first, second) = (around[a], around[b]);
+            let wedge = second.0 - first.0;
+            let wedge = if wedge < -FLAT { wedge + std::f64::consts::TAU } else { wedge };
+            let bend = wedge - std::f64::consts::PI;
+            let kind = if bend.abs() <= FLAT {
+                EdgeKind::Flat
+            } else if bend > 0.0 {
+                EdgeKind::Convex
+            } else {
+                EdgeKind::Concave
+            };
+            self.neighbours[first.2][first.3] = second.2 as u32;
+            self.neighbours[second.2][second.3] = first.2 as u32;
+            self.set_kind(first.2, first.3, kind);
+            self.set_kind(second.2, second.3, kind);
+        }
+    }
+
     /// Marks the triangle that stands for each vertex with at least two edges that are not flat,
     /// and the triangles with such edges.
     pub(crate) fn mark_owners(&mut self, triangles: &[[u32; 3]], begins: &[u32], around: &[u32]) {
@@ -106,22 +170,31 @@ impl Adjacency {
 }
 
 /// Pairs the triangles at each edge and tells how they bend.
-pub(crate) fn find_adjacency(positions: &[DVec3], triangles: &[[u32; 3]]) -> Adjacency {
+pub(crate) fn find_adjacency(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    sides: Sides,
+) -> Adjacency {
     let mut adjacency = Adjacency {
         neighbours: vec![[NONE; 3]; triangles.len()],
         kinds: vec![0xff; triangles.len()],
         owns: vec![0; triangles.len()],
     };
-    let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * triangles.len());
+    let mut edges: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in triangles.iter().enumerate() {
         for corner in 0..3 {
             let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
-            sides.push((from.min(to), from.max(to), (3 * triangle + corner) as u32));
+            edges.push((from.min(to), from.max(to), (3 * triangle + corner) as u32));
         }
     }
-    sides.sort_unstable();
-    for same in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        let &[(.., first), (.., second)] = same else { continue };
+    edges.sort_unstable();
+    for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let &[(.., first), (.., second)] = same else {
+            if sides == Sides::One && same.len() > 2 {
+                adjacency.pair_around_edge(positions, triangles, same);
+            }
+            continue;
+        };
         let [first, second] = [first, second].map(|side| (side as usize / 3, side as usize % 3));
         let is_flipped = triangles[first.0][first.1] == triangles[second.0][second.1];
         let flag = if is_flipped { FLIPPED } else { 0 };

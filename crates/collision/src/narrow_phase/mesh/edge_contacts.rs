@@ -37,7 +37,9 @@ struct HullEdgeWay {
 /// All edges of a hull on their ways.
 pub(crate) struct HullEdges {
     edges: Vec<HullEdgeWay>,
-    /// Planes of the hull at the start and the end of the frame, mesh frame.
+    /// Planes of the hull, body frame.
+    faces: Vec<HalfSpace>,
+    /// The same at the start and the end of the frame, mesh frame.
     planes: Vec<[HalfSpace; 2]>,
     /// An edge of the mesh that lies deeper than this under a face does not touch that face's
     /// edges [m].
@@ -81,6 +83,7 @@ impl HullEdges {
         };
         Self {
             edges: hull.edges().iter().enumerate().map(way).collect(),
+            faces: hull.planes().to_vec(),
             planes: hull.planes().iter().map(plane).collect(),
             depth: 2.0 * margin + DEPTH * motion.pair_motion.size,
         }
@@ -120,7 +123,7 @@ pub(crate) fn edge_contacts(
             }
             // Mixed, so that pairs of edges seldom share an id.
             let id = (3 * triangle + corner) as u64 * 0x9e37 + u64::from(own.edge);
-            let pair = EdgePair { motion, own, edge: &edge, inside, id };
+            let pair = EdgePair { motion, own, faces: &hull_edges.faces, edge: &edge, inside, id };
             let on_supported = pair.contact(&motion.supported, &own.supported, true);
             let on_flight = || pair.contact(&motion.instants, &own.flight, false);
             contacts.extend(on_supported.or_else(on_flight));
@@ -131,6 +134,7 @@ pub(crate) fn edge_contacts(
 struct EdgePair<'a> {
     motion: &'a MeshMotion<'a>,
     own: &'a HullEdgeWay,
+    faces: &'a [HalfSpace],
     edge: &'a MeshEdge,
     /// Body frame [m].
     inside: DVec3,
@@ -179,6 +183,14 @@ impl EdgePair<'_> {
             if !self.stand_out(normal, turned) || (inside - on_mesh).dot(normal) <= 0.0 {
                 continue;
             }
+            let depth = if overlaps { -start } else { 0.0 };
+            if self.is_on_rim(
+                on_body + turned.inverse().direction(on_mesh - on_hull),
+                depth,
+                turned,
+            ) {
+                continue;
+            }
             let last = self.own.supported.last().map_or(0.0, |ends| {
                 let moved = ends[0] + (on_hull - lerped[0]);
                 (moved - on_mesh).dot(normal)
@@ -210,6 +222,18 @@ impl EdgePair<'_> {
         let normal = across.try_normalize()?;
         let inward = mesh_from_body.direction(self.own.into[0] + self.own.into[1]);
         Some(if inward.dot(normal) < 0.0 { -normal } else { normal })
+    }
+
+    /// True for a point of the mesh, body frame, that lies less deep under another face than under
+    /// the edge, or on that face's rim, if the mesh's edge stands out towards it.
+    fn is_on_rim(&self, point_body: DVec3, depth: f64, mesh_from_body: &RigidTransform) -> bool {
+        let MeshMotion { rim, .. } = *self.motion;
+        self.faces.iter().enumerate().any(|(face, plane)| {
+            let is_own = self.own.faces.contains(&(face as u32));
+            !is_own
+                && plane.distance(point_body) >= -rim.max(depth)
+                && self.edge.stands_out(-mesh_from_body.direction(plane.normal), ASIDE)
+        })
     }
 
     /// True if both edges are the furthest around themselves along the normal.

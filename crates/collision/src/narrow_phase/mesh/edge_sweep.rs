@@ -8,6 +8,19 @@ use glam::DVec3;
 /// nearest feature [1].
 pub(crate) const ASIDE: f64 = 1e-3;
 
+/// One minus the cosine of the angle to a triangle's normal within which a ball touches an edge as
+/// it would the triangle [1]: 4 degrees, as far as a ball that overlaps what bears it by a resting
+/// contact's depth meets the next edge ahead.
+const FLUSH: f64 = 2.5e-3;
+
+/// The normal of one of some triangles, if a direction hardly differs from it, or else the
+/// direction.
+fn flush(direction: DVec3, normals: impl Iterator<Item = DVec3>) -> DVec3 {
+    let facing = normals.map(|normal| if normal.dot(direction) < 0.0 { -normal } else { normal });
+    let nearest = facing.max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
+    nearest.filter(|normal| normal.dot(direction) >= 1.0 - FLUSH).unwrap_or(direction)
+}
+
 /// Directions at an edge: along it, and from it into its triangles at right angles to it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshEdge {
@@ -43,7 +56,7 @@ impl MeshEdge {
     }
 
     /// Meeting of a ball whose centre moves straight with the edge; with its foot [m] and the
-    /// direction to the centre.
+    /// normal.
     pub(crate) fn sweep(&self, way: [DVec3; 2], radius: f64) -> Option<(Sweep, DVec3, DVec3)> {
         let [from, to] = way.map(|point| {
             let lever = point - self.ends[0];
@@ -57,7 +70,9 @@ impl MeshEdge {
         }
         let foot = self.ends[0] + part * self.along;
         let direction = (center - foot).try_normalize()?;
-        self.stands_out(direction, ASIDE).then_some((sweep, foot, direction))
+        let normals = [self.into[0].cross(self.along), self.into[1].cross(self.along)];
+        let normal = flush(direction, normals.into_iter());
+        self.stands_out(direction, ASIDE).then_some((sweep, foot, normal))
     }
 }
 
@@ -75,5 +90,6 @@ pub(crate) fn sweep_corner(
     let is_in_front = mesh.sides() == Sides::Two
         || mesh.around(vertex).iter().any(|&t| mesh.normal(t as usize).dot(direction) > 0.0);
     let is_met = is_in_front && mesh.is_peak(vertex, direction, ASIDE);
-    is_met.then_some((sweep, corner, direction))
+    let normals = mesh.around(vertex).iter().map(|&triangle| mesh.normal(triangle as usize));
+    is_met.then(|| (sweep, corner, flush(direction, normals)))
 }

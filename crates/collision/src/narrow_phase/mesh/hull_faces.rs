@@ -92,6 +92,9 @@ impl Corner<'_> {
             if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
                 continue;
             }
+            if sweep.touches && !is_inside && self.is_on_rim(&face, way, sweep.at, mesh_from_body) {
+                continue;
+            }
             // Of faces that it overlaps, the one with the least depth; else what comes first.
             let is_better = |best: &(HullFace, Sweep)| match (sweep.touches, best.1.touches) {
                 (true, true) if is_inside => sweep.least > best.1.least,
@@ -104,6 +107,25 @@ impl Corner<'_> {
             }
         }
         best.filter(|(_, sweep)| sweep.touches || sweep.least <= near)
+    }
+
+    /// True if the corner meets a face on its rim and stands out towards the face beyond: resting,
+    /// the body overlaps it there a little.
+    fn is_on_rim(
+        &self,
+        face: &HullFace,
+        way: [DVec3; 2],
+        at: f64,
+        mesh_from_body: &RigidTransform,
+    ) -> bool {
+        let point = way[0].lerp(way[1], at);
+        self.hull.planes().iter().any(|plane| {
+            let is_near = *plane != face.plane && plane.distance(point) >= -self.motion.rim;
+            is_near && {
+                let outward = mesh_from_body.direction(plane.normal);
+                self.motion.mesh.is_peak(self.vertex, -outward, RISES)
+            }
+        })
     }
 
     /// Meeting with the inside of a face.

@@ -17,6 +17,11 @@ const MOST_PARTS: usize = 16;
 /// Width of what counts as one plane or one line, relative to the body's size [1].
 const THIN: f64 = 1e-5;
 
+/// Width of the rim of a face, relative to the body's size [1]: a resting body overlaps what bears
+/// it by less (`RESTING_DEPTH` of the solver). What meets a face only there slides over its edge.
+/// Without it a box that slides from one closed box of a mesh to the next stops at the seam.
+const RIM: f64 = 2.5e-3;
+
 /// A body's motion through a frame, seen from a mesh.
 pub(crate) struct MeshMotion<'a> {
     pub(crate) pair_motion: &'a PairMotion<'a>,
@@ -31,6 +36,8 @@ pub(crate) struct MeshMotion<'a> {
     pub(crate) starts: [RigidTransform; 2],
     /// Lengths within this are equal [m].
     pub(crate) thin: f64,
+    /// Width of the rims of faces [m].
+    pub(crate) rim: f64,
 }
 
 impl<'a> MeshMotion<'a> {
@@ -51,6 +58,7 @@ impl<'a> MeshMotion<'a> {
             supported: Vec::new(),
             starts: pair_motion.paths.map(|path| path.start.world_from_body()),
             thin: THIN * pair_motion.size,
+            rim: RIM * pair_motion.size,
         };
         if mesh_is_first {
             motion.starts.swap(0, 1);

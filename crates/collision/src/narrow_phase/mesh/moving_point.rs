@@ -9,7 +9,7 @@ use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, sweep_corner};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
-use frangible_geometry::Sides;
+use frangible_geometry::{EdgeKind, Sides};
 use glam::DVec3;
 
 /// Touches after which a point goes no further in a frame: two walls and a floor, and one more.
@@ -18,6 +18,9 @@ const MOST_TOUCHES: usize = 4;
 /// Sine of the angle by which a face of a polyhedron may dip under the plane that a corner of it
 /// slides onto [1]: ramps that begin less steeply are met with the corner.
 const TILT: f64 = 0.1;
+
+/// Cosine of the least angle at an edge whose rim is not met [1].
+const STEEP: f64 = 0.9;
 
 /// Cosine between normals of the same plane, as in the solver's constraints.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
@@ -115,14 +118,16 @@ impl MovingPoint<'_> {
 
     /// The side of a triangle on which the point is; `None` behind a triangle that is solid there.
     fn front(&self, triangle: usize, start: DVec3) -> Option<Facet> {
-        let (mesh, thin) = (self.motion.mesh, self.motion.thin);
+        let MeshMotion { mesh, thin, rim, .. } = *self.motion;
         let facet = self.facet(triangle, start);
+        // A corner of a resting body is a little behind the planes of triangles beside it.
+        let near = if self.corners.is_empty() { thin } else { rim };
         if mesh.sides() == Sides::One {
-            return (facet.height(start) >= -thin).then_some(facet);
+            return (facet.height(start) >= -near).then_some(facet);
         }
         // A point in the plane itself is where its body is.
         match self.inside {
-            Some(inside) if facet.height(start) <= thin => {
+            Some(inside) if facet.height(start) <= near => {
                 Some(self.facet(triangle, self.motion.start().point(inside)))
             }
             _ => Some(facet),
@@ -138,6 +143,40 @@ impl MovingPoint<'_> {
         };
         self.inside.is_none_or(|inside| is_beyond(&inside, 0.0))
             && self.corners.iter().all(|corner| is_beyond(corner, -TILT))
+    }
+
+    /// True for a point on the rim of a triangle, if its body lies on another triangle beyond the
+    /// edge: resting, it overlaps that one a little.
+    fn grazes(&self, triangle: usize, facet: &Facet, at: DVec3) -> bool {
+        let MeshMotion { mesh, rim, .. } = *self.motion;
+        if self.radius > 0.0 || self.corners.is_empty() || mesh.owns_nothing(triangle) {
+            return false;
+        }
+        let vertices = mesh.triangles()[triangle];
+        let turn = facet.normal.dot(mesh.normal(triangle)).signum();
+        (0..3).any(|corner| {
+            let (from, to) = (facet.corners[corner], facet.corners[(corner + 1) % 3]);
+            let along = to - from;
+            let off = along.cross(at - from).length_squared();
+            if off > rim * rim * along.length_squared()
+                || mesh.edge_kind(triangle, corner) == EdgeKind::Flat
+            {
+                return false;
+            }
+            // Only an edge that stands out has a rim.
+            let inward = turn * facet.normal.cross(along);
+            let bears = |other: DVec3| {
+                other.dot(facet.normal) < STEEP && other.dot(inward) < 0.0 && self.is_over(other)
+            };
+            let end = vertices[(corner + 1) % 3];
+            mesh.around(vertices[corner] as usize).iter().any(|&other| {
+                let other = other as usize;
+                let normal = mesh.normal(other);
+                other != triangle
+                    && mesh.triangles()[other].contains(&end)
+                    && (bears(normal) || mesh.sides() == Sides::Two && bears(-normal))
+            })
+        })
     }
 
     /// Appends what a leg meets. `start` is where the way began outside of the mesh; on the first
@@ -160,8 +199,9 @@ impl MovingPoint<'_> {
                 let is_over = || self.is_over(facet.normal);
                 let sweep = facet.sweep(leg.way, self.radius, (thin, slack), is_over);
                 let is_late = |sweep: &Sweep| is_first || sweep.at > 0.0 || sweep.least >= -slack;
-                if let Some(sweep) = sweep.filter(is_late) {
-                    let at = from.lerp(to, sweep.at);
+                let met = sweep.filter(is_late).map(|sweep| (sweep, from.lerp(to, sweep.at)));
+                if let Some((sweep, at)) = met.filter(|&(_, at)| !self.grazes(triangle, &facet, at))
+                {
                     meet(sweep, at - facet.height(at) * facet.normal, facet.normal);
                 }
             }
