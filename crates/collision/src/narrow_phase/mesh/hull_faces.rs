@@ -22,8 +22,8 @@ pub(crate) fn corner_contacts(
     for &vertex in vertices {
         let corner = Corner { motion, hull, inside, vertex };
         let on_supported = corner.contact(&motion.supported, true);
-        let on_flight = corner.contact(&motion.instants, false);
-        contacts.extend(on_supported.or(on_flight));
+        let on_flight = || corner.contact(&motion.instants, false);
+        contacts.extend(on_supported.or_else(on_flight));
     }
 }
 
@@ -84,7 +84,8 @@ impl Corner<'_> {
         for face in self.hull.faces() {
             let [start, end] = way.map(|point| face.plane.distance(point));
             let is_towards = (way[0] - self.inside).dot(face.plane.normal) > 0.0;
-            if start.min(end) > near || is_inside && !is_towards {
+            // What comes near at the frame's end is met in the next.
+            if start > near && end > 0.0 || is_inside && !is_towards {
                 continue;
             }
             let Some(sweep) = self.sweep(&face, way, is_inside && is_first) else { continue };
@@ -92,7 +93,7 @@ impl Corner<'_> {
             if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
                 continue;
             }
-            if sweep.touches && !is_inside && self.is_on_rim(&face, way, sweep.at, mesh_from_body) {
+            if !is_inside && self.is_on_rim(&face, way, sweep.at, mesh_from_body) {
                 continue;
             }
             // Of faces that it overlaps, the one with the least depth; else what comes first.

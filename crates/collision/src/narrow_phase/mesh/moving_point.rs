@@ -19,6 +19,10 @@ const MOST_TOUCHES: usize = 4;
 /// slides onto [1]: ramps that begin less steeply are met with the corner.
 const TILT: f64 = 0.1;
 
+/// Cosine of the largest angle between the normals of what bears a point and of what free flight,
+/// which sinks into it, meets besides [1].
+const ALIKE: f64 = 0.7;
+
 /// Cosine of the least angle at an edge whose rim is not met [1].
 const STEEP: f64 = 0.9;
 
@@ -50,6 +54,8 @@ struct Meeting {
     time: f64,
     on_mesh: DVec3,
     normal: DVec3,
+    /// True for the inside of a triangle.
+    of_face: bool,
 }
 
 /// A straight part of the way.
@@ -86,9 +92,19 @@ impl MovingPoint<'_> {
         let is_harmless = |meeting: &Meeting| {
             meeting.normal.dot(end - meeting.on_mesh) - self.radius >= -self.motion.thin
         };
+        // Free flight sinks into what bears the point: what it meets there otherwise is as what
+        // bears it, like a lower floor.
+        let bearing = found.first().map(|first| first.normal);
+        let is_alike = |meeting: &Meeting| {
+            let is_level = |bearing: DVec3| bearing.dot(meeting.normal) > ALIKE;
+            bearing.is_none_or(|bearing| meeting.of_face && is_level(bearing))
+        };
         flight.retain(|meeting| {
             let overlaps = meeting.sweep.touches && meeting.time == 0.0;
-            overlaps || is_harmless(meeting)
+            // What comes near at the frame's end is met in the next.
+            let now = meeting.normal.dot(at(0) - meeting.on_mesh) - self.radius;
+            let is_due = meeting.sweep.touches || now <= self.motion.pair_motion.near;
+            overlaps || is_due && is_alike(meeting) && is_harmless(meeting)
         });
         found.append(&mut flight);
         self.keep(&found, contacts);
@@ -187,10 +203,10 @@ impl MovingPoint<'_> {
         let [from, to] = leg.way;
         let low = from.min(to).min(start) - margin;
         let high = from.max(to).max(start) + margin;
-        let mut meet = |sweep: Sweep, on_mesh: DVec3, normal: DVec3| {
+        let mut meet = |sweep: Sweep, on_mesh: DVec3, normal: DVec3, of_face: bool| {
             if sweep.touches || sweep.least <= pair_motion.near {
                 let time = leg.times[0] + sweep.at * (leg.times[1] - leg.times[0]);
-                found.push(Meeting { sweep, time, on_mesh, normal });
+                found.push(Meeting { sweep, time, on_mesh, normal, of_face });
             }
         };
         mesh.visit_box(low, high, |triangle| {
@@ -200,9 +216,12 @@ impl MovingPoint<'_> {
                 let sweep = facet.sweep(leg.way, self.radius, (thin, slack), is_over);
                 let is_late = |sweep: &Sweep| is_first || sweep.at > 0.0 || sweep.least >= -slack;
                 let met = sweep.filter(is_late).map(|sweep| (sweep, from.lerp(to, sweep.at)));
-                if let Some((sweep, at)) = met.filter(|&(_, at)| !self.grazes(triangle, &facet, at))
+                let foot = |at: DVec3| at - facet.height(at) * facet.normal;
+                let met = met.map(|(sweep, at)| (sweep, foot(at)));
+                if let Some((sweep, foot)) =
+                    met.filter(|&(_, foot)| !self.grazes(triangle, &facet, foot))
                 {
-                    meet(sweep, at - facet.height(at) * facet.normal, facet.normal);
+                    meet(sweep, foot, facet.normal, true);
                 }
             }
             if self.radius == 0.0 || mesh.owns_nothing(triangle) {
@@ -213,14 +232,14 @@ impl MovingPoint<'_> {
                     && let Some(edge) = MeshEdge::of(mesh, triangle, corner)
                     && let Some((sweep, foot, normal)) = edge.sweep(leg.way, self.radius)
                 {
-                    meet(sweep, foot, normal);
+                    meet(sweep, foot, normal, false);
                 }
                 if mesh.owns_vertex(triangle, corner) {
                     let vertex = mesh.triangles()[triangle][corner] as usize;
                     if let Some((sweep, foot, normal)) =
                         sweep_corner(mesh, vertex, leg.way, self.radius)
                     {
-                        meet(sweep, foot, normal);
+                        meet(sweep, foot, normal, false);
                     }
                 }
             }
