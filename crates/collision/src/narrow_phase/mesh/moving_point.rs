@@ -9,6 +9,7 @@ use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, sweep_corner};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
+use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::{EdgeKind, Sides};
 use glam::DVec3;
 
@@ -101,13 +102,21 @@ impl MovingPoint<'_> {
         };
         flight.retain(|meeting| {
             let overlaps = meeting.sweep.touches && meeting.time == 0.0;
-            // What comes near at the frame's end is met in the next.
+            // What comes near only at the frame's end is met in the next.
             let now = meeting.normal.dot(at(0) - meeting.on_mesh) - self.radius;
-            let is_due = meeting.sweep.touches || now <= self.motion.pair_motion.near;
-            overlaps || is_due && is_alike(meeting) && is_harmless(meeting)
+            let most = if meeting.of_face { self.beside() } else { self.motion.pair_motion.near };
+            let is_due = now <= most || meeting.sweep.touches && is_alike(meeting);
+            overlaps || is_due && is_harmless(meeting)
         });
         found.append(&mut flight);
         self.keep(&found, contacts);
+    }
+
+    /// Gap at the frame's start of a triangle beside the way that counts [m]: others may push a
+    /// ball there.
+    fn beside(&self) -> f64 {
+        let PairMotion { near, reach, .. } = *self.motion.pair_motion;
+        near + (reach - near).min(2.0 * self.radius)
     }
 
     /// Where the way from inside of the body to the point first goes into the mesh, or the point.
@@ -199,12 +208,12 @@ impl MovingPoint<'_> {
     /// leg the point may overlap the mesh already.
     fn meetings(&self, leg: &Leg, (start, is_first): (DVec3, bool), found: &mut Vec<Meeting>) {
         let MeshMotion { mesh, thin, pair_motion, .. } = *self.motion;
-        let margin = self.radius + pair_motion.near + thin;
+        let margin = self.radius + self.beside() + thin;
         let [from, to] = leg.way;
         let low = from.min(to).min(start) - margin;
         let high = from.max(to).max(start) + margin;
         let mut meet = |sweep: Sweep, on_mesh: DVec3, normal: DVec3, of_face: bool| {
-            if sweep.touches || sweep.least <= pair_motion.near {
+            if sweep.touches || sweep.least <= self.beside() {
                 let time = leg.times[0] + sweep.at * (leg.times[1] - leg.times[0]);
                 found.push(Meeting { sweep, time, on_mesh, normal, of_face });
             }
