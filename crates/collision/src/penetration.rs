@@ -5,6 +5,7 @@ use crate::narrow_phase::compound::near_parts;
 use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::mesh::overlap::mesh_separation;
 use crate::narrow_phase::revolved::contact::{as_partner, round_and_partner};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::separation::separation as separation_of_round;
@@ -15,7 +16,8 @@ use frangible_math::{RigidTransform, Width};
 
 /// Penetration depth [m] of each overlapping pair with at least one dynamic body, in increasing
 /// order of the pairs: minimum translation for balls, half-spaces, bodies of revolution and convex
-/// polyhedra; deepest part for compounds; deepest sample for level sets.
+/// polyhedra; deepest part for compounds; deepest contact for static triangles; deepest sample for
+/// level sets.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
     let mut scratch = Scratch::default();
     let depth =
@@ -42,6 +44,15 @@ pub(crate) fn penetration(
             _ => convex_shapes[side],
         };
         let size = first.shape.radius().min(second.shape.radius());
+        match [convex_shape(0), convex_shape(1)] {
+            [ConvexShape::Mesh(mesh), other] => {
+                return Some(mesh_separation(bodies, pair, poses, (mesh, true), other));
+            }
+            [other, ConvexShape::Mesh(mesh)] => {
+                return Some(mesh_separation(bodies, pair, poses, (mesh, false), other));
+            }
+            _ => {}
+        }
         separation([convex_shape(0), convex_shape(1)], &second_from_first, size, scratch)
     };
     let least = if compounds.iter().all(Option::is_none) {

@@ -44,7 +44,10 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
         .iter()
         .map(|fragment| match &fragment.shape.geometry {
             Geometry::Grid(solid) => Some(&**solid),
-            Geometry::ClosedForm(_) | Geometry::Hull(_) | Geometry::Compound(_) => None,
+            Geometry::ClosedForm(_)
+            | Geometry::Hull(_)
+            | Geometry::Compound(_)
+            | Geometry::Mesh(_) => None,
         })
         .collect();
     let place = |contact: Interface| Interface {

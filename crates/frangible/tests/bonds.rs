@@ -180,7 +180,13 @@ fn wrong_bonds_are_explained() {
         bonds: Some(bonds(1e6)),
         ..BodyDesc::new(
             "mesh",
-            ShapeDesc::Triangles { positions, triangles, thickness: None, resolution: NONE },
+            ShapeDesc::Triangles {
+                positions,
+                triangles,
+                thickness: None,
+                sides: None,
+                resolution: NONE,
+            },
         )
     };
     assert!(error(mesh).starts_with("bodies[0].bonds: "));

@@ -113,6 +113,7 @@ fn triangles_are_a_body() {
         positions: positions.clone(),
         triangles: triangles.to_vec(),
         thickness: None,
+        sides: None,
         resolution: Resolution { voxels: Some([24; 3]), sample_spacing: None },
     };
 

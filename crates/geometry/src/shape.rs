@@ -12,6 +12,7 @@ use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::revolved::Revolved;
 use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
+use crate::static_mesh::StaticMesh;
 use crate::surface_samples::closed_form_samples;
 use frangible_math::RigidTransform;
 use glam::{DVec3, Vec3};
@@ -27,7 +28,7 @@ pub struct Shape {
     pub body_from_grid: RigidTransform,
     /// Lowest and highest corner in the body frame [m].
     pub bounds: (DVec3, DVec3),
-    /// [m^3]; zero for a half-space.
+    /// [m^3]; zero for a half-space and for static triangles.
     pub volume: f64,
     /// Principal moments at unit density [m^5].
     pub unit_moments: DVec3,
@@ -55,6 +56,8 @@ pub enum Geometry {
     Compound(Arc<Compound>),
     /// Samples on a grid: can break.
     Grid(Box<GridSolid>),
+    /// Triangles of what does not move by itself: no volume.
+    Mesh(Arc<StaticMesh>),
 }
 
 /// Where a solid's centre of mass and principal axes are.
@@ -220,6 +223,23 @@ impl Shape {
         })
     }
 
+    /// Triangles of a body that is static or kinematic: without a mass. The body frame is the
+    /// mesh's own, and its samples are the vertices.
+    pub fn static_mesh(mesh: StaticMesh) -> Self {
+        Self {
+            bounds: mesh.bounds(),
+            geometry: Geometry::Mesh(Arc::new(mesh)),
+            body_from_grid: RigidTransform::IDENTITY,
+            volume: 0.0,
+            unit_moments: DVec3::ZERO,
+            hull: None,
+            compound: None,
+            part_of: None,
+            sample_spacing: 0.0,
+            samples: OnceLock::new(),
+        }
+    }
+
     /// A solid on a grid, with samples in its grid frame [m].
     ///
     /// # Errors
@@ -268,6 +288,9 @@ impl Shape {
                 (Geometry::ClosedForm(form), ..) => closed_form_samples(form, spacing),
                 (_, Some(hull), _) => hull_samples(hull, spacing),
                 (_, _, Some(compound)) => compound.samples(spacing),
+                (Geometry::Mesh(mesh), ..) => {
+                    mesh.positions().iter().map(|position| position.as_vec3()).collect()
+                }
                 _ => Vec::new(),
             })
         })
@@ -285,7 +308,7 @@ impl Shape {
             Geometry::Hull(hull) => Some(hull),
             // Its grid frame is the body frame.
             Geometry::ClosedForm(_) => self.hull.as_deref(),
-            Geometry::Compound(_) | Geometry::Grid(_) => None,
+            Geometry::Compound(_) | Geometry::Grid(_) | Geometry::Mesh(_) => None,
         }
     }
 
@@ -303,6 +326,7 @@ impl Shape {
             Geometry::ClosedForm(form) => form.distance_and_gradient(point_grid),
             Geometry::Hull(hull) => hull.distance_and_gradient(point_grid),
             Geometry::Compound(compound) => compound.distance_and_gradient(point_grid),
+            Geometry::Mesh(mesh) => mesh.distance_and_gradient(point_grid),
             Geometry::Grid(solid) => {
                 let (distance, gradient) = solid.value_and_gradient(point_grid);
                 // On a ridge the samples' gradient can vanish; any direction is as good there.
@@ -312,7 +336,7 @@ impl Shape {
         (distance, self.body_from_grid.direction(gradient_grid))
     }
 
-    /// The closed surface in the body frame; empty for a half-space.
+    /// The surface in the body frame: closed, but for static triangles; empty for a half-space.
     pub fn surface(&self) -> Surface {
         let mut surface = match &self.geometry {
             Geometry::ClosedForm(form) => without_cracks(closed_form_surface(form)),
@@ -322,6 +346,7 @@ impl Shape {
             }
             Geometry::Compound(compound) => compound.surface(),
             Geometry::Grid(solid) => polygonize(solid),
+            Geometry::Mesh(mesh) => without_cracks(mesh.to_tri_mesh()),
         };
         for position in &mut surface.mesh.positions {
             *position = self.body_from_grid.point(*position);

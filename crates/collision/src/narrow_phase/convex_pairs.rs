@@ -1,17 +1,18 @@
-//! Exact contacts between balls, polyhedra, planes and bodies of revolution.
+//! Exact contacts between balls, polyhedra, planes, bodies of revolution and static triangles.
 
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
 use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_plane::plane_points;
+use crate::narrow_phase::mesh::selection::mesh_points;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::revolved::contact::revolved_points;
 use crate::narrow_phase::sphere::BallContact;
 use glam::DVec3;
 
-/// Appends the points of a pair with a ball, or of two shapes with convex features; `false` for
-/// other pairs.
+/// Appends the points of a pair with a ball or static triangles, or of two shapes with convex
+/// features; `false` for other pairs.
 pub(crate) fn exact_points(
     pair_motion: &PairMotion,
     convex_shapes: [ConvexShape; 2],
@@ -24,6 +25,12 @@ pub(crate) fn exact_points(
         BallContact { pair_motion, ball_is_first, radius, surface, is_convex }.point()
     };
     match convex_shapes {
+        [ConvexShape::Mesh(mesh), other] => {
+            mesh_points(pair_motion, (mesh, true), other, scratch, points);
+        }
+        [other, ConvexShape::Mesh(mesh)] => {
+            mesh_points(pair_motion, (mesh, false), other, scratch, points);
+        }
         [ConvexShape::Ball(radius), other] => points.extend(ball(true, radius, other)),
         [other, ConvexShape::Ball(radius)] => points.extend(ball(false, radius, other)),
         [ConvexShape::Hull(a), ConvexShape::Hull(b)]

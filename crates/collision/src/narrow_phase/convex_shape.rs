@@ -1,6 +1,6 @@
-//! Collision shapes: exact convex shapes, or samples.
+//! Collision shapes: exact convex shapes, static triangles, or samples.
 
-use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Revolved, Shape};
+use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Revolved, Shape, StaticMesh};
 use glam::DVec3;
 
 /// Collision shape of a body, or of a part.
@@ -14,6 +14,8 @@ pub(crate) enum ConvexShape<'a> {
     Ground(HalfSpace),
     /// Around the y axis of the body frame.
     Revolved(Revolved),
+    /// Triangles of what does not move by itself, in the body frame.
+    Mesh(&'a StaticMesh),
     /// Any other shape.
     Other(&'a Shape),
 }
@@ -31,6 +33,7 @@ impl<'a> ConvexShape<'a> {
                 (None, Some(hull)) => Self::Hull(hull),
                 (None, None) => Self::Other(shape),
             },
+            (Geometry::Mesh(mesh), _) => Self::Mesh(mesh),
             (_, Some(hull)) => Self::Hull(hull),
             _ => Self::Other(shape),
         }
@@ -45,14 +48,16 @@ impl<'a> ConvexShape<'a> {
             Self::Hull(hull) => hull.distance_and_gradient(point_body),
             Self::Ground(half_space) => (half_space.distance(point_body), half_space.normal),
             Self::Revolved(revolved) => revolved.distance_and_gradient(point_body),
+            Self::Mesh(mesh) => mesh.distance_and_gradient(point_body),
             Self::Other(shape) => shape.distance_and_gradient(point_body),
         }
     }
 }
 
-/// True for a body that meets others by its samples.
-pub fn has_samples(shape: &Shape) -> bool {
-    shape.compound.is_none() && matches!(ConvexShape::of(shape), ConvexShape::Other(_))
+/// True for a body that meets others along any number of normals: by samples, or by triangles.
+pub fn has_many_normals(shape: &Shape) -> bool {
+    let by_parts = ConvexShape::of(shape);
+    shape.compound.is_none() && matches!(by_parts, ConvexShape::Other(_) | ConvexShape::Mesh(_))
 }
 
 /// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.

@@ -4,11 +4,18 @@
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::pair_motion::PairMotion;
+use frangible_bodies::BallisticPath;
 use glam::DVec3;
 
 /// Minimum rotation per frame [rad] for a core contact. Of 100 random worlds eleven had a body
 /// below the ground without cores, and six with them.
 const TURN: f64 = 0.25;
+
+/// True if a body turns so far in the frame that its core counts, or may after an impact.
+pub(crate) fn turns_far(path: &BallisticPath, pair_motion: &PairMotion) -> bool {
+    let turns = path.spin_speed * pair_motion.ahead > TURN * path.radius;
+    turns || pair_motion.faster > 0.0
+}
 
 /// Appends the contact of a core with a half-space, if within reach in the frame.
 pub(crate) fn core_point(
@@ -25,8 +32,7 @@ pub(crate) fn core_point(
         _ => return,
     };
     let (path, of_ground) = (pair_motion.paths[side], pair_motion.paths[1 - side]);
-    let turns = path.spin_speed * pair_motion.ahead > TURN * path.radius;
-    if !turns && pair_motion.faster == 0.0 {
+    if !turns_far(path, pair_motion) {
         return;
     }
     let radius = -body.distance_and_gradient(DVec3::ZERO).0;

@@ -4,10 +4,11 @@
 use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};
 use crate::manifold::{FeatureId, MOST_POINTS, Manifold, ManifoldPoint};
-use crate::narrow_phase::compound::{compound_points, few};
+use crate::narrow_phase::compound::compound_points;
 use crate::narrow_phase::convex_pairs::exact_points;
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::core::core_point;
+use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
@@ -68,7 +69,8 @@ impl ManifoldFinder {
         if pair_motion.is_out_of_reach() {
             return None;
         }
-        // Balls, polyhedra and planes need no samples; all other shapes have samples.
+        // Balls, polyhedra, planes and static triangles need no samples of their own; all other
+        // shapes have samples.
         let convex_shapes = [
             ConvexShape::of(&bodies.shapes[pair.first]),
             ConvexShape::of(&bodies.shapes[pair.second]),

@@ -163,6 +163,10 @@ fn visit_inside(
             let distance = |point: DVec3, most: f64| compound.distance_up_to(point, most);
             visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);
         }
+        Geometry::Mesh(mesh) => {
+            let distance = |point: DVec3, most: f64| mesh.distance_up_to(point, most);
+            visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);
+        }
     }
 }
 

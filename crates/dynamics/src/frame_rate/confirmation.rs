@@ -9,7 +9,7 @@ use super::solver_bodies::SolverBodies;
 use super::touching::Place;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
 use frangible_collision::{
-    FeatureId, Manifold, ManifoldFinder, ManifoldPoint, PairMotion, has_samples,
+    FeatureId, Manifold, ManifoldFinder, ManifoldPoint, PairMotion, has_many_normals,
 };
 use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
@@ -120,7 +120,7 @@ impl Confirmation {
 }
 
 /// Whether a pair may act without a second look: it carried an impulse in the last frame, it meets
-/// by samples, whose normals and number vary too much, one body is a half-space with one normal
+/// along so many normals that its lanes may not do, one body is a half-space with one normal
 /// everywhere, or its overlap at birth is forgiven.
 pub(super) fn is_confirmed(
     bodies: &Bodies,
@@ -130,7 +130,9 @@ pub(super) fn is_confirmed(
     let pair = manifold.pair.both();
     !carried.is_empty()
         || is_wide(bodies, manifold, frame)
-        || pair.iter().any(|&i| bodies.radii[i].is_infinite() || has_samples(&bodies.shapes[i]))
+        || pair
+            .iter()
+            .any(|&i| bodies.radii[i].is_infinite() || has_many_normals(&bodies.shapes[i]))
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
 }
 

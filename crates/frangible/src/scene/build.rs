@@ -6,7 +6,9 @@ use crate::scene::check::MOST_SPEED;
 use crate::scene::check::MOST_SPIN;
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
-use crate::scene::desc::{BodyDesc, Method, MotionDesc, SceneDesc, ShapeDesc, SolverDesc};
+use crate::scene::desc::{
+    BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
+};
 use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
@@ -164,15 +166,17 @@ fn build_body(
     let make = match &breaking {
         Some(breaking) => make_to_break(desc, breaking, method),
         None if desc.bonds.is_some() && desc.shape.is_convex() => Make::Polyhedron,
+        None if is_environment(desc, method) => Make::Triangles,
         None => Make::Whole,
     };
     let shape = library.shape(&desc.shape, make, &at.field("shape"))?;
-    if shape.volume == 0.0 && desc.motion != MotionDesc::Static {
+    let has_no_mass = shape.volume == 0.0 && make != Make::Triangles;
+    if has_no_mass && desc.motion != MotionDesc::Static {
         return Err(at
             .field("motion")
             .broken(desc.motion.name(), "static for a half-space, which has no mass"));
     }
-    if shape.volume > 0.0 {
+    if !has_no_mass {
         check_size(&shape, at)?;
     }
     if desc.motion == MotionDesc::Dynamic {
@@ -216,6 +220,15 @@ fn build_body(
         SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
     let label = Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds };
     Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+}
+
+/// True for a mesh that does not move by itself and is not to be sampled.
+fn is_environment(desc: &BodyDesc, method: Method) -> bool {
+    desc.shape.is_mesh()
+        && desc.motion != MotionDesc::Dynamic
+        && desc.bonds.is_none()
+        && *desc.shape.resolution() == Resolution::default()
+        && method == Method::FrameRate
 }
 
 /// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses

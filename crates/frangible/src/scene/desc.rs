@@ -283,10 +283,15 @@ pub enum ShapeDesc {
         /// The file's unit in metres.
         #[serde(default = "defaults::one")]
         scale: f64,
-        /// Thickness of plates made from open parts [m]; without it open parts are left out.
+        /// Thickness of plates made from open parts [m]; without it open parts are left out where a
+        /// mesh is sampled.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         thickness: Option<f64>,
-        /// A mesh is always sampled.
+        /// Solid sides of the triangles of a static or kinematic body.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides: Option<SidesDesc>,
+        /// A mesh that moves or breaks is always sampled; that of a static or kinematic body is if
+        /// this is given.
         #[serde(default)]
         resolution: Resolution,
     },
@@ -296,13 +301,41 @@ pub enum ShapeDesc {
         positions: Vec<[f64; 3]>,
         /// Three vertices each, counted from 0, counter-clockwise seen from outside.
         triangles: Vec<[u32; 3]>,
-        /// Thickness of plates made from open parts [m]; without it open parts are left out.
+        /// Thickness of plates made from open parts [m]; without it open parts are left out where a
+        /// mesh is sampled.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         thickness: Option<f64>,
-        /// A mesh is always sampled.
+        /// Solid sides of the triangles of a static or kinematic body.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides: Option<SidesDesc>,
+        /// A mesh that moves or breaks is always sampled; that of a static or kinematic body is if
+        /// this is given.
         #[serde(default)]
         resolution: Resolution,
     },
+    /// Ground from rows of heights: row k, column i stands at x = i, z = k times the spacing, the
+    /// middle of the field above the origin. Static or kinematic only.
+    Heightfield {
+        /// At least two rows of equal lengths of at least two [m].
+        heights: Vec<Vec<f64>>,
+        /// Between columns along x and between rows along z [m].
+        spacing: [f64; 2],
+        /// Solid sides; without it one: solid below.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides: Option<SidesDesc>,
+    },
+}
+
+/// Sides of a mesh's triangles that are solid: a static or kinematic mesh is its triangles, closed
+/// or open. Without a choice, "one" for a mesh that encloses a volume and faces outward, else "two".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SidesDesc {
+    /// Solid behind the triangles, which run counter-clockwise seen from the front: what gets behind
+    /// one comes out again. For solids, and for rooms that face inward.
+    One,
+    /// A sheet: bodies stay on the side that they are on.
+    Two,
 }
 
 /// A part of a compound, in the compound's frame.
@@ -372,15 +405,23 @@ impl ShapeDesc {
             | Self::Capsule { .. }
             | Self::Cone { .. }
             | Self::Hull { .. } => true,
-            Self::Compound { .. } | Self::Mesh { .. } | Self::Triangles { .. } => false,
+            Self::Compound { .. }
+            | Self::Mesh { .. }
+            | Self::Triangles { .. }
+            | Self::Heightfield { .. } => false,
         }
+    }
+
+    /// True for kinds of shapes that are triangles.
+    pub(crate) fn is_mesh(&self) -> bool {
+        matches!(self, Self::Mesh { .. } | Self::Triangles { .. } | Self::Heightfield { .. })
     }
 
     /// Sampling resolution.
     pub fn resolution(&self) -> &Resolution {
         const NONE: &Resolution = &Resolution { voxels: None, sample_spacing: None };
         match self {
-            Self::HalfSpace => NONE,
+            Self::HalfSpace | Self::Heightfield { .. } => NONE,
             Self::Sphere { resolution, .. }
             | Self::Box { resolution, .. }
             | Self::Cylinder { resolution, .. }

@@ -1,10 +1,10 @@
 //! Shapes from their descriptions; equal descriptions share one shape.
 
 use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::{PartDesc, Resolution, ShapeDesc};
+use crate::scene::desc::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 use frangible_geometry::{
-    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, TriMesh, mesh_io,
-    solids_to_level_set, surface_samples,
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, Sides, StaticMesh,
+    TriMesh, heightfield_mesh, mesh_io, solids_to_level_set, surface_samples,
 };
 use frangible_math::RigidTransform;
 use glam::DVec3;
@@ -36,6 +36,8 @@ pub(crate) enum Make {
     Polyhedron,
     /// For breaking by voxels: on a grid.
     Voxels,
+    /// An environment of triangles, closed or open.
+    Triangles,
 }
 
 /// Every shape of a scene, once.
@@ -101,24 +103,39 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
         }
         ShapeDesc::Hull { points, resolution } => from_points(points, resolution, make, at),
         ShapeDesc::Compound { parts, resolution } => from_parts(parts, resolution, make, at),
-        ShapeDesc::Mesh { path, scale, thickness, resolution } => {
+        ShapeDesc::Mesh { path, scale, thickness, sides, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let at_path = at.field("path");
             let mut mesh =
                 mesh_io::load(Path::new(path)).map_err(|error| at_path.file(&error.to_string()))?;
             mesh.positions.iter_mut().for_each(|position| *position *= scale);
             let mesh = thickened(mesh, path, *thickness, at)?;
+            if make == Make::Triangles {
+                return from_triangles(&mesh, *sides, at);
+            }
+            check_unsided(*sides, at)?;
             from_mesh(&mesh, path, resolution, at).map_err(|error| match error {
                 BuildError::Rule { .. } => error,
                 other => at_path.file(&other.to_string()),
             })
         }
-        ShapeDesc::Triangles { positions, triangles, thickness, resolution } => {
+        ShapeDesc::Triangles { positions, triangles, thickness, sides, resolution } => {
             let positions = positions.iter().copied().map(DVec3::from_array).collect();
             let mesh = TriMesh { positions, triangles: triangles.clone() };
             mesh.check(at.path())?;
             let mesh = thickened(mesh, at.path(), *thickness, at)?;
+            if make == Make::Triangles {
+                return from_triangles(&mesh, *sides, at);
+            }
+            check_unsided(*sides, at)?;
             from_mesh(&mesh, at.path(), resolution, at)
+        }
+        ShapeDesc::Heightfield { heights, spacing, sides } => {
+            if make != Make::Triangles {
+                return Err(at.field("kind").broken("heightfield", HAS_SIDES));
+            }
+            let mesh = from_heights(heights, *spacing, at)?;
+            from_triangles(&mesh, Some(sides.unwrap_or(SidesDesc::One)), at)
         }
     }
 }
@@ -233,6 +250,67 @@ fn thickened(
     let Some(thickness) = thickness else { return Ok(mesh) };
     let thickness = at.field("thickness").positive(thickness, "m")?;
     Ok(mesh.thickened(thickness, name)?.mesh)
+}
+
+/// What may have sides.
+const HAS_SIDES: &str = "left out, but on a static or kinematic body without breaking, bonds and \
+                         resolution, in the frame-rate method";
+
+/// Solids have an inside.
+fn check_unsided(sides: Option<SidesDesc>, at: &Checker) -> Result<(), BuildError> {
+    match sides {
+        Some(SidesDesc::One) => Err(at.field("sides").broken("one", HAS_SIDES)),
+        Some(SidesDesc::Two) => Err(at.field("sides").broken("two", HAS_SIDES)),
+        None => Ok(()),
+    }
+}
+
+/// Triangles as they are.
+fn from_triangles(
+    mesh: &TriMesh,
+    sides: Option<SidesDesc>,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
+    let encloses = || mesh.is_watertight() && mesh.mass_properties().volume > 0.0;
+    let sides = match sides {
+        Some(SidesDesc::One) => Sides::One,
+        Some(SidesDesc::Two) => Sides::Two,
+        None if encloses() => Sides::One,
+        None => Sides::Two,
+    };
+    let given = format!("{} triangles without an area", mesh.triangles.len());
+    let built = StaticMesh::new(mesh, sides);
+    let built =
+        built.ok_or_else(|| at.broken(&given, "triangles with at least one that has an area"))?;
+    Ok(Shape::static_mesh(built))
+}
+
+/// The triangles of rows of heights.
+fn from_heights(
+    heights: &[Vec<f64>],
+    spacing: [f64; 2],
+    at: &Checker,
+) -> Result<TriMesh, BuildError> {
+    for &distance in &spacing {
+        at.field("spacing").length(distance)?;
+    }
+    let at_heights = at.field("heights");
+    let columns = heights.first().map_or(0, Vec::len);
+    if heights.len() < 2 || columns < 2 {
+        let given = format!("{} rows, the first of {columns}", heights.len());
+        return Err(at_heights.broken(&given, "at least two rows of at least two heights"));
+    }
+    for (k, row) in heights.iter().enumerate() {
+        let at = at.field(&format!("heights[{k}]"));
+        if row.len() != columns {
+            let rule = format!("as many as the first row, {columns}");
+            return Err(at.broken(&format!("{} heights", row.len()), &rule));
+        }
+        for &height in row {
+            at.within(height, -1e6, 1e6)?;
+        }
+    }
+    Ok(heightfield_mesh(heights, spacing))
 }
 
 /// Samples a mesh that came from the file, or the field, `name`.

@@ -162,6 +162,7 @@ fn prism(outline: &[u8; 9], cell: f64, depth: f64) -> ShapeDesc {
         positions: (0..32).map(position).collect(),
         triangles,
         thickness: None,
+        sides: None,
         resolution,
     }
 }

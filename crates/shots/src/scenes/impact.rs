@@ -72,7 +72,7 @@ fn impact(
     let middle = 0.5 * (low + high);
     let resolution = Resolution { voxels, sample_spacing: None };
     let thickness = options.thickness.map(|thickness| scale * thickness);
-    let shape = ShapeDesc::Mesh { path: name, scale, thickness, resolution };
+    let shape = ShapeDesc::Mesh { path: name, scale, thickness, sides: None, resolution };
     let pattern = PatternDesc::Voronoi(Voronoi {
         cells,
         clustering: 1.5,

@@ -97,7 +97,7 @@ fn turned(
         voxels: Some([across(2.0 * radius), across(height), across(2.0 * radius)]),
         sample_spacing: Some(2.0 * VOXEL),
     };
-    ShapeDesc::Triangles { positions, triangles, thickness: None, resolution }
+    ShapeDesc::Triangles { positions, triangles, thickness: None, sides: None, resolution }
 }
 
 /// A fixed bolt and a nut, with `friction` between them.

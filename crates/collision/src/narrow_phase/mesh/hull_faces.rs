@@ -1,0 +1,167 @@
+//! Corners of a mesh that stand out against faces of a hull.
+
+use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::triangle_sweep::Sweep;
+use frangible_geometry::{Hull, HullFace};
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Sine of the angle by which an edge of the mesh may rise over a hull's face that a corner of it
+/// touches [1]: resting bodies turn by less.
+const RISES: f64 = 5e-3;
+
+/// Appends the contacts of some vertices of the mesh with faces of the hull.
+pub(crate) fn corner_contacts(
+    motion: &MeshMotion,
+    hull: &Hull,
+    inside: DVec3,
+    vertices: &[usize],
+    contacts: &mut Vec<MeshContact>,
+) {
+    for &vertex in vertices {
+        let corner = Corner { motion, hull, inside, vertex };
+        let on_supported = corner.contact(&motion.supported, true);
+        let on_flight = || corner.contact(&motion.instants, false);
+        contacts.extend(on_supported.or_else(on_flight));
+    }
+}
+
+struct Corner<'a> {
+    motion: &'a MeshMotion<'a>,
+    hull: &'a Hull,
+    inside: DVec3,
+    vertex: usize,
+}
+
+impl Corner<'_> {
+    /// The first contact on a way of the body. On that of its free flight it must not end behind
+    /// the face on that which what it touches leaves it.
+    fn contact(
+        &self,
+        instants: &[(f64, RigidTransform)],
+        is_supported: bool,
+    ) -> Option<MeshContact> {
+        let corner = self.motion.mesh.positions()[self.vertex];
+        for (part, pair) in instants.windows(2).enumerate() {
+            let [(begin, from), (end, to)] = [pair[0], pair[1]];
+            let way = [from.inverse().point(corner), to.inverse().point(corner)];
+            let met = self.meeting(way, part == 0, &from);
+            let Some((face, sweep)) = met else { continue };
+            let plane = face.plane;
+            let last = self.motion.supported.last().map(|(_, last)| last.inverse().point(corner));
+            let ends_behind = last.is_some_and(|last| plane.distance(last) < -self.motion.thin);
+            let overlaps = sweep.touches && part == 0 && sweep.at == 0.0;
+            if !overlaps && ends_behind && !(sweep.touches && is_supported) {
+                continue;
+            }
+            let time = begin + sweep.at * (end - begin);
+            let at = way[0].lerp(way[1], sweep.at);
+            let turned = if sweep.at < 0.5 { from } else { to };
+            return Some(MeshContact {
+                on_body: at - plane.distance(at) * plane.normal,
+                rounding: 0.0,
+                on_mesh: corner,
+                normal: -turned.direction(plane.normal),
+                time,
+                feature: feature_of(Meets::FaceOnCorner, self.vertex as u64),
+            });
+        }
+        None
+    }
+
+    /// The face that the corner meets on a straight way, body frame.
+    fn meeting(
+        &self,
+        way: [DVec3; 2],
+        is_first: bool,
+        mesh_from_body: &RigidTransform,
+    ) -> Option<(HullFace<'_>, Sweep)> {
+        let near = self.motion.pair_motion.near;
+        let is_inside =
+            self.hull.planes().iter().all(|plane| plane.distance(way[0]) <= self.motion.thin);
+        let mut best: Option<(HullFace, Sweep)> = None;
+        for face in self.hull.faces() {
+            let [start, end] = way.map(|point| face.plane.distance(point));
+            let is_towards = (way[0] - self.inside).dot(face.plane.normal) > 0.0;
+            // What comes near at the frame's end is met in the next.
+            if start > near && end > 0.0 || is_inside && !is_towards {
+                continue;
+            }
+            let Some(sweep) = self.sweep(&face, way, is_inside && is_first) else { continue };
+            let outward = mesh_from_body.direction(face.plane.normal);
+            if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
+                continue;
+            }
+            if !is_inside && self.is_on_rim(&face, way, sweep.at, mesh_from_body) {
+                continue;
+            }
+            // Of faces that it overlaps, the one with the least depth; else what comes first.
+            let is_better = |best: &(HullFace, Sweep)| match (sweep.touches, best.1.touches) {
+                (true, true) if is_inside => sweep.least > best.1.least,
+                (true, true) => sweep.at < best.1.at,
+                (false, false) => sweep.least < best.1.least,
+                (touches, _) => touches,
+            };
+            if best.as_ref().is_none_or(is_better) {
+                best = Some((face, sweep));
+            }
+        }
+        best.filter(|(_, sweep)| sweep.touches || sweep.least <= near)
+    }
+
+    /// True if the corner meets a face on its rim and stands out towards the face beyond: resting,
+    /// the body overlaps it there a little.
+    fn is_on_rim(
+        &self,
+        face: &HullFace,
+        way: [DVec3; 2],
+        at: f64,
+        mesh_from_body: &RigidTransform,
+    ) -> bool {
+        let point = way[0].lerp(way[1], at);
+        self.hull.planes().iter().any(|plane| {
+            let is_near = *plane != face.plane && plane.distance(point) >= -self.motion.rim;
+            is_near && {
+                let outward = mesh_from_body.direction(plane.normal);
+                self.motion.mesh.is_peak(self.vertex, -outward, RISES)
+            }
+        })
+    }
+
+    /// Meeting with the inside of a face.
+    fn sweep(&self, face: &HullFace, way: [DVec3; 2], overlaps: bool) -> Option<Sweep> {
+        let thin = self.motion.thin;
+        let [start, end] = way.map(|point| face.plane.distance(point));
+        let gap = |at: f64| start + at * (end - start);
+        let (mut first, mut last) = (0.0_f64, 1.0_f64);
+        let corners = face.vertices.iter().map(|&vertex| self.hull.vertices()[vertex as usize]);
+        let next = corners.clone().cycle().skip(1);
+        for (corner, next) in corners.zip(next) {
+            let inward = face.plane.normal.cross(next - corner);
+            let most = -thin * inward.length();
+            let [before, after] = way.map(|point| inward.dot(point - corner) - most);
+            if before < 0.0 && after < 0.0 {
+                return None;
+            }
+            if before < 0.0 {
+                first = first.max(before / (before - after));
+            } else if after < 0.0 {
+                last = last.min(before / (before - after));
+            }
+        }
+        if first > last {
+            return None;
+        }
+        let [on_entry, on_exit] = [gap(first), gap(last)];
+        if on_entry <= 0.0 {
+            let is_met = overlaps || on_entry >= -thin;
+            return is_met.then_some(Sweep { at: first, touches: true, least: on_entry });
+        }
+        if on_exit <= 0.0 {
+            return Some(Sweep { at: start / (start - end), touches: true, least: 0.0 });
+        }
+        let at = if on_exit < on_entry { last } else { first };
+        Some(Sweep { at, touches: false, least: on_entry.min(on_exit) })
+    }
+}

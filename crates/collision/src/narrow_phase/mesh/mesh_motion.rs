@@ -1,0 +1,128 @@
+//! Motion of a body in the frame of a mesh.
+
+use crate::narrow_phase::mesh::mesh_contact::MeshContact;
+use crate::narrow_phase::pair_motion::PairMotion;
+use frangible_bodies::BallisticPath;
+use frangible_geometry::StaticMesh;
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Largest turn of a straight part of a path [rad]: points at the body's radius then leave the arc
+/// by less than a thousandth of it.
+const MOST_TURN: f64 = 0.1;
+
+/// Most straight parts of a frame.
+const MOST_PARTS: usize = 16;
+
+/// Width of what counts as one plane or one line, relative to the body's size [1].
+const THIN: f64 = 1e-5;
+
+/// Width of the rim of a face, relative to the body's size [1]: a resting body overlaps what bears
+/// it by less (`RESTING_DEPTH` of the solver). What meets a face only there slides over its edge.
+/// Without it a box that slides from one closed box of a mesh to the next stops at the seam.
+const RIM: f64 = 2.5e-3;
+
+/// A body's motion through a frame, seen from a mesh.
+pub(crate) struct MeshMotion<'a> {
+    pub(crate) pair_motion: &'a PairMotion<'a>,
+    pub(crate) mesh: &'a StaticMesh,
+    pub(crate) mesh_is_first: bool,
+    /// Instants of the frame [s] and `mesh_from_body` at each, ballistic.
+    pub(crate) instants: Vec<(f64, RigidTransform)>,
+    /// The same of what is held up: without the part of the motion that goes into what the body
+    /// touches at the frame's start.
+    pub(crate) supported: Vec<(f64, RigidTransform)>,
+    /// Transforms to the world at the frame's start, of the body and the mesh.
+    pub(crate) starts: [RigidTransform; 2],
+    /// Lengths within this are equal [m].
+    pub(crate) thin: f64,
+    /// Width of the rims of faces [m].
+    pub(crate) rim: f64,
+}
+
+impl<'a> MeshMotion<'a> {
+    pub(crate) fn new(
+        pair_motion: &'a PairMotion<'a>,
+        mesh: &'a StaticMesh,
+        mesh_is_first: bool,
+    ) -> Self {
+        let dt = pair_motion.frame.dt;
+        let turn = |path: &BallisticPath| path.angular.length() * dt;
+        let turn = turn(pair_motion.paths[0]) + turn(pair_motion.paths[1]);
+        let parts = ((turn / MOST_TURN) as usize + 1).min(MOST_PARTS);
+        let mut motion = Self {
+            pair_motion,
+            mesh,
+            mesh_is_first,
+            instants: Vec::new(),
+            supported: Vec::new(),
+            starts: pair_motion.paths.map(|path| path.start.world_from_body()),
+            thin: THIN * pair_motion.size,
+            rim: RIM * pair_motion.size,
+        };
+        if mesh_is_first {
+            motion.starts.swap(0, 1);
+        }
+        motion.instants = (0..=parts)
+            .map(|part| dt * part as f64 / parts as f64)
+            .map(|time| {
+                let [body, mesh] = [motion.body_path(), motion.mesh_path()];
+                let mesh_from_world = mesh.pose(time).world_from_body().inverse();
+                (time, mesh_from_world.after(&body.pose(time).world_from_body()))
+            })
+            .collect();
+        motion.supported = motion.instants.clone();
+        motion
+    }
+
+    /// Takes the part of the motion away that goes against a normal of what supports the body.
+    pub(crate) fn support(&mut self, normal: DVec3) {
+        let (Some(start), Some(end)) = (self.supported.first(), self.supported.last()) else {
+            return;
+        };
+        let (from, duration) = (start.1.translation, end.0);
+        let into = (end.1.translation - from).dot(normal).min(0.0);
+        for (time, mesh_from_body) in &mut self.supported {
+            mesh_from_body.translation -= into * (*time / duration) * normal;
+        }
+    }
+
+    pub(crate) fn body_path(&self) -> &BallisticPath {
+        self.pair_motion.paths[usize::from(self.mesh_is_first)]
+    }
+
+    pub(crate) fn mesh_path(&self) -> &BallisticPath {
+        self.pair_motion.paths[usize::from(!self.mesh_is_first)]
+    }
+
+    /// `mesh_from_body` at the frame's start.
+    pub(crate) fn start(&self) -> RigidTransform {
+        self.instants[0].1
+    }
+
+    /// A contact's normal in the world.
+    pub(crate) fn world_normal(&self, contact: &MeshContact) -> DVec3 {
+        let mesh = self.mesh_path();
+        // Most meshes do not turn, and a pose takes a sine and a cosine.
+        let still = mesh.angular == DVec3::ZERO;
+        let orientation =
+            if still { mesh.start.orientation } else { mesh.pose(contact.time).orientation };
+        orientation * contact.normal
+    }
+
+    /// Lowest and highest corner around a body's bounds on its way, mesh frame [m], grown by the
+    /// speculative margin.
+    pub(crate) fn swept_bounds(&self, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
+        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let mut swept = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (_, mesh_from_body) in &self.instants {
+            let (at, matrix) = (mesh_from_body.point(center), mesh_from_body.matrix());
+            let reach = half.x * matrix.x_axis.abs()
+                + half.y * matrix.y_axis.abs()
+                + half.z * matrix.z_axis.abs();
+            swept = (swept.0.min(at - reach), swept.1.max(at + reach));
+        }
+        let margin = self.pair_motion.near + self.thin;
+        (swept.0 - margin, swept.1 + margin)
+    }
+}

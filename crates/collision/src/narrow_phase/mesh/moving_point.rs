@@ -1,0 +1,345 @@
+//! A ball, or a point of a body, on its way along a mesh.
+//!
+//! The way is that of free flight until the first touch. From there it goes on along what was
+//! touched, or bounces, and may touch more: a body needs its contacts with all of that in this
+//! frame. What free flight would touch further on counts too, unless the actual way ends behind it:
+//! its plane, which has no borders, would push the body back.
+
+use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, sweep_corner};
+use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
+use crate::narrow_phase::pair_motion::PairMotion;
+use frangible_geometry::{EdgeKind, Sides};
+use glam::DVec3;
+
+/// Touches after which a point goes no further in a frame: two walls and a floor, and one more.
+const MOST_TOUCHES: usize = 4;
+
+/// Sine of the angle by which a face of a polyhedron may dip under the plane that a corner of it
+/// slides onto [1]: ramps that begin less steeply are met with the corner.
+const TILT: f64 = 0.1;
+
+/// Cosine of the largest angle between the normals of what bears a point and of what free flight,
+/// which sinks into it, meets besides [1].
+const ALIKE: f64 = 0.7;
+
+/// Cosine of the least angle at an edge whose rim is not met [1].
+const STEEP: f64 = 0.9;
+
+/// Cosine between normals of the same plane, as in the solver's constraints.
+const SAME_NORMAL: f64 = 1.0 - 1e-5;
+
+/// A point of a body, with a ball around it.
+pub(crate) struct MovingPoint<'a> {
+    pub(crate) motion: &'a MeshMotion<'a>,
+    /// In the body frame [m].
+    pub(crate) anchor: DVec3,
+    /// [m]
+    pub(crate) radius: f64,
+    /// A point inside of the body, on the straight way from which the anchor has come through what
+    /// it overlaps; body frame [m].
+    pub(crate) inside: Option<DVec3>,
+    /// Corners of a convex body, of which the point is one, body frame [m].
+    pub(crate) corners: &'a [DVec3],
+    /// Part of the speed against a surface that comes back [1].
+    pub(crate) bounce: f64,
+    pub(crate) feature: u64,
+}
+
+/// A feature that the point meets, or comes near, on a part of its way.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    sweep: Sweep,
+    /// [s]
+    time: f64,
+    on_mesh: DVec3,
+    normal: DVec3,
+    /// True for the inside of a triangle.
+    of_face: bool,
+}
+
+/// A straight part of the way.
+#[derive(Clone, Copy, Debug)]
+struct Leg {
+    way: [DVec3; 2],
+    /// At both ends [s].
+    times: [f64; 2],
+}
+
+impl MovingPoint<'_> {
+    /// Appends the contacts of the point.
+    pub(crate) fn contacts(&self, contacts: &mut Vec<MeshContact>) {
+        let instants = &self.motion.instants;
+        let at = |part: usize| instants[part].1.point(self.anchor);
+        let start = self.entry(at(0));
+        let legs: Vec<Leg> = (1..instants.len())
+            .map(|part| Leg {
+                way: [at(part - 1), at(part)],
+                times: [instants[part - 1].0, instants[part].0],
+            })
+            .collect();
+        let mut flight = Vec::new();
+        for (part, leg) in legs.iter().enumerate() {
+            let before = flight.len();
+            self.meetings(leg, (start, part == 0), &mut flight);
+            if flight[before..].iter().any(|meeting| meeting.sweep.touches) {
+                // What comes later would be met on another way.
+                break;
+            }
+        }
+        let mut found: Vec<Meeting> = Vec::new();
+        let end = self.follow(&legs, &flight, &mut found);
+        let is_harmless = |meeting: &Meeting| {
+            meeting.normal.dot(end - meeting.on_mesh) - self.radius >= -self.motion.thin
+        };
+        // Free flight sinks into what bears the point: what it meets there otherwise is as what
+        // bears it, like a lower floor.
+        let bearing = found.first().map(|first| first.normal);
+        let is_alike = |meeting: &Meeting| {
+            let is_level = |bearing: DVec3| bearing.dot(meeting.normal) > ALIKE;
+            bearing.is_none_or(|bearing| meeting.of_face && is_level(bearing))
+        };
+        flight.retain(|meeting| {
+            let overlaps = meeting.sweep.touches && meeting.time == 0.0;
+            // What comes near only at the frame's end is met in the next.
+            let now = meeting.normal.dot(at(0) - meeting.on_mesh) - self.radius;
+            let most = if meeting.of_face { self.beside() } else { self.motion.pair_motion.near };
+            let is_due = now <= most || meeting.sweep.touches && is_alike(meeting);
+            overlaps || is_due && is_harmless(meeting)
+        });
+        found.append(&mut flight);
+        self.keep(&found, contacts);
+    }
+
+    /// Gap at the frame's start of a triangle beside the way that counts [m]: others may push a
+    /// ball there.
+    fn beside(&self) -> f64 {
+        let PairMotion { near, reach, .. } = *self.motion.pair_motion;
+        near + (reach - near).min(2.0 * self.radius)
+    }
+
+    /// Where the way from inside of the body to the point first goes into the mesh, or the point.
+    fn entry(&self, point: DVec3) -> DVec3 {
+        let Some(inside) = self.inside else { return point };
+        let way = [self.motion.start().point(inside), point];
+        let (mesh, thin) = (self.motion.mesh, self.motion.thin);
+        let mut first = 1.0;
+        mesh.visit_way(way, thin, |triangle| {
+            let facet = self.facet(triangle, way[0]);
+            first = facet.crossing(way, thin).map_or(first, |at| at.min(first));
+        });
+        way[0].lerp(way[1], first)
+    }
+
+    /// A triangle with the side that a point in front of it sees.
+    fn facet(&self, triangle: usize, seen_from: DVec3) -> Facet {
+        let mesh = self.motion.mesh;
+        let (corners, normal) = (mesh.corners(triangle), mesh.normal(triangle));
+        let is_seen = (seen_from - corners[0]).dot(normal) >= 0.0;
+        let flips = mesh.sides() == Sides::Two && !is_seen;
+        Facet { corners, normal: if flips { -normal } else { normal } }
+    }
+
+    /// The side of a triangle on which the point is; `None` behind a triangle that is solid there.
+    fn front(&self, triangle: usize, start: DVec3) -> Option<Facet> {
+        let MeshMotion { mesh, thin, rim, .. } = *self.motion;
+        let facet = self.facet(triangle, start);
+        // A corner of a resting body is a little behind the planes of triangles beside it.
+        let near = if self.corners.is_empty() { thin } else { rim };
+        if mesh.sides() == Sides::One {
+            return (facet.height(start) >= -near).then_some(facet);
+        }
+        // A point in the plane itself is where its body is.
+        match self.inside {
+            Some(inside) if facet.height(start) <= near => {
+                Some(self.facet(triangle, self.motion.start().point(inside)))
+            }
+            _ => Some(facet),
+        }
+    }
+
+    /// True if the body lies on the outer side of a plane through the point, mesh frame.
+    fn is_over(&self, normal: DVec3) -> bool {
+        let normal_body = self.motion.start().rotation.conjugate() * normal;
+        let is_beyond = |point: &DVec3, least: f64| {
+            let lever = *point - self.anchor;
+            lever.dot(normal_body) >= least * lever.length()
+        };
+        self.inside.is_none_or(|inside| is_beyond(&inside, 0.0))
+            && self.corners.iter().all(|corner| is_beyond(corner, -TILT))
+    }
+
+    /// True for a point on the rim of a triangle, if its body lies on another triangle beyond the
+    /// edge: resting, it overlaps that one a little.
+    fn grazes(&self, triangle: usize, facet: &Facet, at: DVec3) -> bool {
+        let MeshMotion { mesh, rim, .. } = *self.motion;
+        if self.radius > 0.0 || self.corners.is_empty() || mesh.owns_nothing(triangle) {
+            return false;
+        }
+        let vertices = mesh.triangles()[triangle];
+        let turn = facet.normal.dot(mesh.normal(triangle)).signum();
+        (0..3).any(|corner| {
+            let (from, to) = (facet.corners[corner], facet.corners[(corner + 1) % 3]);
+            let along = to - from;
+            let off = along.cross(at - from).length_squared();
+            if off > rim * rim * along.length_squared()
+                || mesh.edge_kind(triangle, corner) == EdgeKind::Flat
+            {
+                return false;
+            }
+            // Only an edge that stands out has a rim.
+            let inward = turn * facet.normal.cross(along);
+            let bears = |other: DVec3| {
+                other.dot(facet.normal) < STEEP && other.dot(inward) < 0.0 && self.is_over(other)
+            };
+            let end = vertices[(corner + 1) % 3];
+            mesh.around(vertices[corner] as usize).iter().any(|&other| {
+                let other = other as usize;
+                let normal = mesh.normal(other);
+                other != triangle
+                    && mesh.triangles()[other].contains(&end)
+                    && (bears(normal) || mesh.sides() == Sides::Two && bears(-normal))
+            })
+        })
+    }
+
+    /// Appends what a leg meets. `start` is where the way began outside of the mesh; on the first
+    /// leg the point may overlap the mesh already.
+    fn meetings(&self, leg: &Leg, (start, is_first): (DVec3, bool), found: &mut Vec<Meeting>) {
+        let MeshMotion { mesh, thin, pair_motion, .. } = *self.motion;
+        let margin = self.radius + self.beside() + thin;
+        let [from, to] = leg.way;
+        let low = from.min(to).min(start) - margin;
+        let high = from.max(to).max(start) + margin;
+        let mut meet = |sweep: Sweep, on_mesh: DVec3, normal: DVec3, of_face: bool| {
+            if sweep.touches || sweep.least <= self.beside() {
+                let time = leg.times[0] + sweep.at * (leg.times[1] - leg.times[0]);
+                found.push(Meeting { sweep, time, on_mesh, normal, of_face });
+            }
+        };
+        mesh.visit_box(low, high, |triangle| {
+            if let Some(facet) = self.front(triangle, start) {
+                let slack = pair_motion.near + thin;
+                let is_over = || self.is_over(facet.normal);
+                let sweep = facet.sweep(leg.way, self.radius, (thin, slack), is_over);
+                let is_late = |sweep: &Sweep| is_first || sweep.at > 0.0 || sweep.least >= -slack;
+                let met = sweep.filter(is_late).map(|sweep| (sweep, from.lerp(to, sweep.at)));
+                let foot = |at: DVec3| at - facet.height(at) * facet.normal;
+                let met = met.map(|(sweep, at)| (sweep, foot(at)));
+                if let Some((sweep, foot)) =
+                    met.filter(|&(_, foot)| !self.grazes(triangle, &facet, foot))
+                {
+                    meet(sweep, foot, facet.normal, true);
+                }
+            }
+            if self.radius == 0.0 || mesh.owns_nothing(triangle) {
+                return;
+            }
+            for corner in 0..3 {
+                if mesh.owns_edge(triangle, corner)
+                    && let Some(edge) = MeshEdge::of(mesh, triangle, corner)
+                    && let Some((sweep, foot, normal)) = edge.sweep(leg.way, self.radius)
+                {
+                    meet(sweep, foot, normal, false);
+                }
+                if mesh.owns_vertex(triangle, corner) {
+                    let vertex = mesh.triangles()[triangle][corner] as usize;
+                    if let Some((sweep, foot, normal)) =
+                        sweep_corner(mesh, vertex, leg.way, self.radius)
+                    {
+                        meet(sweep, foot, normal, false);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Follows the way from the first touch in free flight, with what it touches in `found`. Gives
+    /// its end.
+    fn follow(&self, legs: &[Leg], flight: &[Meeting], found: &mut Vec<Meeting>) -> DVec3 {
+        let dt = self.motion.pair_motion.frame.dt;
+        let end = legs.last().map_or(DVec3::ZERO, |leg| leg.way[1]);
+        let Some(first) = earliest(flight) else { return end };
+        let on_way = |time: f64| {
+            let leg = legs.iter().find(|leg| time <= leg.times[1]).or(legs.last());
+            leg.map_or(end, |leg| {
+                let duration = (leg.times[1] - leg.times[0]).max(f64::MIN_POSITIVE);
+                leg.way[0].lerp(leg.way[1], ((time - leg.times[0]) / duration).clamp(0.0, 1.0))
+            })
+        };
+        let (mut at, mut next) = (on_way(first.time), first);
+        let mut rest = end - at;
+        for _ in 0..MOST_TOUCHES {
+            found.push(next);
+            // Overlap goes first.
+            let lifted = next.on_mesh + (self.radius + self.motion.thin) * next.normal;
+            at += (lifted - at).dot(next.normal).max(0.0) * next.normal;
+            rest = self.deflected(rest, found);
+            let leg = Leg { way: [at, at + rest], times: [next.time, dt] };
+            let mut ahead = Vec::new();
+            self.meetings(&leg, (at, false), &mut ahead);
+            ahead.retain(|meeting| {
+                let is_known = |known: &Meeting| known.normal.dot(meeting.normal) > SAME_NORMAL;
+                meeting.normal.dot(rest) < 0.0 && !found.iter().any(is_known)
+            });
+            let Some(later) = earliest(&ahead) else { break };
+            let duration = (dt - next.time).max(f64::MIN_POSITIVE);
+            let part = ((later.time - next.time) / duration).clamp(0.0, 1.0);
+            at += part * rest;
+            rest *= 1.0 - part;
+            next = later;
+        }
+        at + rest
+    }
+
+    /// The rest of the way after the last of some touches.
+    fn deflected(&self, rest: DVec3, touches: &[Meeting]) -> DVec3 {
+        let Some((last, before)) = touches.split_last() else { return rest };
+        let into = rest.dot(last.normal).min(0.0);
+        let along = rest - (1.0 + self.bounce) * into * last.normal;
+        let Some(other) = before.iter().find(|known| known.normal.dot(along) < 0.0) else {
+            return along;
+        };
+        // In a groove only its direction is left, in a corner none.
+        let crease = last.normal.cross(other.normal).normalize_or_zero();
+        let in_groove = rest.dot(crease) * crease;
+        let is_free = before.iter().all(|known| known.normal.dot(in_groove) >= -self.motion.thin);
+        if is_free { in_groove } else { DVec3::ZERO }
+    }
+
+    /// Appends one contact for each normal: that with the smallest gap at the frame's start.
+    fn keep(&self, found: &[Meeting], contacts: &mut Vec<MeshContact>) {
+        let first = contacts.len();
+        for meeting in found {
+            let contact = MeshContact {
+                on_body: self.anchor,
+                rounding: self.radius,
+                on_mesh: meeting.on_mesh,
+                normal: meeting.normal,
+                time: meeting.time,
+                feature: feature_of(Meets::PointOnFace(side_of(meeting.normal)), self.feature),
+            };
+            let same = contacts[first..]
+                .iter_mut()
+                .find(|known| known.normal.dot(contact.normal) > SAME_NORMAL);
+            match same {
+                Some(known) => {
+                    if contact.gap_at_start(self.motion) < known.gap_at_start(self.motion) {
+                        *known = contact;
+                    }
+                }
+                None => contacts.push(contact),
+            }
+        }
+    }
+}
+
+/// The touch that comes first; of those at once, the deepest.
+fn earliest(meetings: &[Meeting]) -> Option<Meeting> {
+    let touches = meetings.iter().filter(|meeting| meeting.sweep.touches);
+    let order = |a: &&Meeting, b: &&Meeting| {
+        a.time.total_cmp(&b.time).then(a.sweep.least.total_cmp(&b.sweep.least))
+    };
+    touches.min_by(order).copied()
+}
