@@ -301,6 +301,7 @@ fn path_now(
         return path;
     }
     let (start, [linear, angular]) = solver_bodies.now(line, &bodies.poses[i]);
+    let spin_speed = bodies.sweeping_spin(i, &start, angular).length() * path.radius;
     BallisticPath {
         start,
         linear: if bodies.motions[i] == Motion::Dynamic {
@@ -310,7 +311,7 @@ fn path_now(
         },
         angular,
         acceleration: DVec3::ZERO,
-        spin_speed: angular.length() * path.radius,
+        spin_speed,
         ..path
     }
 }

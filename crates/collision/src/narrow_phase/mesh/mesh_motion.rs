@@ -2,8 +2,8 @@
 
 use crate::narrow_phase::mesh::mesh_contact::MeshContact;
 use crate::narrow_phase::pair_motion::PairMotion;
-use frangible_bodies::BallisticPath;
-use frangible_geometry::StaticMesh;
+use frangible_bodies::{BallisticPath, Pair};
+use frangible_geometry::{Shape, StaticMesh};
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
@@ -89,6 +89,12 @@ impl<'a> MeshMotion<'a> {
 
     pub(crate) fn body_path(&self) -> &BallisticPath {
         self.pair_motion.paths[usize::from(self.mesh_is_first)]
+    }
+
+    /// Shape of the body that meets the mesh.
+    pub(crate) fn body_shape(&self) -> &Shape {
+        let Pair { first, second } = self.pair_motion.pair;
+        &self.pair_motion.bodies.shapes[if self.mesh_is_first { second } else { first }]
     }
 
     pub(crate) fn mesh_path(&self) -> &BallisticPath {

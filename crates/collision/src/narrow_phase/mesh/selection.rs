@@ -43,6 +43,7 @@ pub(crate) fn contacts_of(motion: &mut MeshMotion, other: ConvexShape) -> Vec<Me
             hull_contacts(motion, hull, &mut contacts);
             core_contacts(motion, other, &mut contacts);
         }
+        ConvexShape::Revolved(_) => sample_contacts(motion, motion.body_shape(), &mut contacts),
         ConvexShape::Other(shape) => sample_contacts(motion, shape, &mut contacts),
         // Nothing static meets a half-space or another mesh.
         ConvexShape::Ground(_) | ConvexShape::Mesh(_) => {}

@@ -3,6 +3,7 @@
 
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::convex_shape::ConvexShape;
+use crate::narrow_phase::hull_hull::approach::SAME_NORMAL;
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::{FEW_POINTS, reduce};
@@ -26,7 +27,12 @@ const TOUCH: f64 = 1e-3;
 /// bodies less than [`PREFERENCE`] of the radius.
 const THIN: f64 = 1e-2;
 
+/// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look for
+/// its closest approach [1]: bodies at rest do not need one.
+const DEEPER: f64 = 0.05;
+
 /// A body of revolution and its partner in a frame.
+#[derive(Clone, Copy)]
 pub(crate) struct RoundPair<'a> {
     pair_motion: &'a PairMotion<'a>,
     round: Revolved,
@@ -44,7 +50,7 @@ pub(crate) fn as_partner<'a>(shape: &ConvexShape<'a>) -> Option<Partner<'a>> {
         ConvexShape::Revolved(ref revolved) => {
             Some(Partner::Revolved(PlacedRevolved::new(revolved, &RigidTransform::IDENTITY)))
         }
-        ConvexShape::Ball(_) | ConvexShape::Other(_) => None,
+        ConvexShape::Ball(_) | ConvexShape::Mesh(_) | ConvexShape::Other(_) => None,
     }
 }
 
@@ -96,6 +102,7 @@ impl RoundPair<'_> {
             near: motion.near,
         };
         let Some(touch) = meeting.first_touch(start) else { return };
+        let touch = self.grazing(shape, touch);
 
         let (round, poses) = self.placed(touch.time);
         let partner_from_world = poses[1].orientation.conjugate();
@@ -113,6 +120,31 @@ impl RoundPair<'_> {
             found[0] = instant.alone(alone);
         }
         points.extend(found.iter().map(|point| self.manifold_point(point, touch.time)));
+    }
+
+    /// Closest approach of a pair that touches at `touch`, if it overlaps no deeper than grazing until
+    /// the frame's end; else `touch`. Gravity is left out, as of bodies that something carries.
+    fn grazing(&self, shape: &Partner, touch: Apart) -> Apart {
+        let PairMotion { grazing, ahead, is_substep, paths: [first, second], .. } =
+            *self.pair_motion;
+        let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
+        if touch.gap <= -grazing || !gets_deeper || !is_substep && touch.time > 0.0 {
+            return touch;
+        }
+        let (first, second) = (first.straight(), second.straight());
+        let pair_motion = &PairMotion { paths: [&first, &second], ..*self.pair_motion };
+        let straight = RoundPair { pair_motion, ..*self };
+        let at = |time, guess| straight.apart(shape, (time, f64::INFINITY), guess);
+        let meeting = Meeting {
+            at: &at,
+            closing: &|time, normal| straight.fastest_closing(time, normal),
+            dt: ahead,
+            touch: 0.0,
+            near: pair_motion.near,
+        };
+        let nearest = meeting.nearest(at(touch.time, touch.normal));
+        let is_other = nearest.normal.dot(touch.normal) < SAME_NORMAL;
+        if is_other && nearest.gap > -grazing { nearest } else { touch }
     }
 
     /// Paths of the body of revolution and of its partner.

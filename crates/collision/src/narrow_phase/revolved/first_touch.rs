@@ -56,7 +56,7 @@ impl Meeting<'_> {
     }
 
     /// Closest approach after an instant, or the frame's end.
-    fn nearest(&self, from: Apart) -> Apart {
+    pub(crate) fn nearest(&self, from: Apart) -> Apart {
         if from.parting >= 0.0 {
             return from;
         }
