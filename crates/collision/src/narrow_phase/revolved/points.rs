@@ -38,6 +38,8 @@ pub(crate) struct Instant<'a> {
     pub(crate) separation: Separation,
     /// Angular velocities of both [rad/s].
     pub(crate) angular: [DVec3; 2],
+    /// [m/s^2]
+    pub(crate) gravity: DVec3,
     /// Lengths that are the same for a contact [m].
     pub(crate) close: f64,
 }
@@ -133,7 +135,8 @@ impl<'a> Instant<'a> {
 
     fn disc(&self, end: usize, area: Area, points: &mut Vec<RoundPoint>) {
         let mut found: Vec<AreaPoint> = Vec::with_capacity(8);
-        disc_on_area(self.round, end, area, self.separation.normal, &mut found);
+        let directions = [self.separation.normal, self.gravity];
+        disc_on_area(self.round, end, area, directions, &mut found);
         points.extend(found.into_iter().map(|AreaPoint { on, id, is_rim, is_other_rim }| {
             let rim = match area {
                 _ if is_rim => Some(RimPoint { of_round: true, end, point: on[0] }),
