@@ -12,5 +12,6 @@ pub(crate) mod placed;
 pub(crate) mod points;
 pub(crate) mod round_overlap;
 pub(crate) mod round_point;
+pub(crate) mod search;
 pub(crate) mod separation;
 pub(crate) mod simplex;

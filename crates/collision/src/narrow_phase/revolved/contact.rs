@@ -110,8 +110,10 @@ impl RoundPair<'_> {
         let sizes = (motion.size, self.close);
         let separation = contact_separation(&round, shape, sizes, guess);
         let angular = self.paths().map(|path| partner_from_world * path.angular);
+        let gravity = partner_from_world * motion.frame.gravity;
+        let close = self.close;
         let instant =
-            Instant { round: &round, partner: shape, separation, angular, close: self.close };
+            Instant { round: &round, partner: shape, separation, angular, gravity, close };
         let mut found = Vec::with_capacity(8);
         instant.points(&mut found);
         found.retain(|point| self.can_touch(point, touch.time));

@@ -38,6 +38,8 @@ pub(crate) struct Instant<'a> {
     pub(crate) separation: Separation,
     /// Angular velocities of both [rad/s].
     pub(crate) angular: [DVec3; 2],
+    /// [m/s^2]
+    pub(crate) gravity: DVec3,
     /// Lengths that are the same for a contact [m].
     pub(crate) close: f64,
 }
@@ -133,7 +135,8 @@ impl<'a> Instant<'a> {
 
     fn disc(&self, end: usize, area: Area, points: &mut Vec<RoundPoint>) {
         let mut found: Vec<AreaPoint> = Vec::with_capacity(8);
-        disc_on_area(self.round, end, area, self.separation.normal, &mut found);
+        let directions = [self.separation.normal, self.gravity];
+        disc_on_area(self.round, end, area, directions, &mut found);
         points.extend(found.into_iter().map(|AreaPoint { on, id, is_rim, is_other_rim }| {
             let rim = match area {
                 _ if is_rim => Some(RimPoint { of_round: true, end, point: on[0] }),
@@ -252,29 +255,37 @@ impl<'a> Instant<'a> {
         (2.0 * least * self.close).sqrt()
     }
 
-    /// The closest points of separated cores, or the furthest points of overlapping ones.
+    /// The closest points of separated cores, or of the edges and sides that overlap.
     fn single(&self, mine: Facing) -> RoundPoint {
         let (round, normal) = (self.round, self.separation.normal);
-        let on = self.separation.on;
-        let point = on.map_or_else(|| round.support(-normal), |on| on[0]);
+        let [point, point_partner] = self.separation.on.unwrap_or_else(|| self.deepest(mine));
         let theirs = match self.partner {
             Partner::Revolved(other) => {
-                let point = on.map_or_else(|| other.support(normal), |on| on[1]);
-                hold_single(other, other.facing(normal), point, normal, self.angular[1])
+                let facing = other.facing(normal);
+                hold_single(other, facing, point_partner, normal, self.angular[1])
             }
-            Partner::Hull(hull) => fixed(on.map_or_else(
-                || {
-                    let edge = touching_edge(hull, normal, point);
-                    let (parts, _) = lines_meet([[point; 2], edge], normal, 0.0);
-                    edge[0].lerp(edge[1], parts[0][1])
-                },
-                |on| on[1],
-            )),
-            Partner::Plane(plane) => fixed(point - plane.distance(point) * plane.normal),
+            Partner::Hull(_) | Partner::Plane(_) => fixed(point_partner),
         };
         let anchor = hold_single(round, mine, point, -normal, self.angular[0]);
         let id = if let Facing::Rim(end) = mine { 4 * end as u64 } else { SINGLE };
         RoundPoint::new([anchor, theirs], normal, id)
+    }
+
+    /// Where the edges or sides with the normal meet.
+    fn deepest(&self, mine: Facing) -> [DVec3; 2] {
+        let (round, normal) = (self.round, self.separation.normal);
+        let line_of = |body: &PlacedRevolved, facing: Facing, towards: DVec3| match facing {
+            Facing::Side => side_line(body, towards),
+            Facing::Rim(_) | Facing::Disc(_) => [body.support(towards); 2],
+        };
+        let line = line_of(round, mine, -normal);
+        let theirs = match self.partner {
+            Partner::Revolved(other) => line_of(other, other.facing(normal), normal),
+            Partner::Hull(hull) => touching_edge(hull, normal, line[0].lerp(line[1], 0.5)),
+            Partner::Plane(plane) => [line[0] - plane.distance(line[0]) * plane.normal; 2],
+        };
+        let ([[on_mine, on_theirs], _], _) = lines_meet([line, theirs], normal, 0.0);
+        [line[0].lerp(line[1], on_mine), theirs[0].lerp(theirs[1], on_theirs)]
     }
 
     /// The same point with the rim that touches alone held as it moves.

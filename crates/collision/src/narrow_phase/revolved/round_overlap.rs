@@ -1,7 +1,7 @@
 //! Normals of least overlap of two bodies of revolution.
 
-use crate::narrow_phase::revolved::overlap::{Search, least_along};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::search::{Search, least_along};
 use glam::DVec3;
 use std::f64::consts::TAU;
 

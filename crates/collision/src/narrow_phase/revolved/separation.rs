@@ -1,9 +1,9 @@
 //! Separation of a body of revolution from its partner, and the normal of their contact.
 
 use crate::narrow_phase::revolved::closest::{COARSE, PRECISE, closest_points};
-use crate::narrow_phase::revolved::overlap::Search;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::search::Search;
 use glam::DVec3;
 
 /// Separation of two shapes, in the partner's frame.

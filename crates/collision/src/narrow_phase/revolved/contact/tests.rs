@@ -102,7 +102,7 @@ fn a_flat_end_stands_on_four_points() {
     let level = standing(0.0);
     assert_eq!(level.len(), 4);
     assert!(level.iter().all(|point| point.gap.abs() < 1e-12));
-    let tilted = standing(1e-3);
+    let tilted = standing(3e-3);
     assert_eq!(tilted.len(), 4);
     let ids =
         |points: &[ManifoldPoint]| points.iter().map(|point| point.feature).collect::<Vec<_>>();
@@ -114,6 +114,23 @@ fn a_flat_end_stands_on_four_points() {
     assert_eq!(rim.len(), 1);
     assert!(rim[0].gap.abs() < 1e-12);
     assert_eq!(rim[0].feature, tilted[0].feature);
+}
+
+/// On a slope one of the four points is the one downhill, about which the body would tip: of four
+/// others the body would tip at 0.7 of its angle.
+#[test]
+fn a_flat_end_stands_on_its_lowest_point_on_a_slope() {
+    let slope = DQuat::from_rotation_z(0.4);
+    for turn in [0.0, 0.3, 0.8] {
+        let floor = still(GROUND, DVec3::ZERO, slope);
+        let orientation = slope * DQuat::from_rotation_y(turn);
+        let found = points(floor, still(DRUM, slope * (0.2 * DVec3::Y), orientation));
+        assert_eq!(found.len(), 4);
+        let downhill = slope * (-0.3 * DVec3::X);
+        let nearest = found.iter().map(|point| point.anchor_first.distance(-0.3 * DVec3::X));
+        let nearest = nearest.fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-9, "{turn}: {nearest} from {downhill}");
+    }
 }
 
 /// One end on another: flat, with four points, as large as the smaller one; and beside the middle.

@@ -153,7 +153,7 @@ impl Case {
                 let (u, v) = normal.any_orthonormal_pair();
                 turn += 1.0;
                 let tries = (0..12).map(|n| {
-                    let (sin, cos) = (turn + 0.5236 * f64::from(n)).sin_cos();
+                    let (sin, cos) = (turn + std::f64::consts::FRAC_PI_6 * f64::from(n)).sin_cos();
                     let next = (normal + step * (cos * u + sin * v)).normalize();
                     (self.along(next), next)
                 });
