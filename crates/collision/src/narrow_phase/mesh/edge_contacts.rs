@@ -16,7 +16,7 @@ const PARALLEL: f64 = 1e-2;
 const ASIDE: f64 = 5e-3;
 
 /// Depth of overlaps of edges, relative to the smaller body's radius [1].
-const DEPTH: f64 = 0.1;
+const DEPTH: f64 = 0.25;
 
 /// A hull's edge at all instants of a frame, mesh frame.
 struct HullEdgeWay {
@@ -26,7 +26,7 @@ struct HullEdgeWay {
     /// At the instants of free flight, and of the way along what the body touches [m].
     flight: Vec<[DVec3; 2]>,
     supported: Vec<[DVec3; 2]>,
-    /// Around all of them, grown by the speculative margin [m].
+    /// Around all of them, grown by the speculative margin and the deepest overlap [m].
     bounds: [DVec3; 2],
     /// Its faces.
     faces: [u32; 2],
@@ -49,6 +49,7 @@ pub(crate) struct HullEdges {
 impl HullEdges {
     pub(crate) fn new(motion: &MeshMotion, hull: &Hull) -> Self {
         let margin = motion.pair_motion.near + motion.thin;
+        let depth = 2.0 * margin + DEPTH * motion.pair_motion.size;
         let way = |(number, edge): (usize, &frangible_geometry::HullEdge)| {
             let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
             let along = (ends[1] - ends[0]).normalize_or(DVec3::X);
@@ -63,7 +64,7 @@ impl HullEdges {
             for &end in flight.iter().chain(&supported).flatten() {
                 bounds = [bounds[0].min(end), bounds[1].max(end)];
             }
-            let bounds = [bounds[0] - margin, bounds[1] + margin];
+            let bounds = [bounds[0] - depth, bounds[1] + depth];
             HullEdgeWay {
                 edge: number as u32,
                 ends,
@@ -85,7 +86,7 @@ impl HullEdges {
             edges: hull.edges().iter().enumerate().map(way).collect(),
             faces: hull.planes().to_vec(),
             planes: hull.planes().iter().map(plane).collect(),
-            depth: 2.0 * margin + DEPTH * motion.pair_motion.size,
+            depth,
         }
     }
 
