@@ -26,7 +26,7 @@ struct HullEdgeWay {
     /// At the instants of free flight, and of the way along what the body touches [m].
     flight: Vec<[DVec3; 2]>,
     supported: Vec<[DVec3; 2]>,
-    /// Around all of them, grown by the speculative margin and the deepest overlap [m].
+    /// Around all of them, grown by the speculative margin [m].
     bounds: [DVec3; 2],
     /// Its faces.
     faces: [u32; 2],
@@ -64,7 +64,7 @@ impl HullEdges {
             for &end in flight.iter().chain(&supported).flatten() {
                 bounds = [bounds[0].min(end), bounds[1].max(end)];
             }
-            let bounds = [bounds[0] - depth, bounds[1] + depth];
+            let bounds = [bounds[0] - margin, bounds[1] + margin];
             HullEdgeWay {
                 edge: number as u32,
                 ends,
@@ -90,14 +90,18 @@ impl HullEdges {
         }
     }
 
-    /// For each face, whether an edge of the mesh stays deep under it.
-    fn hidden(&self, ends: [DVec3; 2], hidden: &mut Vec<bool>) {
+    /// For each face, whether an edge of the mesh stays deep under it; gives the depth of overlaps
+    /// at the start that are possible [m].
+    fn hidden(&self, ends: [DVec3; 2], hidden: &mut Vec<bool>) -> f64 {
         hidden.clear();
-        hidden.extend(self.planes.iter().map(|planes| {
-            planes
-                .iter()
-                .all(|plane| plane.distance(ends[0]).max(plane.distance(ends[1])) < -self.depth)
+        let mut is_apart = false;
+        hidden.extend(self.planes.iter().map(|[start, end]| {
+            let [a, b] = ends.map(|at| start.distance(at));
+            is_apart |= a.min(b) > 0.0;
+            let later = end.distance(ends[0]).max(end.distance(ends[1]));
+            a.max(b).max(later) < -self.depth
         }));
+        if is_apart { 0.0 } else { self.depth }
     }
 }
 
@@ -113,7 +117,8 @@ pub(crate) fn edge_contacts(
     for &(triangle, corner) in edges {
         let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
         let [low, high] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
-        hull_edges.hidden(edge.ends, &mut hidden);
+        let depth = hull_edges.hidden(edge.ends, &mut hidden);
+        let (low, high) = (low - depth, high + depth);
         for own in &hull_edges.edges {
             if own.faces.iter().any(|&face| hidden[face as usize]) {
                 continue;
