@@ -3,48 +3,20 @@
 
 pub(crate) mod adjacency;
 pub(crate) mod box_tree;
+pub(crate) mod covered_borders;
 pub(crate) mod distance;
 pub(crate) mod heightfield;
+pub(crate) mod kinds;
 
 use crate::mesh::TriMesh;
-use adjacency::{Adjacency, around_vertices, find_adjacency, flatten_covered_borders};
+use adjacency::{Adjacency, around_vertices, find_adjacency};
 use box_tree::BoxTree;
 use glam::{DVec3, Vec3};
+use kinds::{EdgeKind, Neighbour, Sides};
 
 /// Smallest height of a triangle over its longest side, relative to that side: the normal of a
 /// flatter one is rounding [1].
 const LEAST_HEIGHT: f64 = 1e-6;
-
-/// How the surface bends across an edge, seen from the fronts of its triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeKind {
-    /// Both triangles lie in a plane, within a ten-thousandth of a radian.
-    Flat,
-    /// As a roof's ridge.
-    Convex,
-    /// As a gutter.
-    Concave,
-    /// The edge of one triangle, or of more than two.
-    Border,
-}
-
-/// Which sides of its triangles a mesh is solid on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sides {
-    /// Solid behind its triangles, which run counter-clockwise seen from the front.
-    One,
-    /// A sheet: both sides of a triangle are its front, for a body that is there.
-    Two,
-}
-
-/// The triangle across an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbour {
-    /// Its index.
-    pub triangle: usize,
-    /// True if it runs the other way round, so that its normal points to the other side.
-    pub is_flipped: bool,
-}
 
 /// An immutable triangle mesh in its own frame, with its edges and a tree of boxes. About 100 bytes
 /// per triangle.
@@ -53,7 +25,7 @@ pub struct StaticMesh {
     positions: Vec<DVec3>,
     /// In the order of the tree.
     triangles: Vec<[u32; 3]>,
-    adjacency: Adjacency,
+    pub(crate) adjacency: Adjacency,
     /// Triangles around each vertex, concatenated, and where each vertex's begin.
     around: Vec<u32>,
     begins: Vec<u32>,
@@ -87,7 +59,7 @@ impl StaticMesh {
         let (begins, around) = around_vertices(positions.len(), &triangles);
         let mut built =
             Self { positions, triangles, adjacency, around, begins, tree, sides, dropped };
-        flatten_covered_borders(&mut built);
+        built.flatten_covered_borders();
         built.adjacency.mark_owners(&built.triangles, &built.begins, &built.around);
         let Self { tree, adjacency, .. } = &mut built;
         tree.mark(|triangle| !adjacency.owns_nothing(triangle));

@@ -1,21 +1,12 @@
 //! Neighbours of triangles, and how the surface bends across their edges.
 
-use crate::bvh::closest_point_on_triangle;
-use crate::static_mesh::{EdgeKind, Neighbour, Sides, StaticMesh};
+use crate::static_mesh::kinds::{EdgeKind, Neighbour, Sides};
 use glam::DVec3;
 
 /// Sine of the largest angle across a flat edge [rad]. A dome of triangles with a hundredth of a
 /// degree between them keeps its edges; a floor whose vertices are rounded to single precision
 /// costs a little more with them, and behaves the same.
 const FLAT: f64 = 1e-4;
-
-/// Beyond a border covered by another triangle, relative to the edge's length [1]: as far aside as
-/// is looked for it, and as far as it may be off.
-const BESIDE: f64 = 1e-2;
-const OFF: f64 = 1e-3;
-
-/// Cosine of the largest angle between a triangle and another that continues it past a border.
-const CONTINUES: f64 = 0.9998;
 
 const NONE: u32 = u32::MAX;
 const FLIPPED: u32 = 1 << 31;
@@ -50,7 +41,7 @@ impl Adjacency {
         }
     }
 
-    fn set_kind(&mut self, triangle: usize, corner: usize, kind: EdgeKind) {
+    pub(crate) fn set_kind(&mut self, triangle: usize, corner: usize, kind: EdgeKind) {
         let bits = match kind {
             EdgeKind::Flat => 0,
             EdgeKind::Convex => 1,
@@ -262,46 +253,4 @@ pub(crate) fn around_vertices(vertices: usize, triangles: &[[u32; 3]]) -> (Vec<u
         }
     }
     (begins, around)
-}
-
-/// Makes borders flat where another triangle continues theirs: at vertices in the middle of an
-/// edge, and beside triangles that were dropped. A body that slides over them must not catch.
-pub(crate) fn flatten_covered_borders(mesh: &mut StaticMesh) {
-    let mut covered = Vec::new();
-    for triangle in 0..mesh.triangles.len() {
-        for corner in 0..3 {
-            let is_border = mesh.edge_kind(triangle, corner) == EdgeKind::Border;
-            if is_border && is_continued(mesh, triangle, corner) {
-                covered.push((triangle, corner));
-            }
-        }
-    }
-    for (triangle, corner) in covered {
-        mesh.adjacency.set_kind(triangle, corner, EdgeKind::Flat);
-    }
-}
-
-/// True if points beside a border, in its triangle's plane, lie on triangles that are parallel to
-/// it.
-fn is_continued(mesh: &StaticMesh, triangle: usize, corner: usize) -> bool {
-    let corners = mesh.corners(triangle);
-    let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
-    let (normal, edge) = (mesh.normal(triangle), to - from);
-    let length = edge.length();
-    let outward = edge.cross(normal) / length;
-    let is_on_another = |part: f64| {
-        let point = from + part * edge + BESIDE * length * outward;
-        let mut found = false;
-        let off = OFF * length;
-        mesh.visit_box(point - off, point + off, |other| {
-            let is_near = || {
-                let foot = closest_point_on_triangle(point, &mesh.corners(other));
-                foot.distance_squared(point) <= off * off
-            };
-            found |=
-                other != triangle && mesh.normal(other).dot(normal).abs() > CONTINUES && is_near();
-        });
-        found
-    };
-    [0.05, 0.35, 0.65, 0.95].into_iter().all(is_on_another)
 }

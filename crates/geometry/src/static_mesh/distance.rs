@@ -1,7 +1,8 @@
 //! Distance from a static mesh, signed by the nearest feature's pseudo-normal [BA05].
 
 use crate::bvh::closest_point_on_triangle;
-use crate::static_mesh::{Sides, StaticMesh};
+use crate::static_mesh::StaticMesh;
+use crate::static_mesh::kinds::Sides;
 use glam::DVec3;
 
 /// The nearest point of a mesh.

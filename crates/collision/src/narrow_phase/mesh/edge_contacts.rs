@@ -16,7 +16,7 @@ const PARALLEL: f64 = 1e-2;
 const ASIDE: f64 = 5e-3;
 
 /// Depth of overlaps of edges, relative to the smaller body's radius [1].
-const DEPTH: f64 = 0.1;
+const DEPTH: f64 = 0.25;
 
 /// A hull's edge at all instants of a frame, mesh frame.
 struct HullEdgeWay {
@@ -49,6 +49,7 @@ pub(crate) struct HullEdges {
 impl HullEdges {
     pub(crate) fn new(motion: &MeshMotion, hull: &Hull) -> Self {
         let margin = motion.pair_motion.near + motion.thin;
+        let depth = 2.0 * margin + DEPTH * motion.pair_motion.size;
         let way = |(number, edge): (usize, &frangible_geometry::HullEdge)| {
             let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
             let along = (ends[1] - ends[0]).normalize_or(DVec3::X);
@@ -85,18 +86,22 @@ impl HullEdges {
             edges: hull.edges().iter().enumerate().map(way).collect(),
             faces: hull.planes().to_vec(),
             planes: hull.planes().iter().map(plane).collect(),
-            depth: 2.0 * margin + DEPTH * motion.pair_motion.size,
+            depth,
         }
     }
 
-    /// For each face, whether an edge of the mesh stays deep under it.
-    fn hidden(&self, ends: [DVec3; 2], hidden: &mut Vec<bool>) {
+    /// For each face, whether an edge of the mesh stays deep under it; gives the depth of overlaps
+    /// at the start that are possible [m].
+    fn hidden(&self, ends: [DVec3; 2], hidden: &mut Vec<bool>) -> f64 {
         hidden.clear();
-        hidden.extend(self.planes.iter().map(|planes| {
-            planes
-                .iter()
-                .all(|plane| plane.distance(ends[0]).max(plane.distance(ends[1])) < -self.depth)
+        let mut is_apart = false;
+        hidden.extend(self.planes.iter().map(|[start, end]| {
+            let [a, b] = ends.map(|at| start.distance(at));
+            is_apart |= a.min(b) > 0.0;
+            let later = end.distance(ends[0]).max(end.distance(ends[1]));
+            a.max(b).max(later) < -self.depth
         }));
+        if is_apart { 0.0 } else { self.depth }
     }
 }
 
@@ -112,7 +117,8 @@ pub(crate) fn edge_contacts(
     for &(triangle, corner) in edges {
         let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
         let [low, high] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
-        hull_edges.hidden(edge.ends, &mut hidden);
+        let depth = hull_edges.hidden(edge.ends, &mut hidden);
+        let (low, high) = (low - depth, high + depth);
         for own in &hull_edges.edges {
             if own.faces.iter().any(|&face| hidden[face as usize]) {
                 continue;

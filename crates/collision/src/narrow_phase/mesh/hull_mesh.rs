@@ -45,8 +45,8 @@ pub(crate) fn hull_contacts(motion: &mut MeshMotion, hull: &Hull, contacts: &mut
         return;
     }
 
-    // What touches already holds the body up, first with its corners, then with all else.
-    support(motion, &contacts[first..]);
+    // What touches already holds the body up: its corners, or else all other features.
+    let is_borne = support(motion, &contacts[first..]);
     let mut others = Vec::new();
     let find = |motion: &MeshMotion, others: &mut Vec<MeshContact>| {
         others.clear();
@@ -55,7 +55,7 @@ pub(crate) fn hull_contacts(motion: &mut MeshMotion, hull: &Hull, contacts: &mut
         edge_contacts(motion, &edges, inside, &features.edges, others);
     };
     find(motion, &mut others);
-    if support(motion, &others) {
+    if !is_borne && support(motion, &others) {
         find(motion, &mut others);
     }
     contacts.append(&mut others);

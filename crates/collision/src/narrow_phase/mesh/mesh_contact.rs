@@ -59,7 +59,7 @@ impl MeshContact {
     /// Separation along the normal at the frame's start [m].
     pub(crate) fn gap_at_start(&self, motion: &MeshMotion) -> f64 {
         // The normal belongs to the touch: in the world it stays for the whole frame.
-        let normal_world = motion.world_normal(self);
+        let normal_world = motion.world_direction(self.normal, self.time);
         let [body, mesh] = motion.starts;
         let apart = body.point(self.on_body) - mesh.point(self.on_mesh);
         apart.dot(normal_world) - self.rounding
@@ -67,7 +67,7 @@ impl MeshContact {
 
     /// The contact as a point of the pair's manifold.
     pub(crate) fn manifold_point(&self, motion: &MeshMotion) -> ManifoldPoint {
-        let outward = motion.world_normal(self);
+        let outward = motion.world_direction(self.normal, self.time);
         let gap = self.gap_at_start(motion);
         let at = motion.body_path().pose(self.time).world_from_body().point(self.on_body)
             - self.rounding * outward;

@@ -1,6 +1,5 @@
 //! Motion of a body in the frame of a mesh.
 
-use crate::narrow_phase::mesh::mesh_contact::MeshContact;
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_bodies::{BallisticPath, Pair};
 use frangible_geometry::{Shape, StaticMesh};
@@ -80,7 +79,7 @@ impl<'a> MeshMotion<'a> {
         let (Some(start), Some(end)) = (self.supported.first(), self.supported.last()) else {
             return;
         };
-        let (from, duration) = (start.1.translation, end.0);
+        let (from, duration) = (start.1.translation, end.0.max(f64::MIN_POSITIVE));
         let into = (end.1.translation - from).dot(normal).min(0.0);
         for (time, mesh_from_body) in &mut self.supported {
             mesh_from_body.translation -= into * (*time / duration) * normal;
@@ -106,14 +105,13 @@ impl<'a> MeshMotion<'a> {
         self.instants[0].1
     }
 
-    /// A contact's normal in the world.
-    pub(crate) fn world_normal(&self, contact: &MeshContact) -> DVec3 {
+    /// A direction in the mesh's frame at an instant [s], in the world.
+    pub(crate) fn world_direction(&self, direction: DVec3, time: f64) -> DVec3 {
         let mesh = self.mesh_path();
         // Most meshes do not turn, and a pose takes a sine and a cosine.
         let still = mesh.angular == DVec3::ZERO;
-        let orientation =
-            if still { mesh.start.orientation } else { mesh.pose(contact.time).orientation };
-        orientation * contact.normal
+        let orientation = if still { mesh.start.orientation } else { mesh.pose(time).orientation };
+        orientation * direction
     }
 
     /// Lowest and highest corner around a body's bounds on its way, mesh frame [m], grown by the
