@@ -144,7 +144,12 @@ impl RoundPair<'_> {
             touch: 0.0,
             near: pair_motion.near,
         };
-        let nearest = meeting.nearest(at(touch.time, touch.normal));
+        let mut nearest = meeting.nearest(at(touch.time, touch.normal));
+        // What rolls on from an edge is as near on the face behind it, on its whole line.
+        let later = at(0.5 * (nearest.time + ahead), nearest.normal);
+        if later.gap <= nearest.gap + DEEPER * grazing {
+            nearest = later;
+        }
         let is_other = nearest.normal.dot(touch.normal) < SAME_NORMAL;
         if is_other && nearest.gap > -grazing { nearest } else { touch }
     }
@@ -209,7 +214,8 @@ impl RoundPair<'_> {
         if gap > self.pair_motion.search {
             return false;
         }
-        time == 0.0 || self.manifold_point(point, time).gap >= gap.min(0.0)
+        let least = gap.min(0.0) - self.pair_motion.grazing;
+        time == 0.0 || self.manifold_point(point, time).gap >= least
     }
 
     /// At most four points.
