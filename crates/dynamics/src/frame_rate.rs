@@ -18,6 +18,7 @@ mod slabs;
 mod sleep;
 mod solver_bodies;
 mod solver_islands;
+mod speculative_contacts;
 #[cfg(test)]
 mod tests;
 mod timeline;

@@ -58,8 +58,8 @@ impl<I: Instructions> Group<I> {
         solved: &mut Solved,
     ) -> ImpulseChunk {
         let Solved { accounts, confirmed, .. } = solved;
-        let Self { bodies: mut solver_bodies, selections, batches, h, confirmation, .. } = self;
-        for (&manifold, points) in &confirmation.points {
+        let Self { bodies: mut solver_bodies, selections, batches, h, speculative, .. } = self;
+        for (&manifold, points) in &speculative.points {
             confirmed.insert(manifolds[manifold as usize].pair, points.clone());
         }
 
@@ -76,13 +76,13 @@ impl<I: Instructions> Group<I> {
             let mut is_acting = false;
             let mut recovered = 0.0;
             for (selection, number) in of_manifold.iter().zip(&mut numbers) {
-                let place = confirmation.place(number);
+                let place = speculative.place(number);
                 let (batch, lane) = (&batches[place.batch()], place.lane());
                 if !batch.acted.get(lane) {
                     continue;
                 }
                 is_acting = true;
-                let impulse = batch.impulse_of_frame(lane) + confirmation.given(number);
+                let impulse = batch.impulse_of_frame(lane) + speculative.given(number);
                 let lines = selection.lines.map(|line| line as usize);
                 momenta[lines[0]] -= impulse;
                 momenta[lines[1]] += impulse;
@@ -103,7 +103,7 @@ impl<I: Instructions> Group<I> {
                 }
                 recovered += batch.recovery.get(lane);
                 accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let features = confirmation.features(number, (selection, points));
+                let features = speculative.features(number, (selection, points));
                 carry(&mut part, &features, (batch, lane, impulse), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);

@@ -1,6 +1,5 @@
 //! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
-use super::confirmation::{Confirmation, is_confirmed};
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
@@ -8,6 +7,7 @@ use super::restitution::propagate_impacts;
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
+use super::speculative_contacts::{SpeculativeContacts, is_confirmed};
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};
@@ -53,7 +53,7 @@ pub(super) struct Group<I> {
     pub(super) slabs: Vec<Slab>,
     /// Built on first use.
     touching: OnceCell<Touching>,
-    pub(super) confirmation: Confirmation,
+    pub(super) speculative: SpeculativeContacts,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -129,7 +129,7 @@ impl<I: Instructions> Group<I> {
                 }
             }
         }
-        let confirmation = Confirmation::new(&batches, places);
+        let speculative = SpeculativeContacts::new(&batches, places);
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
             selections,
@@ -137,7 +137,7 @@ impl<I: Instructions> Group<I> {
             starts: slabs.starts,
             slabs: all,
             touching: OnceCell::new(),
-            confirmation,
+            speculative,
             substeps,
             h,
         }
@@ -193,29 +193,25 @@ impl<I: Instructions> Group<I> {
 
     /// Finds the speculative contacts that would act in this substep.
     fn ask(&mut self, substep: &Substep<I>) {
-        let Self { bodies, batches, confirmation, .. } = self;
-        let asking = confirmation.asking();
-        let shares = confirmation.speculative().chunks(SHARE);
+        let Self { bodies, batches, speculative, .. } = self;
+        let asking = speculative.asking();
+        let shares = speculative.batches().chunks(SHARE);
         let mut cut = Cut::of(batches);
         let mut work: Vec<(&[usize], &mut [ContactBatch<I>])> =
             shares.map(|share| (share, cut.take(share[0]..share[share.len() - 1] + 1))).collect();
         let bodies = &*bodies;
-        threads::for_each(
-            &mut work,
-            LANES * confirmation.speculative().len(),
-            |(share, batches)| {
-                for &at in *share {
-                    let batch = &mut batches[at - share[0]];
-                    I::run(
-                        #[inline(always)]
-                        || batch.ask(&bodies.lines[batch.first_line..], substep),
-                    );
-                    if batch.asks.any() {
-                        asking.insert(at);
-                    }
+        threads::for_each(&mut work, LANES * speculative.batches().len(), |(share, batches)| {
+            for &at in *share {
+                let batch = &mut batches[at - share[0]];
+                I::run(
+                    #[inline(always)]
+                    || batch.ask(&bodies.lines[batch.first_line..], substep),
+                );
+                if batch.asks.any() {
+                    asking.insert(at);
                 }
-            },
-        );
+            }
+        });
     }
 
     /// Impacts of a substep, and of the pairs that they bring together.
@@ -228,9 +224,9 @@ impl<I: Instructions> Group<I> {
         substep: &Substep<I>,
     ) {
         for _ in 0..BOUNCE_ROUNDS {
-            let Self { batches, bodies: solver_bodies, touching, confirmation, .. } = self;
+            let Self { batches, bodies: solver_bodies, touching, speculative, .. } = self;
             let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
-            let (times, asking) = ((&mut *timeline, touching), confirmation.asking());
+            let (times, asking) = ((&mut *timeline, touching), speculative.asking());
             I::run(
                 #[inline(always)]
                 || propagate_impacts(batches, solver_bodies, times, asking, substep),
@@ -245,8 +241,8 @@ impl<I: Instructions> Group<I> {
     #[inline(always)]
     fn sweep(&mut self, visit: impl Fn(&mut ContactBatch<I>, &mut Lines) + Send + Sync) {
         let things = self.selections.len();
-        let Self { bodies, batches, starts, slabs, confirmation, .. } = self;
-        let asking = confirmation.asking();
+        let Self { bodies, batches, starts, slabs, speculative, .. } = self;
+        let asking = speculative.asking();
         let visit_batches = |first: usize, batches: &mut [ContactBatch<I>], lines: &mut Lines| {
             I::run(
                 #[inline(always)]

@@ -1,12 +1,12 @@
 //! Restitution: impacts within a substep, in the order of their times of impact. Impulses propagate
 //! at once through rows of any length.
 
-use super::confirmation::BatchFlags;
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
 use super::kernels::Substep;
 use super::sides::{Sides, shortened};
 use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodies};
+use super::speculative_contacts::BatchFlags;
 use super::timeline::{BatchLines, Timeline};
 use super::touching::Touching;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};

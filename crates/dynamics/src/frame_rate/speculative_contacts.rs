@@ -1,0 +1,143 @@
+//! Speculative contacts of a group: pairs without a cached impulse, which are detected again before
+//! they act (`confirmation.rs`).
+
+use super::constraints::{NEAR, Selection, Source};
+use super::contact_batch::ContactBatch;
+use super::touching::Place;
+use frangible_bodies::{Bodies, Frame};
+use frangible_collision::{FeatureId, Manifold, ManifoldPoint, has_many_normals};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Width of a contact patch, in ways of the bodies in the frame [1], above which they need no second
+/// look.
+const SLIDES: f64 = 4.0;
+
+/// Speculative contacts of a group.
+pub(super) struct SpeculativeContacts {
+    /// Batches with speculative lanes, in ascending order, and those with lanes that ask to act.
+    batches: Vec<usize>,
+    pub(super) asking: BatchFlags,
+    /// Batch and lane of each constraint.
+    pub(super) places: Vec<Place>,
+    /// Lanes that were detected again and have not lost their impulse since.
+    pub(super) confirmed: Vec<Place>,
+    /// Lanes without a contact in this substep.
+    pub(super) passing: Vec<Place>,
+    /// Impulses along earlier normals of constraints, on the second body, world frame [N s].
+    pub(super) given: BTreeMap<u32, DVec3>,
+    /// Features of the constraints that were detected again.
+    pub(super) features: BTreeMap<u32, Vec<FeatureId>>,
+    /// Points of the manifolds that were detected again, by manifold.
+    pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
+}
+
+/// A set of batch indices, filled in parallel.
+pub(super) struct BatchFlags {
+    words: Vec<AtomicU64>,
+}
+
+impl BatchFlags {
+    fn below(most: usize) -> Self {
+        Self { words: (0..most.div_ceil(64)).map(|_| AtomicU64::new(0)).collect() }
+    }
+
+    #[inline]
+    pub(super) fn insert(&self, number: usize) {
+        self.words[number / 64].fetch_or(1 << (number % 64), Ordering::Relaxed);
+    }
+
+    /// Removes all indices and returns them in ascending order.
+    pub(super) fn take(&mut self) -> Vec<usize> {
+        let mut all = Vec::new();
+        for (at, word) in self.words.iter_mut().enumerate() {
+            let mut word = std::mem::take(word.get_mut());
+            while word != 0 {
+                all.push(64 * at + word.trailing_zeros() as usize);
+                word &= word - 1;
+            }
+        }
+        all
+    }
+}
+
+impl SpeculativeContacts {
+    /// `places` has the batch and lane of each constraint.
+    pub(super) fn new<I>(batches: &[ContactBatch<I>], places: Vec<Place>) -> Self {
+        Self {
+            batches: (0..batches.len()).filter(|&at| batches[at].unconfirmed.any()).collect(),
+            asking: BatchFlags::below(batches.len()),
+            places,
+            confirmed: Vec::new(),
+            passing: Vec::new(),
+            given: BTreeMap::new(),
+            features: BTreeMap::new(),
+            points: BTreeMap::new(),
+        }
+    }
+
+    /// Batches with speculative lanes, in ascending order.
+    pub(super) fn batches(&self) -> &[usize] {
+        &self.batches
+    }
+
+    /// Batches with lanes that ask to act.
+    pub(super) fn asking(&self) -> &BatchFlags {
+        &self.asking
+    }
+
+    /// Batch and lane of a constraint.
+    pub(super) fn place(&self, number: u32) -> Place {
+        self.places[number as usize]
+    }
+
+    /// Impulse of a constraint along earlier normals, on the second body, world frame [N s].
+    pub(super) fn given(&self, number: u32) -> DVec3 {
+        self.given.get(&number).copied().unwrap_or_default()
+    }
+
+    /// Features of a constraint.
+    pub(super) fn features(
+        &self,
+        number: u32,
+        (selection, points): (&Selection, &[ManifoldPoint]),
+    ) -> Vec<FeatureId> {
+        match self.features.get(&number) {
+            Some(features) => features.clone(),
+            None => selection.points().map(|number| points[number].feature).collect(),
+        }
+    }
+}
+
+/// Whether a pair may act without a second look: it carried an impulse in the last frame, it meets
+/// along so many normals that its lanes may not do, one body is a half-space with one normal
+/// everywhere, or its overlap at birth is forgiven.
+pub(super) fn is_confirmed(
+    bodies: &Bodies,
+    Source { manifold, carried }: &Source,
+    frame: &Frame,
+) -> bool {
+    let pair = manifold.pair.both();
+    !carried.is_empty()
+        || is_wide(bodies, manifold, frame)
+        || pair
+            .iter()
+            .any(|&i| bodies.radii[i].is_infinite() || has_many_normals(&bodies.shapes[i]))
+        || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
+}
+
+/// True for touching bodies with a contact patch wider than they slide in the frame: other features
+/// do not come first.
+fn is_wide(bodies: &Bodies, Manifold { pair, points }: &Manifold, frame: &Frame) -> bool {
+    let close = NEAR * frame.speculative_margin();
+    let touching = points.iter().filter(|point| point.gap <= close);
+    let mut middles = touching.map(|point| point.middle(bodies, *pair));
+    let Some(from) = middles.next() else { return false };
+    let arms: Vec<DVec3> = middles.map(|middle| middle - from).collect();
+    let longest = arms.iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let Some(along) = longest.and_then(|arm| arm.try_normalize()) else { return false };
+    let width = arms.iter().map(|arm| arm.cross(along).length()).fold(0.0, f64::max);
+    let [first, second] = pair.both().map(|i| bodies.velocities[i].linear);
+    width > SLIDES * frame.dt * (first - second).length()
+}
