@@ -94,7 +94,8 @@ impl StaticMesh {
     /// The three corners of a triangle [m].
     #[inline]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
     /// Unit normal of a triangle, out of its front.

@@ -16,6 +16,7 @@ pub(crate) mod moving_point;
 pub(crate) mod overlap;
 pub(crate) mod sample_mesh;
 pub(crate) mod selection;
+pub(crate) mod sunken;
 pub(crate) mod triangle_sweep;
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ struct Node {
     /// First child of a branch, first item of a leaf.
     first: u32,
     high: [f32; 3],
-    /// Number of items of a leaf; 0 for a branch. The highest bit says that it holds no marked item.
+    /// Number of items of a leaf; 0 for a branch. The highest bit says that none is marked.
     count: u32,
 }
 

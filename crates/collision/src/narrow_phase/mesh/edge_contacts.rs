@@ -115,18 +115,22 @@ pub(crate) fn edge_contacts(
 ) {
     let mut hidden = Vec::new();
     for &(triangle, corner) in edges {
-        let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
-        let [low, high] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
-        let depth = hull_edges.hidden(edge.ends, &mut hidden);
-        let (low, high) = (low - depth, high + depth);
-        for own in &hull_edges.edges {
-            if own.faces.iter().any(|&face| hidden[face as usize]) {
-                continue;
-            }
+        let corners = motion.mesh.corners(triangle);
+        let ends = [corners[corner], corners[(corner + 1) % 3]];
+        let depth = hull_edges.hidden(ends, &mut hidden);
+        let (low, high) = (ends[0].min(ends[1]) - depth, ends[0].max(ends[1]) + depth);
+        let may_touch = |own: &&HullEdgeWay| {
             let [own_low, own_high] = own.bounds;
-            if own_low.cmpgt(high).any() || low.cmpgt(own_high).any() {
-                continue;
-            }
+            own_low.cmple(high).all()
+                && low.cmple(own_high).all()
+                && !own.faces.iter().any(|&face| hidden[face as usize])
+        };
+        let mut near = hull_edges.edges.iter().filter(may_touch).peekable();
+        if near.peek().is_none() {
+            continue;
+        }
+        let Some(edge) = MeshEdge::of(motion.mesh, triangle, corner) else { continue };
+        for own in near {
             // Mixed, so that pairs of edges seldom share an id.
             let id = (3 * triangle + corner) as u64 * 0x9e37 + u64::from(own.edge);
             let pair = EdgePair { motion, own, faces: &hull_edges.faces, edge: &edge, inside, id };

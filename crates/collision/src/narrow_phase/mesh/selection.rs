@@ -10,6 +10,7 @@ use crate::narrow_phase::mesh::mesh_contact::MeshContact;
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::moving_point::MovingPoint;
 use crate::narrow_phase::mesh::sample_mesh::sample_contacts;
+use crate::narrow_phase::mesh::sunken::sunken_contact;
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::StaticMesh;
 use glam::DVec3;
@@ -38,10 +39,21 @@ pub(crate) fn mesh_points(
 pub(crate) fn contacts_of(motion: &mut MeshMotion, other: ConvexShape) -> Vec<MeshContact> {
     let mut contacts = Vec::new();
     match other {
-        ConvexShape::Ball(radius) => ball_contacts(motion, radius, &mut contacts),
+        ConvexShape::Ball(radius) => {
+            ball_contacts(motion, radius, &mut contacts);
+            if contacts.is_empty() {
+                contacts.extend(sunken_contact(motion, (DVec3::ZERO, radius)));
+            }
+        }
         ConvexShape::Hull(hull) => {
             hull_contacts(motion, hull, &mut contacts);
             core_contacts(motion, other, &mut contacts);
+            if contacts.is_empty() {
+                let vertices = hull.vertices();
+                let middle = vertices.iter().sum::<DVec3>() / vertices.len() as f64;
+                let radius = -hull.distance_and_gradient(middle).0;
+                contacts.extend(sunken_contact(motion, (middle, radius)));
+            }
         }
         ConvexShape::Revolved(_) => sample_contacts(motion, motion.body_shape(), &mut contacts),
         ConvexShape::Other(shape) => sample_contacts(motion, shape, &mut contacts),

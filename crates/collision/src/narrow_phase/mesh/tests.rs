@@ -119,8 +119,8 @@ fn a_sheet_has_two_sides() {
             assert!((point.gap - 1e-3).abs() < 1e-9, "{}", point.gap);
         }
     }
-    // One that is solid below lets pass what comes from there.
-    let pose = at(0.1, -0.251, 0.0);
+    // One that is solid below has nothing for what is far below.
+    let pose = at(0.1, -1.2, 0.0);
     let world = bodies(&sheet(20, 0.2), Sides::One, ball(0.25), pose, 3.0 * DVec3::Y);
     assert!(points(&world).is_empty());
 }
@@ -213,6 +213,21 @@ fn overlaps_are_as_deep_as_they_are() {
     assert_eq!(depth(&floor, cube(0.25), at(0.1, 0.2501, 0.0)), None);
     assert_eq!(depth(&floor, ball(0.25), at(0.1, 0.2501, 0.0)), None);
     close(depth(&groove(), ball(0.2), at(0.0, 0.2, 0.0)), 0.2 - 0.02_f64.sqrt());
+}
+
+/// What has got behind triangles that are solid there comes out by the nearest way; beside the
+/// border of an open mesh nothing is behind it.
+#[test]
+fn what_is_behind_a_solid_comes_out() {
+    for body in [cube(0.25), ball(0.25)] {
+        let world = bodies(&sheet(10, 0.5), Sides::One, body, at(0.1, -0.3, 0.1), DVec3::ZERO);
+        let found = points(&world);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].normal + DVec3::Y).length() < 1e-9, "{}", found[0].normal);
+        assert!((found[0].gap + 0.55).abs() < 1e-9);
+    }
+    let world = bodies(&sheet(10, 0.5), Sides::One, ball(0.25), at(2.6, -0.2, 0.1), DVec3::ZERO);
+    assert!(points(&world).is_empty());
 }
 
 fn vector(half: f64) -> impl Strategy<Value = DVec3> {
