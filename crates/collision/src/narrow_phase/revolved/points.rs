@@ -294,7 +294,15 @@ impl<'a> Instant<'a> {
             Partner::Plane(plane) => [line[0] - plane.distance(line[0]) * plane.normal; 2],
         };
         let ([[on_mine, on_theirs], _], _) = lines_meet([line, theirs], normal, 0.0);
-        [line[0].lerp(line[1], on_mine), theirs[0].lerp(theirs[1], on_theirs)]
+        let on = [line[0].lerp(line[1], on_mine), theirs[0].lerp(theirs[1], on_theirs)];
+        match (mine, self.partner) {
+            (Facing::Disc(end), _) => [round.nearest_on_disc(end, on[1]), on[1]],
+            (_, Partner::Revolved(other)) => match other.facing(normal) {
+                Facing::Disc(end) => [on[0], other.nearest_on_disc(end, on[0])],
+                Facing::Side | Facing::Rim(_) => on,
+            },
+            _ => on,
+        }
     }
 
     /// The same point with the rim that touches alone held as it moves.

@@ -248,7 +248,7 @@ fn the_deepest_point_is_where_bodies_touch() {
         let at = || still(moving, pose.translation, pose.rotation);
         let found = points(still(fixed, DVec3::ZERO, DQuat::IDENTITY), at());
         let deepest = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)).unwrap();
-        assert!((deepest.gap + DEPTH).abs() < 2e-4, "{number}: {}", deepest.gap);
+        assert!((deepest.gap + DEPTH).abs() < 6e-4, "{number}: {}", deepest.gap);
         let on = [
             deepest.anchor_first - deepest.rounding[0] * deepest.normal,
             pose.point(deepest.anchor_second) + deepest.rounding[1] * deepest.normal,
