@@ -13,6 +13,10 @@ const LEVEL: f64 = 1e-3;
 /// Rim points this near to a side of the other area, relative to the radius, are inside.
 const ON_SIDE: f64 = 1e-9;
 
+/// Points this near to a rim, relative to its radius, are on the disc: as far as discs that tilt by
+/// two degrees are no circles to each other.
+const NEARLY: f64 = 1e-3;
+
 /// Numbers of rim points 0 to 7; of the second body's 8 to 15.
 pub(crate) const OF_PARTNER: u64 = 8;
 const CROSSING: u64 = 32;
@@ -138,6 +142,13 @@ fn disc_on_disc(
     };
     let mut add = |of: usize, on_small: DVec3, id: u64, is_rim: bool| {
         let on_large = areas[large].drop(on_small, normal);
+        // Discs at an angle see each other as ellipses.
+        let is_on_both = [(small, on_small), (large, on_large)]
+            .into_iter()
+            .all(|(side, point)| areas[side].contains(point, normal, NEARLY * radii[side]));
+        if !is_on_both {
+            return;
+        }
         let on = if small == 0 { [on_small, on_large] } else { [on_large, on_small] };
         let (is_rim, is_other_rim) = (is_rim && of == 0, is_rim && of == 1);
         points.push(AreaPoint { on, id, is_rim, is_other_rim });

@@ -43,7 +43,7 @@ pub(crate) fn common_stretch(lines: [[DVec3; 2]; 2], normal: DVec3) -> Option<[f
     (begin < end).then_some([begin, end])
 }
 
-/// Nearest points of two segments that begin `between` apart [Ericson, ch. 5.1.9].
+/// Nearest points of two segments that begin `between` apart [Eri05 sec. 5.1.9].
 fn nearest(between: DVec3, first: DVec3, second: DVec3) -> [f64; 2] {
     let (a, e) = (first.length_squared(), second.length_squared());
     let (b, c, f) = (first.dot(second), first.dot(between), second.dot(between));

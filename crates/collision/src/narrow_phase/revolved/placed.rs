@@ -92,6 +92,14 @@ impl PlacedRevolved {
         self.center(end) + self.ends[end].radius * radial
     }
 
+    /// The point of a disc nearest to a point [m].
+    pub(crate) fn nearest_on_disc(&self, end: usize, point: DVec3) -> DVec3 {
+        let (_, across, length) = self.split(point - self.center(end));
+        let part =
+            if length > self.ends[end].radius { self.ends[end].radius / length } else { 1.0 };
+        self.center(end) + part * across
+    }
+
     /// The side's outward normal at a direction across the axis.
     #[inline]
     pub(crate) fn side_normal(&self, radial: DVec3) -> DVec3 {

@@ -20,6 +20,10 @@ const BESIDE: f64 = 0.17;
 /// Edges within this sine of being across the normal may touch [1].
 const ACROSS: f64 = 0.02;
 
+/// Ends of edges this near to the furthest vertex along the normal are as far, relative to the edge's
+/// length [1]: all corners of a face.
+const AS_HIGH: f64 = 1e-6;
+
 /// Parts of a line nearer than this are one point [1].
 const ONE_POINT: f64 = 1e-6;
 
@@ -232,7 +236,12 @@ impl<'a> Instant<'a> {
             let part = within[0] + (within[1] - within[0]) * which as f64 / BALLS as f64;
             let ball = hold_on_side(round, lines[0], part, -normal);
             let (distance, outward) = surface.distance_and_gradient(ball.point);
-            if round.off_side(-outward) > BESIDE {
+            // At the end of a side a ball reaches beyond it.
+            let touching = ball.point - (ball.rounding - round.rounding) * outward;
+            let along = (touching - round.middle).dot(round.axis);
+            let is_beyond = along < round.ends[0].height - self.close
+                || along > round.ends[1].height + self.close;
+            if is_beyond || round.off_side(-outward) > BESIDE {
                 continue;
             }
             let core = ball.point - (distance + other.rounding) * outward;
@@ -285,7 +294,15 @@ impl<'a> Instant<'a> {
             Partner::Plane(plane) => [line[0] - plane.distance(line[0]) * plane.normal; 2],
         };
         let ([[on_mine, on_theirs], _], _) = lines_meet([line, theirs], normal, 0.0);
-        [line[0].lerp(line[1], on_mine), theirs[0].lerp(theirs[1], on_theirs)]
+        let on = [line[0].lerp(line[1], on_mine), theirs[0].lerp(theirs[1], on_theirs)];
+        match (mine, self.partner) {
+            (Facing::Disc(end), _) => [round.nearest_on_disc(end, on[1]), on[1]],
+            (_, Partner::Revolved(other)) => match other.facing(normal) {
+                Facing::Disc(end) => [on[0], other.nearest_on_disc(end, on[0])],
+                Facing::Side | Facing::Rim(_) => on,
+            },
+            _ => on,
+        }
     }
 
     /// The same point with the rim that touches alone held as it moves.
@@ -345,15 +362,14 @@ fn hold_single(
 /// Ends of the edge that a normal belongs to, nearest to a point seen along it; twice the vertex if
 /// it belongs to one [m].
 fn touching_edge(hull: &Hull, normal: DVec3, point: DVec3) -> [DVec3; 2] {
-    let vertex = furthest_vertex(hull, normal);
-    let mut best = (f64::INFINITY, [hull.vertices()[vertex]; 2]);
+    let vertex = hull.vertices()[furthest_vertex(hull, normal)];
+    let mut best = (f64::INFINITY, [vertex; 2]);
     for edge in hull.edges() {
-        if !edge.vertices.contains(&(vertex as u32)) {
-            continue;
-        }
         let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
         let along = ends[1] - ends[0];
-        if along.dot(normal).abs() > ACROSS * along.length() {
+        let (length, rise) = (along.length(), along.dot(normal).abs());
+        let below = ends.map(|end| (vertex - end).dot(normal));
+        if rise > ACROSS * length || below[0].min(below[1]) > AS_HIGH * length {
             continue;
         }
         let part = ((point - ends[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);

@@ -76,6 +76,9 @@ const SHALLOW: f64 = 40.0;
 /// error.
 const PEELINGS: usize = 5;
 
+/// Precision of the closest points for [`peeled`], relative to the size [1].
+const PEELS: f64 = 1e-8;
+
 /// A normal found by moving one body out of the other.
 struct Peeled {
     depth: f64,
@@ -88,14 +91,13 @@ struct Peeled {
 fn peeled(search: &Search, size: f64) -> Option<Peeled> {
     const MORE: f64 = 1.1;
     const LEAST: f64 = 1e-4;
-    const GAINS: f64 = 1e-7;
+    const GAINS: f64 = 1e-6;
     let (mut depth, mut normal) = (search.depth, search.normal);
     let mut best = None;
     for _ in 0..PEELINGS {
         let shift = (MORE * depth + LEAST * size) * normal;
         let moved = PlacedRevolved { middle: search.round.middle + shift, ..*search.round };
-        let closest =
-            closest_points(&moved, search.partner, (size, PRECISE, f64::INFINITY), normal)?;
+        let closest = closest_points(&moved, search.partner, (size, PEELS, f64::INFINITY), normal)?;
         let next = search.overlap(closest.normal);
         let gain = depth - next;
         if gain <= GAINS * size {

@@ -1,4 +1,4 @@
-//! Point of a simplex nearest to the origin [Ericson, Real-Time Collision Detection, ch. 5.1].
+//! Point of a simplex nearest to the origin [Eri05 sec. 5.1].
 
 use glam::DVec3;
 

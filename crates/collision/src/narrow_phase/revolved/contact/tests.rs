@@ -201,3 +201,64 @@ fn sides_across_each_other_touch_in_a_point() {
     assert_eq!(touching[0].rounding.map(|rounding| (rounding * 1e6).round()), [3e5; 2]);
     assert!(found.iter().all(|point| point.gap > -1e-9));
 }
+
+/// All that just overlaps has a point where it does: on the surfaces of both bodies. A side on a
+/// rim had it at the far end of the side, and rocked for ever.
+#[test]
+fn the_deepest_point_is_where_bodies_touch() {
+    use crate::narrow_phase::revolved::partner::Partner;
+    use crate::narrow_phase::revolved::placed::PlacedRevolved;
+    use crate::narrow_phase::revolved::separation::separation;
+    use frangible_geometry::Hull;
+    use frangible_math::RigidTransform;
+    use rand::{RngExt, SeedableRng};
+    const DEPTH: f64 = 1e-4;
+    /// A normal as good within 5e-4 of the size has its point as far beside the best one's [m].
+    const MISSES: f64 = 1.5e-2;
+    let mut random = rand_pcg::Pcg64::seed_from_u64(7);
+    let mut any = |low: f64, high: f64| random.random_range(low..high);
+    for number in 0..600 {
+        let mut form = |kind: i32| {
+            let (radius, length) = (any(0.05, 0.3), any(0.05, 0.3));
+            match kind {
+                0 => ClosedForm::Cylinder { radius, half_height: length },
+                1 => ClosedForm::Capsule { radius, half_height: length },
+                2 => ClosedForm::Cone { radius, height: 2.0 * length },
+                _ => ClosedForm::Box { half: DVec3::new(radius, length, any(0.05, 0.3)) },
+            }
+        };
+        let (fixed, moving) = (form(number % 4), form(number / 4 % 3));
+        let mut turn = || DQuat::from_xyzw(any(-1.0, 1.0), any(-1.0, 1.0), any(-1.0, 1.0), 0.3);
+        let mut pose = RigidTransform::new(turn().normalize(), turn().normalize() * DVec3::X);
+        // Moved until they overlap by as much.
+        let hull =
+            if let ClosedForm::Box { half } = fixed { Some(Hull::cuboid(half)) } else { None };
+        for _ in 0..30 {
+            let round = PlacedRevolved::new(&moving.revolved().unwrap(), &pose);
+            let partner = match (&hull, fixed.revolved()) {
+                (Some(hull), _) => Partner::Hull(hull),
+                (_, Some(fixed)) => {
+                    Partner::Revolved(PlacedRevolved::new(&fixed, &RigidTransform::IDENTITY))
+                }
+                _ => unreachable!(),
+            };
+            let found = separation(&round, &partner, 0.3, round.middle);
+            pose.translation -= (found.gap + DEPTH) * found.normal;
+        }
+        let at = || still(moving, pose.translation, pose.rotation);
+        let found = points(still(fixed, DVec3::ZERO, DQuat::IDENTITY), at());
+        let deepest = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)).unwrap();
+        assert!((deepest.gap + DEPTH).abs() < 6e-4, "{number}: {}", deepest.gap);
+        let on = [
+            deepest.anchor_first - deepest.rounding[0] * deepest.normal,
+            pose.point(deepest.anchor_second) + deepest.rounding[1] * deepest.normal,
+        ];
+        for point in on {
+            let own = [fixed.distance(point), moving.distance(pose.inverse().point(point))];
+            assert!(
+                own.iter().all(|distance| distance.abs() < MISSES),
+                "{number} {fixed:?} {moving:?}: {own:?}"
+            );
+        }
+    }
+}
