@@ -49,13 +49,10 @@ impl<I: Instructions> Group<I> {
             // What an impact on a body may bring together is further apart.
             let margin = frame.speculative_margin();
             let near = points.iter().map(|point| point.gap).fold(margin, f64::max);
-            let pair_motion = PairMotion::of_substep(
-                bodies,
-                pair,
-                [&first, &second],
-                &substep,
-                (time_left, near),
-            );
+            // What touches as the frame ends may pass on in the next one.
+            let ahead = time_left + substep.dt;
+            let pair_motion =
+                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near));
             let found = finder.of_motion(&pair_motion, |_| false);
             found.map_or(Vec::new(), |manifold| manifold.points.to_vec())
         };
