@@ -10,6 +10,10 @@ use frangible_collision::{Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
 use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 
+/// Separation up to which a second look finds points, relative to those of the first look [1]: the
+/// bodies have moved in between.
+const WIDER: f64 = 1.25;
+
 /// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 32;
 
@@ -48,7 +52,7 @@ impl<I: Instructions> Group<I> {
                 });
             // What an impact on a body may bring together is further apart.
             let margin = frame.speculative_margin();
-            let near = points.iter().map(|point| point.gap).fold(margin, f64::max);
+            let near = points.iter().map(|point| WIDER * point.gap).fold(margin, f64::max);
             // What touches as the frame ends may pass on in the next one.
             let ahead = time_left + substep.dt;
             let pair_motion =
