@@ -146,7 +146,7 @@ proptest! {
             let mut size = [2.0 * (half + thick); 3];
             let mut position = [0.0; 3];
             size[side / 2] = thick;
-            position[side / 2] = (half + 0.5 * thick) * if side % 2 == 0 { 1.0 } else { -1.0 };
+            position[side / 2] = (half + 0.5 * thick) * if side.is_multiple_of(2) { 1.0 } else { -1.0 };
             fixed(size, position)
         };
         let velocity = speed * DVec3::from_array(direction).normalize_or(DVec3::X);
