@@ -223,6 +223,7 @@ fn a_claim_that_nobody_made_is_named() {
 }
 
 #[test]
+#[ignore = "a minute of one core: `frangible verify` measures it; `settled_pile` has a heap too"]
 fn heap() {
     holds("heap");
 }
