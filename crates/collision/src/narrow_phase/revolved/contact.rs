@@ -13,7 +13,9 @@ use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::{Instant, is_of_partner};
 use crate::narrow_phase::revolved::round_point::RoundPoint;
-use crate::narrow_phase::revolved::separation::{Separation, contact_separation, quick_separation};
+use crate::narrow_phase::revolved::separation::{
+    Separation, contact_separation, flat_separation, quick_separation,
+};
 use frangible_bodies::{BallisticPath, Pose};
 use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
@@ -149,6 +151,9 @@ impl RoundPair<'_> {
             near: pair_motion.near,
         };
         let mut nearest = meeting.nearest(at(touch.time, touch.normal));
+        if nearest.gap <= -grazing {
+            return touch;
+        }
         // What rolls on from an edge is as near on the face behind it, on its whole line.
         let later = at(0.5 * (nearest.time + ahead), nearest.normal);
         if later.gap <= nearest.gap + DEEPER * grazing {
@@ -185,10 +190,10 @@ impl RoundPair<'_> {
         })
     }
 
-    /// Both bodies at an instant, with the normal of a contact also where they overlap.
+    /// Both bodies at an instant, with a flat face's or a round side's normal where they overlap.
     fn overlapping(&self, shape: &Partner, time: f64, guess: DVec3) -> Apart {
         self.seen(time, guess, |round, guess| {
-            contact_separation(round, shape, (self.pair_motion.size, self.close), guess)
+            flat_separation(round, shape, (self.pair_motion.size, self.close), guess)
         })
     }
 
