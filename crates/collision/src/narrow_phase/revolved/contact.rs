@@ -3,7 +3,6 @@
 
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::convex_shape::ConvexShape;
-use crate::narrow_phase::hull_hull::approach::SAME_NORMAL;
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::{FEW_POINTS, reduce};
@@ -14,7 +13,9 @@ use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::{Instant, is_of_partner};
 use crate::narrow_phase::revolved::round_point::RoundPoint;
-use crate::narrow_phase::revolved::separation::{Separation, contact_separation, quick_separation};
+use crate::narrow_phase::revolved::separation::{
+    Separation, contact_separation, flat_separation, quick_separation,
+};
 use frangible_bodies::{BallisticPath, Pose};
 use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
@@ -30,6 +31,10 @@ const THIN: f64 = 1e-2;
 /// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look for
 /// its closest approach [1]: bodies at rest do not need one.
 const DEEPER: f64 = 0.05;
+
+/// Cosine of the angle within which the closest approach has the normal of the first touch [1]. With
+/// 0.9998 cylinders of r 20 mm hop up to 157 mm over a seam at 30 m/s, with this value none.
+const SAME_NORMAL: f64 = 1.0 - 1e-6;
 
 /// A body of revolution and its partner in a frame.
 #[derive(Clone, Copy)]
@@ -102,7 +107,7 @@ impl RoundPair<'_> {
             near: motion.near,
         };
         let Some(touch) = meeting.first_touch(start) else { return };
-        let touch = self.grazing(shape, touch);
+        let touch = self.grazing(shape, touch, start.gap);
 
         let (round, poses) = self.placed(touch.time);
         let partner_from_world = poses[1].orientation.conjugate();
@@ -124,19 +129,20 @@ impl RoundPair<'_> {
         points.extend(found.iter().map(|point| self.manifold_point(point, touch.time)));
     }
 
-    /// Closest approach of a pair that touches at `touch`, if it overlaps no deeper than grazing until
-    /// the frame's end; else `touch`. Gravity is left out, as of bodies that something carries.
-    fn grazing(&self, shape: &Partner, touch: Apart) -> Apart {
+    /// Closest approach of a pair `now` [m] apart that touches at `touch`, if it overlaps no deeper
+    /// than grazing until the frame's end; else `touch`. Gravity is left out, as of bodies that
+    /// something carries. Pairs that are further apart are seen again before they act.
+    fn grazing(&self, shape: &Partner, touch: Apart, now: f64) -> Apart {
         let PairMotion { grazing, ahead, is_substep, paths: [first, second], .. } =
             *self.pair_motion;
         let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
-        if touch.gap <= -grazing || !gets_deeper || !is_substep && touch.time > 0.0 {
+        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > grazing {
             return touch;
         }
         let (first, second) = (first.straight(), second.straight());
         let pair_motion = &PairMotion { paths: [&first, &second], ..*self.pair_motion };
         let straight = RoundPair { pair_motion, ..*self };
-        let at = |time, guess| straight.apart(shape, (time, f64::INFINITY), guess);
+        let at = |time, guess| straight.overlapping(shape, time, guess);
         let meeting = Meeting {
             at: &at,
             closing: &|time, normal| straight.fastest_closing(time, normal),
@@ -145,6 +151,9 @@ impl RoundPair<'_> {
             near: pair_motion.near,
         };
         let mut nearest = meeting.nearest(at(touch.time, touch.normal));
+        if nearest.gap <= -grazing {
+            return touch;
+        }
         // What rolls on from an edge is as near on the face behind it, on its whole line.
         let later = at(0.5 * (nearest.time + ahead), nearest.normal);
         if later.gap <= nearest.gap + DEEPER * grazing {
@@ -173,12 +182,30 @@ impl RoundPair<'_> {
         (PlacedRevolved::new(&self.round, &partner.inverse().after(&round)), poses)
     }
 
-    /// Both bodies at an instant; beyond `most` [m] the gap is only known to be larger.
+    /// Both bodies at an instant; beyond `most` [m] the gap is only known to be larger. Bodies that
+    /// overlap have the guess as their normal.
     fn apart(&self, shape: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
+        self.seen(time, guess, |round, guess| {
+            quick_separation(round, shape, (self.pair_motion.size, most), guess)
+        })
+    }
+
+    /// Both bodies at an instant, with a flat face's or a round side's normal where they overlap.
+    fn overlapping(&self, shape: &Partner, time: f64, guess: DVec3) -> Apart {
+        self.seen(time, guess, |round, guess| {
+            flat_separation(round, shape, (self.pair_motion.size, self.close), guess)
+        })
+    }
+
+    fn seen(
+        &self,
+        time: f64,
+        guess: DVec3,
+        separation: impl Fn(&PlacedRevolved, DVec3) -> Separation,
+    ) -> Apart {
         let (round, poses) = self.placed(time);
         let partner_from_world = poses[1].orientation.conjugate();
-        let guess = partner_from_world * self.seen_by_order(guess);
-        let found = quick_separation(&round, shape, (self.pair_motion.size, most), guess);
+        let found = separation(&round, partner_from_world * self.seen_by_order(guess));
         let normal = self.seen_by_order(poses[1].orientation * found.normal);
         Apart { time, gap: found.gap, normal, parting: self.parting(&found, &round, &poses, time) }
     }

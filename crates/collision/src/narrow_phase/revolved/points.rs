@@ -70,7 +70,12 @@ impl<'a> Instant<'a> {
         let (face, cosine) = nearest_face(hull, normal);
         let area = Area::Face(hull, face);
         if is_aligned(cosine) {
-            return self.on_area(area, points);
+            self.on_area(area, points);
+            // What rolls on to a face may still have its line beside it.
+            if points.is_empty() && mine == Facing::Side {
+                self.side_on_edge(hull, points);
+            }
+            return;
         }
         match mine {
             Facing::Disc(end) => self.disc(end, area, points),
@@ -351,9 +356,12 @@ fn hold_single(
 ) -> Anchor {
     match facing {
         Facing::Rim(end) => body.hold_rim(point, end, towards, angular),
+        // The point may belong to another normal, nearly the same.
         Facing::Side => {
-            let (_, _, radius) = body.split(point - body.middle);
-            body.hold_by_axis(point, radius, towards)
+            let line = side_line(body, towards);
+            let [from, to] = [body.center(0), body.center(1)].map(|center| center.dot(body.axis));
+            let part = ((point.dot(body.axis) - from) / (to - from)).clamp(0.0, 1.0);
+            hold_on_side(body, line, part, towards)
         }
         Facing::Disc(_) => body.hold_fixed(point),
     }

@@ -126,6 +126,22 @@ pub(crate) fn quick_separation(
     })
 }
 
+/// Separation for the time of closest approach of bodies that may overlap a little: of flat faces and
+/// round sides where they do.
+pub(crate) fn flat_separation(
+    round: &PlacedRevolved,
+    partner: &Partner,
+    (size, close): (f64, f64),
+    guess: DVec3,
+) -> Separation {
+    if let Some(apart) = apart(round, partner, (size, COARSE, f64::INFINITY), guess) {
+        return preferred(round, partner, &apart, close).unwrap_or(apart);
+    }
+    let mut search = Search::new(round, partner, close);
+    search.flat();
+    overlapping(&search)
+}
+
 fn overlapping(search: &Search) -> Separation {
     let rounding = search.round.rounding + search.partner.rounding();
     Separation { gap: -search.depth - rounding, normal: search.normal, on: None }
