@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 const G: f64 = 9.81;
@@ -23,14 +23,29 @@ fn fixed(size: [f64; 3], position: [f64; 3]) -> BodyDesc {
     }
 }
 
-/// A cube or a ball of a size.
-fn mover(is_ball: bool, size: f64) -> BodyDesc {
-    let shape = if is_ball {
-        ShapeDesc::Sphere { radius: 0.5 * size, resolution: Resolution::default() }
-    } else {
-        cuboid([size; 3])
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Cube,
+    Ball,
+    /// Its axis lies across the way.
+    Cylinder,
+}
+
+/// A body of a size [m].
+fn mover(kind: Kind, size: f64) -> BodyDesc {
+    let (radius, resolution) = (0.5 * size, Resolution::default());
+    let shape = match kind {
+        Kind::Cube => cuboid([size; 3]),
+        Kind::Ball => ShapeDesc::Sphere { radius, resolution },
+        Kind::Cylinder => ShapeDesc::Cylinder { radius, height: size, resolution },
     };
-    BodyDesc { restitution: 0.0, ..BodyDesc::new("mover", shape) }
+    let across = DQuat::from_rotation_x(0.5 * std::f64::consts::PI).to_array();
+    let orientation = if kind == Kind::Cylinder { across } else { [0.0, 0.0, 0.0, 1.0] };
+    BodyDesc { restitution: 0.0, orientation, ..BodyDesc::new("mover", shape) }
+}
+
+fn any_of(kinds: &'static [Kind]) -> impl Strategy<Value = Kind> {
+    prop::sample::select(kinds)
 }
 
 /// Steps a scene and returns the last body's largest height and its state at the end: position [m],
@@ -58,10 +73,10 @@ fn run(bodies: Vec<BodyDesc>, rate: f64, seconds: f64, gravity: f64) -> (f64, [D
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// Cubes slide without friction and balls roll over a seam as over one slab.
+    /// Cubes slide without friction, and balls and cylinders roll, over a seam as over one slab.
     #[test]
     fn flush_tiles_are_one_slab(
-        is_ball in any::<bool>(),
+        kind in any_of(&[Kind::Cube, Kind::Ball, Kind::Cylinder]),
         speed in 1.0..12.0f64,
         size in 0.2..2.0f64,
         phase in 0.0..1.0f64,
@@ -69,18 +84,18 @@ proptest! {
         gap in prop::sample::select(vec![0.0, 1e-3]),
         lower in prop::sample::select(vec![0.0, 1e-3]),
     ) {
-        let length = 40.0;
+        let (length, rolls) = (40.0, kind != Kind::Cube);
         let tile = |side: f64, lower: f64| {
             let x = side * 0.5 * (length + gap);
-            BodyDesc { friction: if is_ball { 0.6 } else { 0.0 }, ..fixed([length, 1.0, 20.0], [x, -0.5 - lower, 0.0]) }
+            BodyDesc { friction: if rolls { 0.6 } else { 0.0 }, ..fixed([length, 1.0, 20.0], [x, -0.5 - lower, 0.0]) }
         };
         let start = -(size + phase * speed / rate);
         let body = BodyDesc {
             position: [start, 0.5 * size, 0.0],
             linear_velocity: [speed, 0.0, 0.0],
-            angular_velocity: [0.0, 0.0, if is_ball { -2.0 * speed / size } else { 0.0 }],
-            friction: if is_ball { 0.6 } else { 0.0 },
-            ..mover(is_ball, size)
+            angular_velocity: [0.0, 0.0, if rolls { -2.0 * speed / size } else { 0.0 }],
+            friction: if rolls { 0.6 } else { 0.0 },
+            ..mover(kind, size)
         };
         let seconds = (3.0 * size / speed).max(0.2);
         let (highest, [end, ..]) = run(vec![tile(-1.0, 0.0), tile(1.0, lower), body], rate, seconds, G);
@@ -93,7 +108,7 @@ proptest! {
     /// Without gravity a body flies past an edge and does not feel it.
     #[test]
     fn what_passes_is_not_moved(
-        is_ball in any::<bool>(),
+        kind in any_of(&[Kind::Cube, Kind::Ball, Kind::Cylinder]),
         speed in 1.0..30.0f64,
         size in 0.05..2.0f64,
         room in 1e-4..6e-3f64,
@@ -104,7 +119,7 @@ proptest! {
         let body = BodyDesc {
             position: [start, 0.5 * size + room, 0.0],
             linear_velocity: [speed, 0.0, 0.0],
-            ..mover(is_ball, size)
+            ..mover(kind, size)
         };
         let edge = fixed([1.0; 3], [0.5, -0.5, 0.0]);
         let (_, [end, velocity, spin]) = run(vec![edge, body], rate, 3.0 * size / speed + 0.2, 0.0);
@@ -115,7 +130,7 @@ proptest! {
     /// A cube or a ball falls freely down a shaft of flush blocks.
     #[test]
     fn shafts_do_not_brake(
-        is_ball in any::<bool>(),
+        kind in any_of(&[Kind::Cube, Kind::Ball, Kind::Cylinder]),
         room in 2e-4..8e-3f64,
         height in 0.0..1.0f64,
         rate in prop::sample::select(vec![30.0, 60.0]),
@@ -127,7 +142,7 @@ proptest! {
             fixed([0.2, 0.25, 0.6], [side * (0.5 * size + room + 0.1), y, 0.0])
         });
         let start = 0.12 + 0.3 * height;
-        let body = BodyDesc { position: [0.0, start, 0.0], ..mover(is_ball, size) };
+        let body = BodyDesc { position: [0.0, start, 0.0], ..mover(kind, size) };
         let (_, [end, _, spin]) = run(blocks.chain([body]).collect(), rate, seconds, G);
         let fallen = start - 0.5 * G * seconds * seconds;
         prop_assert!((end.y - fallen).abs() < 1e-9 && spin.length() < 1e-9, "{end}, {spin}");

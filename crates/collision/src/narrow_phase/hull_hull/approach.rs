@@ -21,7 +21,7 @@ const NEAR: f64 = 0.02;
 const MOST_LOOKS: u32 = 8;
 
 /// Cosine between normals that count as the same [1].
-pub(crate) const SAME_NORMAL: f64 = 0.9998;
+const SAME_NORMAL: f64 = 0.9998;
 
 /// Two hulls in ballistic motion through a frame.
 struct Approach<'a> {
