@@ -105,18 +105,18 @@ impl<I: Instructions> ContactBatch<I> {
         if self.is_turned {
             // Arms of balls are zero, and those of bodies of revolution lie along the axis: rotation
             // leaves them unchanged.
-            let turns = |side: usize| {
+            let mut fastest = Single::ZERO;
+            for side in 0..2 {
                 let LaneVelocities { angular, radius, .. } = sides.of[side];
-                let turn = angular.dot(angular);
-                let moved =
-                    self.points[..self.point_count].iter().fold(Single::ZERO, |most, point| {
-                        let way = angular.cross(point.anchors[side]);
-                        most.max(way.dot(way))
-                    });
+                let (turn, mut moved) = (angular.dot(angular), Single::ZERO);
+                for point in &self.points[..self.point_count] {
+                    let way = angular.cross(point.anchors[side]);
+                    moved = moved.max(way.dot(way));
+                }
                 let moves = moved.above(turn * radius * radius * Single::same(ALONG_AXIS));
-                moves.select(turn, Single::ZERO)
-            };
-            let fastest = turns(0).max(turns(1)) * substep.h * substep.h;
+                fastest = fastest.max(moves.select(turn, Single::ZERO));
+            }
+            let fastest = fastest * substep.h * substep.h;
             let spins = fastest.above(Single::same(SPINS * SPINS));
             if spins.any() {
                 self.forget(spins);
