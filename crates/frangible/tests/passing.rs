@@ -1,5 +1,5 @@
-//! Bodies that pass each other: over the seams of flush tiles, beside edges, down shafts; and bodies
-//! that are too fast for their contacts.
+//! Bodies that pass each other: over the seams of flush tiles, beside edges, down shafts; and
+//! bodies that are too fast for their contacts.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -87,7 +87,8 @@ proptest! {
         let (length, rolls) = (40.0, kind != Kind::Cube);
         let tile = |side: f64, lower: f64| {
             let x = side * 0.5 * (length + gap);
-            BodyDesc { friction: if rolls { 0.6 } else { 0.0 }, ..fixed([length, 1.0, 20.0], [x, -0.5 - lower, 0.0]) }
+            let friction = if rolls { 0.6 } else { 0.0 };
+            BodyDesc { friction, ..fixed([length, 1.0, 20.0], [x, -0.5 - lower, 0.0]) }
         };
         let start = -(size + phase * speed / rate);
         let body = BodyDesc {
@@ -98,7 +99,8 @@ proptest! {
             ..mover(kind, size)
         };
         let seconds = (3.0 * size / speed).max(0.2);
-        let (highest, [end, ..]) = run(vec![tile(-1.0, 0.0), tile(1.0, lower), body], rate, seconds, G);
+        let bodies = vec![tile(-1.0, 0.0), tile(1.0, lower), body];
+        let (highest, [end, ..]) = run(bodies, rate, seconds, G);
         let way = speed * (seconds * rate).round() / rate;
         let passed = end.x - start;
         prop_assert!((passed - way).abs() <= 0.01 * way + 1e-3, "{passed} of {way} m");
@@ -161,7 +163,8 @@ proptest! {
             let mut size = [2.0 * (half + thick); 3];
             let mut position = [0.0; 3];
             size[side / 2] = thick;
-            position[side / 2] = (half + 0.5 * thick) * if side.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let sign = if side.is_multiple_of(2) { 1.0 } else { -1.0 };
+            position[side / 2] = sign * (half + 0.5 * thick);
             fixed(size, position)
         };
         let velocity = speed * DVec3::from_array(direction).normalize_or(DVec3::X);

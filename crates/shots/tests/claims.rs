@@ -274,9 +274,8 @@ fn rows() {
 }
 
 #[test]
-#[ignore = "a minute of one core: `frangible verify` measures it"]
 fn rooms() {
-    holds_but_for("rooms", &["hulls at", "slabs at", "cubes at 200 m/s"]);
+    holds("rooms");
 }
 
 #[test]

@@ -91,8 +91,8 @@ impl<'a> PairMotion<'a> {
         }
     }
 
-    /// A pair in straight motion through a `substep`; the frame ends after the time `ahead` [s], and
-    /// has the speculative margin `near` [m].
+    /// A pair in straight motion through a `substep`; the frame ends after the time `ahead` [s],
+    /// and has the speculative margin `near` [m].
     pub fn of_substep(
         bodies: &'a Bodies,
         pair: Pair,

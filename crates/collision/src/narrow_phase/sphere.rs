@@ -107,7 +107,8 @@ impl BallContact<'_> {
     }
 
     /// Closest approach of a ball that touches at `touch`, if it overlaps no deeper than grazing
-    /// until the frame's end; else `touch`. Gravity is left out, as of bodies that something carries.
+    /// until the frame's end; else `touch`. Gravity is left out, as of bodies that something
+    /// carries.
     fn grazing(&self, touch: Gap) -> Gap {
         let PairMotion { grazing, ahead, paths: [first, second], .. } = *self.pair_motion;
         if !self.is_convex || touch.phi <= -grazing {

@@ -18,9 +18,9 @@ const WIDER: f64 = 1.25;
 const SHARE: usize = 32;
 
 impl<I: Instructions> Group<I> {
-    /// Detects the pairs of all asking lanes again, with `time_left` [s] of the frame, and velocities
-    /// without `kick` [m/s], gravity's of a substep that contacts have not answered yet. Returns the
-    /// batches with new constraints.
+    /// Detects the pairs of all asking lanes again, with `time_left` [s] of the frame, and
+    /// velocities without `kick` [m/s], gravity's of a substep that contacts have not answered yet.
+    /// Returns the batches with new constraints.
     pub(super) fn confirm(
         &mut self,
         bodies: &Bodies,
@@ -50,10 +50,10 @@ impl<I: Instructions> Group<I> {
                 [(pair.first, lines[0]), (pair.second, lines[1])].map(|(i, line)| {
                     path_now(bodies, i, (solver_bodies, line as usize, kick), &substep)
                 });
-            // What an impact on a body may bring together is further apart.
+            // Features that an impact may bring together are further apart.
             let margin = frame.speculative_margin();
             let near = points.iter().map(|point| WIDER * point.gap).fold(margin, f64::max);
-            // What touches as the frame ends may pass on in the next one.
+            // A touch as the frame ends may pass on in the next one.
             let ahead = time_left + substep.dt;
             let pair_motion =
                 PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near));

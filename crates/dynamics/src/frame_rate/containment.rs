@@ -10,8 +10,8 @@ use glam::DVec3;
 /// centre in its own body [1]: a body at rest is further away.
 const STOPS_AT: f64 = 0.25;
 
-/// Least way of a centre in a frame, relative to its body's radius [1], that is looked at: bodies at
-/// rest and slow ones cost nothing.
+/// Least way of a centre in a frame, relative to its body's radius [1], that is looked at: bodies
+/// at rest and slow ones cost nothing.
 const LEAST_WAY: f64 = 0.05;
 
 /// Maximum number of steps along a centre's way [1]: each covers the distance to the fixed body.

@@ -103,8 +103,8 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let mut sides = self.sides(lines);
         if self.is_turned {
-            // Arms of balls are zero, and those of bodies of revolution lie along the axis: rotation
-            // leaves them unchanged.
+            // Arms of balls are zero, and those of bodies of revolution lie along the axis:
+            // rotation leaves them unchanged.
             let mut fastest = Single::ZERO;
             for side in 0..2 {
                 let LaneVelocities { angular, radius, .. } = sides.of[side];

@@ -124,8 +124,8 @@ impl SolverBodies {
         all
     }
 
-    /// Present pose of a line's body with the pose `start` at the frame's start, and its linear [m/s]
-    /// and angular velocity [rad/s].
+    /// Present pose of a line's body with the pose `start` at the frame's start, and its linear
+    /// [m/s] and angular velocity [rad/s].
     pub(super) fn now(&self, line: usize, start: &Pose) -> (Pose, [DVec3; 2]) {
         let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
         let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());

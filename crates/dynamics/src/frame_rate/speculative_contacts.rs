@@ -10,8 +10,8 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Width of a contact patch, in ways of the bodies in the frame [1], above which they need no second
-/// look.
+/// Width of a contact patch, in ways of the bodies in the frame [1], above which they need no
+/// second look.
 const SLIDES: f64 = 4.0;
 
 /// Speculative contacts of a group.
@@ -110,8 +110,8 @@ impl SpeculativeContacts {
     }
 }
 
-/// Whether a pair may act without a second look: it carried an impulse in the last frame, it meets
-/// along so many normals that its lanes may not do, one body is a half-space with one normal
+/// True for a pair that may act without a second look: it carried an impulse in the last frame, it
+/// meets along so many normals that its lanes may not do, one body is a half-space with one normal
 /// everywhere, or its overlap at birth is forgiven.
 pub(super) fn is_confirmed(
     bodies: &Bodies,

@@ -17,8 +17,8 @@ const BALL_FREQUENCY: usize = 2;
 /// Sides of a cylinder's prism: within 0.6 % of the radius.
 const CYLINDER_SIDES: u32 = 24;
 
-/// Sides of a capsule's polyhedron, and where its flat ends lie, relative to the radius: within 6.2 %
-/// of it.
+/// Sides of a capsule's polyhedron, and where its flat ends lie, relative to the radius: within 6.2
+/// % of it.
 const CAPSULE_SIDES: u32 = 12;
 const CAPSULE_END: f64 = 0.95;
 

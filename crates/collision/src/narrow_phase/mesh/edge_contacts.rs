@@ -166,7 +166,7 @@ impl EdgePair<'_> {
             let Some(normal) = self.normal(from, &instants[part - 1].1) else { continue };
             let [start, end] = [from, to].map(|ends| (ends[0] - self.edge.ends[0]).dot(normal));
             let overlaps = start <= 0.0;
-            // What comes near at the frame's end is met in the next.
+            // Edges that come near at the frame's end are met in the next.
             if overlaps && part > 1 || start > near && end > 0.0 {
                 continue;
             }

@@ -84,7 +84,7 @@ impl Corner<'_> {
         for face in self.hull.faces() {
             let [start, end] = way.map(|point| face.plane.distance(point));
             let is_towards = (way[0] - self.inside).dot(face.plane.normal) > 0.0;
-            // What comes near at the frame's end is met in the next.
+            // Corners that come near at the frame's end are met in the next.
             if start > near && end > 0.0 || is_inside && !is_towards {
                 continue;
             }

@@ -45,7 +45,7 @@ pub(crate) fn hull_contacts(motion: &mut MeshMotion, hull: &Hull, contacts: &mut
         return;
     }
 
-    // What touches already holds the body up: its corners, or else all other features.
+    // Touching features hold the body up: its corners, or else all other features.
     let is_borne = support(motion, &contacts[first..]);
     let mut others = Vec::new();
     let find = |motion: &MeshMotion, others: &mut Vec<MeshContact>| {
@@ -68,7 +68,7 @@ fn support(motion: &mut MeshMotion, contacts: &[MeshContact]) -> bool {
     for contact in contacts {
         let [body, mesh] = motion.starts;
         let apart = body.point(contact.on_body).distance(mesh.point(contact.on_mesh));
-        // What is met further along the way does not hold it up yet.
+        // Features further along the way do not hold it up yet.
         if contact.gap_at_start(motion) <= near && (contact.time == 0.0 || apart <= 2.0 * near) {
             motion.support(contact.normal);
             any = true;

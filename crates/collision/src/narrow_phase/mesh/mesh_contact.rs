@@ -20,7 +20,7 @@ pub(crate) struct MeshContact {
     pub(crate) feature: FeatureId,
 }
 
-/// What touches what.
+/// Features in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meets {
     /// A corner of the body, or the body as a ball, and the side that the normal looks to.

@@ -84,7 +84,7 @@ impl MovingPoint<'_> {
             let before = flight.len();
             self.meetings(leg, (start, part == 0), &mut flight);
             if flight[before..].iter().any(|meeting| meeting.sweep.touches) {
-                // What comes later would be met on another way.
+                // Later triangles would be met on another way.
                 break;
             }
         }
@@ -102,7 +102,7 @@ impl MovingPoint<'_> {
         };
         flight.retain(|meeting| {
             let overlaps = meeting.sweep.touches && meeting.time == 0.0;
-            // What comes near only at the frame's end is met in the next.
+            // Triangles that come near only at the frame's end are met in the next.
             let now = meeting.normal.dot(at(0) - meeting.on_mesh) - self.radius;
             let most = if meeting.of_face { self.beside() } else { self.motion.pair_motion.near };
             let is_due = now <= most || meeting.sweep.touches && is_alike(meeting);

@@ -99,7 +99,7 @@ fn spread(points: &mut Vec<ManifoldPoint>, motion: &MeshMotion) {
     let differ = |a: &ManifoldPoint, b: &ManifoldPoint| {
         on_body(a).distance(on_body(b)) / size + a.normal.distance(b.normal)
     };
-    // What touches later matters less.
+    // Later touches matter less.
     let nearness = |point: &ManifoldPoint| size / (size + 10.0 * point.gap.max(0.0));
     let mut kept = 0;
     let mut apart = vec![f64::INFINITY; points.len()];

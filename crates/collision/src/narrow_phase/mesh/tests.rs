@@ -181,7 +181,7 @@ fn a_plate_carries_what_is_larger() {
     assert!(found.iter().all(|point| (point.gap - 1e-4).abs() < 1e-9));
 }
 
-/// What is fast touches a thin sheet on its way, wherever it ends.
+/// A fast body touches a thin sheet on its way, wherever it ends.
 #[test]
 fn fast_bodies_do_not_pass_thin_sheets() {
     for speed in [30.0, 300.0, 3000.0] {
@@ -215,8 +215,8 @@ fn overlaps_are_as_deep_as_they_are() {
     close(depth(&groove(), ball(0.2), at(0.0, 0.2, 0.0)), 0.2 - 0.02_f64.sqrt());
 }
 
-/// What has got behind triangles that are solid there comes out by the nearest way; beside the
-/// border of an open mesh nothing is behind it.
+/// A body that has got behind triangles that are solid there comes out by the nearest way; beside
+/// the border of an open mesh nothing is behind it.
 #[test]
 fn what_is_behind_a_solid_comes_out() {
     for body in [cube(0.25), ball(0.25)] {

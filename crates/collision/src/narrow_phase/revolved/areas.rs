@@ -6,8 +6,8 @@ use frangible_geometry::Hull;
 use glam::DVec3;
 
 /// A disc this nearly parallel to the other area has no lowest point: its points are fixed in the
-/// body [rad]. With a hundredth of it a stack of eight flat cylinders moves at 67 mm/s, as the points
-/// turn with the noise of its tilt; with this value at 0.02.
+/// body [rad]. With a hundredth of it a stack of eight flat cylinders moves at 67 mm/s, as the
+/// points turn with the noise of its tilt; with this value at 0.02.
 const LEVEL: f64 = 1e-3;
 
 /// Rim points this near to a side of the other area, relative to the radius, are inside.

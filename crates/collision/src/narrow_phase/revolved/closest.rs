@@ -9,8 +9,8 @@ use glam::DVec3;
 /// Steps of the search [1]. Round bodies take 5 to 20, flat ones fewer.
 const MOST_STEPS: usize = 64;
 
-/// The distance is known to this part of the smaller body's size: for contacts, whose normal is then
-/// known to its root where it is unique, and for times.
+/// The distance is known to this part of the smaller body's size: for contacts, whose normal is
+/// then known to its root where it is unique, and for times.
 pub(crate) const PRECISE: f64 = 1e-10;
 pub(crate) const COARSE: f64 = 1e-6;
 

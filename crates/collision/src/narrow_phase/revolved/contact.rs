@@ -28,8 +28,8 @@ const TOUCH: f64 = 1e-3;
 /// bodies less than [`PREFERENCE`] of the radius.
 const THIN: f64 = 1e-2;
 
-/// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look for
-/// its closest approach [1]: bodies at rest do not need one.
+/// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look
+/// for its closest approach [1]: bodies at rest do not need one.
 const DEEPER: f64 = 0.05;
 
 /// Cosine of the angle within which the closest approach has the normal of the first touch [1]: the
@@ -154,7 +154,7 @@ impl RoundPair<'_> {
         if nearest.gap <= -grazing {
             return touch;
         }
-        // What rolls on from an edge is as near on the face behind it, on its whole line.
+        // A body that rolls on from an edge is as near on the face behind it, on its whole line.
         let later = at(0.5 * (nearest.time + ahead), nearest.normal);
         if later.gap <= nearest.gap + DEEPER * grazing {
             nearest = later;
@@ -169,8 +169,8 @@ impl RoundPair<'_> {
         if self.round_is_first { [first, second] } else { [second, first] }
     }
 
-    /// A normal from the second body to the first as one from the partner to the body of revolution,
-    /// and back.
+    /// A normal from the second body to the first as one from the partner to the body of
+    /// revolution, and back.
     fn seen_by_order(&self, normal: DVec3) -> DVec3 {
         if self.round_is_first { normal } else { -normal }
     }

@@ -8,7 +8,7 @@ use glam::DVec3;
 /// those of faces exactly, or of none.
 const ALIGNED: f64 = 1e-4;
 
-/// What a body of revolution turns to another body.
+/// Feature of a body of revolution that faces another body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Facing {
     Disc(usize),

@@ -31,7 +31,7 @@ pub(crate) struct Meeting<'a> {
     pub(crate) dt: f64,
     /// Separation of a touch [m].
     pub(crate) touch: f64,
-    /// What comes no nearer within the frame has no contact [m].
+    /// Bodies that come no nearer within the frame have no contact [m].
     pub(crate) near: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a body of revolution meets.
+//! Partners of a body of revolution in a pair.
 
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use frangible_geometry::{HalfSpace, Hull};

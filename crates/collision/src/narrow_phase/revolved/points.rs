@@ -20,8 +20,8 @@ const BESIDE: f64 = 0.17;
 /// Edges within this sine of being across the normal may touch [1].
 const ACROSS: f64 = 0.02;
 
-/// Ends of edges this near to the furthest vertex along the normal are as far, relative to the edge's
-/// length [1]: all corners of a face.
+/// Ends of edges this near to the furthest vertex along the normal are as far, relative to the
+/// edge's length [1]: all corners of a face.
 const AS_HIGH: f64 = 1e-6;
 
 /// Parts of a line nearer than this are one point [1].
@@ -71,7 +71,7 @@ impl<'a> Instant<'a> {
         let area = Area::Face(hull, face);
         if is_aligned(cosine) {
             self.on_area(area, points);
-            // What rolls on to a face may still have its line beside it.
+            // A side that rolls on to a face may still have its line beside it.
             if points.is_empty() && mine == Facing::Side {
                 self.side_on_edge(hull, points);
             }

@@ -110,9 +110,9 @@ fn peeled(search: &Search, size: f64) -> Option<Peeled> {
     best
 }
 
-/// Separation for the time of a touch, without search for the least overlap: cores that overlap have
-/// a gap of minus both roundings, and the guess as their normal. Beyond `most` [m] the gap is only
-/// known to be larger.
+/// Separation for the time of a touch, without search for the least overlap: cores that overlap
+/// have a gap of minus both roundings, and the guess as their normal. Beyond `most` [m] the gap is
+/// only known to be larger.
 pub(crate) fn quick_separation(
     round: &PlacedRevolved,
     partner: &Partner,
@@ -126,8 +126,8 @@ pub(crate) fn quick_separation(
     })
 }
 
-/// Separation for the time of closest approach of bodies that may overlap a little: of flat faces and
-/// round sides where they do.
+/// Separation for the time of closest approach of bodies that may overlap a little: of flat faces
+/// and round sides where they do.
 pub(crate) fn flat_separation(
     round: &PlacedRevolved,
     partner: &Partner,

@@ -169,7 +169,7 @@ fn a_cone_lies_on_its_line() {
     }
 }
 
-/// What falls fast has the normal and the points of its touch; what passes has none.
+/// A fast fall has the normal and the points of its touch; a pass has none.
 #[test]
 fn fast_bodies_touch_where_they_get_to() {
     let block = || still(ClosedForm::Box { half: DVec3::ONE }, -DVec3::Y, DQuat::IDENTITY);

@@ -190,7 +190,7 @@ fn check(case: &Case) -> Result<(), TestCaseError> {
         return Ok(());
     }
     prop_assert!((found.normal.length() - 1.0).abs() < 1e-9);
-    // What is found separates as far.
+    // The normal found separates as far.
     let along = case.along(found.normal);
     prop_assert!((along - found.gap).abs() <= 1e-6 * size, "{along} {found:?} {size}");
     // Nothing else separates further.
@@ -216,78 +216,5 @@ proptest! {
     #[test]
     fn no_direction_separates_further(case in case()) {
         check(&case)?;
-    }
-}
-
-#[test]
-#[ignore = "prints times"]
-fn times_of_pairs() {
-    use proptest::strategy::ValueTree;
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let cylinder = (0.05..0.2_f64, 0.05..0.2_f64)
-        .prop_map(|(radius, half_height)| ClosedForm::Cylinder { radius, half_height });
-    let cuboid = (0.05..0.2_f64, 0.05..0.2_f64, 0.05..0.2_f64)
-        .prop_map(|(x, y, z)| Other::Hull(Hull::cuboid(DVec3::new(x, y, z))));
-    for (name, others) in
-        [("box", cuboid.boxed()), ("cylinder", cylinder.clone().prop_map(Other::Form).boxed())]
-    {
-        for factor in [1.5, 1.05, 1.001, 0.9995] {
-            let cases: Vec<Case> = (0..2000)
-                .map(|_| {
-                    let all = (cylinder.clone(), others.clone(), orientation(), direction());
-                    let (form, other, rotation, way) = all.new_tree(&mut runner).unwrap().current();
-                    let pose = RigidTransform::new(rotation, DVec3::ZERO);
-                    let mut case = Case { form, pose, other };
-                    // Touching along the normal at first.
-                    case.pose.translation = -case.along(way) * way;
-                    for _ in 0..20 {
-                        let found = case.found();
-                        case.pose.translation -= found.gap * found.normal;
-                    }
-                    let found = case.found();
-                    case.pose.translation += (factor - 1.0) * 0.2 * found.normal;
-                    case
-                })
-                .collect();
-            let time = |work: &dyn Fn(&Case)| {
-                let begin = std::time::Instant::now();
-                cases.iter().for_each(work);
-                begin.elapsed().as_secs_f64() / cases.len() as f64 * 1e6
-            };
-            let partner = |case: &Case| match &case.other {
-                Other::Form(form) => {
-                    Some(PlacedRevolved::new(&form.revolved().unwrap(), &RigidTransform::IDENTITY))
-                }
-                _ => None,
-            };
-            let run = |case: &Case, contact: bool| {
-                let round = PlacedRevolved::new(&case.form.revolved().unwrap(), &case.pose);
-                let placed = partner(case);
-                let partner = match (&case.other, placed) {
-                    (Other::Hull(hull), _) => Partner::Hull(hull),
-                    (_, Some(placed)) => Partner::Revolved(placed),
-                    _ => return,
-                };
-                let guess = round.middle;
-                if contact {
-                    std::hint::black_box(contact_separation(&round, &partner, (0.2, 1e-4), guess));
-                } else {
-                    std::hint::black_box(quick_separation(
-                        &round,
-                        &partner,
-                        (0.2, f64::INFINITY),
-                        guess,
-                    ));
-                }
-            };
-            let exact = time(&|case| {
-                std::hint::black_box(case.found());
-            });
-            println!(
-                "{name} {factor}: quick {:.2} us, contact {:.2} us, exact {exact:.2} us",
-                time(&|case| run(case, false)),
-                time(&|case| run(case, true)),
-            );
-        }
     }
 }
