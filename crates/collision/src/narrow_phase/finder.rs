@@ -7,7 +7,7 @@ use crate::manifold::{FeatureId, MOST_POINTS, Manifold, ManifoldPoint};
 use crate::narrow_phase::compound::compound_points;
 use crate::narrow_phase::convex_pairs::exact_points;
 use crate::narrow_phase::convex_shape::ConvexShape;
-use crate::narrow_phase::core::core_point;
+use crate::narrow_phase::core::{core_point, turns_far};
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
@@ -113,6 +113,7 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
         return Vec::new();
     }
     let reach = pair_motion.reach as f32;
+    let turns = pair_motion.paths.iter().any(|path| turns_far(path, pair_motion));
     let mut penetrations = Vec::new();
     NearSamples::gather(first, second, reach).find_penetrations(
         first,
@@ -132,7 +133,9 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
         };
         // Skip separating samples and samples beyond reach.
         let touches = phi <= 0.0 || phi < ahead * closing + pair_motion.near;
-        let touches = touches && !pair_motion.is_beside(feature.is_of_first, &contact);
+        // What turns far may touch with another side than it has there now.
+        let is_beside = || !turns && pair_motion.is_beside(feature.is_of_first, &contact);
+        let touches = touches && !is_beside();
         touches.then_some(Candidate { feature, contact, phi, approach })
     };
     penetrations.iter().filter_map(candidate).collect()
