@@ -3,7 +3,7 @@
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::kernels::{Softness, Substep};
-use super::restitution::propagate_impacts;
+use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
@@ -32,10 +32,6 @@ const LEAST_BOUNCE: f64 = 1e-3;
 
 /// Batches per task of [`Group::ask`]: ten microseconds of work.
 const SHARE: usize = 64;
-
-/// Rounds of impacts in a substep between pairs that were apart at the frame's start [1]: as many
-/// balls of a row with gaps strike each other in a substep.
-const BOUNCE_ROUNDS: usize = 1024;
 
 /// Number of graph colours; constraints of one colour share no movable body. Constraints beyond get
 /// a colour each.
@@ -223,13 +219,14 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         substep: &Substep<I>,
     ) {
-        for _ in 0..BOUNCE_ROUNDS {
+        let mut visits = most_visits(self.batches.len());
+        while visits > 0 {
             let Self { batches, bodies: solver_bodies, touching, speculative, .. } = self;
             let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
             let (times, asking) = ((&mut *timeline, touching), speculative.asking());
             I::run(
                 #[inline(always)]
-                || propagate_impacts(batches, solver_bodies, times, asking, substep),
+                || propagate_impacts(batches, solver_bodies, times, asking, &mut visits, substep),
             );
             if self.confirm(bodies, manifolds, now, frame).is_empty() {
                 break;

@@ -15,21 +15,26 @@ use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
 /// 63 batches and takes 1,000 visits. Later impacts are stopped without bouncing.
 const VISITS: usize = 32;
 
+/// Maximum number of visits to batches in a substep.
+pub(super) fn most_visits(batches: usize) -> usize {
+    VISITS * (VISITS + batches)
+}
+
 /// Minimum closing speed in a time of impact [m/s].
 const LEAST_SPEED: f32 = 1e-9;
 
 /// Propagates impacts until no contact approaches faster than the threshold. In each round a pair
 /// may bounce only if neither body has an earlier impact: a body that travels past several
-/// neighbours in a substep hits the nearest first.
+/// neighbours in a substep hits the nearest first. Each visit to a batch is taken off `visits`.
 #[inline(always)]
 pub(super) fn propagate_impacts<I: Instructions>(
     batches: &mut [ContactBatch<I>],
     bodies: &mut SolverBodies,
     (timeline, touching): (&mut Timeline, &Touching),
     asking: &BatchFlags,
+    visits: &mut usize,
     substep: &Substep<I>,
 ) {
-    let mut visits = VISITS * (VISITS + batches.len());
     let may_bounce = |batch: &ContactBatch<I>| batch.may_bounce && batch.bounces.any();
     let mut asked = std::mem::take(&mut timeline.asked);
     let mut coming = std::mem::take(&mut timeline.coming);
@@ -63,10 +68,10 @@ pub(super) fn propagate_impacts<I: Instructions>(
         let mut from = 0;
         while let Some(at) = coming.take_from(from) {
             from = at + 1;
-            if visits == 0 {
+            if *visits == 0 {
                 continue;
             }
-            visits -= 1;
+            *visits -= 1;
             let batch = &mut batches[at];
             let of_batch = BatchLines::new(batch);
             let mut lines = bodies.lines(batch.first_line..bodies.lines.len());
@@ -88,7 +93,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
                 }
             }
         }
-        if visits == 0 {
+        if *visits == 0 {
             break;
         }
     }
