@@ -137,3 +137,27 @@ fn stages_take_the_time_of_the_callers_clock() {
     let stages = step(&mut world).stages;
     assert!(stages.len() > 5 && stages.iter().all(|&(_, milliseconds)| milliseconds >= 1e3));
 }
+
+/// A heavy ball inside a breakable one, far from the origin, in the paper's method: what is left of
+/// the energy after position correction pays for none of it. Before, the pieces kept the angular
+/// momentum of the corrected positions at shorter displacements, and gained 0.04 J a frame.
+#[test]
+fn shortened_displacements_keep_the_moment_of_gravity() {
+    let scene = r#"{"frames_per_second": 60.0, "method": "paper", "bodies": [
+        {"shape": {"kind": "sphere", "radius": 0.6954, "resolution": {"voxels": [16, 16, 16]}},
+         "position": [28.73, 14.7494, -18.8811], "orientation": [0.4488, -0.8673, 0.1717, 0.1302],
+         "density": 2382.6, "angular_velocity": [-0.0876, 0.0894, -0.0805], "friction": 0.16,
+         "restitution": 1.0, "breaking": {"strength": 0.445, "generations": 2, "smallest": 0.6954,
+             "pattern": {"kind": "concrete", "seed": 158747021274, "cells": 3, "roughness": 0.559,
+                         "grain": 0.60818}}},
+        {"shape": {"kind": "sphere", "radius": 0.2382}, "position": [28.1301, 14.4811, -19.4697],
+         "density": 13007.0, "friction": 2.0, "restitution": 0.0}]}"#;
+    let mut world = World::build(&SceneDesc::from_json(scene).unwrap()).unwrap();
+    for frame in 0..9 {
+        let report = step(&mut world);
+        assert!(report.energy.gain <= 1e-8, "frame {frame}: {} J", report.energy.gain);
+        let momentum = report.momentum;
+        assert!(momentum.angular_error <= 1e-13, "frame {frame}: {}", momentum.angular_error);
+    }
+    assert!(world.bodies().len() > 2, "it breaks");
+}

@@ -34,7 +34,8 @@ pub(crate) fn reduce_energy(
         let undone = work_on(&accounts.work, &ids) - work_on(&contact_free.work, &ids);
         island.allowance -= undone;
         accounts.causes.work -= undone;
-        shorten(bodies, island, contact_free, motion.momenta, frame);
+        accounts.outside_angular_impulse +=
+            shorten(bodies, island, contact_free, motion.momenta, frame);
     } else {
         motion.lose(bodies, &island.members, excess);
     }
@@ -131,14 +132,15 @@ fn rigid_part(
 }
 
 /// Reduces the island to its rigid motion, and its displacements off the ballistic path to the
-/// fraction within the energy allowance.
+/// fraction within the energy allowance. Returns the change of gravity's moment on a free island
+/// [kg m^2/s]: its bodies fell elsewhere.
 fn shorten(
     bodies: &mut Bodies,
     island: &Island,
     contact_free: &ContactFreeState,
     present: (DVec3, DVec3),
     frame: &Frame,
-) {
+) -> DVec3 {
     let flown = momenta(bodies, &contact_free.poses, &contact_free.velocities, &island.members);
     let ends: Vec<Pose> = island.members.iter().map(|&i| bodies.poses[i]).collect();
     let (mut poses, mut velocities) =
@@ -152,9 +154,10 @@ fn shorten(
             };
         }
     };
+    let momenta_at = |part: f64| (present.0, flown.1.lerp(present.1, part));
     // Energy of the rigid motion, minus the anchor's work for it.
-    let mut rigid_energy = |poses: &[Pose]| -> f64 {
-        let rigid = rigid_part(bodies, (&island.members, island.anchor), poses, present);
+    let mut rigid_energy = |poses: &[Pose], part: f64| -> f64 {
+        let rigid = rigid_part(bodies, (&island.members, island.anchor), poses, momenta_at(part));
         let mut total = 0.0;
         for &i in &island.members {
             velocities[i] = rigid.velocity_of(bodies, poses, i);
@@ -172,7 +175,7 @@ fn shorten(
     let allowed = island.allowance + island.bank;
     let mut energy_at = |part: f64| {
         place(&mut poses, part);
-        (part, rigid_energy(&poses))
+        (part, rigid_energy(&poses, part))
     };
     let mut high = energy_at(1.0);
     let mut low = high;
@@ -192,9 +195,11 @@ fn shorten(
         }
     }
     place(&mut poses, low.0);
-    let rigid = rigid_part(bodies, (&island.members, island.anchor), &poses, present);
+    let at_end = momenta_at(low.0);
+    let rigid = rigid_part(bodies, (&island.members, island.anchor), &poses, at_end);
     for &i in &island.members {
         velocities[i] = rigid.velocity_of(bodies, &poses, i);
     }
     (bodies.poses, bodies.velocities) = (poses, velocities);
+    if island.anchor == Anchor::Free { at_end.1 - present.1 } else { DVec3::ZERO }
 }
