@@ -35,9 +35,7 @@ pub struct PairMotion<'a> {
     pub search: f64,
     /// Radius of the smaller body [m].
     pub size: f64,
-    /// Overlap up to which a pair only grazes [m], and the time within which it may get no deeper
-    /// [s].
-    pub(crate) grazing: f64,
+    /// Time within which a pair that only grazes gets no deeper [s].
     pub(crate) ahead: f64,
     /// True from a substep on, false from the frame's start on.
     pub(crate) is_substep: bool,
@@ -85,7 +83,6 @@ impl<'a> PairMotion<'a> {
             reach,
             search: reach,
             size,
-            grazing: (GRAZING * size).min(GRAZED_THICKNESS * thickness(bodies, pair)),
             ahead: frame.dt,
             is_substep: false,
         }
@@ -122,6 +119,11 @@ impl<'a> PairMotion<'a> {
             pose: &self.paths[side].start,
         };
         [at(self.pair.first, 0), at(self.pair.second, 1)]
+    }
+
+    /// Overlap up to which a pair only grazes [m].
+    pub(crate) fn grazing(&self) -> f64 {
+        (GRAZING * self.size).min(GRAZED_THICKNESS * thickness(self.bodies, self.pair))
     }
 
     /// True if the bounding balls cannot meet within the frame; rotation stays within the ball.

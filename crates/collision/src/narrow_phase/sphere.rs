@@ -110,7 +110,8 @@ impl BallContact<'_> {
     /// until the frame's end; else `touch`. Gravity is left out, as of bodies that something
     /// carries.
     fn grazing(&self, touch: Gap) -> Gap {
-        let PairMotion { grazing, ahead, paths: [first, second], .. } = *self.pair_motion;
+        let PairMotion { ahead, paths: [first, second], .. } = *self.pair_motion;
+        let grazing = self.pair_motion.grazing();
         if !self.is_convex || touch.phi <= -grazing {
             return touch;
         }

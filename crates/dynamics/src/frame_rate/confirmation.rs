@@ -123,17 +123,17 @@ impl<I: Instructions> Group<I> {
                 continue;
             };
             self.speculative.confirmed.push(place);
+            let replaced = self.speculative.replace(number);
             if batch.acted.get(place.lane()) {
-                let given = self.speculative.given.entry(number as u32).or_default();
-                *given += batch.take_frame_impulse(place.lane());
+                replaced.given += batch.take_frame_impulse(place.lane());
             }
+            replaced.features.clear();
+            replaced.features.extend(selection.points().map(|number| points[number].feature));
             let mut constraint = source.constraint(selection, bodies, (self.h, frame));
             for point in constraint.points.iter_mut() {
                 point.separation = gap_at_start(bodies, pair, &points[point.number]);
             }
             batch.refill(place.lane(), (number as u32, &constraint));
-            let features = selection.points().map(|number| points[number].feature).collect();
-            self.speculative.features.insert(number as u32, features);
             changed.push(place.batch());
         }
         self.speculative.points.insert(manifold, points);
@@ -147,9 +147,9 @@ impl<I: Instructions> Group<I> {
         }
         speculative.confirmed.retain(|place| {
             let batch = &mut batches[place.batch()];
-            let presses = batch.presses(place.lane());
-            batch.unconfirmed.set(place.lane(), !presses);
-            presses
+            let stays = batch.presses(place.lane());
+            batch.unconfirmed.set(place.lane(), !stays);
+            stays
         });
     }
 }

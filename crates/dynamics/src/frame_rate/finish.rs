@@ -69,6 +69,7 @@ impl<I: Instructions> Group<I> {
         let mut is_touched = vec![false; momenta.len()];
         let mut part = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
         let mut numbers = 0..selections.len() as u32;
+        let mut features = Vec::new();
         for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
             let manifold = of_manifold[0].manifold as usize;
             let Manifold { pair, points, .. } = &manifolds[manifold];
@@ -82,7 +83,9 @@ impl<I: Instructions> Group<I> {
                     continue;
                 }
                 is_acting = true;
-                let impulse = batch.impulse_of_frame(lane) + speculative.given(number);
+                let replaced = speculative.replaced(number);
+                let given = replaced.map_or(DVec3::ZERO, |replaced| replaced.given);
+                let impulse = batch.impulse_of_frame(lane) + given;
                 let lines = selection.lines.map(|line| line as usize);
                 momenta[lines[0]] -= impulse;
                 momenta[lines[1]] += impulse;
@@ -103,7 +106,11 @@ impl<I: Instructions> Group<I> {
                 }
                 recovered += batch.recovery.get(lane);
                 accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
-                let features = speculative.features(number, (selection, points));
+                features.clear();
+                match replaced {
+                    Some(replaced) => features.extend_from_slice(&replaced.features),
+                    None => features.extend(selection.points().map(|at| points[at].feature)),
+                }
                 carry(&mut part, &features, (batch, lane, impulse), (h, frame.dt));
             }
             part.end_pair(manifold, *pair);

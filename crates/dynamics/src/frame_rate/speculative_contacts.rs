@@ -1,7 +1,7 @@
 //! Speculative contacts of a group: pairs without a cached impulse, which are detected again before
 //! they act (`confirmation.rs`).
 
-use super::constraints::{NEAR, Selection, Source};
+use super::constraints::{NEAR, Source};
 use super::contact_batch::ContactBatch;
 use super::touching::Place;
 use frangible_bodies::{Bodies, Frame};
@@ -25,13 +25,24 @@ pub(super) struct SpeculativeContacts {
     pub(super) confirmed: Vec<Place>,
     /// Lanes without a contact in this substep.
     pub(super) passing: Vec<Place>,
-    /// Impulses along earlier normals of constraints, on the second body, world frame [N s].
-    pub(super) given: BTreeMap<u32, DVec3>,
-    /// Features of the constraints that were detected again.
-    pub(super) features: BTreeMap<u32, Vec<FeatureId>>,
+    /// Number in `replaced` of each constraint, or [`NOT_REPLACED`].
+    numbers: Vec<u32>,
+    /// Constraints that were detected again.
+    replaced: Vec<Replaced>,
     /// Points of the manifolds that were detected again, by manifold.
     pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
 }
+
+/// A constraint that was detected again.
+#[derive(Default)]
+pub(super) struct Replaced {
+    /// Impulse along its earlier normals, on the second body, world frame [N s].
+    pub(super) given: DVec3,
+    /// Features of its points.
+    pub(super) features: Vec<FeatureId>,
+}
+
+const NOT_REPLACED: u32 = u32::MAX;
 
 /// A set of batch indices, filled in parallel.
 pub(super) struct BatchFlags {
@@ -68,11 +79,11 @@ impl SpeculativeContacts {
         Self {
             batches: (0..batches.len()).filter(|&at| batches[at].unconfirmed.any()).collect(),
             asking: BatchFlags::below(batches.len()),
+            numbers: vec![NOT_REPLACED; places.len()],
+            replaced: Vec::new(),
             places,
             confirmed: Vec::new(),
             passing: Vec::new(),
-            given: BTreeMap::new(),
-            features: BTreeMap::new(),
             points: BTreeMap::new(),
         }
     }
@@ -92,21 +103,18 @@ impl SpeculativeContacts {
         self.places[number as usize]
     }
 
-    /// Impulse of a constraint along earlier normals, on the second body, world frame [N s].
-    pub(super) fn given(&self, number: u32) -> DVec3 {
-        self.given.get(&number).copied().unwrap_or_default()
+    /// A constraint, if it was detected again.
+    pub(super) fn replaced(&self, number: u32) -> Option<&Replaced> {
+        self.replaced.get(self.numbers[number as usize] as usize)
     }
 
-    /// Features of a constraint.
-    pub(super) fn features(
-        &self,
-        number: u32,
-        (selection, points): (&Selection, &[ManifoldPoint]),
-    ) -> Vec<FeatureId> {
-        match self.features.get(&number) {
-            Some(features) => features.clone(),
-            None => selection.points().map(|number| points[number].feature).collect(),
+    /// A constraint that is detected again.
+    pub(super) fn replace(&mut self, number: usize) -> &mut Replaced {
+        if self.numbers[number] == NOT_REPLACED {
+            self.numbers[number] = self.replaced.len() as u32;
+            self.replaced.push(Replaced::default());
         }
+        &mut self.replaced[self.numbers[number] as usize]
     }
 }
 

@@ -133,8 +133,8 @@ impl RoundPair<'_> {
     /// than grazing until the frame's end; else `touch`. Gravity is left out, as of bodies that
     /// something carries. Pairs that are further apart are seen again before they act.
     fn grazing(&self, shape: &Partner, touch: Apart, now: f64) -> Apart {
-        let PairMotion { grazing, ahead, is_substep, paths: [first, second], .. } =
-            *self.pair_motion;
+        let PairMotion { ahead, is_substep, paths: [first, second], .. } = *self.pair_motion;
+        let grazing = self.pair_motion.grazing();
         let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
         if touch.gap <= -grazing || !gets_deeper || !is_substep && now > grazing {
             return touch;
@@ -241,7 +241,7 @@ impl RoundPair<'_> {
         if gap > self.pair_motion.search {
             return false;
         }
-        let least = gap.min(0.0) - self.pair_motion.grazing;
+        let least = gap.min(0.0) - self.pair_motion.grazing();
         time == 0.0 || self.manifold_point(point, time).gap >= least
     }
 
