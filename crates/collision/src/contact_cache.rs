@@ -14,7 +14,7 @@ use crate::contact_cache::prefetch::{CollisionShape, Prefetcher};
 use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};
 use crate::narrow_phase::convex_shape::ConvexShape;
-use crate::narrow_phase::core::core_point;
+use crate::narrow_phase::core::core_points;
 use crate::narrow_phase::finder::ManifoldFinder;
 use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::hull_point::HullPoint;
@@ -253,7 +253,7 @@ impl Share<'_> {
             }
             _ => None,
         };
-        core_point(&pair_motion, convex_shapes, points);
+        core_points(&pair_motion, convex_shapes, points);
         let begin = self.chunk.points.len();
         let normal_of = |hull_point: &HullPoint| match convex_shapes[0] {
             ConvexShape::Ground(ground) => -ground.normal,

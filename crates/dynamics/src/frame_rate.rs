@@ -88,7 +88,8 @@ fn solve_with<I: Instructions>(
     for group in groups {
         parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
     }
-    contain(bodies, (start.poses(), &islands.substeps), frame, &mut solved.accounts);
+    let from = (start.poses(), &islands.substeps[..]);
+    contain(bodies, manifolds, from, frame, &mut solved.accounts);
     close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
     let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.accounts);
     fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);

@@ -4,6 +4,7 @@
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::sphere::BallContact;
 use frangible_bodies::BallisticPath;
 use glam::DVec3;
 
@@ -11,53 +12,52 @@ use glam::DVec3;
 /// below the ground without cores, and six with them.
 const TURN: f64 = 0.25;
 
-/// True if a body turns so far in the frame that its core counts, or may after an impact.
-pub(crate) fn turns_far(path: &BallisticPath, pair_motion: &PairMotion) -> bool {
-    let turns = path.spin_speed * pair_motion.ahead > TURN * path.radius;
-    turns || pair_motion.faster > 0.0
+/// True if a body turns so far in the frame that its core counts.
+fn turns(path: &BallisticPath, pair_motion: &PairMotion) -> bool {
+    path.spin_speed * pair_motion.ahead > TURN * path.radius
 }
 
-/// Appends the contact of a core with a half-space, if within reach in the frame.
-pub(crate) fn core_point(
+/// True if a body turns so far in the frame, or may after an impact.
+pub(crate) fn turns_far(path: &BallisticPath, pair_motion: &PairMotion) -> bool {
+    turns(path, pair_motion) || pair_motion.faster > 0.0
+}
+
+/// Appends the contacts of the cores of bodies that turn far, where they come near a fixed body
+/// within the frame. Among bodies that move, contact points of the vertices suffice.
+pub(crate) fn core_points(
     pair_motion: &PairMotion,
     convex_shapes: [ConvexShape; 2],
     points: &mut Vec<ManifoldPoint>,
 ) {
-    let (side, body, ground) = match convex_shapes {
-        [ConvexShape::Ground(_), ConvexShape::Ground(_)]
-        | [ConvexShape::Ball(_), _]
-        | [_, ConvexShape::Ball(_)] => return,
-        [ConvexShape::Ground(ground), body] => (1, body, ground),
-        [body, ConvexShape::Ground(ground)] => (0, body, ground),
-        _ => return,
-    };
-    let (path, of_ground) = (pair_motion.paths[side], pair_motion.paths[1 - side]);
-    if !turns_far(path, pair_motion) {
-        return;
+    for (side, body) in convex_shapes.into_iter().enumerate() {
+        let other = convex_shapes[1 - side];
+        let has_core =
+            matches!(body, ConvexShape::Hull(_) | ConvexShape::Revolved(_) | ConvexShape::Other(_));
+        let is_convex = matches!(
+            other,
+            ConvexShape::Hull(_) | ConvexShape::Revolved(_) | ConvexShape::Ground(_)
+        );
+        // Half-spaces are not looked at again after an impact.
+        let path = pair_motion.paths[side];
+        let turns = match other {
+            ConvexShape::Ground(_) => turns_far(path, pair_motion),
+            _ => turns(path, pair_motion),
+        };
+        let is_fixed = pair_motion.bodies.inertias[pair_motion.pair.both()[1 - side]].is_infinite();
+        if !has_core || !is_convex || !is_fixed || !turns {
+            continue;
+        }
+        let radius = -body.distance_and_gradient(DVec3::ZERO).0;
+        if radius <= 0.0 {
+            continue;
+        }
+        let surface = &|point: DVec3| other.distance_and_gradient(point);
+        let core =
+            BallContact { pair_motion, ball_is_first: side == 0, radius, surface, is_convex };
+        let point = core
+            .point()
+            .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);
+        let feature = FeatureId { is_of_first: side == 0, index: u64::MAX };
+        points.extend(point.map(|point| ManifoldPoint { feature, ..point }));
     }
-    let radius = -body.distance_and_gradient(DVec3::ZERO).0;
-    let world_from_ground = of_ground.start.world_from_body();
-    let center_ground = world_from_ground.inverse().point(path.start.position);
-    let gap = ground.distance(center_ground) - radius;
-    if radius <= 0.0 || gap > pair_motion.reach {
-        return;
-    }
-    let on_ground = center_ground - (gap + radius) * ground.normal;
-    let outward = world_from_ground.direction(ground.normal);
-    let at = path.start.position;
-    let closing = (of_ground.velocity(at, 0.0) - path.velocity(at, 0.0)).dot(outward);
-    let (normal, anchors, rounding) = if side == 0 {
-        (outward, [DVec3::ZERO, on_ground], [radius, 0.0])
-    } else {
-        (-outward, [on_ground, DVec3::ZERO], [0.0, radius])
-    };
-    points.push(ManifoldPoint {
-        anchor_first: anchors[0],
-        anchor_second: anchors[1],
-        rounding,
-        normal,
-        feature: FeatureId { is_of_first: side == 0, index: u64::MAX },
-        approach: pair_motion.surface_speed(normal, closing, gap),
-        gap,
-    });
 }

@@ -7,7 +7,7 @@ use crate::manifold::{FeatureId, MOST_POINTS, Manifold, ManifoldPoint};
 use crate::narrow_phase::compound::compound_points;
 use crate::narrow_phase::convex_pairs::exact_points;
 use crate::narrow_phase::convex_shape::ConvexShape;
-use crate::narrow_phase::core::{core_point, turns_far};
+use crate::narrow_phase::core::{core_points, turns_far};
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
@@ -84,7 +84,7 @@ impl ManifoldFinder {
                 chosen.into_iter().map(|index| candidates[index].point(pair_motion)).collect();
             points.extend(few(pair_motion, &chosen, scratch));
         }
-        core_point(pair_motion, convex_shapes, points);
+        core_points(pair_motion, convex_shapes, points);
         (!points.is_empty()).then_some(Manifold { pair, points })
     }
 

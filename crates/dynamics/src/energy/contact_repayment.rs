@@ -1,7 +1,7 @@
 //! Repayment: a contact with an energy gain repays it from its pair's relative velocity, before the
 //! island must.
 
-use crate::energy::frame_accounts::{EnergyGain, FrameAccounts, kinematic_work};
+use crate::energy::frame_accounts::{EnergyGain, FrameAccounts};
 use crate::energy::island::Anchor;
 use crate::energy::island_correction::RelativeMotion;
 use crate::impulse::pair_impulse::{Approach, PairImpulse, approach_at, pair_contact_matrix};
@@ -123,18 +123,7 @@ pub fn repay_at(
     let alpha = if energy < available { 1.0 - (1.0 - energy / available).sqrt() } else { 1.0 };
     let impulse = PairImpulse::new(&approach, alpha * stopping);
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
-    for (body, other, j) in [
-        (pair.first, pair.second, impulse.at_contact),
-        (pair.second, pair.first, -impulse.at_contact),
-    ] {
-        let moment = point.cross(j);
-        accounts.book_outside(
-            bodies,
-            [body, other],
-            (j, moment),
-            kinematic_work(bodies, other, j, moment),
-        );
-    }
+    accounts.book_share(bodies, pair, &approach, &impulse);
 }
 
 /// Relative motion of a pair at a point, and its stopping impulse -K^-1 u [N s].

@@ -139,7 +139,17 @@ impl FrameAccounts {
         self.causes.add(Cause::Friction, friction);
         self.causes.add(cause, given - friction);
 
-        // Book the outside's share.
+        self.book_share(bodies, pair, approach, impulse);
+    }
+
+    /// Books the share of static and kinematic bodies in an impulse on a pair.
+    pub(crate) fn book_share(
+        &mut self,
+        bodies: &Bodies,
+        pair: Pair,
+        approach: &Approach,
+        impulse: &PairImpulse,
+    ) {
         let j = impulse.at_contact;
         let sides = [(pair.first, pair.second, j), (pair.second, pair.first, -j)];
         for ((body, other, j), lever) in sides.into_iter().zip(approach.levers) {
