@@ -45,13 +45,6 @@ impl HullPair<'_> {
         }
     }
 
-    /// Signed separation along the best axis [m]; infinite beyond `most` [m].
-    pub(crate) fn separation(&self, most: f64, scratch: &mut Scratch) -> f64 {
-        let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
-        let contact = self.contact(&axes, most, scratch);
-        contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
-    }
-
     /// Contact of both hulls from the best face of each, with the points in `scratch`; `None`
     /// beyond `most` [m].
     pub(crate) fn contact(
