@@ -122,6 +122,10 @@ impl RoundPair<'_> {
         let mut found = Vec::with_capacity(8);
         instant.points(&mut found);
         found.retain(|point| self.can_touch(point, touch.time));
+        // Of large bodies a face's points may all be out of reach while a rim touches.
+        if found.is_empty() && separation.gap <= motion.search {
+            found.push(instant.nearest());
+        }
         self.few(&instant, &mut found, scratch);
         if let [alone] = found[..] {
             found[0] = instant.alone(alone);

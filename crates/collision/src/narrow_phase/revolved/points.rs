@@ -269,6 +269,11 @@ impl<'a> Instant<'a> {
         (2.0 * least * self.close).sqrt()
     }
 
+    /// The point where the bodies are nearest or deepest.
+    pub(crate) fn nearest(&self) -> RoundPoint {
+        self.single(self.round.facing(-self.separation.normal))
+    }
+
     /// The closest points of separated cores, or of the edges and sides that overlap.
     fn single(&self, mine: Facing) -> RoundPoint {
         let (round, normal) = (self.round, self.separation.normal);
