@@ -123,8 +123,8 @@ impl RoundPair<'_> {
         instant.points(&mut found);
         found.retain(|point| self.can_touch(point, touch.time));
         // Of large bodies a face's points may all be out of reach while a rim touches.
-        if found.is_empty() && separation.gap <= motion.search {
-            found.push(instant.nearest());
+        if found.is_empty() {
+            found.extend(Some(instant.nearest()).filter(|point| self.can_touch(point, touch.time)));
         }
         self.few(&instant, &mut found, scratch);
         if let [alone] = found[..] {
