@@ -22,11 +22,11 @@ use frangible_math::RigidTransform;
 use glam::DVec3;
 
 /// Separation of a touch, relative to the thinner body's half thickness [1].
-const TOUCH: f64 = 1e-3;
+pub(crate) const TOUCH: f64 = 1e-3;
 
 /// Normals as good within this part of the thinner body's half thickness are equal [1]; for thin
 /// bodies less than [`PREFERENCE`] of the radius.
-const THIN: f64 = 1e-2;
+pub(crate) const THIN: f64 = 1e-2;
 
 /// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look
 /// for its closest approach [1]: bodies at rest do not need one.

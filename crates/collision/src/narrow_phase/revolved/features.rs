@@ -53,12 +53,14 @@ pub(crate) enum Area<'a> {
     Plane(HalfSpace),
     Face(&'a Hull, usize),
     Disc(&'a PlacedRevolved, usize),
+    /// Corners, counter-clockwise seen from the side of the plane's normal [m].
+    Triangle([DVec3; 3], HalfSpace),
 }
 
 impl Area<'_> {
     pub(crate) fn plane(&self) -> HalfSpace {
         match *self {
-            Self::Plane(plane) => plane,
+            Self::Plane(plane) | Self::Triangle(_, plane) => plane,
             Self::Face(hull, face) => hull.planes()[face],
             Self::Disc(body, end) => {
                 let normal = body.end_normal(end);
@@ -82,6 +84,12 @@ impl Area<'_> {
                 let outward = outward_of(hull, face, end - start, normal);
                 outward.dot(point - start) <= close * outward.length()
             }),
+            Self::Triangle(corners, plane) => {
+                sides_of_triangle(corners).into_iter().all(|[start, end]| {
+                    let outward = (end - start).cross(plane.normal.dot(normal).signum() * normal);
+                    outward.dot(point - start) <= close * outward.length()
+                })
+            }
             Self::Disc(body, end) => {
                 let reach = body.ends[end].radius + close;
                 point.distance_squared(body.center(end)) <= reach * reach
@@ -97,6 +105,11 @@ pub(crate) fn sides_of(hull: &Hull, face: usize) -> impl Iterator<Item = [DVec3;
         let next = if at + 1 == corners.len() { 0 } else { at + 1 };
         [corners[at], corners[next]].map(|vertex| hull.vertices()[vertex as usize])
     })
+}
+
+/// The sides of a triangle, in its order [m].
+pub(crate) fn sides_of_triangle([a, b, c]: [DVec3; 3]) -> [[DVec3; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
 }
 
 /// Away from a face across one of its sides, and across a normal along which it is seen.

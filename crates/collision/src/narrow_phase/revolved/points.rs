@@ -135,7 +135,7 @@ impl<'a> Instant<'a> {
     }
 
     /// The feature nearest to facing a flat area, on the area.
-    fn on_area(&self, area: Area, points: &mut Vec<RoundPoint>) {
+    pub(crate) fn on_area(&self, area: Area, points: &mut Vec<RoundPoint>) {
         match self.round.nearest_facing(-area.plane().normal) {
             Facing::Disc(end) => self.disc(end, area, points),
             Facing::Side | Facing::Rim(_) => self.side_on_area(area, points),

@@ -1,0 +1,199 @@
+//! Contacts of a body of revolution with a mesh in closed form: its side and its rims with the
+//! insides of triangles; then, where edges and corners stand out, those.
+
+use crate::narrow_phase::mesh::edge_sweep::{ASIDE, MeshEdge, flush};
+use crate::narrow_phase::mesh::hull_mesh::support;
+use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, side_of};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::round_motion::RoundMotion;
+use crate::narrow_phase::revolved::features::Area;
+use crate::narrow_phase::revolved::partner::Partner;
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::round_point::RoundPoint;
+use crate::narrow_phase::revolved::separation::{Separation, contact_separation};
+use frangible_geometry::{EdgeKind, HalfSpace, Revolved, RevolvedEnd, Sides};
+use glam::{DVec2, DVec3};
+
+/// Depth of overlaps with a triangle, relative to the body's radius [1]: a body deeper behind its
+/// plane lies beside it.
+const DEPTH: f64 = 0.25;
+
+/// Cosine of the least angle at an edge whose rim is not met, as for polyhedra [1].
+const STEEP: f64 = 0.9;
+
+/// Numbers of points where a side leaves a triangle: beyond those of the body's own features.
+const CUT: u64 = 64;
+
+/// Appends the contacts of a body of revolution.
+pub(crate) fn round_contacts(
+    motion: &mut MeshMotion,
+    round: &Revolved,
+    contacts: &mut Vec<MeshContact>,
+) {
+    let (first, mesh) = (contacts.len(), motion.mesh);
+    let (low, high) = motion.swept_bounds(motion.body_shape().bounds);
+    let mut triangles = Vec::new();
+    mesh.visit_box(low, high, |triangle| triangles.push(triangle));
+    let on_faces = RoundMesh { of: RoundMotion::new(motion, round) };
+    for &triangle in &triangles {
+        on_faces.face(triangle, contacts);
+    }
+    triangles.retain(|&triangle| !mesh.owns_nothing(triangle));
+    if triangles.is_empty() {
+        return;
+    }
+    let _ = support(motion, &contacts[first..]);
+    let on_edges = RoundMesh { of: RoundMotion::new(motion, round) };
+    for &triangle in &triangles {
+        for corner in 0..3 {
+            if mesh.owns_edge(triangle, corner) {
+                on_edges.edge(triangle, corner, contacts);
+            }
+            if mesh.owns_vertex(triangle, corner) {
+                on_edges.corner(mesh.triangles()[triangle][corner] as usize, contacts);
+            }
+        }
+    }
+}
+
+struct RoundMesh<'a> {
+    of: RoundMotion<'a>,
+}
+
+impl RoundMesh<'_> {
+    /// Contacts with the inside of a triangle, on the side where the body's middle is.
+    fn face(&self, triangle: usize, contacts: &mut Vec<MeshContact>) {
+        let (of, mesh) = (&self.of, self.of.motion.mesh);
+        let (mut corners, mut normal) = (mesh.corners(triangle), mesh.normal(triangle));
+        if (of.start.middle - corners[0]).dot(normal) < 0.0 {
+            if mesh.sides() == Sides::One {
+                return;
+            }
+            corners.swap(1, 2);
+            normal = -normal;
+        }
+        let plane = HalfSpace { normal, offset: normal.dot(corners[0]) };
+        let partner = Partner::Plane(plane);
+        let Some(touch) = of.touch(&partner, normal) else { return };
+        let round = of.placed(touch.time);
+        let separation = Separation { gap: touch.gap, normal, on: None };
+        let area = Area::Triangle(corners, plane);
+        let points = of.points(&round, &partner, (separation, touch.time), |instant, found| {
+            instant.on_area(area, found);
+            found.retain(|point| self.is_own(triangle, &round, point));
+        });
+        let depth = DEPTH * of.motion.pair_motion.size;
+        for point in points.iter().filter(|point| point.gap() >= -depth) {
+            let number = if self.is_cut(&round, point) {
+                CUT + 3 * triangle as u64 + point.id
+            } else {
+                point.id
+            };
+            let feature = (Meets::PointOnFace(side_of(normal)), number);
+            contacts.extend(of.contact(point, touch.time, feature));
+        }
+    }
+
+    /// True for a point of the side that is at neither of its ends.
+    fn is_cut(&self, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+        let along = (point.on_surfaces()[0] - round.middle).dot(round.axis);
+        let thin = self.of.motion.thin;
+        point.rim.is_none() && round.ends.iter().all(|end| (along - end.height).abs() > thin)
+    }
+
+    /// True for a point that belongs to this triangle: not where a side goes on over the next one,
+    /// and not on the rim of a triangle beyond whose edge the body lies.
+    fn is_own(&self, triangle: usize, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+        let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
+        let corners = mesh.corners(triangle);
+        let foot = point.anchors[1].point;
+        let is_cut = self.is_cut(round, point);
+        let is_over = |corner: usize| {
+            let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
+            let turn = point.normal.dot(mesh.normal(triangle)).signum();
+            let next = turn * next;
+            let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
+            next.dot(point.normal) < STEEP && gap >= -rim
+        };
+        (0..3).all(|corner| {
+            let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
+            let off = (to - from).cross(foot - from).length() / (to - from).length();
+            match mesh.edge_kind(triangle, corner) {
+                EdgeKind::Flat => !is_cut || off > thin,
+                EdgeKind::Border | EdgeKind::Concave => true,
+                EdgeKind::Convex => off > rim || !is_over(corner),
+            }
+        })
+    }
+
+    /// Contacts with an edge that stands out.
+    fn edge(&self, triangle: usize, corner: usize, contacts: &mut Vec<MeshContact>) {
+        let Some(edge) = MeshEdge::of(self.of.motion.mesh, triangle, corner) else { return };
+        let length = edge.ends[0].distance(edge.ends[1]);
+        let segment = segment(edge.ends[0], edge.along, length);
+        let id = (3 * triangle + corner) as u64 * 0x9e37;
+        let Some((separation, time)) = self.meets(&segment) else { return };
+        let normal = edge.flush(separation.normal);
+        if separation.normal.dot(edge.along).abs() > ASIDE
+            || !edge.stands_out(separation.normal, ASIDE)
+        {
+            return;
+        }
+        self.push(&segment, (Separation { normal, ..separation }, time), id, contacts);
+    }
+
+    /// The contact with a corner that stands out.
+    fn corner(&self, vertex: usize, contacts: &mut Vec<MeshContact>) {
+        let mesh = self.of.motion.mesh;
+        let point = segment(mesh.positions()[vertex], DVec3::Y, 0.0);
+        let Some((separation, time)) = self.meets(&point) else { return };
+        let normal = separation.normal;
+        let around = || mesh.around(vertex).iter().map(|&triangle| mesh.normal(triangle as usize));
+        let is_in_front =
+            mesh.sides() == Sides::Two || around().any(|outward| outward.dot(normal) > 0.0);
+        if !is_in_front || !mesh.is_peak(vertex, normal, ASIDE) {
+            return;
+        }
+        let normal = flush(normal, around());
+        self.push(&point, (Separation { normal, ..separation }, time), vertex as u64, contacts);
+    }
+
+    /// The first touch with a segment.
+    fn meets(&self, segment: &PlacedRevolved) -> Option<(Separation, f64)> {
+        let (of, partner) = (&self.of, Partner::Revolved(*segment));
+        let touch = of.touch(&partner, of.start.middle - segment.middle)?;
+        let limits = (of.motion.pair_motion.size, of.close);
+        let found = contact_separation(&of.placed(touch.time), &partner, limits, touch.normal);
+        let depth = DEPTH * of.motion.pair_motion.size;
+        (found.gap >= -depth).then_some((found, touch.time))
+    }
+
+    fn push(
+        &self,
+        segment: &PlacedRevolved,
+        at: (Separation, f64),
+        id: u64,
+        contacts: &mut Vec<MeshContact>,
+    ) {
+        let (of, round) = (&self.of, self.of.placed(at.1));
+        let partner = Partner::Revolved(*segment);
+        let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
+        for point in &points {
+            let feature = (Meets::EdgeOnEdge, id + point.id);
+            contacts.extend(of.contact(point, at.1, feature));
+        }
+    }
+}
+
+/// A segment as a body of revolution.
+fn segment(from: DVec3, along: DVec3, length: f64) -> PlacedRevolved {
+    let end = |height: f64| RevolvedEnd { height, radius: 0.0 };
+    PlacedRevolved {
+        middle: from,
+        axis: along,
+        across: along.any_orthonormal_vector(),
+        ends: [end(0.0), end(length)],
+        rounding: 0.0,
+        side: DVec2::X,
+    }
+}
