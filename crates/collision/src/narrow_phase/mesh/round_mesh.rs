@@ -10,7 +10,7 @@ use crate::narrow_phase::revolved::features::Area;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::round_point::RoundPoint;
-use crate::narrow_phase::revolved::separation::{Separation, contact_separation};
+use crate::narrow_phase::revolved::separation::{Separation, contact_separation, separation};
 use frangible_geometry::{EdgeKind, HalfSpace, Revolved, RevolvedEnd, Sides};
 use glam::{DVec2, DVec3};
 
@@ -132,40 +132,56 @@ impl RoundMesh<'_> {
         let length = edge.ends[0].distance(edge.ends[1]);
         let segment = segment(edge.ends[0], edge.along, length);
         let id = (3 * triangle + corner) as u64 * 0x9e37;
-        let Some((separation, time)) = self.meets(&segment) else { return };
+        let stands_out =
+            |normal: DVec3| normal.dot(edge.along).abs() <= ASIDE && edge.stands_out(normal, ASIDE);
+        let Some((separation, time)) = self.meets(&segment, stands_out) else { return };
         let normal = edge.flush(separation.normal);
-        if separation.normal.dot(edge.along).abs() > ASIDE
-            || !edge.stands_out(separation.normal, ASIDE)
-        {
-            return;
-        }
         self.push(&segment, (Separation { normal, ..separation }, time), id, contacts);
     }
 
     /// The contact with a corner that stands out.
     fn corner(&self, vertex: usize, contacts: &mut Vec<MeshContact>) {
         let mesh = self.of.motion.mesh;
-        let point = segment(mesh.positions()[vertex], DVec3::Y, 0.0);
-        let Some((separation, time)) = self.meets(&point) else { return };
-        let normal = separation.normal;
+        let at = mesh.positions()[vertex];
+        let point = segment(at, DVec3::Y, 0.0);
         let around = || mesh.around(vertex).iter().map(|&triangle| mesh.normal(triangle as usize));
-        let is_in_front =
-            mesh.sides() == Sides::Two || around().any(|outward| outward.dot(normal) > 0.0);
-        if !is_in_front || !mesh.is_peak(vertex, normal, ASIDE) {
-            return;
+        let is_in_front = |normal: DVec3| {
+            mesh.sides() == Sides::Two || around().any(|outward| outward.dot(normal) > 0.0)
+        };
+        let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
+        let Some((separation, time)) = self.meets(&point, stands_out) else { return };
+        let normal = flush(separation.normal, around());
+        let (of, round) = (&self.of, self.of.placed(time));
+        let gap = at.dot(-normal) - round.reach(-normal) - round.rounding;
+        let on_core = at + (gap + round.rounding) * normal;
+        let separation = Separation { gap, normal, on: Some([on_core, at]) };
+        let partner = Partner::Plane(HalfSpace { normal, offset: at.dot(normal) });
+        let points = of.points(&round, &partner, (separation, time), |instant, found| {
+            found.push(instant.nearest());
+        });
+        for point in &points {
+            contacts.extend(of.contact(point, time, (Meets::FaceOnCorner, vertex as u64)));
         }
-        let normal = flush(normal, around());
-        self.push(&point, (Separation { normal, ..separation }, time), vertex as u64, contacts);
     }
 
-    /// The first touch with a segment.
-    fn meets(&self, segment: &PlacedRevolved) -> Option<(Separation, f64)> {
+    /// The first touch with a segment, if it stands out along the normal.
+    fn meets(
+        &self,
+        segment: &PlacedRevolved,
+        stands_out: impl Fn(DVec3) -> bool,
+    ) -> Option<(Separation, f64)> {
         let (of, partner) = (&self.of, Partner::Revolved(*segment));
         let touch = of.touch(&partner, of.start.middle - segment.middle)?;
         let limits = (of.motion.pair_motion.size, of.close);
-        let found = contact_separation(&of.placed(touch.time), &partner, limits, touch.normal);
-        let depth = DEPTH * of.motion.pair_motion.size;
-        (found.gap >= -depth).then_some((found, touch.time))
+        let round = of.placed(touch.time);
+        let found = contact_separation(&round, &partner, limits, touch.normal);
+        if found.gap < -DEPTH * limits.0 {
+            return None;
+        }
+        // A face's or a side's normal that is nearly as good may point aside.
+        let is_met = stands_out(found.normal)
+            || stands_out(separation(&round, &partner, limits.0, found.normal).normal);
+        is_met.then_some((found, touch.time))
     }
 
     fn push(
@@ -197,3 +213,6 @@ fn segment(from: DVec3, along: DVec3, length: f64) -> PlacedRevolved {
         side: DVec2::X,
     }
 }
+
+#[cfg(test)]
+mod tests;
