@@ -30,7 +30,7 @@ pub(crate) fn round_contacts(
     round: &Revolved,
     contacts: &mut Vec<MeshContact>,
 ) {
-    let (first, mesh) = (contacts.len(), motion.mesh);
+    let mesh = motion.mesh;
     let (low, high) = motion.swept_bounds(motion.body_shape().bounds);
     let mut triangles = Vec::new();
     mesh.visit_box(low, high, |triangle| triangles.push(triangle));
@@ -42,7 +42,7 @@ pub(crate) fn round_contacts(
     if triangles.is_empty() {
         return;
     }
-    let _ = support(motion, &contacts[first..]);
+    let _ = support(motion, contacts);
     let on_edges = RoundMesh { of: RoundMotion::new(motion, round) };
     for &triangle in &triangles {
         for corner in 0..3 {
@@ -53,6 +53,39 @@ pub(crate) fn round_contacts(
                 on_edges.corner(mesh.triangles()[triangle][corner] as usize, contacts);
             }
         }
+    }
+    if contacts.is_empty() {
+        wedged(&on_edges, &triangles, contacts);
+    }
+}
+
+/// Appends a contact of a body whose rim has gone past an edge or a corner, which alone gives way
+/// aside: that with the triangle along which it comes out of all of it.
+fn wedged(of: &RoundMesh, triangles: &[usize], contacts: &mut Vec<MeshContact>) {
+    let (round, mesh) = (&of.of.start, of.of.motion.mesh);
+    let mut best: Option<(Separation, usize)> = None;
+    for &triangle in triangles {
+        let corners = mesh.corners(triangle);
+        for corner in (0..3).filter(|&corner| mesh.owns_edge(triangle, corner)) {
+            let Some(edge) = MeshEdge::of(mesh, triangle, corner) else { continue };
+            let length = edge.ends[0].distance(edge.ends[1]);
+            let partner = Partner::Revolved(segment(edge.ends[0], edge.along, length));
+            let size = of.of.motion.pair_motion.size;
+            let normal = separation(round, &partner, size, mesh.normal(triangle)).normal;
+            let heights = corners.map(|corner| corner.dot(normal));
+            let at = (1..3).fold(0, |a, b| if heights[b] > heights[a] { b } else { a });
+            let gap = -round.reach(-normal) - round.rounding - heights[at];
+            let is_behind = mesh.sides() == Sides::One && mesh.normal(triangle).dot(normal) < 0.0;
+            if !is_behind && gap <= 0.0 && best.is_none_or(|(best, _)| gap > best.gap) {
+                let vertex = mesh.triangles()[triangle][at] as usize;
+                best = Some((Separation { gap, normal, on: None }, vertex));
+            }
+        }
+    }
+    if let Some((Separation { gap, normal, .. }, vertex)) = best
+        && gap >= -DEPTH * of.of.motion.pair_motion.size
+    {
+        of.push_corner(vertex, (normal, 0.0), contacts);
     }
 }
 
@@ -151,8 +184,19 @@ impl RoundMesh<'_> {
         let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
         let Some((separation, time)) = self.meets(&point, stands_out) else { return };
         let normal = flush(separation.normal, around());
+        self.push_corner(vertex, (normal, time), contacts);
+    }
+
+    /// Appends the contact with a corner along a normal at an instant.
+    fn push_corner(
+        &self,
+        vertex: usize,
+        (normal, time): (DVec3, f64),
+        contacts: &mut Vec<MeshContact>,
+    ) {
+        let at = self.of.motion.mesh.positions()[vertex];
         let (of, round) = (&self.of, self.of.placed(time));
-        let gap = at.dot(-normal) - round.reach(-normal) - round.rounding;
+        let gap = -round.reach(-normal) - round.rounding - at.dot(normal);
         let on_core = at + (gap + round.rounding) * normal;
         let separation = Separation { gap, normal, on: Some([on_core, at]) };
         let partner = Partner::Plane(HalfSpace { normal, offset: at.dot(normal) });
