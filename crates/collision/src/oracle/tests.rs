@@ -167,6 +167,11 @@ fn what_the_narrow_phase_missed_it_finds() {
         ([Box, Box], 2092),
         // A rim of a cylinder of 18 m, its other points out of reach.
         ([Cylinder, Cone], 1953),
+        // A side nearly parallel to an edge.
+        ([Box, Capsule], 1_384_729),
+        ([Hull, Capsule], 1_192_900),
+        ([Hull, Cylinder], 1_032_384),
+        ([Box, Cylinder], 1_122_232),
         // Deep inside of a compound.
         ([Compound, Compound], 121),
     ] {

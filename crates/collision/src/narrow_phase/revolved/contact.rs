@@ -124,7 +124,8 @@ impl RoundPair<'_> {
         found.retain(|point| self.can_touch(point, touch.time));
         // Of large bodies a face's points may all be out of reach while a rim touches.
         if found.is_empty() {
-            found.extend(Some(instant.nearest()).filter(|point| self.can_touch(point, touch.time)));
+            let mut others = [instant.nearest(), instant.furthest()].into_iter();
+            found.extend(others.find(|point| self.can_touch(point, touch.time)));
         }
         self.few(&instant, &mut found, scratch);
         if let [alone] = found[..] {

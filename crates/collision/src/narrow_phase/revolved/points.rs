@@ -274,6 +274,15 @@ impl<'a> Instant<'a> {
         self.single(self.round.facing(-self.separation.normal))
     }
 
+    /// The point furthest along the normal, on what bounds the partner there: where a side that is
+    /// nearly parallel to an edge crosses it beyond both of their ends.
+    pub(crate) fn furthest(&self) -> RoundPoint {
+        let (round, normal) = (self.round, self.separation.normal);
+        let point = round.support(-normal);
+        let below = point - (round.rounding + self.separation.gap) * normal;
+        RoundPoint::new([round.hold_fixed(point), fixed(below)], normal, SINGLE)
+    }
+
     /// The closest points of separated cores, or of the edges and sides that overlap.
     fn single(&self, mine: Facing) -> RoundPoint {
         let (round, normal) = (self.round, self.separation.normal);
