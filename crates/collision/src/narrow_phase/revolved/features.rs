@@ -1,5 +1,6 @@
 //! Faces, sides and rims that bodies turn to each other.
 
+use crate::narrow_phase::revolved::partner::furthest_vertex;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
@@ -7,6 +8,13 @@ use glam::DVec3;
 /// A normal within this angle of a face's belongs to the face [rad]: the normals of contacts are
 /// those of faces exactly, or of none.
 const ALIGNED: f64 = 1e-4;
+
+/// Edges within this sine of being across the normal may touch [1].
+const ACROSS: f64 = 0.02;
+
+/// Ends of edges this near to the furthest vertex along the normal are as far, relative to the
+/// edge's length [1]: all corners of a face.
+const AS_HIGH: f64 = 1e-6;
 
 /// Feature of a body of revolution that faces another body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,4 +140,27 @@ pub(crate) fn nearest_face(hull: &Hull, direction: DVec3) -> (usize, f64) {
 /// True if a unit normal is a face's, by the cosine between both.
 pub(crate) fn is_aligned(cosine: f64) -> bool {
     cosine > 1.0 - 0.5 * ALIGNED * ALIGNED
+}
+
+/// Ends of the edge that a normal belongs to, nearest to a point seen along it; twice the vertex if
+/// it belongs to one [m].
+pub(crate) fn touching_edge(hull: &Hull, normal: DVec3, point: DVec3) -> [DVec3; 2] {
+    let vertex = hull.vertices()[furthest_vertex(hull, normal)];
+    let mut best = (f64::INFINITY, [vertex; 2]);
+    for edge in hull.edges() {
+        let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
+        let along = ends[1] - ends[0];
+        let (length, rise) = (along.length(), along.dot(normal).abs());
+        let below = ends.map(|end| (vertex - end).dot(normal));
+        if rise > ACROSS * length || below[0].min(below[1]) > AS_HIGH * length {
+            continue;
+        }
+        let part = ((point - ends[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let apart = point - ends[0].lerp(ends[1], part);
+        let beside = (apart - apart.dot(normal) * normal).length_squared();
+        if beside < best.0 {
+            best = (beside, ends);
+        }
+    }
+    best.1
 }
