@@ -27,3 +27,6 @@ pub use narrow_phase::samples::{
 pub use penetration::find_penetrations;
 pub use relative_motion::{Placed, placed};
 pub use time_of_impact::first_contact;
+
+#[cfg(test)]
+mod oracle;

@@ -2,43 +2,31 @@
 
 use crate::broad_phase::find_pairs;
 use crate::narrow_phase::compound::near_parts;
-use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
-use crate::narrow_phase::hull_hull::hull_pair::HullPair;
-use crate::narrow_phase::hull_hull::scratch::Scratch;
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::mesh::overlap::mesh_separation;
-use crate::narrow_phase::revolved::contact::{as_partner, round_and_partner};
-use crate::narrow_phase::revolved::placed::PlacedRevolved;
-use crate::narrow_phase::revolved::separation::separation as separation_of_round;
+use crate::narrow_phase::pair_separation::pair_separation;
 use crate::narrow_phase::samples::deepest;
 use crate::relative_motion::{placed, second_from_first};
 use frangible_bodies::{Bodies, Pair, Pose};
-use frangible_math::{RigidTransform, Width};
 
 /// Penetration depth [m] of each overlapping pair with at least one dynamic body, in increasing
 /// order of the pairs: minimum translation for balls, half-spaces, bodies of revolution and convex
 /// polyhedra; deepest part for compounds; deepest contact for static triangles; deepest sample for
 /// level sets.
 pub fn find_penetrations(bodies: &Bodies) -> Vec<(Pair, f64)> {
-    let mut scratch = Scratch::default();
-    let depth =
-        |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses, &mut scratch)?));
+    let depth = |&pair: &Pair| Some((pair, penetration(bodies, pair, &bodies.poses)?));
     find_pairs(bodies, &bodies.poses, 0.0).iter().filter_map(depth).collect()
 }
 
 /// Penetration depth of one pair at the given poses; `None` without overlap.
-pub(crate) fn penetration(
-    bodies: &Bodies,
-    pair: Pair,
-    poses: &[Pose],
-    scratch: &mut Scratch,
-) -> Option<f64> {
+pub(crate) fn penetration(bodies: &Bodies, pair: Pair, poses: &[Pose]) -> Option<f64> {
     let (first, second) = placed(bodies, pair, poses);
     let second_from_first = second_from_first(first, second);
     let convex_shapes = [ConvexShape::of(first.shape), ConvexShape::of(second.shape)];
     let compounds = [first, second].map(|body| body.shape.compound.as_deref());
 
     // Part by part for compounds.
-    let mut depth_of = |parts: [Option<usize>; 2]| {
+    let depth_of = |parts: [Option<usize>; 2]| {
         let convex_shape = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
             _ => convex_shapes[side],
@@ -53,7 +41,8 @@ pub(crate) fn penetration(
             }
             _ => {}
         }
-        separation([convex_shape(0), convex_shape(1)], &second_from_first, size, scratch)
+        let shapes = [convex_shape(0), convex_shape(1)];
+        pair_separation(shapes, &second_from_first, size).map(|found| found.0)
     };
     let least = if compounds.iter().all(Option::is_none) {
         depth_of([None; 2])
@@ -66,55 +55,12 @@ pub(crate) fn penetration(
     (phi <= 0.0).then_some(-phi)
 }
 
-/// Separation along the best axis [m]; negative for overlap, possibly infinite without overlap.
-/// `None` for shapes that need samples.
-fn separation(
-    convex_shapes: [ConvexShape; 2],
-    second_from_first: &RigidTransform,
-    size: f64,
-    scratch: &mut Scratch,
-) -> Option<f64> {
-    let first_from_second = second_from_first.inverse();
-    match convex_shapes {
-        [ConvexShape::Ball(radius), other] => {
-            Some(other.distance_and_gradient(second_from_first.translation).0 - radius)
-        }
-        [other, ConvexShape::Ball(radius)] => {
-            Some(other.distance_and_gradient(first_from_second.translation).0 - radius)
-        }
-        [ConvexShape::Hull(a), ConvexShape::Hull(b)]
-            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
-        {
-            Some(
-                HullPair::new([a, b], &first_from_second, size, Width::Avx512)
-                    .separation(0.0, scratch),
-            )
-        }
-        [ConvexShape::Hull(hull), ConvexShape::Ground(ground)] => {
-            let heights =
-                hull.vertices().iter().map(|&v| ground.distance(second_from_first.point(v)));
-            Some(heights.fold(f64::INFINITY, f64::min))
-        }
-        [ConvexShape::Ground(ground), ConvexShape::Hull(hull)] => {
-            let heights =
-                hull.vertices().iter().map(|&v| ground.distance(first_from_second.point(v)));
-            Some(heights.fold(f64::INFINITY, f64::min))
-        }
-        _ => {
-            let (round, partner, round_is_first) = round_and_partner(convex_shapes)?;
-            let partner_from_round =
-                if round_is_first { second_from_first } else { &first_from_second };
-            let round = PlacedRevolved::new(&round, partner_from_round);
-            Some(separation_of_round(&round, &as_partner(&partner)?, size, round.middle).gap)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use frangible_bodies::{Motion, NewBody, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Compound, HalfSpace, Hull, Shape};
+    use frangible_math::RigidTransform;
     use glam::{DQuat, DVec3};
     use std::sync::Arc;
 

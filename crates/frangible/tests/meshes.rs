@@ -99,6 +99,33 @@ fn thin_meshes_hold_small_bodies() {
     }
 }
 
+/// Cylinders and capsules roll over a floor of triangles as over one slab.
+#[test]
+fn round_bodies_roll_over_triangles() {
+    for (radius, speed) in [(0.01, 1.0), (0.1, 1.0), (0.1, 30.0), (1.0, 5.0)] {
+        for shape in [
+            ShapeDesc::Cylinder { radius, height: 2.0 * radius, resolution: NONE },
+            ShapeDesc::Capsule { radius, height: 2.0 * radius, resolution: NONE },
+        ] {
+            let floor = field(9, 401, 0.2, |_, _| 0.0);
+            let lying = BodyDesc {
+                orientation: [0.5_f64.sqrt(), 0.0, 0.0, 0.5_f64.sqrt()],
+                angular_velocity: [0.0, 0.0, -speed / radius],
+                ..falling(shape.clone(), [-35.0, radius, 0.013], [speed, 0.0, 0.0])
+            };
+            let scene = SceneDesc { bodies: vec![fixed(floor), lying], ..SceneDesc::new("test") };
+            let mut world = World::build(&scene).unwrap();
+            for _ in 0..60 {
+                step(&mut world);
+                let off = world.bodies().poses[1].position.y - radius;
+                assert!(off.abs() < 2e-4, "{shape:?} {speed} m/s: {off} m");
+            }
+            let way = world.bodies().poses[1].position.x + 35.0;
+            assert!((way - 2.0 * speed).abs() < 2e-3 * speed, "{shape:?} {speed} m/s: {way} m");
+        }
+    }
+}
+
 /// A floor of fine triangles is as smooth as one of two.
 #[test]
 fn fine_floors_are_smooth() {

@@ -27,7 +27,7 @@ pub(crate) fn compound_points(
         return false;
     }
 
-    let (mut all, mut of_parts) = (Vec::new(), Vec::new());
+    let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
     for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
         let convex_shape = |side: usize| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
@@ -47,10 +47,13 @@ pub(crate) fn compound_points(
                 let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
                 compound.is_covered(part, at, body_from_world.direction(outward))
             };
-            if !is_inner(0) && !is_inner(1) {
-                all.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
-            }
+            let of_points = if is_inner(0) || is_inner(1) { &mut hidden } else { &mut all };
+            of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
         }
+    }
+    // What lies deep in a compound touches only what its neighbours cover.
+    if all.is_empty() {
+        all.extend(hidden.into_iter().filter(|point| point.gap < 0.0));
     }
     points.extend(few(pair_motion, &all, scratch));
     true

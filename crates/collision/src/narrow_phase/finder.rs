@@ -90,7 +90,7 @@ impl ManifoldFinder {
 
     /// Penetration depth of a pair at the given poses [m]; `None` without overlap.
     pub fn penetration(&mut self, bodies: &Bodies, pair: Pair, poses: &[Pose]) -> Option<f64> {
-        penetration(bodies, pair, poses, &mut self.scratch)
+        penetration(bodies, pair, poses)
     }
 }
 

@@ -12,3 +12,4 @@ pub(crate) mod placement;
 pub(crate) mod reduction;
 pub(crate) mod scratch;
 pub(crate) mod separating_axis;
+pub(crate) mod separation;

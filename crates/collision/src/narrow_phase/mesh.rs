@@ -14,6 +14,8 @@ pub(crate) mod mesh_contact;
 pub(crate) mod mesh_motion;
 pub(crate) mod moving_point;
 pub(crate) mod overlap;
+pub(crate) mod round_mesh;
+pub(crate) mod round_motion;
 pub(crate) mod sample_mesh;
 pub(crate) mod selection;
 pub(crate) mod sunken;

@@ -4,12 +4,16 @@
 use crate::narrow_phase::hull_hull::closest_points::{between_edges, nearest_points};
 use crate::narrow_phase::hull_hull::face_clipping::face_points;
 use crate::narrow_phase::hull_hull::feature_scan::inside;
-use crate::narrow_phase::hull_hull::hull_pair::HullPair;
+use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
+use crate::narrow_phase::hull_hull::placement::View;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_hull::separating_axis::{
     EdgeAxis, FaceAxis, edge_axis, face_axis, gather_ridges,
 };
+use crate::narrow_phase::revolved::closest::{Closest, PRECISE, closest};
+use crate::narrow_phase::revolved::partner::furthest_vertex;
+use crate::narrow_phase::revolved::simplex::Difference;
 use frangible_math::with_widest;
 use glam::DVec3;
 
@@ -45,13 +49,6 @@ impl HullPair<'_> {
         }
     }
 
-    /// Signed separation along the best axis [m]; infinite beyond `most` [m].
-    pub(crate) fn separation(&self, most: f64, scratch: &mut Scratch) -> f64 {
-        let Ok(axes) = self.face_axes(most) else { return f64::INFINITY };
-        let contact = self.contact(&axes, most, scratch);
-        contact.map_or(f64::INFINITY, |contact| contact.gap.max(self.apart_by(&axes).gap))
-    }
-
     /// Contact of both hulls from the best face of each, with the points in `scratch`; `None`
     /// beyond `most` [m].
     pub(crate) fn contact(
@@ -68,7 +65,11 @@ impl HullPair<'_> {
         self.face_points(axes, prefer_first, scratch);
         if scratch.points.is_empty() {
             is_preferred = false;
-            self.face_points(axes, !prefer_first, scratch);
+            // The other face's overlap says nothing of hulls that are apart.
+            let of_other = axes[usize::from(prefer_first)].separation;
+            if face <= -self.close || of_other > -self.close {
+                self.face_points(axes, !prefer_first, scratch);
+            }
         }
         if is_preferred
             && let Some(point) = scratch.points.first()
@@ -87,9 +88,10 @@ impl HullPair<'_> {
         if gap > most {
             return None;
         }
+        let clearly = if is_preferred { self.clearly(face) } else { self.close };
         let on_edges = of_edges.and_then(|axis| self.on_edges(&axis));
         if let Some(point) = on_edges
-            && point.gap > face + if is_preferred { self.clearly(face) } else { self.close }
+            && point.gap > face + clearly
         {
             // Keep separated points over the face: rotation about the edges brings them into
             // contact. The crossing itself adds one point.
@@ -98,6 +100,25 @@ impl HullPair<'_> {
                 .retain(|other| is_preferred && other.gap > 0.0 && other.feature != point.feature);
             scratch.points.push(point);
             return Some(HullContact { normal: point.normal, gap });
+        }
+        let is_best = |edges: &EdgeAxis| {
+            is_better(edges) && (edges.separation > 0.0 || edges.separation > face + clearly)
+        };
+        let best = of_edges.filter(is_best).map_or_else(
+            || self.apart_by(axes),
+            |edges| HullContact { normal: edges.normal, gap: edges.separation },
+        );
+        let least = scratch.points.iter().map(|point| point.gap).reduce(f64::min);
+        if let Some(least) = least.filter(|&least| self.is_off(least, &best, clearly)) {
+            let nearest = self.nearest(&best, most)?;
+            // Points over a face as good stay.
+            if (nearest.gap - least).abs() > self.close {
+                scratch.points.retain(|other| {
+                    is_preferred && other.gap > 0.0 && other.feature != nearest.feature
+                });
+                scratch.points.push(nearest);
+                return Some(HullContact { normal: nearest.normal, gap });
+            }
         }
         if let Some(point) = scratch.points.first() {
             let of_other = axes[0].separation.min(axes[1].separation);
@@ -109,7 +130,8 @@ impl HullPair<'_> {
 
         // Closest points, or crossing edges for overlapping hulls.
         let point =
-            if gap > 0.0 { nearest_points(self, &scratch.ridges, within) } else { on_edges }?;
+            if gap > -self.close { nearest_points(self, &scratch.ridges, within) } else { None };
+        let point = point.or(on_edges).or_else(|| self.nearest(&best, most))?;
         scratch.points.push(point);
         let gap = if gap > 0.0 { point.gap } else { gap };
         (gap <= most).then_some(HullContact { normal: point.normal, gap })
@@ -170,6 +192,40 @@ impl HullPair<'_> {
             }
         });
         least.min(most).max(-of_first.separation.max(of_second.separation)) + self.close
+    }
+
+    /// True for points over a face, the deepest at `least` [m], that miss where hulls are nearest or
+    /// deepest along the best axis: rounding picks one of faces and edges that are almost parallel.
+    fn is_off(&self, least: f64, best: &HullContact, clearly: f64) -> bool {
+        if best.gap > 0.0 {
+            return (least - best.gap).abs() > self.close;
+        }
+        least > self.close || least < best.gap - clearly
+    }
+
+    /// Closest points of separated hulls, `None` beyond `most` [m]; of others the vertex furthest
+    /// along the best axis.
+    fn nearest(&self, best: &HullContact, most: f64) -> Option<HullPoint> {
+        let [first, second] = self.views();
+        let furthest =
+            |view: &View, direction: DVec3| furthest_vertex(view.hull, view.into_hull(direction));
+        let support = |normal: DVec3| {
+            let on =
+                [first.vertex(furthest(&first, -normal)), second.vertex(furthest(&second, normal))];
+            Difference { on, between: on[0] - on[1] }
+        };
+        let size = self.close / PREFERENCE;
+        let guess = -self.first_from_second.shift;
+        if let Some(closest) = closest(&support, (size, PRECISE, f64::INFINITY), guess) {
+            let Closest { distance: gap, normal, on } = closest;
+            let feature = Feature::VertexOfFirst(furthest(&first, -normal) as u32);
+            return (gap <= most).then_some(HullPoint { on, normal, gap, feature });
+        }
+        let HullContact { normal, gap } = *best;
+        let vertex = furthest(&second, normal);
+        let on_second = second.vertex(vertex);
+        let feature = Feature::VertexOfSecond(vertex as u32);
+        Some(HullPoint { on: [on_second + gap * normal, on_second], normal, gap, feature })
     }
 
     /// Crossing point of an edge axis, if within both edges.

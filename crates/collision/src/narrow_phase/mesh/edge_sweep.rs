@@ -15,7 +15,7 @@ const FLUSH: f64 = 2.5e-3;
 
 /// The normal of one of some triangles, if a direction hardly differs from it, or else the
 /// direction.
-fn flush(direction: DVec3, normals: impl Iterator<Item = DVec3>) -> DVec3 {
+pub(crate) fn flush(direction: DVec3, normals: impl Iterator<Item = DVec3>) -> DVec3 {
     let facing = normals.map(|normal| if normal.dot(direction) < 0.0 { -normal } else { normal });
     let nearest = facing.max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
     nearest.filter(|normal| normal.dot(direction) >= 1.0 - FLUSH).unwrap_or(direction)
@@ -55,6 +55,13 @@ impl MeshEdge {
             && self.front.is_none_or(|front| front.dot(direction) >= -aside)
     }
 
+    /// The normal of one of the triangles, if a direction hardly differs from it, or else the
+    /// direction.
+    pub(crate) fn flush(&self, direction: DVec3) -> DVec3 {
+        let normals = [self.into[0].cross(self.along), self.into[1].cross(self.along)];
+        flush(direction, normals.into_iter())
+    }
+
     /// Meeting of a ball whose centre moves straight with the edge; with its foot [m] and the
     /// normal.
     pub(crate) fn sweep(&self, way: [DVec3; 2], radius: f64) -> Option<(Sweep, DVec3, DVec3)> {
@@ -70,8 +77,7 @@ impl MeshEdge {
         }
         let foot = self.ends[0] + part * self.along;
         let direction = (center - foot).try_normalize()?;
-        let normals = [self.into[0].cross(self.along), self.into[1].cross(self.along)];
-        let normal = flush(direction, normals.into_iter());
+        let normal = self.flush(direction);
         self.stands_out(direction, ASIDE).then_some((sweep, foot, normal))
     }
 }

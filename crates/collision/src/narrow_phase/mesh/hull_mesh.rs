@@ -62,7 +62,7 @@ pub(crate) fn hull_contacts(motion: &mut MeshMotion, hull: &Hull, contacts: &mut
 }
 
 /// Takes the motion away that goes into what touches at the frame's start; `true` if anything does.
-fn support(motion: &mut MeshMotion, contacts: &[MeshContact]) -> bool {
+pub(crate) fn support(motion: &mut MeshMotion, contacts: &[MeshContact]) -> bool {
     let near = motion.pair_motion.frame.speculative_margin();
     let mut any = false;
     for contact in contacts {

@@ -9,6 +9,7 @@ use crate::narrow_phase::mesh::hull_mesh::hull_contacts;
 use crate::narrow_phase::mesh::mesh_contact::MeshContact;
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::moving_point::MovingPoint;
+use crate::narrow_phase::mesh::round_mesh::round_contacts;
 use crate::narrow_phase::mesh::sample_mesh::sample_contacts;
 use crate::narrow_phase::mesh::sunken::sunken_contact;
 use crate::narrow_phase::pair_motion::PairMotion;
@@ -55,7 +56,14 @@ pub(crate) fn contacts_of(motion: &mut MeshMotion, other: ConvexShape) -> Vec<Me
                 contacts.extend(sunken_contact(motion, (middle, radius)));
             }
         }
-        ConvexShape::Revolved(_) => sample_contacts(motion, motion.body_shape(), &mut contacts),
+        ConvexShape::Revolved(ref revolved) => {
+            round_contacts(motion, revolved, &mut contacts);
+            core_contacts(motion, other, &mut contacts);
+            if contacts.is_empty() {
+                let radius = -other.distance_and_gradient(DVec3::ZERO).0;
+                contacts.extend(sunken_contact(motion, (DVec3::ZERO, radius)));
+            }
+        }
         ConvexShape::Other(shape) => sample_contacts(motion, shape, &mut contacts),
         // Nothing static meets a half-space or another mesh.
         ConvexShape::Ground(_) | ConvexShape::Mesh(_) => {}

@@ -1,6 +1,6 @@
 //! Points of two flat areas on each other, and of a line on an area.
 
-use crate::narrow_phase::revolved::features::{Area, outward_of, sides_of};
+use crate::narrow_phase::revolved::features::{Area, outward_of, sides_of, sides_of_triangle};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use frangible_geometry::Hull;
 use glam::DVec3;
@@ -189,20 +189,30 @@ fn disc_on_disc(
 /// The part of a line over an area, seen along a normal, from 0 to 1 between its ends.
 pub(crate) fn line_on_area([from, to]: [DVec3; 2], area: Area, normal: DVec3) -> Option<[f64; 2]> {
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);
+    // By the heights of both ends beyond a side of the area.
+    let mut cut = |heights: [f64; 2]| {
+        let change = heights[1] - heights[0];
+        if change > 0.0 {
+            end = end.min(-heights[0] / change);
+        } else if change < 0.0 {
+            begin = begin.max(-heights[0] / change);
+        } else if heights[0] > 0.0 {
+            return None;
+        }
+        Some(())
+    };
     match area {
         Area::Plane(_) => {}
         Area::Face(hull, face) => {
             for [start, stop] in sides_of(hull, face) {
                 let outward = outward_of(hull, face, stop - start, normal);
-                let heights = [from, to].map(|point| outward.dot(point - start));
-                let change = heights[1] - heights[0];
-                if change > 0.0 {
-                    end = end.min(-heights[0] / change);
-                } else if change < 0.0 {
-                    begin = begin.max(-heights[0] / change);
-                } else if heights[0] > 0.0 {
-                    return None;
-                }
+                cut([from, to].map(|point| outward.dot(point - start)))?;
+            }
+        }
+        Area::Triangle(corners, plane) => {
+            for [start, stop] in sides_of_triangle(corners) {
+                let outward = (stop - start).cross(plane.normal.dot(normal).signum() * normal);
+                cut([from, to].map(|point| outward.dot(point - start)))?;
             }
         }
         Area::Disc(body, disc) => {

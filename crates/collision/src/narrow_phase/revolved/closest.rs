@@ -18,14 +18,19 @@ pub(crate) const COARSE: f64 = 1e-6;
 /// them has no direction that rounding leaves alone.
 const TOUCHING: f64 = 1e-8;
 
+/// Cores whose closest points are nearer than this part of the smaller body's size must be proved
+/// apart by a normal: of bodies ten thousand times as large as the other, and of slivers, rounding
+/// leaves touching ones up to 2e-4 of the size apart.
+const NEARLY: f64 = 1e-3;
+
 /// Closest points of two cores.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closest {
     /// [m]
     pub(crate) distance: f64,
-    /// Unit, from the partner to the body of revolution.
+    /// Unit, from the second body to the first.
     pub(crate) normal: DVec3,
-    /// On the body of revolution and on the partner [m].
+    /// On both [m].
     pub(crate) on: [DVec3; 2],
 }
 
@@ -34,15 +39,26 @@ pub(crate) struct Closest {
 pub(crate) fn closest_points(
     round: &PlacedRevolved,
     partner: &Partner,
-    (size, precise, most): (f64, f64, f64),
+    limits: (f64, f64, f64),
     guess: DVec3,
 ) -> Option<Closest> {
     let support = |normal: DVec3| {
         let on = [round.support(-normal), partner.support(normal)];
         Difference { on, between: on[0] - on[1] }
     };
+    closest(&support, limits, guess)
+}
+
+/// The same of any two bodies, by their points furthest against a normal from the second to the
+/// first, and along it.
+pub(crate) fn closest(
+    support: &impl Fn(DVec3) -> Difference,
+    (size, precise, most): (f64, f64, f64),
+    guess: DVec3,
+) -> Option<Closest> {
     let mut simplex = Simplex::new(support(guess));
     let mut way = simplex.nearest();
+    let mut is_proved = false;
     for _ in 0..MOST_STEPS {
         let distance = way.length();
         if distance <= TOUCHING * size {
@@ -50,6 +66,7 @@ pub(crate) fn closest_points(
         }
         let next = support(way);
         let least = next.between.dot(way) / distance;
+        is_proved |= least > 0.0;
         if distance - least <= precise * size || least > most || simplex.contains(&next) {
             break;
         }
@@ -62,7 +79,8 @@ pub(crate) fn closest_points(
         (simplex, way) = (better, nearest);
     }
     let distance = way.length();
-    if distance <= TOUCHING * size {
+    let touching = if is_proved { TOUCHING } else { NEARLY };
+    if distance <= touching * size {
         return None;
     }
     Some(Closest { distance, normal: way / distance, on: simplex.on_bodies() })

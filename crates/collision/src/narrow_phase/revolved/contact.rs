@@ -22,11 +22,11 @@ use frangible_math::RigidTransform;
 use glam::DVec3;
 
 /// Separation of a touch, relative to the thinner body's half thickness [1].
-const TOUCH: f64 = 1e-3;
+pub(crate) const TOUCH: f64 = 1e-3;
 
 /// Normals as good within this part of the thinner body's half thickness are equal [1]; for thin
 /// bodies less than [`PREFERENCE`] of the radius.
-const THIN: f64 = 1e-2;
+pub(crate) const THIN: f64 = 1e-2;
 
 /// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look
 /// for its closest approach [1]: bodies at rest do not need one.
@@ -122,6 +122,11 @@ impl RoundPair<'_> {
         let mut found = Vec::with_capacity(8);
         instant.points(&mut found);
         found.retain(|point| self.can_touch(point, touch.time));
+        // Of large bodies a face's points may all be out of reach while a rim touches.
+        if found.is_empty() {
+            let mut others = [instant.nearest(), instant.furthest()].into_iter();
+            found.extend(others.find(|point| self.can_touch(point, touch.time)));
+        }
         self.few(&instant, &mut found, scratch);
         if let [alone] = found[..] {
             found[0] = instant.alone(alone);

@@ -72,7 +72,7 @@ impl Search<'_> {
     fn rim_on_edges(&mut self, hull: &Hull) {
         let round = self.round;
         for edge in hull.edges() {
-            let start = hull.vertices()[edge.vertices[0] as usize];
+            let [start, end] = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
             let normals = edge.faces.map(|face| hull.planes()[face as usize].normal);
             // The overlap with the edge is convex along the chord of the arc.
             let between = normals[1] - normals[0];
@@ -92,9 +92,13 @@ impl Search<'_> {
             if least >= self.depth - self.margin {
                 continue;
             }
-            let normal_at = |part: f64| (normals[0] + part * between).normalize();
-            let part = least_along([0.0, 1.0], ON_ARC, |part| value(normal_at(part)));
-            self.offer(normal_at(part));
+            // By the angle: the normals of slivers are nearly opposite, and most of a chord between
+            // them is near their ends. The first face has the edge in its own direction.
+            let beside = (end - start).cross(normals[0]).normalize();
+            let whole = libm::atan2(normals[1].dot(beside), normals[1].dot(normals[0]));
+            let normal_at = |angle: f64| libm::cos(angle) * normals[0] + libm::sin(angle) * beside;
+            let angle = least_along([0.0, whole], ON_ARC, |angle| value(normal_at(angle)));
+            self.offer(normal_at(angle));
         }
     }
 }

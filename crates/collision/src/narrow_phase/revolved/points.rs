@@ -1,9 +1,11 @@
 //! Contact points of a body of revolution and its partner at an instant.
 
 use crate::narrow_phase::revolved::areas::{AreaPoint, OF_PARTNER, disc_on_area, line_on_area};
-use crate::narrow_phase::revolved::features::{Area, Facing, is_aligned, nearest_face};
+use crate::narrow_phase::revolved::features::{
+    Area, Facing, is_aligned, nearest_face, touching_edge,
+};
 use crate::narrow_phase::revolved::lines::{common_stretch, lines_meet};
-use crate::narrow_phase::revolved::partner::{Partner, furthest_vertex};
+use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::round_point::{Anchor, RimPoint, RoundPoint, fixed};
 use crate::narrow_phase::revolved::separation::Separation;
@@ -16,13 +18,6 @@ const LEANS: f64 = 0.7;
 
 /// Sine of the angle within which lines are side by side, and sides face each other.
 const BESIDE: f64 = 0.17;
-
-/// Edges within this sine of being across the normal may touch [1].
-const ACROSS: f64 = 0.02;
-
-/// Ends of edges this near to the furthest vertex along the normal are as far, relative to the
-/// edge's length [1]: all corners of a face.
-const AS_HIGH: f64 = 1e-6;
 
 /// Parts of a line nearer than this are one point [1].
 const ONE_POINT: f64 = 1e-6;
@@ -135,7 +130,7 @@ impl<'a> Instant<'a> {
     }
 
     /// The feature nearest to facing a flat area, on the area.
-    fn on_area(&self, area: Area, points: &mut Vec<RoundPoint>) {
+    pub(crate) fn on_area(&self, area: Area, points: &mut Vec<RoundPoint>) {
         match self.round.nearest_facing(-area.plane().normal) {
             Facing::Disc(end) => self.disc(end, area, points),
             Facing::Side | Facing::Rim(_) => self.side_on_area(area, points),
@@ -269,6 +264,20 @@ impl<'a> Instant<'a> {
         (2.0 * least * self.close).sqrt()
     }
 
+    /// The point where the bodies are nearest or deepest.
+    pub(crate) fn nearest(&self) -> RoundPoint {
+        self.single(self.round.facing(-self.separation.normal))
+    }
+
+    /// The point furthest along the normal, on what bounds the partner there: where a side that is
+    /// nearly parallel to an edge crosses it beyond both of their ends.
+    pub(crate) fn furthest(&self) -> RoundPoint {
+        let (round, normal) = (self.round, self.separation.normal);
+        let point = round.support(-normal);
+        let below = point - (round.rounding + self.separation.gap) * normal;
+        RoundPoint::new([round.hold_fixed(point), fixed(below)], normal, SINGLE)
+    }
+
     /// The closest points of separated cores, or of the edges and sides that overlap.
     fn single(&self, mine: Facing) -> RoundPoint {
         let (round, normal) = (self.round, self.separation.normal);
@@ -365,29 +374,6 @@ fn hold_single(
         }
         Facing::Disc(_) => body.hold_fixed(point),
     }
-}
-
-/// Ends of the edge that a normal belongs to, nearest to a point seen along it; twice the vertex if
-/// it belongs to one [m].
-fn touching_edge(hull: &Hull, normal: DVec3, point: DVec3) -> [DVec3; 2] {
-    let vertex = hull.vertices()[furthest_vertex(hull, normal)];
-    let mut best = (f64::INFINITY, [vertex; 2]);
-    for edge in hull.edges() {
-        let ends = edge.vertices.map(|vertex| hull.vertices()[vertex as usize]);
-        let along = ends[1] - ends[0];
-        let (length, rise) = (along.length(), along.dot(normal).abs());
-        let below = ends.map(|end| (vertex - end).dot(normal));
-        if rise > ACROSS * length || below[0].min(below[1]) > AS_HIGH * length {
-            continue;
-        }
-        let part = ((point - ends[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        let apart = point - ends[0].lerp(ends[1], part);
-        let beside = (apart - apart.dot(normal) * normal).length_squared();
-        if beside < best.0 {
-            best = (beside, ends);
-        }
-    }
-    best.1
 }
 
 /// True for the number of a rim point of the partner.

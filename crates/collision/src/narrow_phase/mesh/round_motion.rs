@@ -1,0 +1,154 @@
+//! A body of revolution on its way through a frame, seen from a mesh.
+
+use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
+use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::revolved::contact::{THIN, TOUCH};
+use crate::narrow_phase::revolved::first_touch::{Apart, Meeting};
+use crate::narrow_phase::revolved::partner::Partner;
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::points::Instant;
+use crate::narrow_phase::revolved::round_point::RoundPoint;
+use crate::narrow_phase::revolved::separation::{Separation, quick_separation};
+use frangible_geometry::Revolved;
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// A body of revolution and the motion of its pair.
+pub(crate) struct RoundMotion<'a> {
+    pub(crate) motion: &'a MeshMotion<'a>,
+    pub(crate) round: Revolved,
+    /// The smaller half extent of the body [m].
+    thin: f64,
+    /// Lengths that are the same for a contact [m].
+    pub(crate) close: f64,
+    /// The body at the frame's start.
+    pub(crate) start: PlacedRevolved,
+    /// Part of free flight's way that what touches takes away, over the whole frame, mesh frame [m].
+    held: DVec3,
+}
+
+impl<'a> RoundMotion<'a> {
+    pub(crate) fn new(motion: &'a MeshMotion<'a>, round: &Revolved) -> Self {
+        let (low, high) = motion.body_shape().bounds;
+        let thin = 0.5 * (high - low).min_element();
+        let ends = [&motion.supported, &motion.instants]
+            .map(|way| way.last().map_or(DVec3::ZERO, |(_, last)| last.translation));
+        Self {
+            motion,
+            round: *round,
+            thin,
+            close: (PREFERENCE * motion.pair_motion.size).min(THIN * thin),
+            start: PlacedRevolved::new(round, &motion.start()),
+            held: ends[0] - ends[1],
+        }
+    }
+
+    /// `mesh_from_body` at an instant [s].
+    fn pose(&self, time: f64) -> RigidTransform {
+        let [body, mesh] = [self.motion.body_path(), self.motion.mesh_path()];
+        let pose = if time == 0.0 {
+            self.motion.start()
+        } else {
+            let mesh_from_world = mesh.pose(time).world_from_body().inverse();
+            mesh_from_world.after(&body.pose(time).world_from_body())
+        };
+        let part = time / self.motion.pair_motion.frame.dt.max(f64::MIN_POSITIVE);
+        RigidTransform { translation: pose.translation + part * self.held, ..pose }
+    }
+
+    pub(crate) fn placed(&self, time: f64) -> PlacedRevolved {
+        if time == 0.0 { self.start } else { PlacedRevolved::new(&self.round, &self.pose(time)) }
+    }
+
+    /// First touch with a partner within the frame, or the closest approach; normals are in the
+    /// mesh's frame. `None` for what comes no nearer than the speculative margin.
+    pub(crate) fn touch(&self, partner: &Partner, guess: DVec3) -> Option<Apart> {
+        let pair_motion = self.motion.pair_motion;
+        let start = self.apart(partner, (0.0, pair_motion.reach), guess);
+        if start.gap > pair_motion.reach {
+            return None;
+        }
+        Meeting {
+            at: &|time, guess| self.apart(partner, (time, f64::INFINITY), guess),
+            closing: &|time, normal| self.fastest_closing(time, normal),
+            dt: pair_motion.frame.dt,
+            touch: TOUCH * self.thin,
+            near: pair_motion.near,
+        }
+        .first_touch(start)
+    }
+
+    fn apart(&self, partner: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
+        let round = self.placed(time);
+        let limits = (self.motion.pair_motion.size, most);
+        let Separation { gap, normal, on } = quick_separation(&round, partner, limits, guess);
+        let at = on.map_or_else(|| round.support(-normal), |on| on[0]) - round.rounding * normal;
+        let way = |later: f64| self.pose(later).point(self.pose(time).inverse().point(at));
+        // Over a thousandth of the frame.
+        let step = 1e-3 * self.motion.pair_motion.frame.dt.max(f64::MIN_POSITIVE);
+        let parting = (way(time + step) - at).dot(normal) / step;
+        Apart { time, gap, normal, parting }
+    }
+
+    /// Upper bound of the closing speed along a normal of any two points from an instant on [m/s].
+    fn fastest_closing(&self, time: f64, normal: DVec3) -> f64 {
+        let dt = self.motion.pair_motion.frame.dt;
+        let [body, mesh] = [self.motion.body_path(), self.motion.mesh_path()];
+        let outward = self.motion.world_direction(normal, time);
+        let falling = (mesh.acceleration - body.acceleration).dot(outward);
+        let most = (time * falling).max(dt * falling);
+        let held = self.held.dot(normal) / dt.max(f64::MIN_POSITIVE);
+        (mesh.linear - body.linear).dot(outward) + most + body.spin_speed + mesh.spin_speed - held
+    }
+
+    /// Contact points of a pair at an instant, by `of`.
+    pub(crate) fn points(
+        &self,
+        round: &PlacedRevolved,
+        partner: &Partner,
+        (separation, time): (Separation, f64),
+        of: impl Fn(&Instant, &mut Vec<RoundPoint>),
+    ) -> Vec<RoundPoint> {
+        let [body, mesh] = [self.motion.body_path(), self.motion.mesh_path()];
+        let mesh_from_world = mesh.pose(time).orientation.conjugate();
+        let instant = Instant {
+            round,
+            partner,
+            separation,
+            angular: [body, mesh].map(|path| mesh_from_world * path.angular),
+            gravity: mesh_from_world * self.motion.pair_motion.frame.gravity,
+            close: self.close,
+        };
+        let mut found = Vec::new();
+        of(&instant, &mut found);
+        if let [alone] = found[..] {
+            found[0] = instant.alone(alone);
+        }
+        found
+    }
+
+    /// A point as a contact; `None` for one that cannot touch within the frame.
+    pub(crate) fn contact(
+        &self,
+        point: &RoundPoint,
+        time: f64,
+        (meets, number): (Meets, u64),
+    ) -> Option<MeshContact> {
+        let pair_motion = self.motion.pair_motion;
+        let [of_round, of_mesh] = point.anchors;
+        let contact = MeshContact {
+            on_body: self.pose(time).inverse().point(of_round.point),
+            rounding: of_round.rounding + of_mesh.rounding,
+            on_mesh: of_mesh.point,
+            normal: point.normal,
+            time,
+            feature: feature_of(meets, number),
+        };
+        let gap = point.gap();
+        let least = gap.min(0.0) - pair_motion.grazing;
+        let can_touch = gap <= pair_motion.search
+            && (time == 0.0 || contact.gap_at_start(self.motion) >= least);
+        can_touch.then_some(contact)
+    }
+}

@@ -1,0 +1,218 @@
+//! Convex bodies by their definition.
+
+use frangible_geometry::{ClosedForm, Hull};
+use frangible_math::RigidTransform;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Directions of a rim that are tried first.
+const AROUND: usize = 24;
+
+/// Steps to either side of a normal's place on a rim that are tried around it.
+const BESIDE: i32 = 3;
+
+/// A convex body at its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Convex {
+    core: Core,
+    /// [m]
+    pub(crate) rounding: f64,
+}
+
+#[derive(Clone, Debug)]
+enum Core {
+    Points {
+        points: Vec<DVec3>,
+        edges: Vec<[usize; 2]>,
+        /// Outward, unit.
+        faces: Vec<DVec3>,
+    },
+    /// The hull of two discs.
+    Discs { centers: [DVec3; 2], radii: [f64; 2], axis: DVec3, across: [DVec3; 2] },
+}
+
+/// Directions whose crosses are normals, and normals.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Features {
+    pub(crate) edges: Vec<DVec3>,
+    pub(crate) normals: Vec<DVec3>,
+}
+
+/// Where to look for features: around an outward unit direction, in steps of an angle [rad].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Around {
+    pub(crate) towards: DVec3,
+    pub(crate) step: f64,
+}
+
+impl Convex {
+    pub(crate) fn of_hull(hull: &Hull, here_from_hull: &RigidTransform) -> Self {
+        let points = hull.vertices().iter().map(|&vertex| here_from_hull.point(vertex)).collect();
+        let edges = hull.edges().iter().map(|edge| edge.vertices.map(|v| v as usize)).collect();
+        let faces =
+            hull.planes().iter().map(|plane| here_from_hull.direction(plane.normal)).collect();
+        Self { core: Core::Points { points, edges, faces }, rounding: 0.0 }
+    }
+
+    pub(crate) fn of_triangle(corners: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let core = Core::Points {
+            points: corners.to_vec(),
+            edges: vec![[0, 1], [1, 2], [2, 0]],
+            faces: vec![normal, -normal],
+        };
+        Self { core, rounding: 0.0 }
+    }
+
+    /// `None` for a half-space.
+    pub(crate) fn of_form(form: &ClosedForm, here_from_body: &RigidTransform) -> Option<Self> {
+        let at = |height: f64| here_from_body.point(height * DVec3::Y);
+        let discs = |heights: [f64; 2], radii: [f64; 2]| Core::Discs {
+            centers: heights.map(at),
+            radii,
+            axis: here_from_body.direction(DVec3::Y),
+            across: [DVec3::X, DVec3::Z].map(|across| here_from_body.direction(across)),
+        };
+        let points = |points: Vec<DVec3>, edges: Vec<[usize; 2]>| Core::Points {
+            points,
+            edges,
+            faces: Vec::new(),
+        };
+        let (core, rounding) = match *form {
+            ClosedForm::HalfSpace(_) => return None,
+            ClosedForm::Sphere { radius } => (points(vec![at(0.0)], Vec::new()), radius),
+            ClosedForm::Capsule { radius, half_height } => {
+                (points(vec![at(-half_height), at(half_height)], vec![[0, 1]]), radius)
+            }
+            ClosedForm::Cylinder { radius, half_height } => {
+                (discs([-half_height, half_height], [radius; 2]), 0.0)
+            }
+            ClosedForm::Cone { radius, height } => {
+                (discs([-0.25 * height, 0.75 * height], [radius, 0.0]), 0.0)
+            }
+            ClosedForm::Box { half } => {
+                return Some(Self::of_hull(&Hull::cuboid(half), here_from_body));
+            }
+        };
+        Some(Self { core, rounding })
+    }
+
+    /// A point of the core furthest in a direction [m].
+    pub(crate) fn support(&self, direction: DVec3) -> DVec3 {
+        match &self.core {
+            Core::Points { points, .. } => {
+                let mut best = points[0];
+                let mut reach = best.dot(direction);
+                for &point in &points[1..] {
+                    let here = point.dot(direction);
+                    if here > reach {
+                        (best, reach) = (point, here);
+                    }
+                }
+                best
+            }
+            Core::Discs { centers, radii, across, .. } => {
+                let [u, v] = across.map(|across| across.dot(direction));
+                let length = (u * u + v * v).sqrt();
+                let radial = if length > 0.0 {
+                    (u * across[0] + v * across[1]) / length
+                } else {
+                    DVec3::ZERO
+                };
+                let [low, high] = [0, 1].map(|end| centers[end] + radii[end] * radial);
+                if high.dot(direction) > low.dot(direction) { high } else { low }
+            }
+        }
+    }
+
+    /// Largest distance of a point of the core from another point [m].
+    pub(crate) fn reach_from(&self, from: DVec3) -> f64 {
+        match &self.core {
+            Core::Points { points, .. } => {
+                points.iter().map(|point| point.distance(from)).fold(0.0, f64::max)
+            }
+            Core::Discs { centers, radii, .. } => [0, 1]
+                .map(|end| centers[end].distance(from) + radii[end])
+                .into_iter()
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// A point inside [m].
+    pub(crate) fn middle(&self) -> DVec3 {
+        match &self.core {
+            Core::Points { points, .. } => points.iter().sum::<DVec3>() / points.len() as f64,
+            Core::Discs { centers, .. } => 0.5 * (centers[0] + centers[1]),
+        }
+    }
+
+    pub(crate) fn is_round(&self) -> bool {
+        matches!(self.core, Core::Discs { .. })
+    }
+
+    /// Features everywhere, or around a direction.
+    pub(crate) fn features(&self, around: Option<Around>) -> Features {
+        match &self.core {
+            Core::Points { points, edges, faces } => {
+                let along = |&[a, b]: &[usize; 2]| points[b] - points[a];
+                let Some(Around { towards, step }) = around else {
+                    let mut features = Features { edges: Vec::new(), normals: faces.clone() };
+                    edges.iter().for_each(|edge| push_new(&mut features.edges, along(edge)));
+                    return features;
+                };
+                let top = self.support(towards).dot(towards);
+                let is_near = |&at: &usize| {
+                    let below = top - points[at].dot(towards);
+                    below <= 4.0 * step * self.reach_from(points[at])
+                };
+                let mut features = Features::default();
+                for edge in edges.iter().filter(|edge| edge.iter().all(is_near)) {
+                    push_new(&mut features.edges, along(edge));
+                }
+                features
+            }
+            Core::Discs { centers, radii, axis, across } => {
+                let (from, step, count) = match around {
+                    None => (0.0, TAU / AROUND as f64, 0..AROUND as i32),
+                    Some(Around { towards, step }) => {
+                        let [u, v] = across.map(|across| across.dot(towards));
+                        (v.atan2(u), step, -BESIDE..BESIDE + 1)
+                    }
+                };
+                let mut features = Features::default();
+                if around.is_none() {
+                    features.normals.extend([*axis, -*axis]);
+                }
+                let way = centers[1] - centers[0];
+                if radii[0] == radii[1] {
+                    features.edges.push(way);
+                }
+                for number in count {
+                    let (sin, cos) = (from + step * f64::from(number)).sin_cos();
+                    let radial = cos * across[0] + sin * across[1];
+                    let tangent = cos * across[1] - sin * across[0];
+                    let line = way + (radii[1] - radii[0]) * radial;
+                    features.normals.push(
+                        tangent.cross(line).normalize() * tangent.cross(line).dot(radial).signum(),
+                    );
+                    if around.is_some() || number < AROUND as i32 / 2 {
+                        features.edges.push(tangent);
+                    }
+                    if radii[0] != radii[1] {
+                        features.edges.push(line);
+                    }
+                }
+                features
+            }
+        }
+    }
+}
+
+/// Parallel edges are one.
+fn push_new(edges: &mut Vec<DVec3>, edge: DVec3) {
+    let Some(edge) = edge.try_normalize() else { return };
+    if edges.iter().all(|known| known.cross(edge).length_squared() > 1e-26) {
+        edges.push(edge);
+    }
+}
