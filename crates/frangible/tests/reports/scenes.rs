@@ -7,7 +7,6 @@ use std::f64::consts::FRAC_PI_2;
 pub(crate) const G: f64 = 9.81;
 pub(crate) const NONE: Resolution = Resolution { voxels: None, sample_spacing: None };
 pub(crate) const BOTH: [Method; 2] = [Method::FrameRate, Method::Paper];
-pub(crate) const OURS: [Method; 1] = [Method::FrameRate];
 
 /// One measurement of a report, and the least and the most that are right.
 pub(crate) type Row = (&'static str, String, f64, [f64; 2]);
