@@ -6,6 +6,7 @@ use frangible_bodies::BallisticPath;
 use frangible_bodies::Bodies;
 use frangible_bodies::Frame;
 use frangible_bodies::Pair;
+use frangible_geometry::Geometry;
 use glam::DVec3;
 
 /// Maximum number of conservative-advancement steps to first touch [1]. With 8, falling heaps are
@@ -166,9 +167,12 @@ impl<'a> PairMotion<'a> {
     }
 }
 
-/// Least extent of the thinner body [m].
+/// Least extent of the thinner body [m]. Triangles have none that counts: bodies stay on their side.
 fn thickness(bodies: &Bodies, pair: Pair) -> f64 {
     let of = |i: usize| {
+        if matches!(bodies.shapes[i].geometry, Geometry::Mesh(_)) {
+            return f64::INFINITY;
+        }
         let (low, high) = bodies.shapes[i].bounds;
         (high - low).min_element()
     };

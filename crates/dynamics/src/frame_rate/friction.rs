@@ -29,8 +29,8 @@ impl<I: Instructions> ContactBatch<I> {
         self.twist = twist;
         if let Some(rolling) = &mut self.rolling {
             let slip = [spin.dot(tangents[0]), spin.dot(tangents[1])];
-            let wanted = stopping(rolling.impulse, rolling.effective_inertia, slip);
-            let impulse = clamp_to_cone(wanted, rolling.coefficient * total);
+            let most = rolling.coefficient * total;
+            let impulse = within_cone(rolling.impulse, rolling.effective_inertia, slip, most);
             torque = torque
                 + tangents[0] * (impulse[0] - rolling.impulse[0])
                 + tangents[1] * (impulse[1] - rolling.impulse[1]);
@@ -51,8 +51,8 @@ impl<I: Instructions> ContactBatch<I> {
             if self.is_turned { self.turned_centers(at) } else { self.with_offsets(self.centers) };
         let slip = sides.velocity_at(centers);
         let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
-        let wanted = stopping(self.friction, self.tangent_mass, slip);
-        let mut friction = clamp_to_cone(wanted, self.friction_coefficient * total);
+        let most = self.friction_coefficient * total;
+        let mut friction = within_cone(self.friction, self.tangent_mass, slip, most);
         let mut change = [friction[0] - self.friction[0], friction[1] - self.friction[1]];
         if self.is_turned {
             change = sides.rub(change, slip, tangents, centers);
@@ -78,9 +78,8 @@ impl<I: Instructions> ContactBatch<I> {
         let tangents = [self.tangent, self.normal.cross(self.tangent)];
         let slip = sides.velocity_at(centers);
         let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
-        let wanted = stopping([zero; 2], self.tangent_mass, slip);
         let most = self.friction_coefficient * sum;
-        let friction = clamp_to_cone(wanted, most);
+        let friction = within_cone([zero; 2], self.tangent_mass, slip, most);
         let rubs = sum.above(zero);
         let friction = [rubs.select(friction[0], zero), rubs.select(friction[1], zero)];
         let friction = sides.rub(friction, slip, tangents, centers);
@@ -89,21 +88,39 @@ impl<I: Instructions> ContactBatch<I> {
     }
 }
 
-/// Accumulated impulse that stops a two-dimensional slip.
+/// Accumulated impulse that stops a two-dimensional slip, by the effective mass `[xx, yy, xy]`; or,
+/// where that exceeds `most`, one of this length against the slip.
+///
+/// What slides must be braked along its slip. The impulse that stops it points elsewhere if the
+/// effective mass depends on the direction: clamped alone, it drove long boxes, thrown at 45
+/// degrees to their sides, 14 degrees off their way. A step by the smaller principal mass, clamped,
+/// has its fixed point where the two are parallel, and never gives energy.
 #[inline(always)]
-fn stopping<I: Instructions>(
+fn within_cone<I: Instructions>(
     impulse: [Single<I>; 2],
     [xx, yy, xy]: [Single<I>; 3],
     [x, y]: [Single<I>; 2],
+    most: Single<I>,
 ) -> [Single<I>; 2] {
-    [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)]
+    let stopping = [impulse[0] - (xx * x + xy * y), impulse[1] - (yy * y + xy * x)];
+    let slides = squared(stopping).above(most * most);
+    let (mean, half) = ((xx + yy) * Single::same(0.5), (xx - yy) * Single::same(0.5));
+    let smaller = mean - (half * half + xy * xy).sqrt();
+    let braked = clamp_to_cone([impulse[0] - smaller * x, impulse[1] - smaller * y], most);
+    [slides.select(braked[0], stopping[0]), slides.select(braked[1], stopping[1])]
 }
 
 /// Clamps a vector to length `most`.
 #[inline(always)]
 fn clamp_to_cone<I: Instructions>([x, y]: [Single<I>; 2], most: Single<I>) -> [Single<I>; 2] {
-    let squared = x * x + y * y;
+    let squared = squared([x, y]);
     let is_over = squared.above(most * most);
     let scale = is_over.select(most / squared.sqrt(), Single::same(1.0));
     [x * scale, y * scale]
+}
+
+/// Squared length.
+#[inline(always)]
+fn squared<I: Instructions>([x, y]: [Single<I>; 2]) -> Single<I> {
+    x * x + y * y
 }

@@ -161,6 +161,7 @@ impl<I: Instructions> Group<I> {
             if let Some(timeline) = &mut timeline {
                 self.bounce(timeline, (bodies, manifolds), (time_left, kick), frame, &substep);
             }
+            self.bodies.end_impacts(kick);
             self.sweep(
                 #[inline(always)]
                 |batch, lines| batch.warm_start(lines, &substep),

@@ -57,7 +57,7 @@ pub(super) struct SolverBodies {
     pub(super) lines: Vec<SolverBody>,
     /// World frame: xx, yy, zz, yz, xz, xy, unused, unused [1/(kg m^2)].
     pub(super) inverse_inertias: Vec<Singles>,
-    /// Linear velocities before gravity's kick of the substep [m/s].
+    /// Linear velocities after the substep's impacts, less gravity's kick [m/s].
     before_kick: Vec<Vec3>,
     /// Exactly rotated bodies, sorted by line.
     spinning: Vec<SpinningBody>,
@@ -148,13 +148,24 @@ impl SolverBodies {
 
     /// Adds gravity's impulse of a substep.
     pub(super) fn kick(&mut self, velocity_change: Vec3) {
-        for (body, before) in self.lines.iter_mut().zip(&mut self.before_kick) {
+        for body in &mut self.lines {
             let Singles(v) = &mut body.velocity;
-            *before = Vec3::new(v[0], v[1], v[2]);
             if v[6] > 0.0 {
                 v[0] += velocity_change.x;
                 v[1] += velocity_change.y;
                 v[2] += velocity_change.z;
+            }
+        }
+    }
+
+    /// Notes the velocities that [`drift`](Self::drift) begins with. What has bounced falls on from
+    /// there: without this an elastic ball lost g h^2 / 2 of its height in each bounce.
+    pub(super) fn end_impacts(&mut self, kick: Vec3) {
+        for (body, before) in self.lines.iter().zip(&mut self.before_kick) {
+            let Singles(v) = body.velocity;
+            *before = Vec3::new(v[0], v[1], v[2]);
+            if v[6] > 0.0 {
+                *before -= kick;
             }
         }
     }

@@ -120,5 +120,8 @@ fn random_share(random: &mut Pcg64Mcg) -> f64 {
 fn reach_across(column: &Region, site: DVec3, axis: DVec3, half_extent: DVec3) -> f64 {
     let hull = column.hull(half_extent);
     let corners = hull.iter().flat_map(|hull| hull.vertices());
-    corners.map(|&corner| (corner - site).reject_from(axis).length()).fold(0.0, f64::max).max(1e-9)
+    corners
+        .map(|&corner| (corner - site).reject_from(axis).length())
+        .fold(0.0, f64::max)
+        .max(1e-9 * half_extent.max_element())
 }

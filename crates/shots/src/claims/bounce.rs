@@ -51,10 +51,13 @@ fn bounces() -> Result<Vec<Finding>, Obstacle> {
                 0.27,
             ),
         ];
-        for (quantity, measured, low, high) in quantities {
-            findings.push(match method {
-                Method::FrameRate => Finding::between(quantity, "1", measured, low, high),
-                Method::Paper => Finding::beside(quantity, "1", measured),
+        for (number, (quantity, measured, low, high)) in quantities.into_iter().enumerate() {
+            // The paper's method bounces before the touch, up to a frame's way above the ground.
+            let is_promised = method == Method::FrameRate || number < 2;
+            findings.push(if is_promised {
+                Finding::between(quantity, "1", measured, low, high)
+            } else {
+                Finding::beside(quantity, "1", measured)
             });
         }
     }

@@ -44,14 +44,7 @@ fn rolling() -> Result<Vec<Finding>, Obstacle> {
     let tilt = DQuat::from_rotation_z(-slope);
     let mut findings = Vec::new();
     for (method, name) in METHODS {
-        let most = |low: f64, high: f64| {
-            if method == Method::FrameRate {
-                (low, high)
-            } else {
-                (f64::NEG_INFINITY, f64::INFINITY)
-            }
-        };
-        let (low, high) = most(0.99, 1.01);
+        let (low, high) = (0.99, 1.01);
 
         // Down the slope for two seconds from rest.
         let start = tilt * DVec3::new(0.0, RADIUS, 0.0);
@@ -82,7 +75,7 @@ fn rolling() -> Result<Vec<Finding>, Obstacle> {
                 world.bodies().poses[1].position.z.abs(),
                 (world.bodies().poses[1].position.y - RADIUS).abs(),
             ]),
-            if method == Method::FrameRate { 1e-3 } else { f64::INFINITY },
+            1e-3,
         ));
     }
     Ok(findings)

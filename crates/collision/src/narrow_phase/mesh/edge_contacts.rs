@@ -195,11 +195,14 @@ impl EdgePair<'_> {
                 continue;
             }
             let depth = if overlaps { -start } else { 0.0 };
-            if self.is_on_rim(
-                on_body + turned.inverse().direction(on_mesh - on_hull),
-                depth,
-                turned,
-            ) {
+            let (begin, until) = (instants[part - 1].0, instants[part].0);
+            let time = begin + at * (until - begin);
+            let met_at = on_body + turned.inverse().direction(on_mesh - on_hull);
+            let carried = match is_supported && self.motion.is_borne {
+                true => met_at,
+                false => met_at + self.motion.without_sag(([begin, until], at), turned),
+            };
+            if self.is_on_rim(met_at, depth, turned) || self.is_on_rim(carried, depth, turned) {
                 continue;
             }
             let last = self.own.supported.last().map_or(0.0, |ends| {
@@ -210,13 +213,12 @@ impl EdgePair<'_> {
             if ends_behind && !(overlaps && part == 1) && !(touches && is_supported) {
                 continue;
             }
-            let (begin, until) = (instants[part - 1].0, instants[part].0);
             return Some(MeshContact {
                 on_body,
                 rounding: 0.0,
                 on_mesh,
                 normal,
-                time: begin + at * (until - begin),
+                time,
                 feature: feature_of(Meets::EdgeOnEdge, self.id),
             });
         }

@@ -1,6 +1,6 @@
 //! A moving ball against edges and corners of a mesh that stand out.
 
-use crate::narrow_phase::mesh::triangle_sweep::{Sweep, sweep_round};
+use crate::narrow_phase::mesh::triangle_sweep::{Sweep, nearest_part, sweep_round};
 use frangible_geometry::{EdgeKind, Sides, StaticMesh};
 use glam::DVec3;
 
@@ -65,12 +65,31 @@ impl MeshEdge {
     /// Meeting of a ball whose centre moves straight with the edge; with its foot [m] and the
     /// normal.
     pub(crate) fn sweep(&self, way: [DVec3; 2], radius: f64) -> Option<(Sweep, DVec3, DVec3)> {
-        let [from, to] = way.map(|point| {
+        let [from, to] = self.across(way);
+        let sweep = sweep_round(from, to, radius);
+        self.met_from(way[0].lerp(way[1], sweep.at)).map(|(foot, normal)| (sweep, foot, normal))
+    }
+
+    /// Where a ball whose centre moves straight comes nearest to the edge: least separation, foot
+    /// [m], normal.
+    pub(crate) fn nearest(&self, way: [DVec3; 2], radius: f64) -> Option<(f64, DVec3, DVec3)> {
+        let [from, to] = self.across(way);
+        let at = nearest_part(from, to);
+        let least = from.lerp(to, at).length() - radius;
+        self.met_from(way[0].lerp(way[1], at)).map(|(foot, normal)| (least, foot, normal))
+    }
+
+    /// Two points relative to the edge's line, at right angles to it.
+    fn across(&self, way: [DVec3; 2]) -> [DVec3; 2] {
+        way.map(|point| {
             let lever = point - self.ends[0];
             lever - lever.dot(self.along) * self.along
-        });
-        let sweep = sweep_round(from, to, radius);
-        let center = way[0].lerp(way[1], sweep.at);
+        })
+    }
+
+    /// Foot on the edge [m] and the normal of a ball with its centre there; `None` if something
+    /// else is nearer.
+    fn met_from(&self, center: DVec3) -> Option<(DVec3, DVec3)> {
         let part = (center - self.ends[0]).dot(self.along);
         if part < 0.0 || part > self.ends[0].distance(self.ends[1]) {
             return None;
@@ -78,11 +97,11 @@ impl MeshEdge {
         let foot = self.ends[0] + part * self.along;
         let direction = (center - foot).try_normalize()?;
         let normal = self.flush(direction);
-        self.stands_out(direction, ASIDE).then_some((sweep, foot, normal))
+        self.stands_out(direction, ASIDE).then_some((foot, normal))
     }
 }
 
-/// The same with a corner.
+/// [`MeshEdge::sweep`] with a corner.
 pub(crate) fn sweep_corner(
     mesh: &StaticMesh,
     vertex: usize,
@@ -91,11 +110,30 @@ pub(crate) fn sweep_corner(
 ) -> Option<(Sweep, DVec3, DVec3)> {
     let corner = mesh.positions()[vertex];
     let sweep = sweep_round(way[0] - corner, way[1] - corner, radius);
-    let direction = (way[0].lerp(way[1], sweep.at) - corner).try_normalize()?;
+    let normal = corner_met_from(mesh, vertex, way[0].lerp(way[1], sweep.at))?;
+    Some((sweep, corner, normal))
+}
+
+/// [`MeshEdge::nearest`] with a corner.
+pub(crate) fn nearest_to_corner(
+    mesh: &StaticMesh,
+    vertex: usize,
+    way: [DVec3; 2],
+    radius: f64,
+) -> Option<(f64, DVec3, DVec3)> {
+    let corner = mesh.positions()[vertex];
+    let center = way[0].lerp(way[1], nearest_part(way[0] - corner, way[1] - corner));
+    let normal = corner_met_from(mesh, vertex, center)?;
+    Some((center.distance(corner) - radius, corner, normal))
+}
+
+/// Normal of a ball with its centre there; `None` if something else is nearer.
+fn corner_met_from(mesh: &StaticMesh, vertex: usize, center: DVec3) -> Option<DVec3> {
+    let direction = (center - mesh.positions()[vertex]).try_normalize()?;
     // A solid's corner is not met from behind.
     let is_in_front = mesh.sides() == Sides::Two
         || mesh.around(vertex).iter().any(|&t| mesh.normal(t as usize).dot(direction) > 0.0);
     let is_met = is_in_front && mesh.is_peak(vertex, direction, ASIDE);
     let normals = mesh.around(vertex).iter().map(|&triangle| mesh.normal(triangle as usize));
-    is_met.then(|| (sweep, corner, flush(direction, normals)))
+    is_met.then(|| flush(direction, normals))
 }

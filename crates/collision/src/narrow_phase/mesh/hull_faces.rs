@@ -46,7 +46,12 @@ impl Corner<'_> {
         for (part, pair) in instants.windows(2).enumerate() {
             let [(begin, from), (end, to)] = [pair[0], pair[1]];
             let way = [from.inverse().point(corner), to.inverse().point(corner)];
-            let met = self.meeting(way, part == 0, &from);
+            let is_held = is_supported && self.motion.is_borne;
+            let without_sag = |at: f64| match is_held {
+                true => DVec3::ZERO,
+                false => self.motion.without_sag(([begin, end], at), &from),
+            };
+            let met = self.meeting(way, part == 0, &from, &without_sag);
             let Some((face, sweep)) = met else { continue };
             let plane = face.plane;
             let last = self.motion.supported.last().map(|(_, last)| last.inverse().point(corner));
@@ -70,16 +75,20 @@ impl Corner<'_> {
         None
     }
 
-    /// The face that the corner meets on a straight way, body frame.
+    /// The face that the corner meets on a straight way, body frame; `without_sag` moves its points
+    /// to where they are without gravity.
     fn meeting(
         &self,
         way: [DVec3; 2],
         is_first: bool,
         mesh_from_body: &RigidTransform,
+        without_sag: &dyn Fn(f64) -> DVec3,
     ) -> Option<(HullFace<'_>, Sweep)> {
         let near = self.motion.pair_motion.near;
         let is_inside =
             self.hull.planes().iter().all(|plane| plane.distance(way[0]) <= self.motion.thin);
+        let carried_way = way[1] + without_sag(1.0) - way[0];
+        let closing = |face: &HullFace| -carried_way.dot(face.plane.normal);
         let mut best: Option<(HullFace, Sweep)> = None;
         for face in self.hull.faces() {
             let [start, end] = way.map(|point| face.plane.distance(point));
@@ -93,12 +102,24 @@ impl Corner<'_> {
             if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
                 continue;
             }
-            if !is_inside && self.is_on_rim(&face, way, sweep.at, mesh_from_body) {
+            let met_at = way[0].lerp(way[1], sweep.at);
+            let carried = met_at + without_sag(sweep.at);
+            let is_on_rim = |point: DVec3| self.is_on_rim(&face, point, mesh_from_body);
+            if !is_inside && (is_on_rim(met_at) || is_on_rim(carried)) {
                 continue;
             }
-            // Of faces that it overlaps, the one with the least depth; else what comes first.
+            // Of faces that it overlaps, the one with the least depth, and among those on whose
+            // rims it is the one that it slides along; else what comes first.
             let is_better = |best: &(HullFace, Sweep)| match (sweep.touches, best.1.touches) {
-                (true, true) if is_inside => sweep.least > best.1.least,
+                (true, true) if is_inside => {
+                    let slower = closing(&best.0) - closing(&face);
+                    let on_rims = sweep.least.min(best.1.least) >= -self.motion.rim;
+                    if on_rims && slower.abs() > self.motion.thin {
+                        slower > 0.0
+                    } else {
+                        sweep.least > best.1.least
+                    }
+                }
                 (true, true) => sweep.at < best.1.at,
                 (false, false) => sweep.least < best.1.least,
                 (touches, _) => touches,
@@ -112,14 +133,7 @@ impl Corner<'_> {
 
     /// True if the corner meets a face on its rim and stands out towards the face beyond: resting,
     /// the body overlaps it there a little.
-    fn is_on_rim(
-        &self,
-        face: &HullFace,
-        way: [DVec3; 2],
-        at: f64,
-        mesh_from_body: &RigidTransform,
-    ) -> bool {
-        let point = way[0].lerp(way[1], at);
+    fn is_on_rim(&self, face: &HullFace, point: DVec3, mesh_from_body: &RigidTransform) -> bool {
         self.hull.planes().iter().any(|plane| {
             let is_near = *plane != face.plane && plane.distance(point) >= -self.motion.rim;
             is_near && {

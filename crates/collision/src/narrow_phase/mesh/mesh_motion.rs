@@ -31,6 +31,8 @@ pub(crate) struct MeshMotion<'a> {
     /// The same of what is held up: without the part of the motion that goes into what the body
     /// touches at the frame's start.
     pub(crate) supported: Vec<(f64, RigidTransform)>,
+    /// True if anything of the mesh holds the body up.
+    pub(crate) is_borne: bool,
     /// Transforms to the world at the frame's start, of the body and the mesh.
     pub(crate) starts: [RigidTransform; 2],
     /// Lengths within this are equal [m].
@@ -55,6 +57,7 @@ impl<'a> MeshMotion<'a> {
             mesh_is_first,
             instants: Vec::new(),
             supported: Vec::new(),
+            is_borne: false,
             starts: pair_motion.paths.map(|path| path.start.world_from_body()),
             thin: THIN * pair_motion.size,
             rim: RIM * pair_motion.size,
@@ -81,9 +84,24 @@ impl<'a> MeshMotion<'a> {
         };
         let (from, duration) = (start.1.translation, end.0.max(f64::MIN_POSITIVE));
         let into = (end.1.translation - from).dot(normal).min(0.0);
+        self.is_borne = true;
         for (time, mesh_from_body) in &mut self.supported {
             mesh_from_body.translation -= into * (*time / duration) * normal;
         }
+    }
+
+    /// What to add to a point of the mesh in the body frame [m] on a straight part of free flight
+    /// between two instants [s], to see it from the same flight without gravity, as of a body that
+    /// something else carries.
+    pub(crate) fn without_sag(
+        &self,
+        ([begin, end], at): ([f64; 2], f64),
+        mesh_from_body: &RigidTransform,
+    ) -> DVec3 {
+        let squared = begin * begin + at * (end * end - begin * begin);
+        let sag = 0.5 * squared * self.body_path().acceleration;
+        let sag_mesh = self.mesh_path().start.orientation.conjugate() * sag;
+        mesh_from_body.rotation.conjugate() * sag_mesh
     }
 
     pub(crate) fn body_path(&self) -> &BallisticPath {

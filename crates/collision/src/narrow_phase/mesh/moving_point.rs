@@ -5,7 +5,7 @@
 //! frame. What free flight would touch further on counts too, unless the actual way ends behind it:
 //! its plane, which has no borders, would push the body back.
 
-use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, sweep_corner};
+use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, nearest_to_corner, sweep_corner};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
@@ -26,6 +26,10 @@ const ALIKE: f64 = 0.7;
 
 /// Cosine of the least angle at an edge whose rim is not met [1].
 const STEEP: f64 = 0.9;
+
+/// Time within which a ball may pass an edge, relative to the rest of the frame [1]: contacts act
+/// up to a substep ahead, and a frame has two at least.
+const BEYOND: f64 = 1.5;
 
 /// Cosine between normals of the same plane, as in the solver's constraints.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;
@@ -241,6 +245,8 @@ impl MovingPoint<'_> {
                     && let Some(edge) = MeshEdge::of(mesh, triangle, corner)
                     && let Some((sweep, foot, normal)) = edge.sweep(leg.way, self.radius)
                 {
+                    let passed = self.grazed(&sweep, |way| edge.nearest(way, self.radius));
+                    let (foot, normal) = passed.unwrap_or((foot, normal));
                     meet(sweep, foot, normal, false);
                 }
                 if mesh.owns_vertex(triangle, corner) {
@@ -248,11 +254,36 @@ impl MovingPoint<'_> {
                     if let Some((sweep, foot, normal)) =
                         sweep_corner(mesh, vertex, leg.way, self.radius)
                     {
+                        let passed = self.grazed(&sweep, |way| {
+                            nearest_to_corner(mesh, vertex, way, self.radius)
+                        });
+                        let (foot, normal) = passed.unwrap_or((foot, normal));
                         meet(sweep, foot, normal, false);
                     }
                 }
             }
         });
+    }
+
+    /// Foot [m] and normal of the closest approach to an edge or a corner that free flight touches,
+    /// if the ball only grazes it. Gravity is left out, as of bodies that something carries: a ball
+    /// of 0.5 m that rolled from one flush sheet to the next at 8 m/s hopped 0.12 m at the border.
+    fn grazed(
+        &self,
+        sweep: &Sweep,
+        nearest: impl Fn([DVec3; 2]) -> Option<(f64, DVec3, DVec3)>,
+    ) -> Option<(DVec3, DVec3)> {
+        let pair_motion = self.motion.pair_motion;
+        let (grazing, ahead) = (pair_motion.grazing(), pair_motion.ahead);
+        if !sweep.touches || sweep.least < -grazing {
+            return None;
+        }
+        let ahead = BEYOND * ahead;
+        let mesh_from_world = self.motion.mesh_path().pose(ahead).world_from_body().inverse();
+        let body = self.motion.body_path().straight().pose(ahead).world_from_body();
+        let end = mesh_from_world.after(&body).point(self.anchor);
+        let (least, foot, normal) = nearest([self.motion.start().point(self.anchor), end])?;
+        (least > -grazing).then_some((foot, normal))
     }
 
     /// Follows the way from the first touch in free flight, with what it touches in `found`. Gives

@@ -146,7 +146,7 @@ impl<'a> RoundMotion<'a> {
             feature: feature_of(meets, number),
         };
         let gap = point.gap();
-        let least = gap.min(0.0) - pair_motion.grazing;
+        let least = gap.min(0.0) - pair_motion.grazing();
         let can_touch = gap <= pair_motion.search
             && (time == 0.0 || contact.gap_at_start(self.motion) >= least);
         can_touch.then_some(contact)

@@ -94,6 +94,13 @@ impl Facet {
     }
 }
 
+/// Part of a straight way at which it comes nearest to zero [1].
+pub(crate) fn nearest_part(from: DVec3, to: DVec3) -> f64 {
+    let way = to - from;
+    let squared = way.length_squared();
+    if squared > 0.0 { (-from.dot(way) / squared).clamp(0.0, 1.0) } else { 0.0 }
+}
+
 /// The first touch of a vector that moves straight from `from` to `to` with the ball of `radius`
 /// [m] around zero, or where it is nearest.
 pub(crate) fn sweep_round(from: DVec3, to: DVec3, radius: f64) -> Sweep {
@@ -103,7 +110,7 @@ pub(crate) fn sweep_round(from: DVec3, to: DVec3, radius: f64) -> Sweep {
     if start <= 0.0 {
         return Sweep { at: 0.0, touches: true, least: start };
     }
-    let nearest = if squared > 0.0 { (-along / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let nearest = nearest_part(from, to);
     let least = (from + nearest * way).length() - radius;
     if least > 0.0 {
         return Sweep { at: nearest, touches: false, least };
