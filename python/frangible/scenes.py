@@ -12,15 +12,22 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
+from .description import Description
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
-from .words import did_you_mean
+from .io.reading import file_fault
+from .scene_lines import FileScene, with_line
+from .scene_materials import has_materials, with_materials
+from .scene_python import python_scene
+from .words import did_you_mean, shown
 
 #: A scene as `docs/scene_format.md` describes it.
 Scene = dict[str, Any]
 
+#: Endings of scene files that are text.
+TEXT_ENDINGS = (".json", ".toml")
 #: Endings of scene files.
-ENDINGS = (".json", ".toml")
+ENDINGS = (*TEXT_ENDINGS, ".py")
 
 #: How long a scene runs that does not say how many frames it takes [s].
 SECONDS = 3.0
@@ -35,9 +42,35 @@ def is_scene_file(name: str) -> bool:
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
-    """The scene of a .json or .toml file; what is relative in it is to the file's folder.
+    """The scene of a .json, .toml or .py file; what is relative in it is to the file's folder.
     `BuildError` if it is none."""
     name = os.fspath(path)
+    found = as_dict(_read_python(name) if _ending(name) == ".py" else _read_text(name))
+    if not isinstance(found, dict):
+        raise BuildError(f"{name}: {shown(found)}, must be an object with the fields of a scene")
+    folder = os.path.dirname(os.path.abspath(name))
+    for holder in _path_holders(found):
+        holder["path"] = os.path.join(folder, holder["path"])
+    return found
+
+
+def as_dict(scene: Any) -> Any:
+    """A `Scene` as a dictionary; anything else as it is."""
+    return scene.to_dict() if isinstance(scene, Description) else scene
+
+
+def _ending(name: str) -> str:
+    return os.path.splitext(name)[1].lower()
+
+
+def _read_python(name: str) -> Any:
+    if fault := file_fault(name):
+        raise BuildError(f"{name}: {fault}")
+    return copy.deepcopy(python_scene(name))
+
+
+def _read_text(name: str) -> Any:
+    """The value of a .json or .toml file, which knows its lines if it is an object."""
     try:
         with open(name, "rb") as file:
             content = file.read(LARGEST + 1)
@@ -53,12 +86,11 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BuildError(f"{name}: is not UTF-8 text, must be a scene in JSON or TOML") from None
-    scene = _parse_toml(name, text) if name.lower().endswith(".toml") else parse_json(name, text)
-    if not isinstance(scene, dict):
-        raise BuildError(f"{name}: {_shown(scene)}, must be an object with the fields of a scene")
-    folder = os.path.dirname(os.path.abspath(name))
-    for holder in _path_holders(scene):
-        holder["path"] = os.path.join(folder, holder["path"])
+    found = _parse_toml(name, text) if name.lower().endswith(".toml") else parse_json(name, text)
+    if not isinstance(found, dict):
+        return found
+    scene = FileScene(found)
+    scene.name, scene.text = name, text
     return scene
 
 
@@ -104,35 +136,46 @@ def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
 
 @contextmanager
 def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
-    """A scene that the core can build, from JSON, a dictionary or a file's path, while the context
-    lasts.
+    """A scene that the core can build, from a `Scene`, JSON, a dictionary or a file's path, while
+    the context lasts.
 
-    USD and glTF files are read here, with what moves in them as it is at a pose time [s].
+    Materials are resolved, and USD and glTF files read here, with what moves in them as it is at a
+    pose time [s]. A `BuildError` of the context about a field of a file quotes its line.
     """
     if isinstance(scene, os.PathLike) or (
         isinstance(scene, str) and is_scene_file(scene) and "{" not in scene
     ):
         scene = read_scene(scene)
-    elif isinstance(scene, str) and any(ending in scene for ending in (".usd", *GLTF_ENDINGS)):
+    elif isinstance(scene, str) and any(word in scene for word in _RESOLVED):
         scene = parse_json("scene", scene)
-    if not isinstance(scene, dict) or not any(
-        _is_converted(holder) for holder in _path_holders(scene)
-    ):
-        yield scene
-        return
-    scene = copy.deepcopy(scene)
-    with ExitStack() as files:
-        for holder in filter(_is_converted, _path_holders(scene)):
-            holder["path"] = files.enter_context(readable_mesh(holder["path"], pose_time))
-        yield scene
+    given = scene = as_dict(scene)
+    try:
+        if has_materials(scene):
+            scene = with_materials(scene)
+        if not isinstance(scene, dict) or not any(
+            _is_converted(holder) for holder in _path_holders(scene)
+        ):
+            yield scene
+            return
+        scene = copy.deepcopy(scene)
+        with ExitStack() as files:
+            for holder in filter(_is_converted, _path_holders(scene)):
+                holder["path"] = files.enter_context(readable_mesh(holder["path"], pose_time))
+            yield scene
+    except BuildError as error:
+        raise with_line(error, given) from None
+
+
+#: What the text of a scene holds that the core does not resolve.
+_RESOLVED = (".usd", *GLTF_ENDINGS, '"material')
 
 
 def _is_converted(holder: dict[str, Any]) -> bool:
-    return os.path.splitext(holder["path"])[1].lower() in (*USD_ENDINGS, *GLTF_ENDINGS)
+    return _ending(holder["path"]) in (*USD_ENDINGS, *GLTF_ENDINGS)
 
 
 def find_scene(
-    source: str | os.PathLike[str] | Scene,
+    source: str | os.PathLike[str] | Scene | Description,
     *,
     mesh: str | None = None,
     fps: float | None = None,
@@ -161,6 +204,8 @@ def find_scene(
                 f"{option}: {given}, must be left out for a scene of one's own, which says it "
                 "itself"
             )
+    if isinstance(source, Description):
+        source = source.to_dict()
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
     if fps is not None:
         # It lasts as long as before.
@@ -183,9 +228,8 @@ def find_scene(
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:
     if name not in dict(shots()) and os.path.exists(name):
         kind = "is a folder" if os.path.isdir(name) else "is no scene file"
-        raise BuildError(
-            f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot"
-        )
+        endings = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+        raise BuildError(f"{name}: {kind}, must end in {endings}, or be the name of a shot")
     if mesh is not None:
         check_ending(mesh)
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
@@ -252,7 +296,7 @@ def _assign(place: Any, rest: str, here: str, value: Any, at: str) -> None:
         field, _, after = rest.partition(".")
         steps = [field]
     else:
-        raise BuildError(f"{at}: {here} is {_shown(place)}, which has no fields")
+        raise BuildError(f"{at}: {here} is {shown(place)}, which has no fields")
     step: int | str
     for step in steps:
         if not after:
@@ -284,12 +328,6 @@ def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], s
         f", or a name: {', '.join(sorted(names))}" if names else ""
     )
     raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
-
-
-def _shown(value: Any) -> str:
-    """A value, shortened."""
-    text = json.dumps(value, default=str)
-    return text if len(text) <= 40 else f"{text[:36]} ..."
 
 
 def as_json(scene: Scene) -> str:

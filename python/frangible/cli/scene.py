@@ -6,10 +6,11 @@ import argparse
 import json
 from typing import Any
 
-from .. import _frangible
 from ..io.toml_text import as_toml
+from ..scene_schema import scene_schema
 from ..scenes import as_json
 from .options import add_scene_options, chosen_scene
+from .scene_module import scene_module
 from .scene_page import scene_page
 
 
@@ -33,9 +34,16 @@ def add_schema(commands: Any) -> None:
         "schema", help="print the JSON Schema of scene files, or their description for people"
     )
     schema.set_defaults(command=_schema)
-    schema.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+    form = schema.add_mutually_exclusive_group()
+    form.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+    form.add_argument("--python", action="store_true", help="frangible/scene_types.py")
 
 
 def _schema(options: argparse.Namespace) -> None:
-    schema = _frangible.scene_schema()
-    print(scene_page(schema), end="") if options.markdown else print(json.dumps(schema, indent=2))
+    schema = scene_schema()
+    if options.markdown:
+        print(scene_page(schema), end="")
+    elif options.python:
+        print(scene_module(schema), end="")
+    else:
+        print(json.dumps(schema, indent=2))
