@@ -7,15 +7,17 @@ import json
 import math
 import os
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
 from .description import Description
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
+from .io.mesh_files import ENDINGS as MESH_ENDINGS
 from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
 from .io.reading import file_fault
+from .mesh_scene import Wishes, mesh_scene
 from .scene_lines import FileScene, with_line
 from .scene_materials import has_materials, with_materials
 from .scene_python import python_scene
@@ -39,6 +41,11 @@ LARGEST = 1 << 28
 def is_scene_file(name: str) -> bool:
     """True if this names a scene file, and not a shot: it ends like one, or has a folder."""
     return name.lower().endswith(ENDINGS) or "/" in name or os.sep in name
+
+
+def is_mesh_file(name: str | os.PathLike[str]) -> bool:
+    """True if this names a mesh file, or a stage without physics."""
+    return _ending(os.fspath(name)) in MESH_ENDINGS
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
@@ -185,12 +192,26 @@ def find_scene(
     pose_time: float | None = None,
     pieces: int | None = None,
     thickness: float | None = None,
+    wishes: Mapping[str, Any] | None = None,
 ) -> tuple[Scene, int, str]:
-    """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many
-    frames it takes; its name.
+    """The scene of a shot, a file, a dictionary, or of a mesh file with fields of `Wishes`; with
+    fields set as `set_field` does; how many frames it takes; its name.
 
     `BuildError` if there is none, or what is asked for does not fit it.
     """
+    if isinstance(source, (str, os.PathLike)) and is_mesh_file(source):
+        if mesh is not None:
+            raise BuildError(f"mesh: {mesh}, must be left out for a mesh file")
+        own: dict[str, Any] = {"pieces": pieces, "thickness": thickness, "seed": seed}
+        scene = _mesh_scene(source, {**own, "frames_per_second": fps, **(wishes or {})})
+        if method is not None:
+            scene["method"] = method
+        for assignment in assignments:
+            set_field(scene, assignment)
+        return scene, _frames(scene), _stem(source)
+    for wish, value in (wishes or {}).items():
+        option = {"origin": "from"}.get(wish, wish)
+        raise BuildError(f"{option}: {value}, must come with a mesh file; see --set for scenes")
     if isinstance(source, str) and not is_scene_file(source):
         options = {"fps": fps, "method": method, "seed": seed, "thickness": thickness}
         scene = _shot(source, mesh, pose_time, options)
@@ -198,11 +219,10 @@ def find_scene(
         for assignment in assignments:
             set_field(scene, assignment)
         return scene, _frames(scene), source
-    for option, given in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
-        if given is not None:
+    for option, said in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
+        if said is not None:
             raise BuildError(
-                f"{option}: {given}, must be left out for a scene of one's own, which says it "
-                "itself"
+                f"{option}: {said}, must be left out for a scene of one's own, which says it itself"
             )
     if isinstance(source, Description):
         source = source.to_dict()
@@ -223,6 +243,11 @@ def find_scene(
         set_field(scene, assignment)
     name = scene.get("name") or ("scene" if isinstance(source, dict) else _stem(source))
     return scene, _frames(scene), str(name)
+
+
+def _mesh_scene(path: str | os.PathLike[str], wishes: Mapping[str, Any]) -> Scene:
+    given = {field: value for field, value in wishes.items() if value is not None}
+    return mesh_scene(path, Wishes(**given)).to_dict()
 
 
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:

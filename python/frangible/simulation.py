@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 from ._frangible import BuildError, World
@@ -23,6 +24,7 @@ def run(
     seed: int | None = None,
     progress: ProgressCallback | None = None,
     inside: str | None = None,
+    wishes: Mapping[str, Any] | None = None,
 ) -> Recording:
     """Build a scene, step it ``frames`` times at ``fps`` steps per second, and keep everything it
     shows.
@@ -32,14 +34,17 @@ def run(
     one; without ``frames`` a shot takes as long as it is meant to, and a scene of one's own three
     seconds; what stands for `None` in ``fps``, ``method`` and ``seed`` of a shot, `shot_defaults`
     says; 0 ``threads`` means one for every processor. ``inside`` names the material of what cracks
-    lay bare in meshes, as in `break_mesh`. `BuildError` if the scene cannot be built, `ValueError`
-    without a frame to step.
+    lay bare in meshes, as in `break_mesh`. For a single mesh file as the scene, ``wishes`` are
+    fields of `mesh_scene.Wishes`: material, pattern, ball, ground and so on. `BuildError` if the
+    scene cannot be built, `ValueError` without a frame to step.
     """
     # Before anything is built, which can take a while.
     if frames is not None:
         check_frames(frames)
     mesh = None if mesh is None else os.fspath(mesh)
-    found, own_frames, name = find_scene(scene, mesh=mesh, fps=fps, method=method, seed=seed)
+    found, own_frames, name = find_scene(
+        scene, mesh=mesh, fps=fps, method=method, seed=seed, wishes=wishes
+    )
     with readable_scene(found) as readable:
         world = World.build(readable, threads)
         check_bodies(world)

@@ -31,6 +31,7 @@ from .options import (
     natural,
 )
 from .outputs import open_outputs, write
+from .wishes import add_wishes, wished
 
 
 def add_run(commands: Any) -> None:
@@ -40,6 +41,7 @@ def add_run(commands: Any) -> None:
     )
     run.set_defaults(command=_run)
     add_scene_options(run)
+    add_wishes(run)
     run.add_argument(
         "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
     )
@@ -72,7 +74,7 @@ def add_run(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = open_outputs(options)
-    scene, frames, name = chosen_scene(options)
+    scene, frames, name = chosen_scene(options, wished(options))
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
         raise OutputError(

@@ -12,6 +12,7 @@ from ..scenes import as_json
 from .options import add_scene_options, chosen_scene
 from .scene_module import scene_module
 from .scene_page import scene_page
+from .wishes import add_wishes, wished
 
 
 def add_scene(commands: Any) -> None:
@@ -20,11 +21,12 @@ def add_scene(commands: Any) -> None:
     scene = commands.add_parser("scene", help=about)
     scene.set_defaults(command=_scene)
     add_scene_options(scene)
+    add_wishes(scene)
     scene.add_argument("--toml", action="store_true", help="print TOML, not JSON")
 
 
 def _scene(options: argparse.Namespace) -> None:
-    scene, *_ = chosen_scene(options)
+    scene, *_ = chosen_scene(options, wished(options))
     print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
 

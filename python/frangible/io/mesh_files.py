@@ -7,22 +7,29 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+import numpy.typing as npt
+
 from .._frangible import BuildError
 from ..extras import missing_packages
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .gltf_mesh import make_plain
 from .reading import file_fault
 
+Matrix = npt.NDArray[np.float64]
+
 #: Endings of USD files.
 USD_ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
+
+#: Endings of mesh files.
+ENDINGS = (".obj", ".ply", ".stl", *GLTF_ENDINGS, *USD_ENDINGS)
 
 
 def check_ending(path: str | os.PathLike[str]) -> None:
     """`BuildError` unless the file's ending is that of a mesh file."""
     ending = os.path.splitext(os.fspath(path))[1].lower()
-    known = (".obj", ".ply", ".stl", *GLTF_ENDINGS, *USD_ENDINGS)
-    if ending not in known:
-        rule = f"must end in one of {', '.join(known)}"
+    if ending not in ENDINGS:
+        rule = f"must end in one of {', '.join(ENDINGS)}"
         raise BuildError(f"{os.fspath(path)}: ends in {ending!r}, {rule}")
 
 
@@ -53,6 +60,18 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
             yield name
         except BuildError as error:
             raise BuildError(str(error).replace(name, path)) from None
+
+
+def mesh_frame(path: str) -> Matrix:
+    """The matrix (3, 3) from the unit and axes of a USD file to metres, y up."""
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .usd_stage import metres_from_stage, open_stage
+
+    if fault := file_fault(path):
+        raise BuildError(f"{path}: {fault}")
+    with open_stage(path) as stage:
+        return metres_from_stage(path, stage)
 
 
 def _stage_to_obj(path: str, obj: str, pose_time: float | None) -> None:
