@@ -13,9 +13,10 @@ from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
 from .description import Description
+from .extras import missing_packages
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .io.mesh_files import ENDINGS as MESH_ENDINGS
-from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
+from .io.mesh_files import USD_ENDINGS, check_ending, mesh_ending, readable_mesh
 from .io.reading import file_fault
 from .mesh_scene import Wishes, mesh_scene
 from .scene_lines import FileScene, with_line
@@ -28,8 +29,8 @@ Scene = dict[str, Any]
 
 #: Endings of scene files that are text.
 TEXT_ENDINGS = (".json", ".toml")
-#: Endings of scene files.
-ENDINGS = (*TEXT_ENDINGS, ".py")
+#: Endings of scene files; those of USD are if there is physics in it.
+ENDINGS = (*TEXT_ENDINGS, ".py", *USD_ENDINGS)
 
 #: How long a scene runs that does not say how many frames it takes [s].
 SECONDS = 3.0
@@ -44,15 +45,31 @@ def is_scene_file(name: str) -> bool:
 
 
 def is_mesh_file(name: str | os.PathLike[str]) -> bool:
-    """True if this names a mesh file, or a stage without physics."""
-    return _ending(os.fspath(name)) in MESH_ENDINGS
+    """True if this names a mesh file, or a stage without physics; `BuildError` if it is no
+    stage."""
+    path = os.fspath(name)
+    ending = _ending(path)
+    if ending not in USD_ENDINGS:
+        return ending in MESH_ENDINGS
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .io.usd_scene import is_physics_stage
+
+    return not is_physics_stage(path)
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
-    """The scene of a .json, .toml or .py file; what is relative in it is to the file's folder.
+    """The scene of a .json, .toml, .py or USD file; what is relative in it is to the file's folder.
     `BuildError` if it is none."""
     name = os.fspath(path)
-    found = as_dict(_read_python(name) if _ending(name) == ".py" else _read_text(name))
+    ending = _ending(name)
+    found = as_dict(
+        _read_python(name)
+        if ending == ".py"
+        else _read_stage(name)
+        if ending in USD_ENDINGS
+        else _read_text(name)
+    )
     if not isinstance(found, dict):
         raise BuildError(f"{name}: {shown(found)}, must be an object with the fields of a scene")
     folder = os.path.dirname(os.path.abspath(name))
@@ -67,7 +84,15 @@ def as_dict(scene: Any) -> Any:
 
 
 def _ending(name: str) -> str:
-    return os.path.splitext(name)[1].lower()
+    return mesh_ending(name)
+
+
+def _read_stage(name: str) -> Any:
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{name}: {hint}")
+    from .io.usd_scene import read_usd_scene
+
+    return read_usd_scene(name)
 
 
 def _read_python(name: str) -> Any:

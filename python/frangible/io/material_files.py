@@ -15,7 +15,7 @@ from ..errors import one_sentence
 from ..materials import MAGNIFIED, MINIFIED, REPEAT, USD_WRAPS, Colour, Image, Material, Sampler
 from .gltf_document import Document, open_document, own_file
 from .image_files import image_file, known_image
-from .mesh_files import USD_ENDINGS
+from .mesh_files import USD_ENDINGS, mesh_ending, stage_and_prim
 from .reading import FileNote, file_fault
 
 #: Of materials, by their numbers: what moves texture coordinates with v down (3, 3).
@@ -30,10 +30,10 @@ def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Materi
 
     One that is not found has a name only.
     """
-    if os.path.splitext(path)[1].lower() in USD_ENDINGS:
+    if mesh_ending(path) in USD_ENDINGS:
         from .usd_looks import read_usd_materials
 
-        return read_usd_materials(path, names), {}
+        return read_usd_materials(stage_and_prim(path)[0], names), {}
     if os.path.splitext(plain)[1].lower() == ".ply":
         return [_of_image(path, name) for name in names], {}
     if os.path.splitext(plain)[1].lower() == ".obj":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +16,9 @@ from ..extras import missing_packages
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .gltf_mesh import make_plain
 from .reading import file_fault
+
+#: A body of a stage: the file, then the prim's path in brackets.
+_PRIM = re.compile(r"(.*\.usd[acz]?)<(/[^<>]*)>$", re.IGNORECASE | re.DOTALL)
 
 Matrix = npt.NDArray[np.float64]
 
@@ -39,20 +43,24 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
     while the context lasts.
 
     USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What
-    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it.
+    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it. Of a body
+    of a stage, as `stage_and_prim` splits it, only that is read, in its own frame.
     `BuildError` if there is no mesh, or a package for it is missing; `FileNote` warnings name what
     is left out.
     """
     path = os.fspath(path)
-    ending = os.path.splitext(path)[1].lower()
-    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or file_fault(path):
-        yield path
+    ending = mesh_ending(path)
+    own, prim = stage_and_prim(path)
+    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or file_fault(own):
+        yield own
         return
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(
-            folder, f"{os.path.basename(path)}{'.obj' if ending in USD_ENDINGS else '.glb'}"
+            folder, f"{os.path.basename(own)}{'.obj' if ending in USD_ENDINGS else '.glb'}"
         )
-        if ending in USD_ENDINGS:
+        if prim is not None:
+            _body_to_obj(own, prim, name)
+        elif ending in USD_ENDINGS:
             _stage_to_obj(path, name, pose_time)
         elif not make_plain(path, name, pose_time):
             name = path
@@ -72,6 +80,26 @@ def mesh_frame(path: str) -> Matrix:
         raise BuildError(f"{path}: {fault}")
     with open_stage(path) as stage:
         return metres_from_stage(path, stage)
+
+
+def stage_and_prim(path: str) -> tuple[str, str | None]:
+    """A USD file and the prim of a body in it, of a path as in ``stage.usda</World/wall>``; any
+    other path as it is, and no prim."""
+    found = _PRIM.match(path)
+    return (path, None) if found is None else (found[1], found[2])
+
+
+def mesh_ending(path: str) -> str:
+    """The ending of a mesh file, in lower case."""
+    return os.path.splitext(stage_and_prim(path)[0])[1].lower()
+
+
+def _body_to_obj(path: str, prim: str, obj: str) -> None:
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .usd_body_mesh import write_body
+
+    write_body(path, prim, obj)
 
 
 def _stage_to_obj(path: str, obj: str, pose_time: float | None) -> None:

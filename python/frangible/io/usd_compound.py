@@ -1,0 +1,42 @@
+"""The shape of a body that has several colliders."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..recording import Float64
+from .usd_colliders import Fit, outermost
+from .usd_frames import Frame, quaternion
+from .usd_notes import Notes
+
+
+def body_shape(
+    fits: list[Fit], own: Frame, at: object, notes: Notes
+) -> tuple[dict[str, Any], Frame]:
+    """The shape of a body in its frame: that of the only collider, a compound of boxes and hulls,
+    or the mesh of all if one of them is a mesh. ``own`` is the frame of its prim."""
+    if any(fit.kind == "mesh" for fit in fits):
+        return {"kind": "mesh"}, own
+    if len(fits) == 1:
+        return fits[0].shape, fits[0].frame
+    if any(fit.kind not in ("box", "hull") for fit in fits):
+        notes.add("round colliders beside others", at, "are their convex hulls")
+    return {"kind": "compound", "parts": [_part(fit, own) for fit in fits]}, own
+
+
+def _part(fit: Fit, own: Frame) -> dict[str, Any]:
+    if fit.kind not in ("box", "hull"):
+        points = outermost((fit.points - own.origin) @ own.rotation.T)
+        return {"kind": "hull", "points": [_numbers(point) for point in points]}
+    rotation = fit.frame.rotation @ own.rotation.T
+    origin = (fit.frame.origin - own.origin) @ own.rotation.T
+    part = dict(fit.shape)
+    if origin.any():
+        part["position"] = _numbers(origin)
+    if (turn := quaternion(rotation)) != [0.0, 0.0, 0.0, 1.0]:
+        part["orientation"] = turn
+    return part
+
+
+def _numbers(values: Float64) -> list[float]:
+    return [float(f"{number:.12g}") for number in values.tolist()]
