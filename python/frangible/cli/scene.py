@@ -7,6 +7,7 @@ import json
 from typing import Any
 
 from ..io.toml_text import as_toml
+from ..scene_file import save_scene
 from ..scene_schema import scene_schema
 from ..scenes import as_json
 from .options import add_scene_options, chosen_scene
@@ -22,11 +23,18 @@ def add_scene(commands: Any) -> None:
     scene.set_defaults(command=_scene)
     add_scene_options(scene)
     add_wishes(scene)
-    scene.add_argument("--toml", action="store_true", help="print TOML, not JSON")
+    form = scene.add_mutually_exclusive_group()
+    form.add_argument("--toml", action="store_true", help="print TOML, not JSON")
+    form.add_argument(
+        "--out", metavar="FILE", help="write it as .json, .toml, .usda, .usdc or .usd instead"
+    )
 
 
 def _scene(options: argparse.Namespace) -> None:
     scene, *_ = chosen_scene(options, wished(options))
+    if options.out is not None:
+        save_scene(scene, options.out)
+        return
     print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
 

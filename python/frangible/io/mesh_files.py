@@ -43,15 +43,18 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
     while the context lasts.
 
     USD is read whole, with lengths in metres and y up; of glTF what is packed is unpacked. What
-    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it. Of a body
-    of a stage, as `stage_and_prim` splits it, only that is read, in its own frame.
+    moves is where it is at the beginning or, if that is given, ``pose_time`` [s] after it. Of a
+    body of a stage, as `stage_and_prim` splits it, only that is read, in its own frame.
     `BuildError` if there is no mesh, or a package for it is missing; `FileNote` warnings name what
     is left out.
     """
     path = os.fspath(path)
     ending = mesh_ending(path)
     own, prim = stage_and_prim(path)
-    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or file_fault(own):
+    fault = file_fault(own)
+    if prim is not None and fault:
+        raise BuildError(f"{own}: {fault}")
+    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or fault:
         yield own
         return
     with tempfile.TemporaryDirectory() as folder:

@@ -83,8 +83,6 @@ class _Finder:
 
     def _world(self, prim: Any) -> Float64:
         """From the prim's frame to the stage's."""
-        if not prim.IsA(UsdGeom.Xformable):
-            return np.eye(4)
         return np.array(self.transforms.GetLocalToWorldTransform(prim), np.float64)
 
     def _is_reset(self, prim: Any) -> bool:

@@ -11,7 +11,7 @@ from pxr import UsdGeom, UsdPhysics
 
 from ..recording import Float64
 from .usd_bodies import Collider
-from .usd_frames import Frame, frame_of, scales
+from .usd_frames import Frame, frame_of, scales, tidy, tidy_list
 from .usd_mesh import StageReader
 from .usd_notes import Notes
 
@@ -78,7 +78,7 @@ def _mesh(
         if said == "boundingSphere":
             radius = float(np.linalg.norm(points - middle, axis=1).max())
             return Fit({"kind": "sphere", "radius": radius}, frame, points)
-        return Fit({"kind": "box", "size": _numbers((high - low) * lengths)}, frame, points)
+        return Fit({"kind": "box", "size": tidy_list((high - low) * lengths)}, frame, points)
     return Fit({"kind": "mesh"}, frame_of(world), points)
 
 
@@ -125,11 +125,11 @@ def _closed_form(prim: Any, world: Float64, points: Float64, time: Any) -> Fit |
     frame = frame_of(world)
     kind = str(prim.GetTypeName())
     if kind == "Cube":
-        return Fit({"kind": "box", "size": _numbers(number("size") * lengths)}, frame, points)
+        return Fit({"kind": "box", "size": tidy_list(number("size") * lengths)}, frame, points)
     if kind == "Sphere":
         if not _are_equal(lengths):
             return None
-        radius = _short(number("radius") * lengths[0])
+        radius = tidy(number("radius") * lengths[0])
         return Fit({"kind": "sphere", "radius": radius}, frame, points)
 
     # Around an axis, which becomes y.
@@ -145,7 +145,7 @@ def _closed_form(prim: Any, world: Float64, points: Float64, time: Any) -> Fit |
         return Fit({"kind": "half-space"}, Frame(rotation, origin), points)
     if not _are_equal(across) or kind not in ("Cylinder", "Capsule", "Cone"):
         return None
-    radius, height = _short(number("radius") * across[0]), _short(number("height") * along)
+    radius, height = tidy(number("radius") * across[0]), tidy(number("height") * along)
     if kind == "Capsule" and not _are_equal(lengths):
         return None
     if kind == "Cone":
@@ -159,14 +159,5 @@ def _are_equal(lengths: Float64) -> bool:
     return bool(np.ptp(lengths) <= 1e-6 * lengths.max())
 
 
-def _short(number: float) -> float:
-    """A number without the last digits, which are rounding of the stage's transforms."""
-    return float(f"{number:.12g}")
-
-
-def _numbers(values: Float64) -> list[float]:
-    return [_short(number) for number in values.tolist()]
-
-
 def _rows(points: Float64) -> list[list[float]]:
-    return [_numbers(point) for point in points]
+    return [tidy_list(point) for point in points]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..recording import Float64
 from .usd_colliders import Fit, outermost
-from .usd_frames import Frame, quaternion
+from .usd_frames import Frame, quaternion, tidy_list
 from .usd_notes import Notes
 
 
@@ -27,16 +26,12 @@ def body_shape(
 def _part(fit: Fit, own: Frame) -> dict[str, Any]:
     if fit.kind not in ("box", "hull"):
         points = outermost((fit.points - own.origin) @ own.rotation.T)
-        return {"kind": "hull", "points": [_numbers(point) for point in points]}
+        return {"kind": "hull", "points": [tidy_list(point) for point in points]}
     rotation = fit.frame.rotation @ own.rotation.T
     origin = (fit.frame.origin - own.origin) @ own.rotation.T
     part = dict(fit.shape)
     if origin.any():
-        part["position"] = _numbers(origin)
+        part["position"] = tidy_list(origin)
     if (turn := quaternion(rotation)) != [0.0, 0.0, 0.0, 1.0]:
         part["orientation"] = turn
     return part
-
-
-def _numbers(values: Float64) -> list[float]:
-    return [float(f"{number:.12g}") for number in values.tolist()]

@@ -32,9 +32,6 @@ def with_exact_fields(
     root = stage.GetDefaultPrim()
     rest = {field: value for field, value in scene.items() if field != "bodies"}
     found = _exact(rest, root, name) if root else rest
-    if "bodies" not in found:
-        return {**found, "bodies": bodies}
-    # Only its place among the fields was kept.
     return {**found, "bodies": bodies}
 
 

@@ -35,7 +35,8 @@ def fracture_of(prim: Any) -> dict[str, Any]:
     prim without it."""
     if SCHEMA not in prim.GetPrimTypeInfo().GetAppliedAPISchemas():
         return {}
-    material = _said(prim, "material") or "concrete"
+    said = _said(prim, "material")
+    material = said or "concrete"
     if _said(prim, "breaks") is False:
         return {"material": {"like": material, "breaks": False}, **_look(prim)}
     breaking: dict[str, Any] = {}
@@ -48,8 +49,10 @@ def fracture_of(prim: Any) -> dict[str, Any]:
     for name in _BREAKING:
         if value := _said(prim, name):
             breaking[name] = value
-    fields: dict[str, Any] = {"material": material, **_look(prim)}
-    return {**fields, "breaking": breaking} if breaking else fields
+    # Nothing is left to a material where nobody named one and all is said.
+    is_whole = not said and "strength" in breaking and "pattern" in breaking
+    fields: dict[str, Any] = {} if is_whole else {"material": material}
+    return {**fields, **_look(prim), **({"breaking": breaking} if breaking else {})}
 
 
 def _look(prim: Any) -> dict[str, Any]:
@@ -87,12 +90,10 @@ def _said(prim: Any, name: str) -> Any:
     if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, float):
-        return value if attribute.GetTypeName() == Sdf.ValueTypeNames.Double else _short(value)
+        return (
+            value if attribute.GetTypeName() == Sdf.ValueTypeNames.Double else short_number(value)
+        )
     return [float(number) for number in value]
-
-
-def _short(value: float) -> float:
-    return short_number(value)
 
 
 def write_fracture(prim: Any, body: dict[str, Any]) -> None:

@@ -29,6 +29,17 @@ class Frame:
         return quaternion(self.rotation)
 
 
+def tidy(value: float) -> float:
+    """A number without the last digits, which are rounding of singles and of products with them."""
+    short = float(f"{value:.6g}")
+    return short if abs(short - value) <= 6e-8 * abs(value) else float(f"{value:.12g}")
+
+
+def tidy_list(values: Float64) -> list[float]:
+    """All of an array (n,)."""
+    return [tidy(number) + 0.0 for number in values.tolist()]
+
+
 def affine(linear: Float64, origin: Float64) -> Float64:
     """(4, 4) of a linear part and a translation."""
     matrix = np.eye(4)

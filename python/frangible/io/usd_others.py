@@ -33,6 +33,8 @@ def name_others(stage: Any, notes: Notes) -> None:
             continue
         if prim.IsA(UsdPhysics.CollisionGroup):
             notes.add("collision group", path, "all bodies collide")
+        elif not prim.IsA(Usd.Typed) and prim.GetTypeName():
+            notes.add(f"type {prim.GetTypeName()}, which USD does not know", path)
         elif prim.IsA(UsdGeom.TetMesh):
             notes.add("body that bends", path)
         for schema in prim.GetPrimTypeInfo().GetAppliedAPISchemas():

@@ -20,7 +20,7 @@ from .usd_colliders import Fit, fit
 from .usd_compound import body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of
-from .usd_frames import Frame, affine, frame_of
+from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
 from .usd_mass import Units, density, physics_material
 from .usd_mesh import StageReader, missing_files
 from .usd_notes import Notes
@@ -52,26 +52,31 @@ def is_physics_stage(path: str) -> bool:
         )
 
 
-def read_usd_scene(path: str, is_exact: bool = True) -> dict[str, Any]:
+def read_usd_scene(path: str) -> dict[str, Any]:
     """The scene of a stage, with paths of meshes relative to its folder. `FileNote` warnings name
     each kind of thing that a scene cannot hold.
 
-    Of our own stages the fields come back as they were written, where the stage still says the same;
-    without ``is_exact`` all come from the stage.
+    Of our own stages the fields come back as they were written, where the stage still says the
+    same.
     """
     if fault := file_fault(path):
         raise BuildError(f"{path}: {fault}")
     with open_stage(path) as stage:
         importer = _Importer(path, stage)
         scene = importer.scene()
-        if is_exact:
-            scene = with_exact_fields(scene, importer.prims, stage, os.path.basename(path))
+        scene = with_exact_fields(scene, importer.prims, stage, os.path.basename(path))
     if not scene["bodies"]:
         said = "; ".join(["has no body with a shape that collides", *importer.notes.sentences()])
         raise BuildError(f"{path}: {said}")
     for sentence in [*importer.missing, *importer.notes.sentences()]:
         warnings.warn(f"{path}: {sentence}", FileNote, stacklevel=2)
     return scene
+
+
+def import_stage(path: str, stage: Any) -> tuple[dict[str, Any], list[Any]]:
+    """The scene that a stage says by itself, and the prims of its bodies."""
+    importer = _Importer(path, stage)
+    return importer.scene(), importer.prims
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +146,7 @@ class _Importer:
             return [0.0, -strength + 0.0, 0.0]
         turned = self.frame @ direction
         found = strength * turned / np.linalg.norm(turned)
-        return [float(f"{number:.12g}") + 0.0 for number in found.tolist()]
+        return tidy_list(found)
 
     def _body(self, body: StageBody) -> dict[str, Any] | None:
         """A body of the scene; `None`, with a note, without a shape."""
@@ -165,12 +170,13 @@ class _Importer:
         if body.motion != "dynamic":
             fields["motion"] = body.motion
         if frame.origin.any():
-            fields["position"] = [float(f"{number:.12g}") for number in frame.origin.tolist()]
+            fields["position"] = tidy_list(frame.origin)
         if (turn := frame.quaternion()) != [0.0, 0.0, 0.0, 1.0]:
             fields["orientation"] = turn
         fracture = fracture_of(body.prim) if body.motion == "dynamic" else {}
-        if body.motion == "dynamic":
+        if body.motion != "static":
             self._add_motion(fields, body)
+        if body.motion == "dynamic":
             self._add_density(fields, body, fits, shape, "material" in fracture)
         elif body.motion == "kinematic" or is_animated(body.prim):
             self._add_poses(fields, body, frame, own)
@@ -216,7 +222,7 @@ class _Importer:
         if linear is not None and any(linear):
             numbers = np.array([short_number(number) for number in linear])
             moved = numbers @ (above @ self.world)[:3, :3]
-            fields["linear_velocity"] = [float(f"{number:.12g}") + 0.0 for number in moved.tolist()]
+            fields["linear_velocity"] = tidy_list(moved)
         if angular is not None and any(angular):
             numbers = np.radians([short_number(number) for number in angular])
             moved = numbers @ frame_of(above @ self.world).rotation
@@ -238,7 +244,7 @@ class _Importer:
             return
         found = density(body, fits, shape, self.reader, self.units, self.notes)
         if found is not None:
-            fields["density"] = float(f"{found:.9g}")
+            fields["density"] = tidy(found)
 
     def _add_surface(self, fields: dict[str, Any], body: StageBody, has_material: bool) -> None:
         """Friction and restitution of the colliders, which are one body's."""
