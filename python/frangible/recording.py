@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from .convention import Convention
 from .report import StepReport
 from .skin import Skin
 
@@ -114,6 +115,9 @@ class Recording:
     bodies: list[Body]
     #: One report for every step, as `World.step` gave it.
     reports: list[StepReport] = field(default_factory=list)
+    #: Axes, unit and times that USD is written in: those of the stage that the scene came from.
+    #: Everything here is in metres, y up.
+    convention: Convention = Convention()
 
     def __repr__(self) -> str:
         return (

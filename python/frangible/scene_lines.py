@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ._frangible import BuildError
+from .convention import Convention
 
 #: Names of fields and numbers of items, from the scene down.
 Steps = tuple[str | int, ...]
@@ -25,9 +26,15 @@ _TABLE = re.compile(r"^\s*(\[\[?)\s*([^\]]+?)\s*\]\]?\s*(?:#.*)?$")
 class FileScene(dict[str, Any]):
     """A scene with the file that it was read from."""
 
-    #: The file's name, and its text.
+    #: The file's name, and its text if it is one.
     name: str = ""
     text: str = ""
+    convention: Convention = Convention()
+
+
+def convention_of(scene: Any) -> Convention:
+    """Of the file that a scene was read from; ours for any other."""
+    return scene.convention if isinstance(scene, FileScene) else Convention()
 
 
 def with_line(error: BuildError, scene: Any) -> BuildError:

@@ -9,16 +9,18 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
+from .convention import Convention
 from .description import Description
 from .extras import missing_packages
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .io.mesh_files import ENDINGS as MESH_ENDINGS
 from .io.mesh_files import USD_ENDINGS, check_ending, mesh_ending, readable_mesh
 from .io.reading import file_fault
-from .mesh_scene import Wishes, mesh_scene
+from .mesh_scene import UNITS, Wishes, mesh_scene
 from .scene_lines import FileScene, with_line
 from .scene_materials import has_materials, with_materials
 from .scene_python import python_scene
@@ -90,9 +92,11 @@ def _ending(name: str) -> str:
 def _read_stage(name: str) -> Any:
     if hint := missing_packages("usd"):
         raise BuildError(f"{name}: {hint}")
-    from .io.usd_scene import read_usd_scene
+    from .io.usd_scene import read_usd_scene, stage_convention
 
-    return read_usd_scene(name)
+    scene = FileScene(read_usd_scene(name))
+    scene.name, scene.convention = name, stage_convention(name)
+    return scene
 
 
 def _read_python(name: str) -> Any:
@@ -272,7 +276,16 @@ def find_scene(
 
 def _mesh_scene(path: str | os.PathLike[str], wishes: Mapping[str, Any]) -> Scene:
     given = {field: value for field, value in wishes.items() if value is not None}
-    return mesh_scene(path, Wishes(**given)).to_dict()
+    scene = FileScene(mesh_scene(path, Wishes(**given)).to_dict())
+    scene.name = os.fspath(path)
+    if _ending(scene.name) in USD_ENDINGS:
+        from .io.usd_scene import stage_convention
+
+        scene.convention = replace(stage_convention(scene.name), first_frame=0.0)
+    else:
+        unit = UNITS[wishes.get("unit") or "m"]
+        scene.convention = Convention(wishes.get("up") or "y", unit)
+    return scene
 
 
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from ._frangible import BuildError, World
 from .recording import ProgressCallback, Recording, check_frames
+from .scene_lines import convention_of
 from .scene_skins import scene_skins
 from .scene_file import Scene
 from .scenes import find_scene, readable_scene
@@ -50,9 +52,10 @@ def run(
         check_bodies(world)
         skins = scene_skins(found, readable, inside)
     rate = float(found.get("frames_per_second", 1.0 / world.dt))
-    return Recording.record(
+    recording = Recording.record(
         world, frames or own_frames, shot=name, fps=rate, progress=progress, skins=skins
     )
+    return replace(recording, convention=convention_of(found))
 
 
 def check_bodies(world: World) -> None:

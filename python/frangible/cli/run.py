@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..interrupts import stop_when_asked
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
+from ..scene_lines import convention_of
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
 from ..simulation import check_bodies
@@ -117,6 +119,7 @@ def _run(options: argparse.Namespace) -> int:
     status = 0
     if recorder is not None:
         recording = recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt)))
+        recording = replace(recording, convention=convention_of(scene))
         status = write(outputs, recording, options.quiet)
     summary = summarise(
         reports,

@@ -13,6 +13,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from .. import _frangible
 from .._frangible import BuildError
+from ..convention import Convention
 from ..recording import Float64
 from .reading import FileNote, file_fault
 from .usd_bodies import StageBody, find_bodies
@@ -71,6 +72,15 @@ def read_usd_scene(path: str) -> dict[str, Any]:
     for sentence in [*importer.missing, *importer.notes.sentences()]:
         warnings.warn(f"{path}: {sentence}", FileNote, stacklevel=2)
     return scene
+
+
+def stage_convention(path: str) -> Convention:
+    """Axes, unit and first time of a stage."""
+    with open_stage(path) as stage:
+        frame = metres_from_stage(path, stage)
+        start = float(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else 0.0
+    up = "y" if frame[1, 1] > 0.0 else "z"
+    return Convention(up, float(np.linalg.norm(frame[0])), start if math.isfinite(start) else 0.0)
 
 
 def import_stage(path: str, stage: Any) -> tuple[dict[str, Any], list[Any]]:
