@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from .usd_bodies import Collider
 from .usd_frames import Frame, frame_of, scales, tidy, tidy_list
 from .usd_mesh import StageReader
 from .usd_notes import Notes
+from .usd_shapes import length_of
 
 #: The most corners of a convex hull: those outermost in as many directions.
 MOST_CORNERS = 256
@@ -21,6 +23,8 @@ MOST_CORNERS = 256
 FLAT = 1e-6
 #: Approximations that are taken for what they are; all others are the mesh itself.
 _KNOWN = ("none", "convexHull", "boundingCube", "boundingSphere")
+#: Shapes that are formulas of a scene, too.
+_CLOSED = ("Cube", "Sphere", "Plane", "Cylinder", "Capsule", "Cone")
 #: Rotations, for rows, that take y to an axis.
 _FROM_Y = {
     "X": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
@@ -37,33 +41,43 @@ class Fit:
     shape: dict[str, Any]
     frame: Frame
     #: (n, 3) corners in the world, of a closed form those of the mesh that is drawn for it.
-    points: Float64
+    corners: Callable[[], Float64]
 
     @property
     def kind(self) -> str:
         return str(self.shape["kind"])
 
 
-def fit(collider: Collider, reader: StageReader, moves: bool, notes: Notes) -> Fit | None:
-    """The shape of a collider; `None`, with a note, if there is none."""
+def fit(collider: Collider, path: str, time: Any, moves: bool, notes: Notes) -> Fit | None:
+    """The shape of a collider of the stage of a path; `None`, with a note, if there is none."""
     prim, world = collider.prim, collider.world
-    parts = reader.parts_of(prim)
-    if not parts or not len(parts[0].points):
+
+    def own() -> Float64:
+        parts = StageReader(path, time, is_posed=False).parts_of(prim)
+        return parts[0].points if parts else np.zeros((0, 3))
+
+    def corners() -> Float64:
+        points: Float64 = own() @ world[:3, :3] + world[3, :3]
+        return points
+
+    if not prim.IsA(UsdGeom.Mesh):
+        found = _closed_form(path, prim, world, corners, time)
+        if found is not None and found.kind == "half-space" and moves:
+            notes.add("plane that moves", prim.GetPath())
+            return None
+        if found is not None:
+            return found
+    points = own()
+    if not len(points):
         notes.add(f"collider of type {prim.GetTypeName()}", prim.GetPath())
         return None
-    points: Float64 = parts[0].points @ world[:3, :3] + world[3, :3]
     if prim.IsA(UsdGeom.Mesh):
-        return _mesh(prim, world, parts[0].points, points, moves, notes)
-    found = _closed_form(prim, world, points, reader.time)
-    if found is not None and found.kind == "half-space" and moves:
-        notes.add("plane that moves", prim.GetPath())
-        return None
-    return _hull(prim, world, points, moves, notes) if found is None else found
+        return _mesh(prim, world, points, moves, notes)
+    return _hull(prim, world, points @ world[:3, :3] + world[3, :3], moves, notes)
 
 
-def _mesh(
-    prim: Any, world: Float64, own: Float64, points: Float64, moves: bool, notes: Notes
-) -> Fit | None:
+def _mesh(prim: Any, world: Float64, own: Float64, moves: bool, notes: Notes) -> Fit | None:
+    points: Float64 = own @ world[:3, :3] + world[3, :3]
     said = str(UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get() or "none")
     if said not in _KNOWN:
         notes.add(f"approximation {said}", prim.GetPath(), "the mesh itself collides")
@@ -77,9 +91,11 @@ def _mesh(
         frame = Frame(frame_of(world).rotation, middle)
         if said == "boundingSphere":
             radius = float(np.linalg.norm(points - middle, axis=1).max())
-            return Fit({"kind": "sphere", "radius": radius}, frame, points)
-        return Fit({"kind": "box", "size": tidy_list((high - low) * lengths)}, frame, points)
-    return Fit({"kind": "mesh"}, frame_of(world), points)
+            return Fit({"kind": "sphere", "radius": radius}, frame, lambda: points)
+        return Fit(
+            {"kind": "box", "size": tidy_list((high - low) * lengths)}, frame, lambda: points
+        )
+    return Fit({"kind": "mesh"}, frame_of(world), lambda: points)
 
 
 def _hull(prim: Any, world: Float64, points: Float64, moves: bool, notes: Notes) -> Fit | None:
@@ -88,9 +104,9 @@ def _hull(prim: Any, world: Float64, points: Float64, moves: bool, notes: Notes)
         if moves:
             notes.add("flat convex hull that moves", prim.GetPath())
             return None
-        return Fit({"kind": "mesh"}, frame, points)
+        return Fit({"kind": "mesh"}, frame, lambda: points)
     local = (points - frame.origin) @ frame.rotation.T
-    return Fit({"kind": "hull", "points": _rows(outermost(local))}, frame, points)
+    return Fit({"kind": "hull", "points": _rows(outermost(local))}, frame, lambda: points)
 
 
 def _is_flat(points: Float64) -> bool:
@@ -113,24 +129,28 @@ def outermost(points: Float64) -> Float64:
     return found
 
 
-def _closed_form(prim: Any, world: Float64, points: Float64, time: Any) -> Fit | None:
+def _closed_form(
+    path: str, prim: Any, world: Float64, corners: Callable[[], Float64], time: Any
+) -> Fit | None:
     """A shape that is a formula; `None` if its scale makes it another one."""
     lengths = scales(world)
     if lengths is None:
         return None
 
     def number(name: str) -> float:
-        return float(prim.GetAttribute(name).Get(time))
+        return length_of(path, prim, name, time)
 
     frame = frame_of(world)
     kind = str(prim.GetTypeName())
+    if kind not in _CLOSED:
+        return None
     if kind == "Cube":
-        return Fit({"kind": "box", "size": tidy_list(number("size") * lengths)}, frame, points)
+        return Fit({"kind": "box", "size": tidy_list(number("size") * lengths)}, frame, corners)
     if kind == "Sphere":
         if not _are_equal(lengths):
             return None
         radius = tidy(number("radius") * lengths[0])
-        return Fit({"kind": "sphere", "radius": radius}, frame, points)
+        return Fit({"kind": "sphere", "radius": radius}, frame, corners)
 
     # Around an axis, which becomes y.
     axis = str(prim.GetAttribute("axis").Get(time)) if prim.GetAttribute("axis") else "Z"
@@ -142,8 +162,8 @@ def _closed_form(prim: Any, world: Float64, points: Float64, time: Any) -> Fit |
     along, across = lengths[row], np.delete(lengths, row)
     origin = frame.origin
     if kind == "Plane":
-        return Fit({"kind": "half-space"}, Frame(rotation, origin), points)
-    if not _are_equal(across) or kind not in ("Cylinder", "Capsule", "Cone"):
+        return Fit({"kind": "half-space"}, Frame(rotation, origin), corners)
+    if not _are_equal(across):
         return None
     radius, height = tidy(number("radius") * across[0]), tidy(number("height") * along)
     if kind == "Capsule" and not _are_equal(lengths):
@@ -152,7 +172,7 @@ def _closed_form(prim: Any, world: Float64, points: Float64, time: Any) -> Fit |
         # Its centre of mass is below the middle of its height.
         origin = origin - 0.25 * height * rotation[1]
     shape = {"kind": kind.lower(), "radius": radius, "height": height}
-    return Fit(shape, Frame(rotation, origin), points)
+    return Fit(shape, Frame(rotation, origin), corners)
 
 
 def _are_equal(lengths: Float64) -> bool:

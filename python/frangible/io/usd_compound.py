@@ -25,7 +25,7 @@ def body_shape(
 
 def _part(fit: Fit, own: Frame) -> dict[str, Any]:
     if fit.kind not in ("box", "hull"):
-        points = outermost((fit.points - own.origin) @ own.rotation.T)
+        points = outermost((fit.corners() - own.origin) @ own.rotation.T)
         return {"kind": "hull", "points": [tidy_list(point) for point in points]}
     rotation = fit.frame.rotation @ own.rotation.T
     origin = (fit.frame.origin - own.origin) @ own.rotation.T

@@ -12,6 +12,7 @@ from pxr import UsdPhysics, UsdShade
 from .. import _frangible
 from .usd_bodies import StageBody
 from .usd_colliders import Fit
+from .usd_frames import Frame
 from .usd_mesh import StageReader
 from .usd_notes import Notes
 from .usd_stage import short_number
@@ -36,12 +37,12 @@ def density(
     body: StageBody,
     fits: list[Fit],
     shape: dict[str, Any],
-    reader: StageReader,
+    path: str,
+    time: Any,
     units: Units,
     notes: Notes,
 ) -> float | None:
     """One density for a whole body [kg/m^3]; `None` if it has no volume."""  # fmt: skip
-    _name_what_is_computed(body, notes)
     mass = _number(body.prim, "mass")
     if mass is None:
         # Nothing needs a volume where all colliders are of one density.
@@ -49,7 +50,7 @@ def density(
         if all(_number(collider.prim, "mass") is None for collider in body.colliders):
             if len(set(found)) == 1:
                 return found[0]
-    volumes = [volume(fit, body, index, reader) for index, fit in enumerate(fits)]
+    volumes = [volume(fit, body, index, path, time) for index, fit in enumerate(fits)]
     whole = sum(volumes)
     if not whole > 0.0:
         return None
@@ -68,15 +69,41 @@ def density(
     return sum(masses) / whole
 
 
-def _name_what_is_computed(body: StageBody, notes: Notes) -> None:
+def name_what_is_computed(
+    body: StageBody, shape: dict[str, Any], frame: Frame, notes: Notes
+) -> None:
+    """Notes of a centre of mass that is not the shape's, and of an inertia."""
     if not body.prim.HasAPI(UsdPhysics.MassAPI):
         return
     api = UsdPhysics.MassAPI(body.prim)
     middle, inertia = api.GetCenterOfMassAttr(), api.GetDiagonalInertiaAttr()
-    if middle.HasAuthoredValue() and np.isfinite(np.array(middle.Get(), np.float64)).all():
+    if middle.HasAuthoredValue() and _differs(middle.Get(), body, shape, frame):
         notes.add("centre of mass of its own", body.name, "follows from the shape instead")
     if inertia.HasAuthoredValue() and any(inertia.Get()):
         notes.add("inertia of its own", body.name, "follows from the shape instead")
+
+
+def _differs(middle: Any, body: StageBody, shape: dict[str, Any], frame: Frame) -> bool:
+    """True if a centre of mass is not that of the shape, as far as that is known without sampling
+    it."""
+    place = np.array(middle, np.float64)
+    if not np.isfinite(place).all():
+        return False
+    said = place @ body.world[:3, :3] + body.world[3, :3]
+    if shape["kind"] in ("mesh", "triangles"):
+        return True
+    fields = {"shape": shape, "position": frame.origin.tolist(), "orientation": frame.quaternion()}
+    try:
+        found = _frangible.World.build({"bodies": [fields]}, 1).positions[0]
+    except _frangible.BuildError:
+        return True
+    size = np.abs(found - said).max()
+    return bool(size > 1e-4 * max(np.abs(found - frame.origin).max(), shape_size(shape)))
+
+
+def shape_size(shape: dict[str, Any]) -> float:
+    """Of a cube of its volume [m]."""
+    return float((shape_volume(shape) or 0.0) ** (1.0 / 3.0))
 
 
 def _number(prim: Any, name: str) -> float | None:
@@ -111,12 +138,12 @@ def physics_material(prim: Any) -> Any | None:
     return bound.GetPrim()
 
 
-def volume(fit: Fit, body: StageBody, index: int, reader: StageReader) -> float:
+def volume(fit: Fit, body: StageBody, index: int, path: str, time: Any) -> float:
     """Of a collider [m^3]; 0 of a mesh that encloses nothing."""
     if fit.kind != "mesh":
         return shape_volume(fit.shape) or 0.0
     collider = body.colliders[index]
-    part = reader.parts_of(collider.prim)[0]
+    part = StageReader(path, time, is_posed=False).parts_of(collider.prim)[0]
     # Polygons as fans.
     firsts = np.cumsum(part.counts) - part.counts
     fans = [

@@ -22,7 +22,7 @@ from .usd_compound import body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
-from .usd_mass import Units, density, physics_material
+from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_mesh import StageReader, missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
@@ -114,7 +114,6 @@ class _Importer:
         self.units = Units(metres, kilograms)
         self.range = self._range()
         self.time = time_code(stage, None)
-        self.reader = StageReader(path, self.time, is_posed=False)
         fields = _frangible.scene_schema()["$defs"]["BodyDesc"]["properties"]
         self.has_poses = POSES in fields
 
@@ -164,7 +163,7 @@ class _Importer:
         fits = []
         kept = []
         for collider in body.colliders:
-            if (found := fit(collider, self.reader, moves, self.notes)) is not None:
+            if (found := fit(collider, self.path, self.time, moves, self.notes)) is not None:
                 fits.append(found)
                 kept.append(collider)
         if not fits:
@@ -187,6 +186,7 @@ class _Importer:
         if body.motion != "static":
             self._add_motion(fields, body)
         if body.motion == "dynamic":
+            name_what_is_computed(body, shape, frame, self.notes)
             self._add_density(fields, body, fits, shape, "material" in fracture)
         elif body.motion == "kinematic" or is_animated(body.prim):
             self._add_poses(fields, body, frame, own)
@@ -203,8 +203,8 @@ class _Importer:
         positions: list[list[float]] = []
         triangles: list[list[int]] = []
         for collider, found in zip(body.colliders, fits, strict=True):
-            part = self.reader.parts_of(collider.prim)[0]
-            local = (found.points - own.origin) @ own.rotation.T
+            part = StageReader(self.path, self.time, is_posed=False).parts_of(collider.prim)[0]
+            local = (found.corners() - own.origin) @ own.rotation.T
             first = 0
             for count in part.counts.tolist():
                 corners = (part.corners[first : first + count] + len(positions)).tolist()
@@ -252,7 +252,7 @@ class _Importer:
         ) or any(physics_material(collider.prim) is not None for collider in body.colliders)
         if has_material and not says_so:
             return
-        found = density(body, fits, shape, self.reader, self.units, self.notes)
+        found = density(body, fits, shape, self.path, self.time, self.units, self.notes)
         if found is not None:
             fields["density"] = tidy(found)
 
