@@ -5,11 +5,25 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from ._frangible import BuildError
 from .convention import Convention
+
+
+@dataclass(frozen=True, slots=True)
+class PrimSkin:
+    """A body of a stage whose materials, colours and texture coordinates another shape has."""
+
+    #: The prim's path.
+    prim: str
+    #: From the shape's frame to the prim's rigid one: a point is ``point @ rotation + origin`` [m].
+    rotation: list[list[float]]
+    origin: list[float]
+
 
 #: Names of fields and numbers of items, from the scene down.
 Steps = tuple[str | int, ...]
@@ -30,6 +44,8 @@ class FileScene(dict[str, Any]):
     name: str = ""
     text: str = ""
     convention: Convention = Convention()
+    #: What bodies that are no meshes look like, by their numbers.
+    skins: Mapping[int, PrimSkin] = MappingProxyType({})
 
 
 def convention_of(scene: Any) -> Convention:

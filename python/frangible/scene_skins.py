@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ import numpy as np
 from . import _frangible
 from .breaking.mesh_skin import MeshSkin, read_skin
 from .breaking.volumes import volumes_differ
+from .io.mesh_files import readable_bodies
 from .recording import Bool, Float32, Float64, UInt32, rotation_matrix
+from .scene_lines import FileScene
 from .skin import Skin
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
@@ -30,12 +32,19 @@ class BodySkin:
     mesh: MeshSkin
     #: [m] for each unit of the mesh's file.
     scale: float
+    #: From the frame of the body's shape to the mesh's, for rows [m].
+    rotation: Float64 = field(default_factory=lambda: np.eye(3))
+    origin: Float64 = field(default_factory=lambda: np.zeros(3))
 
     def lay_on(self, surfaces: list[Recorded]) -> list[tuple[Skin, Float32]]:
         """The skins and the coordinates of the surfaces of bodies."""
         turns = [rotation_matrix(np.array(orientation)) for _, (_, orientation) in surfaces]
         in_mesh: list[Float64] = [
-            (surface[0].astype(np.float64) - np.array(origin)) @ turn / self.scale
+            (
+                (surface[0].astype(np.float64) - np.array(origin)) @ turn @ self.rotation
+                + self.origin
+            )
+            / self.scale
             for (surface, (origin, _)), turn in zip(surfaces, turns, strict=True)
         ]
         placed = [
@@ -47,7 +56,8 @@ class BodySkin:
         for own, (surface, _), turn, below in zip(placed, surfaces, turns, found, strict=True):
             skin, coordinates = self.mesh.lay_on(*own, surface[3], below)
             if skin.normals is not None:
-                skin = replace(skin, normals=(skin.normals @ turn.T).astype(np.float32))
+                turned = skin.normals @ (turn @ self.rotation).T
+                skin = replace(skin, normals=turned.astype(np.float32))
             laid.append((skin, coordinates))
         return laid
 
@@ -73,7 +83,18 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
         skin = known[path]
         if skin is not None:
             found[number] = BodySkin(skin, float(shape.get("scale", 1.0)))
+    if isinstance(scene, FileScene) and scene.skins:
+        found.update(_prim_skins(scene, inside))
     return found
+
+
+def _prim_skins(scene: FileScene, inside: str | None) -> Iterator[tuple[int, BodySkin]]:
+    """Of bodies of a stage that are no meshes."""
+    with readable_bodies(scene.name, (one.prim for one in scene.skins.values())) as files:
+        for number, one in scene.skins.items():
+            skin = read_skin(f"{scene.name}<{one.prim}>", files[one.prim], inside)
+            if skin is not None:
+                yield number, BodySkin(skin, 1.0, np.array(one.rotation), np.array(one.origin))
 
 
 def volume_notes(readable: Any, masses: Any) -> list[str]:

@@ -18,7 +18,14 @@ from .description import Description
 from .extras import missing_packages
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .io.mesh_files import ENDINGS as MESH_ENDINGS
-from .io.mesh_files import USD_ENDINGS, check_ending, mesh_ending, readable_mesh
+from .io.mesh_files import (
+    USD_ENDINGS,
+    check_ending,
+    mesh_ending,
+    readable_bodies,
+    readable_mesh,
+    stage_and_prim,
+)
 from .io.reading import file_fault
 from .mesh_scene import UNITS, Wishes, mesh_scene
 from .scene_lines import FileScene, with_line
@@ -92,10 +99,11 @@ def _ending(name: str) -> str:
 def _read_stage(name: str) -> Any:
     if hint := missing_packages("usd"):
         raise BuildError(f"{name}: {hint}")
-    from .io.usd_scene import read_usd_scene, stage_convention
+    from .io.usd_scene import read_usd_scene
 
-    scene = FileScene(read_usd_scene(name))
-    scene.name, scene.convention = name, stage_convention(name)
+    read = read_usd_scene(name)
+    scene = FileScene(read.fields)
+    scene.name, scene.convention, scene.skins = name, read.convention, read.skins
     return scene
 
 
@@ -195,8 +203,19 @@ def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
             return
         scene = copy.deepcopy(scene)
         with ExitStack() as files:
+            bodies: dict[str, list[tuple[dict[str, Any], str]]] = {}
             for holder in filter(_is_converted, _path_holders(scene)):
-                holder["path"] = files.enter_context(readable_mesh(holder["path"], pose_time))
+                path, prim = stage_and_prim(holder["path"])
+                if prim is None:
+                    holder["path"] = files.enter_context(readable_mesh(path, pose_time))
+                else:
+                    bodies.setdefault(path, []).append((holder, prim))
+            # Each stage is opened once.
+            for path, holders in bodies.items():
+                prims = [prim for _, prim in holders]
+                names = files.enter_context(readable_bodies(path, prims))
+                for holder, prim in holders:
+                    holder["path"] = names[prim]
             yield scene
     except BuildError as error:
         raise with_line(error, given) from None

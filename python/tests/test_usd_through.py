@@ -73,11 +73,22 @@ def Xform "Set"
             uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
         }
     }
+    def Cylinder "Post" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "MaterialBindingAPI"]
+    )
+    {
+        rel material:binding = </Set/Looks/Plaster>
+        double radius = 10
+        double height = 100
+        double3 xformOp:translate = (500, 0, 50)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
     def Sphere "Ball" (
         prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI"]
     )
     {
         double radius = 20
+        color3f[] primvars:displayColor = [(1, 0.25, 0)]
         float physics:mass = 250
         vector3f physics:velocity = (0, 1500, 0)
         double3 xformOp:translate = (0, -200, 100)
@@ -115,7 +126,7 @@ def test_the_stage_leaves_as_it_came(written: Path) -> None:
     assert stage.GetDefaultPrim().GetPath() == "/Set"
 
     # Everything is where it was, in the stage's own unit and axes.
-    for path, source in (("/Set/Ruin/Wall", "/Set/Ruin/Wall"), ("/Set/Ball", "/Set/Ball")):
+    for path, source in (("/Set/Ruin/Wall", "/Set/Ruin/Wall"), ("/Set/Post", "/Set/Post")):
         boxes = []
         for one, prim, time in (
             (stage, path, 1001.0),
@@ -157,6 +168,18 @@ def test_paths_materials_and_texture_coordinates_live_on(written: Path) -> None:
     assert front.any()
     expected = np.stack([corners[..., 0] + 1.0, corners[..., 1]], axis=-1)[front] / 2.0
     assert wall.coordinates[front] == pytest.approx(expected, abs=0.02)
+
+
+def test_shapes_that_are_no_meshes_look_as_they_did(written: Path) -> None:
+    from pxr import UsdGeom, UsdShade
+
+    stage = opened(written / "out.usda")
+    (post,) = stage.GetPrimAtPath("/Set/Post").GetChildren()
+    bound = UsdShade.MaterialBindingAPI(post).ComputeBoundMaterial()[0]
+    assert bound.GetPrim().GetName() == "Plaster"
+    (ball,) = stage.GetPrimAtPath("/Set/Ball").GetChildren()
+    colours = np.array(UsdGeom.Mesh(ball).GetDisplayColorAttr().Get())
+    assert colours == pytest.approx(np.broadcast_to([1, 0.25, 0], colours.shape), abs=0.01)
 
 
 def test_the_ball_arrives_when_it_should(written: Path) -> None:

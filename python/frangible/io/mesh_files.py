@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -51,19 +51,18 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
     path = os.fspath(path)
     ending = mesh_ending(path)
     own, prim = stage_and_prim(path)
-    fault = file_fault(own)
-    if prim is not None and fault:
-        raise BuildError(f"{own}: {fault}")
-    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or fault:
-        yield own
+    if prim is not None:
+        with readable_bodies(own, [prim]) as files:
+            yield files[prim]
+        return
+    if ending not in (*USD_ENDINGS, *GLTF_ENDINGS) or file_fault(path):
+        yield path
         return
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(
-            folder, f"{os.path.basename(own)}{'.obj' if ending in USD_ENDINGS else '.glb'}"
+            folder, f"{os.path.basename(path)}{'.obj' if ending in USD_ENDINGS else '.glb'}"
         )
-        if prim is not None:
-            _body_to_obj(own, prim, name)
-        elif ending in USD_ENDINGS:
+        if ending in USD_ENDINGS:
             _stage_to_obj(path, name, pose_time)
         elif not make_plain(path, name, pose_time):
             name = path
@@ -97,12 +96,29 @@ def mesh_ending(path: str) -> str:
     return os.path.splitext(stage_and_prim(path)[0])[1].lower()
 
 
-def _body_to_obj(path: str, prim: str, obj: str) -> None:
+@contextmanager
+def readable_bodies(path: str, prims: Iterable[str]) -> Iterator[dict[str, str]]:
+    """For bodies of a stage, by the paths of their prims, plain mesh files that the core reads,
+    while the context lasts; a `BuildError` of it names the stage and the prim instead."""
+    if fault := file_fault(path):
+        raise BuildError(f"{path}: {fault}")
     if hint := missing_packages("usd"):
         raise BuildError(f"{path}: {hint}")
-    from .usd_body_mesh import write_body
+    from .usd_body_mesh import write_bodies
 
-    write_body(path, prim, obj)
+    with tempfile.TemporaryDirectory() as folder:
+        files = {
+            prim: os.path.join(folder, f"{number}.obj")
+            for number, prim in enumerate(dict.fromkeys(prims))
+        }
+        write_bodies(path, files)
+        try:
+            yield files
+        except BuildError as error:
+            said = str(error)
+            for prim, name in files.items():
+                said = said.replace(name, f"{path}<{prim}>")
+            raise BuildError(said) from None
 
 
 def _stage_to_obj(path: str, obj: str, pose_time: float | None) -> None:

@@ -15,6 +15,7 @@ from .. import _frangible
 from .._frangible import BuildError
 from ..convention import Convention
 from ..recording import Float64
+from ..scene_lines import PrimSkin
 from .reading import FileNote, file_fault
 from .usd_bodies import StageBody, find_bodies
 from .usd_colliders import Fit, fit
@@ -23,7 +24,8 @@ from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
 from .usd_mass import Units, density, name_what_is_computed, physics_material
-from .usd_mesh import StageReader, missing_files
+from .usd_looks import has_look
+from .usd_mesh import missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
 from .usd_poses import is_animated, keyframes
@@ -53,7 +55,17 @@ def is_physics_stage(path: str) -> bool:
         )
 
 
-def read_usd_scene(path: str) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class StageScene:
+    """A scene, and what is not in it."""
+
+    fields: dict[str, Any]
+    convention: Convention
+    #: Of bodies that are no meshes, by their numbers.
+    skins: dict[int, PrimSkin]
+
+
+def read_usd_scene(path: str) -> StageScene:
     """The scene of a stage, with paths of meshes relative to its folder. `FileNote` warnings name
     each kind of thing that a scene cannot hold.
 
@@ -66,19 +78,30 @@ def read_usd_scene(path: str) -> dict[str, Any]:
         importer = _Importer(path, stage)
         scene = importer.scene()
         scene = with_exact_fields(scene, importer.prims, stage, os.path.basename(path))
+        convention = _convention(path, stage)
     if not scene["bodies"]:
         said = "; ".join(["has no body with a shape that collides", *importer.notes.sentences()])
         raise BuildError(f"{path}: {said}")
     for sentence in [*importer.missing, *importer.notes.sentences()]:
         warnings.warn(f"{path}: {sentence}", FileNote, stacklevel=2)
-    return scene
+    # A body that came back as another shape has its own surface.
+    skins = {
+        number: skin
+        for number, skin in importer.skins.items()
+        if scene["bodies"][number]["shape"]["kind"] != "mesh"
+    }
+    return StageScene(scene, convention, skins)
 
 
 def stage_convention(path: str) -> Convention:
     """Axes, unit and first time of a stage."""
     with open_stage(path) as stage:
-        frame = metres_from_stage(path, stage)
-        start = float(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else 0.0
+        return _convention(path, stage)
+
+
+def _convention(path: str, stage: Any) -> Convention:
+    frame = metres_from_stage(path, stage)
+    start = float(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else 0.0
     up = "y" if frame[1, 1] > 0.0 else "z"
     return Convention(up, float(np.linalg.norm(frame[0])), start if math.isfinite(start) else 0.0)
 
@@ -103,8 +126,9 @@ class _Importer:
         self.path, self.stage = path, stage
         self.notes = Notes()
         self.missing = missing_files(stage)
-        #: The prim of each body of the scene.
+        #: The prim of each body of the scene, and what those look like that are no meshes.
         self.prims: list[Any] = []
+        self.skins: dict[int, PrimSkin] = {}
         self.frame = metres_from_stage(path, stage)
         self.world: Float64 = affine(self.frame.T, np.zeros(3))
         metres = float(np.linalg.norm(self.frame[0]))
@@ -123,9 +147,11 @@ class _Importer:
         if self.range.frames is not None:
             scene["frames"] = self.range.frames
         found = find_bodies(self.stage, self.world, self.time, self.notes)
-        bodies = [(body.prim, self._body(body)) for body in found]
-        scene["bodies"] = [body for _, body in bodies if body is not None]
-        self.prims = [prim for prim, body in bodies if body is not None]
+        scene["bodies"] = []
+        for body in found:
+            if (fields := self._body(body, len(self.prims))) is not None:
+                scene["bodies"].append(fields)
+                self.prims.append(body.prim)
         name_others(self.stage, self.notes)
         return scene
 
@@ -157,8 +183,8 @@ class _Importer:
         found = strength * turned / np.linalg.norm(turned)
         return tidy_list(found)
 
-    def _body(self, body: StageBody) -> dict[str, Any] | None:
-        """A body of the scene; `None`, with a note, without a shape."""
+    def _body(self, body: StageBody, number: int) -> dict[str, Any] | None:
+        """A body of the scene, which gets a number; `None`, with a note, without a shape."""
         moves = body.motion != "static"
         fits = []
         kept = []
@@ -174,7 +200,11 @@ class _Importer:
         own = frame_of(body.world)
         shape, frame = body_shape(fits, own, body.name, self.notes)
         if shape["kind"] == "mesh":
-            shape = self._mesh(body, fits, own)
+            shape = {"kind": "mesh", "path": f"{os.path.basename(self.path)}<{body.name}>"}
+        elif any(has_look(collider.prim) for collider in body.colliders):
+            rotation = frame.rotation @ own.rotation.T
+            origin = (frame.origin - own.origin) @ own.rotation.T
+            self.skins[number] = PrimSkin(body.name, rotation.tolist(), origin.tolist())
         fields: dict[str, Any] = {"name": body.name, "shape": shape}
         if body.motion != "dynamic":
             fields["motion"] = body.motion
@@ -192,28 +222,6 @@ class _Importer:
             self._add_poses(fields, body, frame, own)
         self._add_surface(fields, body, "material" in fracture)
         return {**fields, **fracture}
-
-    def _mesh(self, body: StageBody, fits: list[Fit], own: Frame) -> dict[str, Any]:
-        """The mesh of all colliders: the prim of the stage, or its triangles where it is an
-        instance of an instancer."""
-        if not body.is_instanced:
-            name = os.path.basename(self.path)
-            return {"kind": "mesh", "path": f"{name}<{body.prim.GetPath()}>"}
-        self.notes.add("materials of meshes of an instancer", body.name)
-        positions: list[list[float]] = []
-        triangles: list[list[int]] = []
-        for collider, found in zip(body.colliders, fits, strict=True):
-            part = StageReader(self.path, self.time, is_posed=False).parts_of(collider.prim)[0]
-            local = (found.corners() - own.origin) @ own.rotation.T
-            first = 0
-            for count in part.counts.tolist():
-                corners = (part.corners[first : first + count] + len(positions)).tolist()
-                triangles += [
-                    [corners[0], corners[step], corners[step + 1]] for step in range(1, count - 1)
-                ]
-                first += count
-            positions += local.tolist()
-        return {"kind": "triangles", "positions": positions, "triangles": triangles}
 
     def _add_motion(self, fields: dict[str, Any], body: StageBody) -> None:
         """Velocities, which are in the space of the prim's parent."""

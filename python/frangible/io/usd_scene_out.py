@@ -8,7 +8,7 @@ import os
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from .. import _frangible
 from ..material_presets import PRESETS
