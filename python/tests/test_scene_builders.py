@@ -126,7 +126,7 @@ def test_scenes_are_loaded_and_saved(path: Path, ending: str, tmp_path: Path) ->
     scene = Scene.load(path)
     scene.save(tmp_path / f"copy{ending}")
     assert Scene.load(tmp_path / f"copy{ending}") == scene
-    with pytest.raises(OutputError, match="must end in .json or .toml"):
+    with pytest.raises(OutputError, match="must end in .json, .toml, .usd, .usda or .usdc"):
         scene.save(tmp_path / "copy.txt")
 
 

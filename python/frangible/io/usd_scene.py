@@ -19,7 +19,7 @@ from ..scene_lines import PrimSkin
 from .reading import FileNote, file_fault
 from .usd_bodies import StageBody, find_bodies
 from .usd_colliders import Fit, fit
-from .usd_compound import body_shape
+from .usd_compound import Hulls, body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
@@ -129,6 +129,7 @@ class _Importer:
         #: The prim of each body of the scene, and what those look like that are no meshes.
         self.prims: list[Any] = []
         self.skins: dict[int, PrimSkin] = {}
+        self.hulls: Hulls = {}
         self.frame = metres_from_stage(path, stage)
         self.world: Float64 = affine(self.frame.T, np.zeros(3))
         metres = float(np.linalg.norm(self.frame[0]))
@@ -198,7 +199,7 @@ class _Importer:
             return None
         body.colliders = kept
         own = frame_of(body.world)
-        shape, frame = body_shape(fits, own, body.name, self.notes)
+        shape, frame = body_shape(fits, own, body.name, self.hulls, self.notes)
         if shape["kind"] == "mesh":
             shape = {"kind": "mesh", "path": f"{os.path.basename(self.path)}<{body.name}>"}
         elif any(has_look(collider.prim) for collider in body.colliders):
