@@ -30,7 +30,11 @@ _MATERIAL: dict[str, Any] = {
             "description": "Pattern of bodies that break.",
         },
         "look": {
-            "anyOf": [{"$ref": "#/$defs/LookDesc"}, {"type": "null"}],
+            "anyOf": [
+                {"$ref": "#/$defs/LookDesc"},
+                {"$ref": "#/$defs/OwnLook"},
+                {"type": "null"},
+            ],
             "description": "Appearance.",
         },
         "breaks": {
@@ -41,6 +45,61 @@ _MATERIAL: dict[str, Any] = {
     },
     "description": "Everything that a material decides about a body. A field of the body itself "
     "counts more.",
+}
+
+
+_SHARE = {"type": ["number", "null"]}
+_IMAGE = {"type": ["string", "null"]}
+_COLOUR = {
+    "type": ["array", "null"],
+    "items": {"type": "number"},
+    "minItems": 3,
+    "maxItems": 3,
+}
+#: One side of a look.
+_SURFACE: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "name": {"type": ["string", "null"], "description": "In files; without it the body's."},
+        "colour": {
+            **_COLOUR,
+            "description": "Linear red, green, blue, from 0 to 1; multiplied with the image's.",
+        },
+        "emission": {**_COLOUR, "description": "Emitted light, likewise."},
+        "roughness": {**_SHARE, "description": "From 0 to 1; without it 0.8."},
+        "metallic": {**_SHARE, "description": "From 0 to 1; without it 0."},
+        "opacity": {**_SHARE, "description": "From 0 to 1; without it 1."},
+        "image": {
+            **_IMAGE,
+            "description": "PNG or JPEG with the colours, in the scene's folder or below.",
+        },
+        "normal_image": {**_IMAGE, "description": "With normals, as in glTF."},
+        "surface_image": {
+            **_IMAGE,
+            "description": "Green is roughness, blue is metallic, as in glTF.",
+        },
+        "emission_image": {**_IMAGE, "description": "With emitted light."},
+    },
+    "description": "One side of a body in pictures and files.",
+}
+_OWN_LOOK: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "outside": {"$ref": "#/$defs/Surface", "description": "The original surface."},
+        "inside": {
+            "anyOf": [{"$ref": "#/$defs/Surface"}, {"type": "null"}],
+            "description": "What cracks lay bare; without it as the outside.",
+        },
+        "tile": {
+            "type": ["number", "null"],
+            "description": "Side of the square that images cover, on bodies without texture "
+            "coordinates of a file [m]; without it 1.",
+        },
+    },
+    "required": ["outside"],
+    "description": "A look of one's own.",
 }
 
 
@@ -58,6 +117,9 @@ def scene_schema() -> dict[str, Any]:
         "description": "Decides density, friction, restitution, strength, pattern and look, as "
         f"far as the body does not: a preset ({names}), one of the scene's, or one given here.",
     }
+    look = schema["$defs"]["BodyDesc"]["properties"]["look"]
+    look["anyOf"].insert(1, {"$ref": "#/$defs/OwnLook"})
+    schema["$defs"] |= {"Surface": _SURFACE, "OwnLook": _OWN_LOOK}
     # The material has them, too.
     breaking = schema["$defs"]["BreakingDesc"]
     for field in breaking.pop("required"):

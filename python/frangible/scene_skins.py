@@ -12,17 +12,14 @@ from . import _frangible
 from .breaking.mesh_skin import MeshSkin, read_skin
 from .breaking.volumes import volumes_differ
 from .io.mesh_files import readable_bodies
-from .recording import Bool, Float32, Float64, UInt32, rotation_matrix
+from .recording import Float32, Float64, rotation_matrix
 from .scene_lines import FileScene
+from .scene_looks import Laid, Recorded, own_looks, scene_folder_file
+from .scene_materials import with_materials
 from .skin import Skin
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
 DEFAULT_VOXELS = 64
-
-
-#: Vertices, triangles, which are inner, and coordinates of a body, and the frame of its material in
-#: the body frame.
-Recorded = tuple[tuple[Float32, UInt32, Bool, Float32], tuple[list[float], list[float]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +68,10 @@ def _meshes(scene: Any) -> Iterator[tuple[int, dict[str, Any], dict[str, Any]]]:
             yield number, body, shape
 
 
-def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[int, BodySkin]:
+def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[int, Laid]:
     """For the number of each body that has one, its skin. ``readable`` is what `readable_scene`
     made of the scene, in its context."""
-    found: dict[int, BodySkin] = {}
+    found: dict[int, Laid] = {}
     known: dict[str, MeshSkin | None] = {}
     for (number, _, shape), (_, _, plain) in zip(_meshes(scene), _meshes(readable), strict=True):
         path = str(shape["path"])
@@ -85,6 +82,10 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
             found[number] = BodySkin(skin, float(shape.get("scale", 1.0)))
     if isinstance(scene, FileScene) and scene.skins:
         found.update(_prim_skins(scene, inside))
+    if isinstance(scene, dict):
+        file = scene_folder_file(scene.name if isinstance(scene, FileScene) else "")
+        for number, look in own_looks(with_materials(scene), file).items():
+            found[number] = replace(look, mesh=found.get(number))
     return found
 
 

@@ -539,6 +539,48 @@ class Bonds(Description):
 
 
 @dataclass(slots=True)
+class Surface(Description):
+    """One side of a body in pictures and files."""
+
+    _: KW_ONLY
+    #: In files; without it the body's.
+    name: str | None = None
+    #: Linear red, green, blue, from 0 to 1; multiplied with the image's.
+    colour: Numbers | None = None
+    #: Emitted light, likewise.
+    emission: Numbers | None = None
+    #: From 0 to 1; without it 0.8.
+    roughness: float | None = None
+    #: From 0 to 1; without it 0.
+    metallic: float | None = None
+    #: From 0 to 1; without it 1.
+    opacity: float | None = None
+    #: PNG or JPEG with the colours, in the scene's folder or below.
+    image: str | None = None
+    #: With normals, as in glTF.
+    normal_image: str | None = None
+    #: Green is roughness, blue is metallic, as in glTF.
+    surface_image: str | None = None
+    #: With emitted light.
+    emission_image: str | None = None
+
+
+@dataclass(slots=True)
+class OwnLook(Description):
+    """A look of one's own."""
+
+    #: The original surface.
+    outside: Surface
+
+    _: KW_ONLY
+    #: What cracks lay bare; without it as the outside.
+    inside: Surface | None = None
+    #: Side of the square that images cover, on bodies without texture coordinates of a file [m];
+    #: without it 1.
+    tile: float | None = None
+
+
+@dataclass(slots=True)
 class Material(Description):
     """Everything that a material decides about a body. A field of the body itself counts more."""
 
@@ -560,7 +602,7 @@ class Material(Description):
     #: Pattern of bodies that break.
     pattern: AnyPattern | None = None
     #: Appearance.
-    look: Look | None = None
+    look: Look | OwnLook | None = None
     #: Whether dynamic bodies break that say nothing of 'breaking' and have no bonds; without it,
     #: they do if there are a strength and a pattern.
     breaks: bool | None = None
@@ -605,7 +647,7 @@ class Body(Description):
     #: Glue between the pieces of a glued body.
     bonds: Bonds | None = None
     #: Appearance in pictures and files; no effect on physics.
-    look: Look | None = None
+    look: Look | OwnLook | None = None
     #: Decides density, friction, restitution, strength, pattern and look, as far as the body does
     #: not: a preset (concrete, glass, brick, masonry, wood, ice, steel), one of the scene's, or one
     #: given here.

@@ -30,6 +30,7 @@ from .io.reading import file_fault
 from .mesh_scene import UNITS, Wishes, mesh_scene
 from .scene_fields import set_field
 from .scene_lines import FileScene, with_line
+from .scene_looks import without_own_looks
 from .scene_materials import has_materials, with_materials
 from .scene_python import python_scene
 from .words import shown
@@ -197,6 +198,8 @@ def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
     try:
         if has_materials(scene):
             scene = with_materials(scene)
+        if isinstance(scene, dict):
+            scene = without_own_looks(scene)
         if not isinstance(scene, dict) or not any(
             _is_converted(holder) for holder in _path_holders(scene)
         ):
@@ -223,7 +226,7 @@ def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
 
 
 #: What the text of a scene holds that the core does not resolve.
-_RESOLVED = (".usd", *GLTF_ENDINGS, '"material')
+_RESOLVED = (".usd", *GLTF_ENDINGS, '"material', '"outside')
 
 
 def _is_converted(holder: dict[str, Any]) -> bool:

@@ -473,6 +473,18 @@ def test_fracture_settings_are_a_schema(read: Any) -> None:
         FRACTURE,
     )
     text += a_prim("Cube", "weak", "double frangible:strength = 50", FRACTURE)
+    text += a_prim(
+        "Mesh",
+        "fine",
+        "int frangible:voxels = 20" + BOX_MESH + moved("scale = (1, 3, 2)"),
+        FRACTURE,
+    )
+    glue = "double frangible:glue:tensileStrength = 2e6\n"
+    glued = glue + 'uniform token frangible:pattern = "slices"\nint frangible:pattern:cells = 3'
+    text += a_prim("Cube", "glued", glued, FRACTURE)
+    glue = glue.replace("2e6", "1e6") + "double frangible:glue:shearStrength = 3e6\n"
+    glue += 'uniform token frangible:material = "glass"'
+    text += a_prim("Cube", "pane", glue, FRACTURE)
     text += a_prim("Cube", "whole", "bool frangible:breaks = 0", FRACTURE)
     text += a_prim("Cube", "dense", "double size = 1\nfloat physics:density = 2000",
                    FRACTURE.replace('"FrangibleFractureAPI"',
@@ -496,6 +508,14 @@ def test_fracture_settings_are_a_schema(read: Any) -> None:
         "generations": 2,
         "smallest": 0.1,
     }
+    assert found["fine"]["shape"]["resolution"] == {"voxels": [1, 20, 1]}
+    assert found["glued"]["bonds"] == {
+        "pattern": {"kind": "slices", "cells": 3},
+        "tensile_strength": 2e6,
+        "shear_strength": 2e6,
+    }
+    assert found["pane"]["bonds"]["pattern"]["kind"] == "radial"
+    assert found["pane"]["bonds"]["shear_strength"] == 3e6
     assert found["weak"]["breaking"] == {"strength": 50}
     assert found["whole"]["material"] == {"like": "concrete", "breaks": False}
     assert found["dense"]["density"] == 2000

@@ -7,6 +7,7 @@ from typing import Any
 
 from pxr import Plug, Sdf
 
+from ..material_presets import PRESETS
 from .usd_stage import short_number
 
 SCHEMA = "FrangibleFractureAPI"
@@ -44,6 +45,12 @@ def fracture_of(prim: Any) -> dict[str, Any]:
     if strength is not None:
         breaking["strength"] = strength
     pattern = _pattern(prim)
+    if (pulling := _said(prim, "glue:tensileStrength")) is not None:
+        shearing = _said(prim, "glue:shearStrength")
+        glue = {"tensile_strength": pulling, "shear_strength": shearing or pulling}
+        own = pattern or PRESETS.get(material, {}).get("pattern")
+        bonds = {**({} if own is None else {"pattern": own}), **glue}
+        return {"material": material, **_look(prim), "bonds": bonds}
     if pattern is not None:
         breaking["pattern"] = pattern
     for name in _BREAKING:
@@ -53,6 +60,11 @@ def fracture_of(prim: Any) -> dict[str, Any]:
     is_whole = not said and "strength" in breaking and "pattern" in breaking
     fields: dict[str, Any] = {} if is_whole else {"material": material}
     return {**fields, **_look(prim), **({"breaking": breaking} if breaking else {})}
+
+
+def voxels_of(prim: Any) -> int | None:
+    """The voxels along the longest side of a mesh; `None` if the schema leaves them open."""
+    return _said(prim, "voxels") or None
 
 
 def _look(prim: Any) -> dict[str, Any]:
@@ -105,7 +117,7 @@ def write_fracture(prim: Any, body: dict[str, Any]) -> None:
     prim.AddAppliedSchema(SCHEMA)
     if isinstance(material, str):
         _write(prim, "material", material)
-    if body.get("look"):
+    if isinstance(body.get("look"), str):
         _write(prim, "look", body["look"])
     if not isinstance(breaking, dict):
         return

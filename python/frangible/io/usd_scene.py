@@ -21,7 +21,7 @@ from .usd_bodies import StageBody, find_bodies
 from .usd_colliders import Fit, fit
 from .usd_compound import Hulls, body_shape
 from .usd_exact import with_exact_fields
-from .usd_fracture import fracture_of
+from .usd_fracture import fracture_of, voxels_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
 from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_looks import has_look
@@ -202,6 +202,11 @@ class _Importer:
         shape, frame = body_shape(fits, own, body.name, self.hulls, self.notes)
         if shape["kind"] == "mesh":
             shape = {"kind": "mesh", "path": f"{os.path.basename(self.path)}<{body.name}>"}
+            if body.motion == "dynamic" and (voxels := voxels_of(body.prim)):
+                corners = np.concatenate([one.corners() for one in fits]) @ own.rotation.T
+                longest = int(np.argmax(np.ptp(corners, axis=0)))
+                need = [voxels if axis == longest else 1 for axis in range(3)]
+                shape["resolution"] = {"voxels": need}
         elif any(has_look(collider.prim) for collider in body.colliders):
             rotation = frame.rotation @ own.rotation.T
             origin = (frame.origin - own.origin) @ own.rotation.T
