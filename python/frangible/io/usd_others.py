@@ -21,7 +21,8 @@ _ENGINES = {"Physx": "PhysX", "Newton": "Newton", "Mjc": "MuJoCo", "Omni": "Omni
 
 
 def name_others(stage: Any, notes: Notes) -> None:
-    """Joints, collision groups, articulations, what is soft, and settings of other engines."""
+    """Joints, collision groups, articulations, what is soft or does not collide, and settings of
+    other engines."""
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
     for prim in stage.Traverse(predicate):
         path = prim.GetPath()
@@ -31,6 +32,8 @@ def name_others(stage: Any, notes: Notes) -> None:
                 notes.add("joint", path, "its bodies move freely")
             # What drives and limits it goes with it.
             continue
+        if prim.IsA(UsdGeom.Gprim) and not prim.HasAPI(UsdPhysics.CollisionAPI) and _is_seen(prim):
+            notes.add("shape that does not collide", path)
         if prim.IsA(UsdPhysics.CollisionGroup):
             notes.add("collision group", path, "all bodies collide")
         elif not prim.IsA(Usd.Typed) and prim.GetTypeName():
@@ -50,3 +53,11 @@ def name_others(stage: Any, notes: Notes) -> None:
                 )
                 if engine is not None:
                     notes.add(f"settings of {engine}", path)
+
+
+def _is_seen(prim: Any) -> bool:
+    image = UsdGeom.Imageable(prim)
+    purposes = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+    return bool(
+        image.ComputePurpose() in purposes and image.ComputeVisibility() != UsdGeom.Tokens.invisible
+    )
